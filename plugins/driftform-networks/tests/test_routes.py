@@ -17,12 +17,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform_networks.api import route, route_by_branch, trace
+from driftform_networks.api import route, trace
 from driftform_networks.bodies import open_traveller
 from driftform_networks.bore import spread_points
 from driftform_networks.reading import open_network
 from driftform_networks.streamtubes import divide_bore, smallest_share
-from driftform_networks.travelling import Travel
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
@@ -93,21 +92,8 @@ def test_heavy_bodies_go_into_branches_at_the_bottom_and_light_ones_at_the_top(
     entered: dict[tuple[float, str], float] = {}
     for buoyancy in (-0.01, 0.01):
         traveller = open_traveller("sphere:60mm", buoyancy=buoyancy)
-        _, sides = route_by_branch(
-            network,
-            traveller,
-            "source",
-            hour=0,
-            unsteady=False,
-            walks=0,
-            seed=0,
-            travel=Travel(),
-            workers=1,
-            cache=cache,
-            progress=lambda _, __: None,
-            compare=True,
-        )
-        for side, passage in sides.items():
+        found = route(network, traveller, "source", walks=0, cache=cache, compare=True)
+        for side, passage in found.branches.items():
             entered[buoyancy, side] = passage.probability[network.find_node("branch")]
     assert entered[-0.01, "bottom"] > 0.95
     assert entered[-0.01, "top"] < 0.05

@@ -23,7 +23,6 @@ def make_junction(**changes: Any) -> Junction:
     """A tee with a branch at the left that takes a third of the water."""
     usual: dict[str, Any] = {
         "bore": 0.3,
-        "speed": 0.5,
         "bores": np.array([0.3, 0.2]),
         "shares": np.array([2 / 3, 1 / 3]),
         "exit": 0.0,

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from driftform.types import FloatArray
-from driftform_networks.api import trace as trace_passage
+from driftform_networks.api import trace
+from driftform_networks.chain import follow
 from driftform_networks.epanet import run_epanet
 from driftform_networks.network import Network
 from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
-from driftform_networks.tracers import route_tracers, trace
-from driftform_networks.walkers import walk_network, walk_snapshot
+from driftform_networks.tracers import route_tracers
+from driftform_networks.walkers import walk
 
 
 def arriving_flow(snapshot: Snapshot) -> FloatArray:
@@ -34,14 +35,14 @@ def test_visits_are_the_trace_of_epanet(
     path = epanet.freeze(name, tmp_path)
     network = run_epanet(path)
     snapshot = take_snapshot(network)
-    visits = trace(snapshot, network.find_node(release))
+    passage = follow(route_tracers(snapshot), network.find_node(release))
     shares = epanet.simulate_quality(path, f"Trace {release}", hours, 300)
     share = np.array([shares[node] for node in network.nodes])
     expected = share * arriving_flow(snapshot) / snapshot.departure[network.find_node(release)]
     # Where water is too old, EPANET's simulation has not yet become stationary.
-    settled = is_junction(network) & ~(visits.node_age > hours * 3600 / 5)
+    settled = is_junction(network) & ~(passage.age > hours * 3600 / 5)
     assert settled.sum() > 0.7 * len(network.nodes)
-    assert np.abs(100 * visits.node_visits - expected)[settled].max() < 1e-3
+    assert np.abs(100 * passage.visits - expected)[settled].max() < 1e-3
 
 
 def test_mean_ages_are_those_of_epanet(tmp_path: Path, epanet: Any) -> None:
@@ -51,11 +52,11 @@ def test_mean_ages_are_those_of_epanet(tmp_path: Path, epanet: Any) -> None:
     snapshot = take_snapshot(network)
     flux, sum_of_ages = np.zeros(len(network.nodes)), np.zeros(len(network.nodes))
     for source in np.flatnonzero(network.hydraulics.outflow[0] < -STILL):
-        visits = trace(snapshot, int(source))
-        reached = visits.node_visits > 0
-        part = np.where(reached, visits.node_visits, 0) * snapshot.departure[source]
+        passage = follow(route_tracers(snapshot), int(source))
+        reached = passage.visits > 0
+        part = np.where(reached, passage.visits, 0) * snapshot.departure[source]
         flux += part
-        sum_of_ages += part * np.where(reached, visits.node_age, 0)
+        sum_of_ages += part * np.where(reached, passage.age, 0)
     # The slowest link takes 125 h.
     ages = epanet.simulate_quality(path, "Age", 400, 300, 1e-4)
     with np.errstate(invalid="ignore"):
@@ -72,19 +73,19 @@ def test_mean_ages_are_those_of_epanet(tmp_path: Path, epanet: Any) -> None:
 def test_ten_thousand_walks_agree_with_the_chain_in_a_second(name: str, release: str, epanet: Any) -> None:
     snapshot = take_snapshot(epanet.read_library(name))
     node, routing = snapshot.network.find_node(release), route_tracers(snapshot)
-    visits = trace(snapshot, node)
+    passage = follow(routing, node)
     began = process_time()
-    walks = walk_snapshot(routing, node, 10_000, np.random.default_rng(1))
+    walks = walk([routing], [0, np.inf], node, np.zeros(10_000), np.random.default_rng(1))
     assert process_time() - began < 1
-    _, arrived, time = walks.first_arrivals()
+    arrived, time = walks.first_arrivals()
     count = np.bincount(arrived, minlength=len(snapshot.network.nodes))
-    p = np.delete(visits.node_probability, node)
+    p = np.delete(passage.probability, node)
     deviation = np.delete(count / 10_000, node) - p
     # Four standard deviations, with more room for rare nodes, whose counts are not normal.
     assert (np.abs(deviation) <= 4 * np.sqrt(p * (1 - p) / 10_000) + 2e-4).all()
     often = count > 1000
     age = np.bincount(arrived, time, len(count))[often] / count[often]
-    assert age == pytest.approx(visits.node_age[often], rel=0.05)
+    assert age == pytest.approx(passage.age[often], rel=0.05)
 
 
 def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path: Path, epanet: Any) -> None:
@@ -119,9 +120,9 @@ def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path: Path, epanet
     expected = (middle * arriving[row] * duration).sum(axis=0) / released.sum()
     rng, count = np.random.default_rng(2), 20_000
     step = rng.choice(len(steps), count, p=released / released.sum())
-    walks = walk_network(
-        network, route_tracers, river, (h.times[step] + rng.random(count) * steps[step]) / 3600, rng
-    )
+    routings = [route_tracers(take_snapshot(network, time / 3600)) for time in h.times]
+    began = h.times[step] + rng.random(count) * steps[step]
+    walks = walk(routings, [*h.times, h.end], river, began, rng)
     visits = np.bincount(walks.node[walks.node >= 0], minlength=len(network.nodes)) / count
     deviation = np.abs(visits - expected)[is_junction(network)]
     assert (
@@ -130,17 +131,16 @@ def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path: Path, epanet
 
 
 def test_ends_and_coverage_add_up(epanet: Any) -> None:
-    passage = trace_passage(epanet.read_library("Net3"), "River")
+    passage = trace(epanet.read_library("Net3"), "River")
     assert sum(end.probability for end in passage.ends) == pytest.approx(1, abs=1e-6)
     assert passage.coverage == pytest.approx(0.3188, abs=5e-5)
-    steady = trace_passage(epanet.read_library("Net3"), "River", unsteady=True, walks=4000)
+    steady = trace(epanet.read_library("Net3"), "River", unsteady=True, walks=4000)
     assert sum(end.probability for end in steady.ends) == pytest.approx(1)
     assert 0 < steady.coverage < passage.coverage
 
 
 def test_the_same_seed_gives_the_same_walks(epanet: Any) -> None:
     one, two, other = (
-        trace_passage(epanet.read_library("Net3"), "River", unsteady=True, walks=500, seed=s)
-        for s in (3, 3, 4)
+        trace(epanet.read_library("Net3"), "River", unsteady=True, walks=500, seed=s) for s in (3, 3, 4)
     )
     assert one.as_document() == two.as_document() != other.as_document()

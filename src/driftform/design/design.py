@@ -19,7 +19,7 @@ from driftform.motion.resampling import check_rate, resample
 from driftform.motion.way import find_offsets, name_outlet
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
-from driftform.plugins.seams import require_file, require_files
+from driftform.plugins.seams import require_facts, require_file, require_files
 from driftform.runs.agent_file import StoredAgent
 from driftform.study import Document, Study, load_study
 from driftform.types import (
@@ -171,7 +171,12 @@ class Design:
     def inspect(self) -> dict[str, Any]:
         """Return what ``driftform inspect --json`` prints; some of it takes flights."""
         found = inspect_agent(self.pipeline, self.agent, self.name, self.result.get("target"))
-        return found | {"warnings": [*found["warnings"], *self.list_departures()]}
+        asked, problems = self.study.ask_each(
+            "inspector", lambda each: require_facts(each.describe(self.agent, self.scenario), each)
+        )
+        sections = {each.name: {"heading": each.heading, "facts": facts} for each, facts in asked if facts}
+        more = {"sections": sections} if sections else {}
+        return found | more | {"warnings": [*found["warnings"], *self.list_departures(), *problems]}
 
     def compare_added_mass(self) -> dict[str, Any]:
         """Return the added mass, (6, 6), about the centre of buoyancy by each hydrodynamics model installed."""

@@ -7,11 +7,12 @@ import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.figures.dependence import dependence_svg
-from driftform.figures.intervals import intervals_svg
 from driftform.figures.reach import reach_svg
 from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.trend import Trend, trend_svg
+from driftform.interfaces import Flown, ReportJob
 from driftform.motion.way import approach_targets
+from driftform.plugins.seams import require
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.misses import Misses
 from driftform.runs.run import Run
@@ -48,8 +49,9 @@ class Contents:
     """Contents of the page of a run.
 
     ``commonest_failure`` is the first of the commonest kind of failure, and how many there are. ``seconds`` is the total
-    time of all evaluations on the machines that made them. ``causes`` has a picture for each target of
-    what the miss depends on.
+    time of all evaluations on the machines that made them. ``causes`` has a picture for each target of what the miss
+    depends on. ``added`` are the sections of reporters by their headings, and ``problems`` what was wrong with any of
+    them.
     """
 
     name: str
@@ -61,6 +63,8 @@ class Contents:
     entries: tuple[Entry, ...]
     figures: Mapping[str, str]
     causes: Mapping[str, str]
+    added: Mapping[str, str]
+    problems: Sequence[str]
 
     @property
     def scenario(self) -> Scenario:
@@ -115,10 +119,6 @@ def collect_contents(run: Run) -> Contents:
             "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study)),
             "Reach": reach_svg(map_run(study, store), scenario, study.title),
         }
-        if intervals := study.scenario.calibration.intervals:
-            count = study.scenario.calibration.tracks
-            heading = f"Calibration by {count} filmed flights" if count else "Calibration"
-            figures["Calibration"] = intervals_svg(intervals, heading)
         strips = [
             Strip(e.target, e.distance, misses.distances[:, 0], float(misses.promised[0]))
             for e in entries
@@ -140,7 +140,16 @@ def collect_contents(run: Run) -> Contents:
             tuple(entries),
             figures,
             _draw_causes(promises),
+            *_ask_reporters(run.name, study, entries),
         )
+
+
+def _ask_reporters(name: str, study: Study, entries: Sequence[Entry]) -> tuple[dict[str, str], list[str]]:
+    """Return the sections of the installed reporters by their headings, and one line for each that failed."""
+    best = {e.target: Flown(e.stored.name, e.agent, e.trajectory, e.fitness) for e in entries}
+    job = ReportJob(name, study.scenario, best)
+    asked, problems = study.ask_each("reporter", lambda each: require(each.write(job), str, each, "write"))
+    return {each.heading: text for each, text in asked if text}, problems
 
 
 def _draw_causes(promises: Mapping[str, Misses]) -> dict[str, str]:

@@ -1,19 +1,22 @@
 """Networks in notebooks and scripts: what the commands call."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from driftform.errors import InputError
 from driftform_networks.bodies import Traveller, open_traveller
+from driftform_networks.chain import follow
 from driftform_networks.junctions import SIDES, Geometry
 from driftform_networks.network import Network
-from driftform_networks.passage import Passage, measure_quantiles, summarise_visits, summarise_walks
+from driftform_networks.passage import Passage
 from driftform_networks.routing import Routing
-from driftform_networks.snapshot import Snapshot, take_snapshot
-from driftform_networks.tracers import divide_flow, follow, route_tracers
+from driftform_networks.snapshot import Snapshot, divide_flow, take_snapshot
+from driftform_networks.tracers import route_tracers
 from driftform_networks.travelling import Progress, Travel, Traveling, make_flights
-from driftform_networks.walkers import walk_network, walk_snapshot
+from driftform_networks.walkers import measure_quantiles, summarise_walks, walk
 
 WALKS = 2000
 """Walks by default."""
@@ -50,7 +53,8 @@ def trace(
     InputError
         if there is no such node or hour, no water leaves the node, or EPANET finds negative pressures.
     """
-    return follow_bodies(network, route_tracers, release, hour, unsteady, walks, seed)
+    snapshots = _take_snapshots(network, release, hour, unsteady)
+    return _follow(snapshots, route_tracers, release, hour, unsteady, walks, seed)
 
 
 def route(
@@ -66,6 +70,7 @@ def route(
     workers: int = 1,
     cache: Path | None = None,
     progress: Progress = lambda _, __: None,
+    compare: bool = False,
 ) -> Passage:
     """Return where an agent goes that is released at a node, by flights in the bores of the network.
 
@@ -83,6 +88,8 @@ def route(
         directory for flights; ``None`` for the user's.
     progress
         takes the number of tables that are made, and of all.
+    compare
+        whether the result also has the passages with branches at each side of the pipes; not with ``unsteady``.
 
     Raises
     ------
@@ -91,50 +98,8 @@ def route(
     WorkFailedError
         if the agent cannot be flown.
     """
-    return route_by_branch(
-        network,
-        agent,
-        release,
-        hour=hour,
-        unsteady=unsteady,
-        walks=walks,
-        seed=seed,
-        travel=travel,
-        workers=workers,
-        cache=cache,
-        progress=progress,
-        compare=False,
-    )[0]
-
-
-def route_by_branch(
-    network: Network,
-    agent: Traveller | str,
-    release: str,
-    *,
-    hour: float,
-    unsteady: bool,
-    walks: int,
-    seed: int,
-    travel: Travel | None,
-    workers: int,
-    cache: Path | None,
-    progress: Progress,
-    compare: bool,
-) -> tuple[Passage, dict[str, Passage]]:
-    """Return the result of :func:`route`, and with ``compare`` the same for branches at each side of the pipes.
-
-    These have neither quantiles nor flows that change.
-    """
     travel = travel or Travel()
-    node = network.find_node(release)
-    snapshots = [take_snapshot(network, hour)]
-    # Refuses a node that no water leaves, before the flights.
-    divide_flow(snapshots[0], node)
-    if unsteady:
-        snapshots += [
-            take_snapshot(network, time / 3600) for time in network.hydraulics.times[snapshots[0].step :]
-        ]
+    snapshots = _take_snapshots(network, release, hour, unsteady)
     traveller = open_traveller(agent) if isinstance(agent, str) else agent
     traveling = Traveling(traveller, Geometry(network, travel.branch), travel, cache)
     sides = {
@@ -142,16 +107,37 @@ def route_by_branch(
         for side in (SIDES if compare and not unsteady else ())
     }
     make_flights([traveling, *sides.values()], snapshots, workers, progress)
-    passage = follow_bodies(network, traveling.route, release, hour, unsteady, walks, seed)
-    others = {}
-    for side, other in sides.items():
-        routing = other.route(snapshots[0])
-        others[side] = summarise_visits(follow(routing, node), routing)
-    return passage, others
+    passage = _follow(snapshots, traveling.route, release, hour, unsteady, walks, seed)
+    node = passage.release
+    branches = {side: follow(other.route(snapshots[0]), node) for side, other in sides.items()}
+    return replace(passage, branches=branches)
 
 
-def follow_bodies(
-    network: Network,
+def _take_snapshots(network: Network, release: str, hour: float, unsteady: bool) -> list[Snapshot]:
+    """Return the flow at an hour, with ``unsteady`` that of each hydraulic step from then on.
+
+    Raises
+    ------
+    InputError
+        if there is no such node or hour, no water leaves the node at that hour, EPANET finds a negative pressure, or the
+        simulation ends before the flow changes.
+    """
+    node, hydraulics = network.find_node(release), network.hydraulics
+    snapshot = take_snapshot(network, hour)
+    # Refuses a node that no water leaves, before the flights.
+    divide_flow(snapshot, node)
+    if not unsteady:
+        return [snapshot]
+    if hour * 3600 >= hydraulics.end:
+        raise InputError(
+            f"--at {hour:g}: the simulation of {network.name} ends at hour {hydraulics.end / 3600:g}, so that no flow "
+            "changes later: leave out --unsteady, or choose an earlier hour"
+        )
+    return [take_snapshot(network, time / 3600) for time in hydraulics.times[snapshot.step :]]
+
+
+def _follow(
+    snapshots: Sequence[Snapshot],
     route: Callable[[Snapshot], Routing],
     release: str,
     hour: float,
@@ -159,21 +145,19 @@ def follow_bodies(
     walks: int,
     seed: int,
 ) -> Passage:
-    """Return the passage of bodies whose tables ``route`` makes; the other parameters are those of :func:`trace`."""
-    node, rng = network.find_node(release), np.random.default_rng(seed)
-    snapshot = take_snapshot(network, hour)
+    """Return the passage of bodies whose tables ``route`` makes; the other parameters are those of :func:`trace`.
+
+    Where the flows remain, the chain of the tables is solved; walks only add the distribution of arrival times. Where they
+    change, a body may come back, and what it has seen depends on its whole way: all of it is read from walks.
+    """
+    network, rng = snapshots[0].network, np.random.default_rng(seed)
+    node, routings = network.find_node(release), [route(snapshot) for snapshot in snapshots]
     if unsteady:
-        first = network.hydraulics.find_step(hour)
-        routings: list[Routing] = []
-
-        def keep(snapshot: Snapshot) -> Routing:
-            routings.append(route(snapshot))
-            return routings[-1]
-
-        found = walk_network(network, keep, node, np.full(walks, hour), rng)
-        return summarise_walks(found, routings, range(first, len(network.hydraulics.times)))
-    routing = route(snapshot)
-    passage = summarise_visits(follow(routing, node), routing)
+        times = [*network.hydraulics.times[snapshots[0].step :], network.hydraulics.end]
+        return summarise_walks(walk(routings, times, node, np.full(walks, 3600 * hour), rng), routings)
+    passage = follow(routings[0], node)
     if not walks:
         return passage
-    return passage.with_quantiles(measure_quantiles(walk_snapshot(routing, node, walks, rng)))
+    found = walk(routings, [0.0, np.inf], node, np.zeros(walks), rng)
+    reached = passage.probability[:, None] > 0
+    return replace(passage, quantiles=np.where(reached, measure_quantiles(found), np.nan))

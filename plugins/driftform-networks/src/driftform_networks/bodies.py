@@ -1,10 +1,9 @@
 """Bodies that travel through a network, and the water and walls that they meet there."""
 
 import hashlib
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ import numpy as np
 import driftform
 from driftform.errors import InputError
 from driftform.types import Agent, Body, Coefficients, Core
+from driftform_networks.cache import hash_content
 
 if TYPE_CHECKING:
     from driftform import Design
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 SCENARIO = Path(__file__).with_name("network.toml")
 """The environment of flights in a network, if no other is named."""
+
+FLOWN_BY = ("agent", "water", "motion")
+"""Packages of driftform whose code decides how a body flies."""
 
 _SPHERE = "sphere:"
 
@@ -49,14 +52,18 @@ class Traveller:
     simulator: "Simulator[Any]"
     design: "Design | None" = None
 
+    @cached_property
     def hash(self) -> str:
-        """Return a hash of all that decides its flights: body, environment, simulator, and the code of driftform."""
+        """Hash of all that decides its flights: body, environment, simulator, and the code of driftform."""
         scenario = self.scenario.model_dump(include={"fluid", "flow", "contact"})
         simulator = (self.simulator.name, self.simulator.options.model_dump())
         # The mass properties and coefficients hold what builder and hydrodynamics made of the genome.
         parts = [_plain(self.agent.body), _plain(self.agent.mass), _plain(self.agent.coefficients)]
-        content = json.dumps([parts, scenario, simulator, hash_code()], sort_keys=True)
-        return hashlib.sha256(content.encode()).hexdigest()
+        return hash_content([parts, scenario, simulator, hash_code()])
+
+    def name_file(self, **flights: list[Any]) -> str:
+        """Return the name of the file that keeps some flights of this body, which plain values describe."""
+        return f"{hash_content({'body': self.hash, **flights})}.npz"
 
     def is_mixed(self, speed: float) -> bool:
         """Return whether the water mixes the body over the bore like itself, at a mean speed (m/s).
@@ -173,11 +180,7 @@ def make_sphere(diameter: float, scenario: "Scenario", buoyancy: float = 0.0) ->
 def hash_code() -> str:
     """Return a hash of the source files that decide how a body flies: results of other versions are not used."""
     core, plugin = Path(driftform.__file__).parent, Path(__file__).parent
-    folders = [
-        core / name
-        for name in ("dynamics", "hydrodynamics", "geometry", "potential", "trajectory", "scenario")
-    ]
-    files = [file for folder in folders for file in sorted(folder.glob("*.py"))]
+    files = [file for name in FLOWN_BY for file in sorted((core / name).glob("*.py"))]
     files += [plugin / name for name in ("bore.py", "flights.py", "releasing.py", "tee_flights.py")]
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 

@@ -6,7 +6,6 @@ import os
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -34,17 +33,20 @@ def find_cache(directory: Path | None = None) -> Path:
     return Path(base).expanduser() / "driftform" / "networks"
 
 
-def hash_content(content: Mapping[str, Any]) -> str:
+def hash_content(content: Any) -> str:
     """Return the SHA-256 of plain values, in hexadecimal digits."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
-def keep_result(path: Path, kind: type[T], make: Callable[[], T]) -> T:
-    """Return a result, a dataclass of numbers and arrays, from its file, or make it and write the file."""
+def keep_result(path: Path, kind: Callable[..., T], make: Callable[[], T]) -> T:
+    """Return a result, a dataclass of numbers and arrays, from its file, or make it and write the file.
+
+    The process that makes it writes the file, so that what is finished is not lost with other work.
+    """
     if (arrays := load_arrays(path)) is not None:
         return kind(**{name: array if array.ndim else array.item() for name, array in arrays.items()})
     made = make()
-    save_arrays(path, {field.name: np.asarray(getattr(made, field.name)) for field in fields(kind)})  # type: ignore[arg-type]
+    save_arrays(path, {name: np.asarray(value) for name, value in vars(made).items()})
     return made
 
 

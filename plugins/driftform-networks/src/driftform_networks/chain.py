@@ -1,6 +1,6 @@
-"""A Markov chain over the links of a snapshot and the bands of their bore: visits, probabilities, ages."""
+"""Where a body goes in flows that do not change: the Markov chain over links and bands of their bore, solved."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 import numpy as np
 from scipy import sparse
@@ -9,135 +9,119 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from driftform.types import FloatArray
 from driftform_networks.network import IntArray
-from driftform_networks.snapshot import Snapshot
+from driftform_networks.passage import (
+    LEAST,
+    Ending,
+    Passage,
+    count_junctions,
+    find_reachable,
+    leave,
+    merge_ends,
+)
+from driftform_networks.routing import Routing
+from driftform_networks.snapshot import Snapshot, divide_flow
 
 LOST = 1e-9
 """Probability, for each link, that a body is no longer followed: it makes loops without an exit solvable."""
 
 
-@dataclass(frozen=True, eq=False)
-class Chain:
-    """The motion of a body through the links of a snapshot.
+def follow(routing: Routing, release: int) -> Passage:
+    """Return where a body goes that enters the water at a node, and divides there like the water.
 
-    A state is a link and the band of its bore in which the body enters it; state ``link * bands + band``.
+    Expected entries x into the states satisfy x = first + x P, and their ages the same equation with the durations as
+    source. The probability to ever enter a set of states A follows from the entries into A and those from A into A
+    (Kemeny and Snell, Finite Markov Chains, section 3.2); outside loops it is the number of entries.
 
-    Attributes
-    ----------
-    snapshot
-        the links.
-    bands
-        number of bands of a bore.
-    step
-        probability that a state follows another, (states, states), sparse.
-    duration
-        mean time that the body takes through the link of each state, s, (states,).
-    held
-        probability that the body comes to rest within the link of each state, (states,).
-    leaves
-        probability that it leaves the pipes at the downstream end of that link, (states,).
+    Raises
+    ------
+    InputError
+        if no water flows from the node into a pipe.
     """
-
-    snapshot: Snapshot
-    bands: int
-    step: sparse.csr_array
-    duration: FloatArray
-    held: FloatArray
-    leaves: FloatArray
-
-    @property
-    def stays(self) -> FloatArray:
-        """Probability that the body comes to rest at the downstream end of the link of each state, (states,)."""
-        return np.asarray(np.maximum(1 - self.held - self.leaves - self.step.sum(axis=1), 0.0))
-
-    @property
-    def link(self) -> IntArray:
-        """Link of each state, (states,)."""
-        return np.repeat(np.arange(len(self.snapshot.links)), self.bands)
-
-
-@dataclass(frozen=True, eq=False)
-class Visits:
-    """Where a body of a chain goes.
-
-    Attributes
-    ----------
-    chain
-        the chain.
-    release
-        node where the body enters the water.
-    first
-        probability that it enters a link there, and does not leave the pipes at once.
-    entries
-        expected number of entries into each state, (states,).
-    time
-        sum over these entries of the time since the release, s, (states,).
-    link_probability
-        probability that the body enters each link of the snapshot, (links,).
-    link_age
-        mean time from the release to the entry into each link, s, (links,); NaN where it never comes.
-    node_visits
-        expected number of arrivals at each node, (nodes,).
-    node_probability
-        probability that the body ever arrives at each node, (nodes,).
-    node_age
-        mean time from the release to the arrivals at each node, s, (nodes,); NaN where it never comes.
-    """
-
-    chain: Chain
-    release: int
-    first: float
-    entries: FloatArray
-    time: FloatArray
-    link_probability: FloatArray
-    link_age: FloatArray
-    node_visits: FloatArray
-    node_probability: FloatArray
-    node_age: FloatArray
-
-
-def solve_chain(chain: Chain, release: int, first: FloatArray) -> Visits:
-    """Return where a body goes that enters the states with probabilities ``first``, (states,), from a node.
-
-    Expected entries x satisfy x = first + x P, and their ages the same equation with the durations as source. The
-    probability to ever enter a set of states A follows from the entries into A and those from A into A (Kemeny and
-    Snell, Finite Markov Chains, section 3.2); outside loops it is the number of entries.
-    """
-    snapshot = chain.snapshot
-    count, nodes = len(first), len(snapshot.network.nodes)
-    step = chain.step * (1 - LOST)
-    solver = splu(sparse.csc_array(sparse.eye_array(count) - step.T))
+    snapshot, network, bands = routing.snapshot, routing.snapshot.network, routing.bands
+    links, nodes = len(snapshot.links), len(network.nodes)
+    link = np.repeat(np.arange(links), bands)
+    head = snapshot.head[link]
+    first = (divide_flow(snapshot, release, routing.retained)[:, None] * routing.release).ravel()
+    duration = (snapshot.duration[:, None] * routing.slowness).ravel()
+    step, held, leaves = _link_states(routing)
+    stays = np.maximum(1 - held - leaves - step.sum(axis=1), 0.0)
+    step = step * (1 - LOST)
+    solver = splu(sparse.csc_array(sparse.eye_array(len(first)) - step.T))
     entries = solver.solve(first)
     # What rounding leaves of states that cannot be entered.
     entries[entries < 1e-15] = 0.0
-    time = solver.solve(step.T @ (entries * chain.duration))
-    arrives = 1 - chain.held
-    head = snapshot.head[chain.link]
-    visits = np.asarray(np.bincount(head, entries * arrives, nodes), dtype=np.float64)
-    # The time of an arrival is that of the entry, and the time through the link.
-    arrival_time = np.bincount(head, (time + entries * chain.duration) * arrives, nodes)
+    time = solver.solve(step.T @ (entries * duration))
+    passes = entries * (1 - held)
+    visits = _sum_up(head, passes, nodes)
     visits[release] += 1
+    # The time of an arrival is that of the entry, and the time through the link.
+    arrival_time = _sum_up(head, (time + entries * duration) * (1 - held), nodes)
+    entered = _sum_up(link, entries, links)
     probability = np.minimum(visits, 1.0)
-    link_entries = entries.reshape(-1, chain.bands).sum(axis=1)
-    link_probability = np.minimum(link_entries, 1.0)
+    enters = np.minimum(entries.reshape(links, bands).sum(axis=1), 1.0)
     for node in find_loops(snapshot):
-        probability[node] = arrives @ _enter_once(solver, entries, np.flatnonzero(head == node))
-        for link in snapshot.outlets[node]:
-            states = np.arange(link * chain.bands, (link + 1) * chain.bands)
-            link_probability[link] = _enter_once(solver, entries, states).sum()
+        probability[node] = (1 - held) @ _enter_once(solver, entries, np.flatnonzero(head == node))
+        for outlet in snapshot.outlets[node]:
+            enters[outlet] = _enter_once(solver, entries, np.flatnonzero(link == outlet)).sum()
     probability[release] = 1.0
+    seen = np.zeros(len(network.links))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Visits(
-            chain,
-            release,
-            float(first.sum()),
-            entries,
-            time,
-            link_probability,
-            time.reshape(-1, chain.bands).sum(axis=1) / link_entries,
-            visits,
-            probability,
-            arrival_time / visits,
-        )
+        age = arrival_time / visits
+        passed = enters * _sum_up(link, passes, links) / entered
+    seen[snapshot.links] = np.where(entered > 0, passed, 0.0)
+    left = _sum_up(head, entries * leaves, nodes)
+    left[release] += max(0.0, 1 - float(first.sum()))
+    rests, stops = (_sum_up(link, entries * share, links) for share in (held, stays))
+    flown, divided = count_junctions([routing], probability)
+    ends = _list_ends(routing, left, rests, stops, LOST * float(entries.sum()))
+    return Passage(
+        network,
+        release,
+        snapshot.hour,
+        visits,
+        probability,
+        age,
+        seen,
+        find_reachable(network, release, [snapshot.step]),
+        merge_ends(ends),
+        flown=flown,
+        divided=divided,
+    )
+
+
+def _sum_up(place: IntArray, values: FloatArray, count: int) -> FloatArray:
+    """Return the sums of values of states that are at the same place, (count,)."""
+    return np.asarray(np.bincount(place, values, count), dtype=np.float64)
+
+
+def _list_ends(
+    routing: Routing, left: FloatArray, held: FloatArray, stays: FloatArray, lost: float
+) -> Iterator[Ending]:
+    """Yield the ends: out of the pipes at nodes, at rest in links and at their downstream ends, and in loops."""
+    snapshot, network = routing.snapshot, routing.snapshot.network
+    for node in np.flatnonzero(left > LEAST).tolist():
+        yield leave(network, node, left[node])
+    for link in np.flatnonzero(stays > LEAST).tolist():
+        yield Ending("stuck", network.nodes[snapshot.head[link]], stays[link], routing.tables[link].obstacle)
+    for link in np.flatnonzero(held > LEAST).tolist():
+        yield Ending("stuck", snapshot.name(link), held[link], routing.transfers[link].obstacle)
+    if lost > LEAST:
+        yield Ending("circling", "", lost, "a loop without an exit")
+
+
+def _link_states(routing: Routing) -> tuple[sparse.csr_array, FloatArray, FloatArray]:
+    """Return the probability that a state follows another, sparse, and that the body rests in its link, or leaves after it."""
+    transfer, bands = routing.transfer, np.arange(routing.bands)
+    outlets, choice, arrival = routing.stack_ends(routing.most)
+    steps = np.einsum("lab,lbo,lboc->laoc", transfer, choice[..., :-1], arrival)
+    states = np.arange(len(transfer) * len(bands)).reshape(-1, len(bands), 1, 1)
+    following = outlets[:, None, :, None] * len(bands) + bands
+    exists = steps > 0
+    row, column = (np.broadcast_to(index, steps.shape)[exists] for index in (states, following))
+    step = sparse.csr_array((steps[exists], (row, column)), (states.size, states.size))
+    held = np.clip(1 - transfer.sum(axis=2), 0.0, 1.0)
+    leaves = transfer @ choice[..., -1:]
+    return step, held.ravel(), leaves.ravel()
 
 
 def _enter_once(solver: SuperLU, entries: FloatArray, states: IntArray) -> FloatArray:

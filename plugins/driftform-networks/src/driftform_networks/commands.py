@@ -108,12 +108,6 @@ Settings: TypeAlias = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Set an option of the study: KEY=VALUE."),
 ]
-Workers: TypeAlias = Annotated[
-    int | None,
-    typer.Option(
-        "--workers", metavar="N", min=1, max=1024, help="Worker processes; by default one for each processor."
-    ),
-]
 Map: TypeAlias = Annotated[
     Path | None,
     typer.Option(
@@ -195,7 +189,7 @@ def route(
     seed: Seed = 0,
     scenario: Scenario = None,
     settings: Settings = None,
-    workers: Workers = None,
+    workers: options.Workers = None,
     map: Map = None,
     tables: Tables = None,
     report: Report = None,
@@ -208,7 +202,7 @@ def route(
     continues.
     """
     from driftform.util.progress import count_progress
-    from driftform_networks.api import route_by_branch
+    from driftform_networks import api
     from driftform_networks.bodies import open_traveller
     from driftform_networks.page import BODIES
     from driftform_networks.reading import open_network
@@ -222,7 +216,7 @@ def route(
     network.find_node(release)
     traveller = open_traveller(agent, scenario, settings or (), buoyancy)
     with count_progress("flight tables") as progress:
-        passage, branches = route_by_branch(
+        passage = api.route(
             network,
             traveller,
             release,
@@ -237,7 +231,7 @@ def route(
             compare=True,
         )
     title = f"{network.name}: {traveller.name} from {release} at hour {at:g}"
-    print_result(present_passage(passage, title, outputs, BODIES, branches), json)
+    print_result(present_passage(passage, title, outputs, BODIES), json)
 
 
 def fleet(
@@ -279,7 +273,7 @@ def fleet(
     ] = 0,
     scenario: Scenario = None,
     settings: Settings = None,
-    workers: Workers = None,
+    workers: options.Workers = None,
     map: Map = None,
     tables: Tables = None,
     report: Report = None,

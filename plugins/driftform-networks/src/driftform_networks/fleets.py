@@ -9,13 +9,13 @@ import numpy as np
 
 from driftform.types import BoolArray, FloatArray
 from driftform_networks.bodies import Traveller
+from driftform_networks.chain import follow
 from driftform_networks.choosing import bound_steering, choose_fleet
 from driftform_networks.junctions import Geometry
 from driftform_networks.network import Network
-from driftform_networks.passage import Ending, Passage, find_reachable, summarise_visits
-from driftform_networks.routing import Routing
-from driftform_networks.snapshot import Snapshot, take_snapshot
-from driftform_networks.tracers import divide_flow, follow, route_tracers
+from driftform_networks.passage import Ending, Passage, find_reachable
+from driftform_networks.snapshot import Snapshot, divide_flow, take_snapshot
+from driftform_networks.tracers import route_tracers
 from driftform_networks.travelling import Progress, Travel, Traveling, make_flights
 
 
@@ -104,19 +104,13 @@ class Fleet:
 
     def as_document(self) -> dict[str, Any]:
         """Return the fleet as plain values for JSON."""
+        members, links = self.member_table(), self.link_table()
+        members["stuck"] = [sum(end.probability for end in member.passage.stuck) for member in self.members]
         return {
             "network": self.network.name,
             "size": len(self.members),
             "members": [
-                {
-                    "agent": member.agent,
-                    "release": member.release,
-                    "hour": member.passage.hour,
-                    "probability": member.coverage,
-                    "gain": member.gain,
-                    "stuck": sum(end.probability for end in member.passage.stuck),
-                }
-                for member in self.members
+                dict(zip(members, values, strict=True)) for values in zip(*members.values(), strict=True)
             ],
             "coverage": self.coverage,
             "split_by_flow": float(self.tracers[-1]),
@@ -126,11 +120,7 @@ class Fleet:
             "gap_closed": self.gap_closed,
             "reachable_length": float(self.network.length[self.reachable].sum()),
             "curve": self.curve_table(),
-            "links": {
-                name: float(share)
-                for name, share, reachable in zip(self.network.links, self.seen, self.reachable, strict=True)
-                if reachable
-            },
+            "links": dict(zip(links["link"], links["seen"], strict=True)),
             "stuck": [
                 {"kind": end.kind, "place": end.place, "expected": end.probability, "reason": end.reason}
                 for end in self.stuck
@@ -232,7 +222,7 @@ def plan_fleet(
     for traveller, traveling in zip(travellers, travelings, strict=True):
         routings = {snapshot.hour: traveling.route(snapshot) for snapshot in snapshots}
         names += [traveller.name] * len(cases)
-        passages += [_follow(routings[snapshot.hour], node) for snapshot, node in cases]
+        passages += [follow(routings[snapshot.hour], node) for snapshot, node in cases]
     seen = np.array([passage.seen for passage in passages])
     chosen, curve, choice_bound = choose_fleet(seen, length, size)
     missed = np.cumprod(1 - seen[chosen], axis=0) @ length / length.sum()
@@ -253,14 +243,10 @@ def plan_fleet(
     )
 
 
-def _follow(routing: Routing, node: int) -> Passage:
-    return summarise_visits(follow(routing, node), routing)
-
-
 def _choose_water(
     cases: Sequence[tuple[Snapshot, int]], length: FloatArray, size: int, retained: bool
 ) -> FloatArray:
     """Return the curve of tracers that are released at the best places."""
     routings = {snapshot.hour: route_tracers(snapshot, retained) for snapshot, _ in cases}
-    seen = np.array([_follow(routings[snapshot.hour], node).seen for snapshot, node in cases])
+    seen = np.array([follow(routings[snapshot.hour], node).seen for snapshot, node in cases])
     return choose_fleet(seen, length, size)[1]

@@ -1,18 +1,24 @@
 """Flights of a body in a straight pipe, and what they say about its bands: transfer, speed, and where it rests."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import qmc
 
-from driftform.errors import WorkFailedError
 from driftform.types import End, FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, find_band, sample_band
 from driftform_networks.cache import keep_result
-from driftform_networks.releasing import draw_attitude, locate_middle, measure_pace, release
+from driftform_networks.releasing import (
+    draw_attitude,
+    fly,
+    locate_middle,
+    measure_pace,
+    release,
+    spread_numbers,
+)
 
 CELLS = 3
 """Cells of a flight; the transfer from band to band is that through one cell."""
@@ -51,29 +57,31 @@ class StraightFlights:
     states
         bodies at the ends of cells: band, place of the centre of the displaced water to the right and upward relative
         to the bore's radius, quaternion, velocity over ground in the body frame, (n, 13).
-    failed
-        share of the flights that the simulator could not fly.
     """
 
     cell: float
     transfer: FloatArray
     slowness: FloatArray
     states: FloatArray
-    failed: float
 
 
 @dataclass(frozen=True)
 class StraightTask:
     """Flights to make: a body in a pipe of a bore (m), a mean speed (m/s), and a slope (rise over length).
 
-    The worker process that makes them writes them to ``path``: what is finished is not lost with the others.
+    ``folder`` keeps the result.
     """
 
     traveller: Traveller
+    folder: Path
     bore: float
     speed: float
     slope: float
-    path: Path
+
+    @property
+    def path(self) -> Path:
+        """File of the result."""
+        return self.folder / self.traveller.name_file(straight=[self.bore, self.speed, self.slope])
 
     def __call__(self) -> StraightFlights:
         """Make the flights, or read them."""
@@ -93,35 +101,40 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
         if the simulator can fly none of them.
     """
     cell = min(CELL_BORES * bore, CELL_S * speed)
-    scenarios, _starts = _make_scenarios(traveller, bore, speed, slope, cell)
+    scenarios = _make_scenarios(traveller, bore, speed, slope, cell)
     if not scenarios:
         # It fits in no attitude: it is held at once.
-        return StraightFlights(cell, np.zeros((BANDS, BANDS)), np.ones(BANDS), np.zeros((0, 13)), 0.0)
-    agents = [traveller.agent] * len(scenarios)
-    flights = traveller.simulator.screen_batch(agents, scenarios, lambda _, __: False)
-    sound = [flight for flight in flights if not flight.end.failed and len(flight.t) > 1]
-    if not sound:
-        raise WorkFailedError(
-            f"{traveller.name}: cannot be flown in a bore of {1000 * bore:.0f} mm: {flights[0].failure}"
-        )
+        return StraightFlights(cell, np.zeros((BANDS, BANDS)), np.ones(BANDS), np.zeros((0, 13)))
+    flights = fly(traveller, scenarios, f"in a bore of {1000 * bore:.0f} mm")
     room = max(1 - traveller.agent.body.max_diameter / bore, 1e-3)
     counts, held = np.zeros((BANDS, BANDS)), np.zeros(BANDS)
     times, passed = np.zeros(BANDS), np.zeros(BANDS)
     states = []
-    for flight in sound:
-        frame = scenarios[0].release_frame()
+
+    def count(before: int, after: int, time: float) -> None:
+        counts[before, after] += 1
+        times[before] += time
+        passed[before] += 1
+
+    frame = scenarios[0].release_frame()
+    for flight in flights:
+        if flight is None or len(flight.t) < 2:
+            continue
         rows = _cross_cells(flight, frame, _LEAD * bore, cell)
         middle = locate_middle(flight, rows, traveller.agent.mass.cob)
         where = _relative(middle @ frame, bore)
         bands = find_band(where, room)
-        for before, after, start, end in zip(bands, bands[1:], rows, rows[1:], strict=False):
-            counts[before, after] += 1
-            times[before] += flight.t[end] - flight.t[start]
-            passed[before] += 1
+        for (before, start), (after, end) in pairwise(zip(bands, rows, strict=True)):
+            count(before, after, flight.t[end] - flight.t[start])
         for row, band, place in list(zip(rows, bands, where, strict=True))[1:]:
             states.append([band, *place, *flight.quaternion[row], *flight.velocity[row]])
         if len(rows) <= CELLS and flight.end != End.OUTLET:
-            _count_slow(flight, frame, speed, cell, bands[-1], counts, held, times, passed)
+            # It has not passed its cells: it is held, or slow at the pace of its end.
+            pace = measure_pace(flight, frame[:, 0])
+            if pace < CREEP * speed:
+                held[bands[-1]] += 1
+            else:
+                count(bands[-1], bands[-1], cell / pace)
     total = counts.sum(axis=1) + held
     water = cell / speed
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -130,36 +143,13 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
         slowness = np.where(
             passed > 0, times / (passed * water), times.sum() / max(passed.sum() * water, 1e-9)
         )
-    return StraightFlights(
-        cell, transfer, slowness, np.array(states).reshape(-1, 13), 1 - len(sound) / len(flights)
-    )
-
-
-def _count_slow(
-    flight: Trajectory,
-    frame: FloatArray,
-    speed: float,
-    cell: float,
-    band: int,
-    counts: FloatArray,
-    held: FloatArray,
-    times: FloatArray,
-    passed: FloatArray,
-) -> None:
-    """Count a flight that has not passed its cells: the body is held, or slow at the pace of the end of its flight."""
-    pace = measure_pace(flight, frame[:, 0])
-    if pace < CREEP * speed:
-        held[band] += 1
-    else:
-        counts[band, band] += 1
-        times[band] += cell / pace
-        passed[band] += 1
+    return StraightFlights(cell, transfer, slowness, np.array(states).reshape(-1, 13))
 
 
 def _make_scenarios(
     traveller: Traveller, bore: float, speed: float, slope: float, cell: float
-) -> tuple[list[Scenario], FloatArray]:
-    """Return the scenarios of the flights, with releases that fit into the pipe, and where they begin, (flights, 2)."""
+) -> list[Scenario]:
+    """Return the scenarios of the flights, with releases that fit into the pipe."""
     length = _LEAD * bore + CELLS * cell
     rise = length * slope
     document = traveller.scenario.model_dump(include={"fluid", "flow", "contact"})
@@ -175,8 +165,8 @@ def _make_scenarios(
     }
     document["flight"] = {"horizon": PATIENCE * CELLS * cell / speed}
     room = max(1 - traveller.agent.body.max_diameter / bore, 0.0)
-    numbers = qmc.Sobol(4, rng=np.random.default_rng(_SEED)).random_base2(6)
-    scenarios, starts = [], []
+    numbers = spread_numbers(BANDS * PER_BAND, 4, _SEED)
+    scenarios = []
     for index in range(BANDS * PER_BAND):
         band = index // PER_BAND
         place = sample_band(band, room, numbers[index : index + 1, :2])[0]
@@ -186,8 +176,7 @@ def _make_scenarios(
         found = release(traveller, document, _LEAD * bore, place * bore / 2, *attitude)
         if found is not None:
             scenarios.append(found)
-            starts.append(place)
-    return scenarios, np.array(starts)
+    return scenarios
 
 
 def _cross_cells(flight: Trajectory, frame: FloatArray, start: float, cell: float) -> list[int]:

@@ -31,8 +31,6 @@ class Junction:
     ----------
     bore
         diameter of the link, m; 0 for a pump.
-    speed
-        mean speed in the link, m/s.
     bores
         diameter of each outlet, m, (outlets,).
     shares
@@ -51,7 +49,6 @@ class Junction:
     """
 
     bore: float
-    speed: float
     bores: FloatArray
     shares: FloatArray
     exit: float
@@ -77,26 +74,18 @@ class Geometry:
         self.network, self._branch = network, branch
         self.to_scale = is_to_scale(network) is not None
         self._known: dict[tuple[Snapshot, int], Junction] = {}
-        self._ends = np.array([self._end_directions(link) for link in range(len(network.links))])
+        self._courses = [self._list_courses(link) for link in range(len(network.links))]
 
-    def _end_directions(self, link: int) -> tuple[FloatArray, FloatArray]:
-        """Return unit vectors on the map along the link at its start and at its end, from start to end."""
-        line = self.network.polyline(link)
-        steps = np.diff(line, axis=0)
+    def _list_courses(self, link: int) -> FloatArray:
+        """Return the unit vectors on the map along the parts of a link, from its start to its end, (parts, 2)."""
+        steps = np.diff(self.network.polyline(link), axis=0)
         steps = steps[np.linalg.norm(steps, axis=1) > 0]
-        if not len(steps):
-            return np.zeros(2), np.zeros(2)
-        unit = steps / np.linalg.norm(steps, axis=1)[:, None]
-        return unit[0], unit[-1]
+        return np.asarray(steps / np.linalg.norm(steps, axis=1)[:, None])
 
     def find_bends(self, link: int) -> FloatArray:
         """Return the angles by which a link turns at its vertices, rad; none if the map is not to scale."""
-        if not self.to_scale:
-            return np.zeros(0)
-        steps = np.diff(self.network.polyline(link), axis=0)
-        steps = steps[np.linalg.norm(steps, axis=1) > 0]
-        unit = steps / np.linalg.norm(steps, axis=1)[:, None]
-        return np.asarray(np.arccos(np.clip((unit[:-1] * unit[1:]).sum(axis=1), -1, 1)))
+        course = self._courses[link] if self.to_scale else np.zeros((0, 2))
+        return np.asarray(np.arccos(np.clip((course[:-1] * course[1:]).sum(axis=1), -1, 1)))
 
     def describe(self, snapshot: Snapshot, link: int) -> Junction:
         """Return what a body meets at the downstream end of a link of a snapshot."""
@@ -117,7 +106,6 @@ class Geometry:
                 directions[outlet] = (side * np.sin(clock), np.cos(clock))
         return Junction(
             float(network.diameter[snapshot.links[link]]),
-            float(snapshot.speed[link]),
             bores,
             flow / flow.sum() if len(flow) else flow,
             float(snapshot.exit[node] / snapshot.departure[node]) if snapshot.departure[node] > 0 else 1.0,
@@ -157,9 +145,9 @@ class Geometry:
 
     def _direction(self, snapshot: Snapshot, link: int, at_end: bool) -> FloatArray:
         """Return the unit vector on the map along the flow of a link, at its downstream or its upstream end."""
-        network, index = snapshot.network, snapshot.links[link]
-        forward = snapshot.tail[link] == network.start[index]
-        first, last = self._ends[index]
-        if forward:
-            return np.asarray(last if at_end else first)
-        return np.asarray(-(first if at_end else last))
+        index = snapshot.links[link]
+        forward, course = snapshot.tail[link] == self.network.start[index], self._courses[index]
+        if not len(course):
+            return np.zeros(2)
+        part = course[-1] if forward == at_end else course[0]
+        return np.asarray(part if forward else -part)

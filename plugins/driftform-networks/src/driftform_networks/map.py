@@ -59,9 +59,10 @@ def passage_svg(passage: Passage, title: str) -> str:
     """
     shares = np.where(passage.reachable, passage.seen, np.nan)
     network, stuck = passage.network, passage.stuck
-    subtitle = f"{100 * passage.coverage:.1f} % of the {passage.network.length[passage.reachable].sum() / 1000:.1f} km reachable is seen"
-    lost = sum(end.probability for end in stuck)
-    subtitle += f"; {100 * lost:.1f} % stuck" if lost > 5e-4 else ""
+    kilometres = network.length[passage.reachable].sum() / 1000
+    subtitle = f"{100 * passage.coverage:.1f} % of the {kilometres:.1f} km reachable is seen"
+    if (lost := sum(end.probability for end in stuck)) > 5e-4:
+        subtitle += f"; {100 * lost:.1f} % stuck"
     marks = [Mark(passage.release, network.nodes[passage.release], VERMILLION), *_choose_times(passage)]
     return network_svg(network, shares, marks, title, subtitle, stuck)
 
@@ -120,7 +121,9 @@ def network_svg(
     )
     lines = [page.place(network.polyline(link)) for link in range(len(network.links))]
     _draw_links(root, lines, shares)
-    _draw_sources(root, page, network)
+    for kind, (x, y) in zip(network.node_kinds, page.place(network.places).tolist(), strict=True):
+        if kind != "junction":
+            _draw_source(root, kind, x, y, class_=kind)
     for mark in marks:
         x, y = page.place(network.places[[mark.node]])[0]
         svg.add(
@@ -185,34 +188,15 @@ def _draw_links(root: ET.Element, lines: Sequence[FloatArray], shares: FloatArra
         svg.add_line(root, svg.path_data(lines[link]), colour, width, "link", stroke_linecap="round")
 
 
-def _draw_sources(root: ET.Element, page: _Page, network: Network) -> None:
-    """Draw tanks as squares and reservoirs as triangles."""
-    for node, kind in enumerate(network.node_kinds):
-        x, y = page.place(network.places[[node]])[0]
-        if kind == "tank":
-            svg.add(
-                root,
-                "rect",
-                class_=kind,
-                x=x - 5,
-                y=y - 5,
-                width=10,
-                height=10,
-                fill="#ffffff",
-                stroke=BLUE,
-                stroke_width=2,
-            )
-        elif kind == "reservoir":
-            corners = [(x - 6, y - 5), (x + 6, y - 5), (x, y + 6)]
-            svg.add(
-                root,
-                "path",
-                class_=kind,
-                d=svg.path_data(corners, closed=True),
-                fill="#ffffff",
-                stroke=BLUE,
-                stroke_width=2,
-            )
+def _draw_source(root: ET.Element, kind: str, x: float, y: float, **named: str | float) -> None:
+    """Draw a tank as a square, or a reservoir as a triangle, around a point."""
+    shape: dict[str, str | float]
+    if kind == "tank":
+        tag, shape = "rect", {"x": x - 5, "y": y - 5, "width": 10, "height": 10}
+    else:
+        corners = [(x - 6, y - 5), (x + 6, y - 5), (x, y + 6)]
+        tag, shape = "path", {"d": svg.path_data(corners, closed=True)}
+    svg.add(root, tag, "", **named, **shape, fill="#ffffff", stroke=BLUE, stroke_width=2)
 
 
 def _draw_stuck(root: ET.Element, page: _Page, network: Network, stuck: Sequence[Ending]) -> list[Mark]:
@@ -224,14 +208,13 @@ def _draw_stuck(root: ET.Element, page: _Page, network: Network, stuck: Sequence
         if end.place in nodes and end.kind == "stuck":
             x, y = page.place(network.places[[nodes[end.place]]])[0]
         elif end.place in links:
-            line = page.place(network.polyline(links[end.place]))
-            x, y = resample_polyline(line, 3)[len(resample_polyline(line, 3)) // 2]
+            line = resample_polyline(page.place(network.polyline(links[end.place])), 3)
+            x, y = line[len(line) // 2]
         else:
             continue
         arm = 3 + 6 * np.sqrt(end.probability)
-        data = svg.path_data([(x - arm, y - arm), (x + arm, y + arm)]) + svg.path_data(
-            [(x - arm, y + arm), (x + arm, y - arm)]
-        )
+        strokes = np.array([x, y]) + arm * np.array([[(-1, -1), (1, 1)], [(-1, 1), (1, -1)]])
+        data = svg.lines_data(strokes)
         svg.add(
             root, "path", class_="stuck", d=data, stroke=VERMILLION, stroke_width=2.2, stroke_linecap="round"
         )
@@ -244,14 +227,10 @@ def _choose_times(passage: Passage) -> list[Mark]:
     """Return arrival times at probable nodes that are far from each other."""
     network = passage.network
     extent = np.ptp(network.places, axis=0).max()
-    order = np.argsort(-passage.probability, kind="stable")
-    chosen: list[int] = [passage.release]
-    for node in order.tolist():
-        if (
-            passage.probability[node] < 0.02
-            or not np.isfinite(passage.age[node])
-            or len(chosen) > _MOST_TIMES
-        ):
+    chosen = [passage.release]
+    likely = (passage.probability >= 0.02) & np.isfinite(passage.age)
+    for node in np.argsort(-passage.probability, kind="stable").tolist():
+        if not likely[node] or len(chosen) > _MOST_TIMES:
             break
         near = np.linalg.norm(network.places[chosen] - network.places[node], axis=1).min()
         if near > 0.11 * extent:
@@ -305,10 +284,9 @@ def _draw_legend(root: ET.Element, page: _Page, network: Network, text: str, has
         svg.add_line(root, svg.path_data([(x, base + 10), (x + 24, base + 10)]), UNREACHED, 1.0)
         write(root, x + 30, base + 14, "out of reach", 11, MUTED)
         x += 120
-    svg.add(root, "rect", x=x, y=base + 5, width=10, height=10, fill="#ffffff", stroke=BLUE, stroke_width=2)
+    _draw_source(root, "tank", x + 5, base + 10)
     write(root, x + 16, base + 14, "tank", 11, MUTED)
-    corners = [(x + 60, base + 5), (x + 72, base + 5), (x + 66, base + 16)]
-    svg.add(root, "path", d=svg.path_data(corners, closed=True), fill="#ffffff", stroke=BLUE, stroke_width=2)
+    _draw_source(root, "reservoir", x + 66, base + 10)
     write(root, x + 78, base + 14, "reservoir", 11, MUTED)
     metres = is_to_scale(network)
     right = WIDTH - MARGIN
@@ -317,18 +295,7 @@ def _draw_legend(root: ET.Element, page: _Page, network: Network, text: str, has
         return
     bar = floor_to_nice_number(150 * metres / page.scale)
     left = right - bar / metres * page.scale
-    svg.add_line(
-        root,
-        svg.path_data([(left, base + 6), (left, base + 10), (right, base + 10), (right, base + 6)]),
-        INK,
-        1.2,
-    )
-    write(
-        root,
-        (left + right) / 2,
-        base + 2,
-        f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m",
-        11,
-        INK,
-        "middle",
-    )
+    ends = [(left, base + 6), (left, base + 10), (right, base + 10), (right, base + 6)]
+    svg.add_line(root, svg.path_data(ends), INK, 1.2)
+    text = f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m"
+    write(root, (left + right) / 2, base + 2, text, 11, INK, "middle")

@@ -100,7 +100,7 @@ class Network:
     vertices: tuple[FloatArray, ...] = field(repr=False)
     hydraulics: Hydraulics = field(repr=False)
 
-    def find_node(self, name: str, option: str = "--release") -> int:
+    def find_node(self, name: str) -> int:
         """Return the index of a node.
 
         Raises
@@ -109,7 +109,7 @@ class Network:
             if no node has the name.
         """
         if name not in self.nodes:
-            raise InputError(f"{option} {name}: {self.name} has no such node{_suggest(name, self.nodes)}")
+            raise InputError(f"--release {name}: {self.name} has no such node{_suggest(name, self.nodes)}")
         return self.nodes.index(name)
 
     @property

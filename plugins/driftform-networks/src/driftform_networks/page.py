@@ -5,50 +5,6 @@ from importlib.resources import files
 
 from driftform.cli import TextTable
 
-_PAGE = """<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="generator" content="driftform">
-<link rel="icon" href="data:,">
-<title>{{ title }}</title>
-<style>
-{{ style | safe }}</style>
-</head>
-<body>
-<main>
-<h1>{{ title }}</h1>
-{% for line in lead %}
-<p class="lead">{{ line }}</p>
-{% endfor %}
-{% for name, picture in figures %}
-<h2>{{ name }}</h2>
-<div class="card figure" tabindex="0" role="region" aria-label="{{ name }}">{{ picture | safe }}</div>
-{% endfor %}
-{% for table in tables %}
-<div class="card scroll" tabindex="0" role="region" aria-label="{{ table.header[0] }}">
-<table>
-<thead><tr>{% for name in table.header %}<th scope="col">{{ name }}</th>{% endfor %}</tr></thead>
-<tbody>
-{% for row in table.rows %}
-<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
-{% endfor %}
-</tbody>
-</table>
-</div>
-{% endfor %}
-<h2>What this assumes</h2>
-<ul>
-{% for line in assumptions %}
-<li>{{ line }}</li>
-{% endfor %}
-</ul>
-</main>
-</body>
-</html>
-"""
-
 WATER = (
     "Flows are those of EPANET; water mixes completely at each node.",
     "Without --unsteady the flows remain those of the hour of the release.",
@@ -89,7 +45,8 @@ def report_html(
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    return environment.from_string(_PAGE).render(
+    template = files("driftform_networks").joinpath("page.html").read_text(encoding="utf-8")
+    return environment.from_string(template).render(
         title=title,
         style=files("driftform.report").joinpath("page.css").read_text(encoding="utf-8"),
         lead=[part for part in text if isinstance(part, str)],

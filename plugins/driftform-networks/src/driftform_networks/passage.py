@@ -1,7 +1,7 @@
 """Where a body goes in a network, when it arrives, what it sees and where it ends."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -9,16 +9,14 @@ from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 
 from driftform.types import BoolArray, FloatArray
-from driftform_networks.chain import LOST, Visits
 from driftform_networks.network import Network
 from driftform_networks.routing import Routing
 from driftform_networks.snapshot import STILL
-from driftform_networks.walkers import HELD_AT_NODE, HELD_IN_LINK, LEFT, UNDER_WAY, Walks
 
 QUANTILES = (0.05, 0.5, 0.95)
 """Quantiles of arrival times."""
 
-_LEAST = 1e-6
+LEAST = 1e-6
 """Probability below which an end is left out."""
 
 
@@ -44,10 +42,6 @@ class Ending:
     probability: float
     reason: str = ""
 
-    def as_document(self) -> dict[str, Any]:
-        """Return it as plain values for JSON."""
-        return asdict(self)
-
 
 @dataclass(frozen=True, eq=False)
 class Passage:
@@ -61,6 +55,8 @@ class Passage:
         node of the release.
     hour
         hour of the release.
+    visits
+        mean number of its arrivals at each node, (nodes,); the release is one.
     probability
         probability that it ever arrives at each node, (nodes,).
     age
@@ -78,11 +74,14 @@ class Passage:
         whether the flows changed on the way.
     flown, divided
         number of junctions on its ways that it was flown through, and that streamtubes divide.
+    branches
+        the passages where branches leave the pipes at each side; empty if they were not asked for.
     """
 
     network: Network
     release: int
     hour: float
+    visits: FloatArray
     probability: FloatArray
     age: FloatArray
     seen: FloatArray
@@ -92,51 +91,44 @@ class Passage:
     unsteady: bool = False
     flown: int = 0
     divided: int = 0
+    branches: Mapping[str, "Passage"] = field(default_factory=dict)
 
     @property
     def coverage(self) -> float:
-        """Expected share of the reachable length that the body sees."""
-        return measure_coverage(self.network, self.seen, self.reachable)
+        """Expected share of the reachable length that the body sees; 0 if nothing is reachable."""
+        length = np.where(self.reachable, self.network.length, 0.0)
+        return float(length @ self.seen / length.sum()) if length.sum() > 0 else 0.0
 
     @property
     def stuck(self) -> tuple[Ending, ...]:
         """Places where bodies are stuck."""
         return tuple(end for end in self.ends if end.kind in ("stuck", "circling"))
 
-    def with_quantiles(self, quantiles: FloatArray) -> "Passage":
-        """Return the passage with quantiles of arrival times; none for nodes that are never reached."""
-        known = np.where((self.probability > 0)[:, None], quantiles, np.nan)
-        return replace(self, quantiles=known)
-
     def as_document(self) -> dict[str, Any]:
         """Return the passage as plain values for JSON: nodes that are reached, coverage, ends."""
         names = self.network.nodes
         nodes: dict[str, dict[str, Any]] = {}
-        for node in np.flatnonzero(self.probability > _LEAST):
+        for node in np.flatnonzero(self.probability > LEAST):
             nodes[names[node]] = {"probability": float(self.probability[node]), "age": float(self.age[node])}
             if len(self.quantiles):
                 nodes[names[node]]["age_quantiles"] = self.quantiles[node].tolist()
-        links = {
-            name: float(share)
-            for name, share, reachable in zip(self.network.links, self.seen, self.reachable, strict=True)
-            if reachable
-        }
+        links = self.link_table()
         return {
             "network": self.network.name,
             "release": names[self.release],
             "hour": self.hour,
             "unsteady": self.unsteady,
             "nodes": nodes,
-            "links": links,
+            "links": dict(zip(links["link"], links["seen"], strict=True)),
             "coverage": self.coverage,
             "reachable_length": float(self.network.length[self.reachable].sum()),
-            "ends": [end.as_document() for end in self.ends],
-            "stuck": [end.as_document() for end in self.stuck],
+            "ends": [asdict(end) for end in self.ends],
+            "stuck": [asdict(end) for end in self.stuck],
         }
 
     def node_table(self) -> dict[str, list[Any]]:
         """Return the nodes that are reached as columns, for ``pandas.DataFrame(passage.node_table())``."""
-        rows = np.flatnonzero(self.probability > _LEAST)
+        rows = np.flatnonzero(self.probability > LEAST)
         columns: dict[str, list[Any]] = {
             "node": [self.network.nodes[row] for row in rows],
             "kind": [self.network.node_kinds[row] for row in rows],
@@ -163,16 +155,7 @@ class Passage:
 
     def end_table(self) -> dict[str, list[Any]]:
         """Return the ends as columns."""
-        return {
-            name: [getattr(end, name) for end in self.ends]
-            for name in ("kind", "place", "probability", "reason")
-        }
-
-
-def measure_coverage(network: Network, seen: FloatArray, reachable: BoolArray) -> float:
-    """Return the expected share of the reachable length that is seen; 0 if nothing is reachable."""
-    length = np.where(reachable, network.length, 0.0)
-    return float(length @ seen / length.sum()) if length.sum() > 0 else 0.0
+        return {field.name: [getattr(end, field.name) for end in self.ends] for field in fields(Ending)}
 
 
 def find_reachable(network: Network, release: int, steps: Sequence[int]) -> BoolArray:
@@ -187,143 +170,27 @@ def find_reachable(network: Network, release: int, steps: Sequence[int]) -> Bool
     return np.asarray((forward & reached[network.start]) | (backward & reached[network.end]))
 
 
-def summarise_visits(visits: Visits, routing: Routing) -> Passage:
-    """Return the passage of a body through the flows of one hour."""
-    chain, snapshot = visits.chain, visits.chain.snapshot
-    network, entries = snapshot.network, visits.entries
-    passes = np.bincount(chain.link, entries * (1 - chain.held), len(snapshot.links))
-    entered = np.bincount(chain.link, entries, len(snapshot.links))
-    seen = np.zeros(len(network.links))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        seen[snapshot.links] = np.where(entered > 0, visits.link_probability * passes / entered, 0.0)
-    flown, divided = _count_junctions([routing], visits.node_probability)
-    return Passage(
-        network,
-        visits.release,
-        snapshot.hour,
-        visits.node_probability,
-        visits.node_age,
-        seen,
-        find_reachable(network, visits.release, [snapshot.step]),
-        _sort(_merge(_list_ends(visits, routing))),
-        flown=flown,
-        divided=divided,
-    )
-
-
-def _count_junctions(routings: Sequence[Routing], probability: FloatArray) -> tuple[int, int]:
+def count_junctions(routings: Sequence[Routing], probability: FloatArray) -> tuple[int, int]:
     """Return at how many nodes that bodies come to flights divide them, and at how many others streamtubes do."""
     flown, divided = set[int](), set[int]()
     for routing in routings:
         snapshot = routing.snapshot
         for node, table in zip(snapshot.head.tolist(), routing.tables, strict=True):
-            if table.choice.shape[1] > 1 and probability[node] > _LEAST and not snapshot.stores[node]:
+            if table.choice.shape[1] > 1 and probability[node] > LEAST and not snapshot.stores[node]:
                 (flown if table.is_flown else divided).add(node)
     return len(flown), len(divided - flown)
 
 
-def _list_ends(visits: Visits, routing: Routing) -> list[Ending]:
-    chain, snapshot = visits.chain, visits.chain.snapshot
-    network, entries = snapshot.network, visits.entries
-    links, nodes = len(snapshot.links), len(network.nodes)
-    head = snapshot.head[chain.link]
-    left = np.bincount(head, entries * chain.leaves, nodes)
-    left[visits.release] += max(0.0, 1 - visits.first)
-    stays = np.bincount(chain.link, entries * chain.stays, links)
-    held = np.bincount(chain.link, entries * chain.held, links)
-    ends = [_leave(network, node, left[node]) for node in np.flatnonzero(left > _LEAST).tolist()]
-    ends += [
-        Ending("stuck", network.nodes[snapshot.head[link]], stays[link], routing.tables[link].obstacle)
-        for link in np.flatnonzero(stays > _LEAST).tolist()
-    ]
-    ends += [
-        Ending("stuck", snapshot.name(link), held[link], routing.transfers[link].obstacle)
-        for link in np.flatnonzero(held > _LEAST).tolist()
-    ]
-    if (lost := LOST * float(entries.sum())) > _LEAST:
-        ends.append(Ending("circling", "", lost, "a loop without an exit"))
-    return ends
-
-
-def _leave(network: Network, node: int, probability: float) -> Ending:
+def leave(network: Network, node: int, probability: float) -> Ending:
+    """Return the end of bodies that leave the pipes at a node."""
     kind = network.node_kinds[node]
-    return Ending("demand" if kind == "junction" else kind, network.nodes[node], float(probability))
+    return Ending("demand" if kind == "junction" else kind, network.nodes[node], probability)
 
 
-def summarise_walks(walks: Walks, routings: Sequence[Routing], steps: Sequence[int]) -> Passage:
-    """Return the passage of bodies that were followed one by one, with quantiles of their arrival times."""
-    network = walks.network
-    nodes = len(network.nodes)
-    _, node, time = walks.first_arrivals()
-    probability = np.bincount(node, minlength=nodes) / walks.count
-    with np.errstate(invalid="ignore"):
-        age = np.bincount(node, time, nodes) / np.bincount(node, minlength=nodes)
-    probability[walks.release], age[walks.release] = 1.0, 0.0
-    _, link, share = walks.covered()
-    seen = np.bincount(link, share, len(network.links)) / walks.count
-    ends: list[Ending] = []
-    for how in (LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY):
-        places, counts = np.unique(walks.place[walks.ends == how], return_counts=True)
-        for place, count in zip(places.tolist(), (counts / walks.count).tolist(), strict=True):
-            match how:
-                case _ if how == LEFT:
-                    ends.append(_leave(network, place, count))
-                case _ if how == UNDER_WAY:
-                    ends.append(Ending("under way", "", count))
-                case _:
-                    name = (network.links if how == HELD_IN_LINK else network.nodes)[place]
-                    ends.append(Ending("stuck", name, count, _find_obstacle(routings, how, place)))
-    flown, divided = _count_junctions(routings, probability)
-    return Passage(
-        network,
-        walks.release,
-        float(walks.began.min()) / 3600,
-        probability,
-        age,
-        seen,
-        find_reachable(network, walks.release, steps),
-        _sort(_merge(ends)),
-        measure_quantiles(walks),
-        unsteady=True,
-        flown=flown,
-        divided=divided,
-    )
-
-
-def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
-    """Return the first obstacle that the tables name at a place."""
-    for routing in routings:
-        snapshot = routing.snapshot
-        at = snapshot.links == place if how == HELD_IN_LINK else snapshot.head == place
-        tables = routing.transfers if how == HELD_IN_LINK else routing.tables
-        for link in np.flatnonzero(at).tolist():
-            if tables[link].obstacle:
-                return str(tables[link].obstacle)
-    return ""
-
-
-def _merge(ends: Sequence[Ending]) -> list[Ending]:
-    """Return ends of the same kind at the same place as one; those under way are in no particular place."""
+def merge_ends(ends: Iterable[Ending]) -> tuple[Ending, ...]:
+    """Return ends of the same kind at the same place as one, the most probable first."""
     found: dict[tuple[str, str], Ending] = {}
     for end in ends:
-        place = "" if end.kind == "under way" else end.place
-        before = found.get((end.kind, place))
-        total = float(end.probability) + (before.probability if before else 0.0)
-        found[end.kind, place] = Ending(end.kind, place, total, before.reason if before else end.reason)
-    return list(found.values())
-
-
-def _sort(ends: Sequence[Ending]) -> tuple[Ending, ...]:
-    return tuple(sorted(ends, key=lambda end: (-end.probability, end.kind, end.place)))
-
-
-def measure_quantiles(walks: Walks) -> FloatArray:
-    """Return quantiles of the first arrivals at each node, s, (nodes, quantiles); NaN where no walk arrives."""
-    found = np.full((len(walks.network.nodes), len(QUANTILES)), np.nan)
-    _, node, time = walks.first_arrivals()
-    order = np.argsort(node, kind="stable")
-    nodes, starts = np.unique(node[order], return_index=True)
-    for place, times in zip(nodes, np.split(time[order], starts[1:]), strict=True):
-        found[place] = np.quantile(times, QUANTILES)
-    found[walks.release] = 0.0
-    return found
+        before = found.get((end.kind, end.place), Ending(end.kind, end.place, 0.0, end.reason))
+        found[end.kind, end.place] = replace(before, probability=before.probability + float(end.probability))
+    return tuple(sorted(found.values(), key=lambda end: (-end.probability, end.kind, end.place)))

@@ -3,16 +3,20 @@
 import hashlib
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.errors import InputError, did_you_mean
 from driftform.util.files import is_file
 from driftform_networks.cache import Arrays, find_cache, hash_content, load_arrays, save_arrays
 from driftform_networks.network import Hydraulics, Network
 
-_FORMAT = 1
+_FORMAT = 2
 """Increase it whenever a network is computed or stored differently."""
+
+_HYDRAULICS = "hydraulics."
 
 
 def open_network(source: str | Path, cache: Path | None = None) -> Network:
@@ -34,7 +38,7 @@ def open_network(source: str | Path, cache: Path | None = None) -> Network:
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     stored = find_cache(cache) / f"{hash_content({'network': digest, 'format': _FORMAT})}.npz"
     if (arrays := load_arrays(stored)) is not None:
-        return _unpack(arrays, path.stem, digest)
+        return _unpack(arrays, path.stem)
     from driftform_networks.epanet import run_epanet
 
     network = run_epanet(path)
@@ -58,54 +62,28 @@ def _find_file(text: str) -> Path:
 
 
 def _pack(network: Network) -> Arrays:
-    hydraulics = network.hydraulics
+    """Return the values of a network as arrays; those of its hydraulics have a prefix."""
+    values = {name: value for name, value in vars(network).items() if name not in ("hydraulics", "vertices")}
+    values |= {f"{_HYDRAULICS}{name}": value for name, value in vars(network.hydraulics).items()}
     return {
-        "nodes": np.array(network.nodes),
-        "node_kinds": np.array(network.node_kinds),
-        "elevation": network.elevation,
-        "places": network.places,
-        "links": np.array(network.links),
-        "link_kinds": np.array(network.link_kinds),
-        "start": network.start,
-        "end": network.end,
-        "length": network.length,
-        "diameter": network.diameter,
+        **{
+            name: np.array(value, np.str_ if isinstance(value, tuple) else None)
+            for name, value in values.items()
+        },
         "vertices": np.vstack([np.zeros((0, 2)), *network.vertices]),
         "counts": np.array([len(points) for points in network.vertices], np.int64),
-        "times": hydraulics.times,
-        "duration": np.array(hydraulics.end),
-        "flow": hydraulics.flow,
-        "outflow": hydraulics.outflow,
-        "head": hydraulics.head,
-        "warnings": np.array(hydraulics.warnings, dtype=np.str_),
     }
 
 
-def _unpack(arrays: Arrays, name: str, digest: str) -> Network:
-    def words(key: str) -> tuple[str, ...]:
-        return tuple(arrays[key].tolist())
+def _unpack(arrays: Arrays, name: str) -> Network:
+    values: dict[str, Any] = {key: _restore(array) for key, array in arrays.items()}
+    vertices = np.split(values.pop("vertices"), np.cumsum(values.pop("counts"))[:-1])
+    hydraulics = {key: values.pop(key) for key in arrays if key.startswith(_HYDRAULICS)}
+    flows = Hydraulics(**{key.removeprefix(_HYDRAULICS): value for key, value in hydraulics.items()})
+    return Network(**values | {"name": name, "vertices": tuple(vertices), "hydraulics": flows})
 
-    hydraulics = Hydraulics(
-        arrays["times"],
-        float(arrays["duration"]),
-        arrays["flow"],
-        arrays["outflow"],
-        arrays["head"],
-        words("warnings"),
-    )
-    return Network(
-        name,
-        digest,
-        words("nodes"),
-        words("node_kinds"),
-        arrays["elevation"],
-        arrays["places"],
-        words("links"),
-        words("link_kinds"),
-        arrays["start"],
-        arrays["end"],
-        arrays["length"],
-        arrays["diameter"],
-        tuple(np.split(arrays["vertices"], np.cumsum(arrays["counts"])[:-1])),
-        hydraulics,
-    )
+
+def _restore(array: npt.NDArray[Any]) -> Any:
+    if not array.ndim:
+        return array.item()
+    return tuple(array.tolist()) if array.dtype.kind == "U" else array

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from driftform.errors import WorkFailedError
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform.water.misfit import find_misfit
@@ -61,6 +62,15 @@ def release(
     return None
 
 
+def spread_numbers(count: int, columns: int, seed: int) -> FloatArray:
+    """Return numbers in [0, 1) that fill the unit cube evenly, (at least count, columns): a scrambled Sobol sequence."""
+    from scipy.stats import qmc
+
+    return np.asarray(
+        qmc.Sobol(columns, rng=np.random.default_rng(seed)).random_base2((count - 1).bit_length())
+    )
+
+
 def draw_attitude(numbers: FloatArray) -> tuple[float, float]:
     """Return pitch and yaw, degrees, of an axis that points anywhere alike, from two numbers in [0, 1)."""
     return float(np.rad2deg(np.arcsin(2 * numbers[0] - 1))), float(360 * numbers[1] - 180)
@@ -71,6 +81,21 @@ def turn(quaternion: FloatArray, vector: FloatArray) -> FloatArray:
     w, axis = quaternion[:, :1], quaternion[:, 1:]
     turned = np.cross(axis, vector)
     return np.asarray(vector + 2 * (w * turned + np.cross(axis, turned)))
+
+
+def fly(traveller: Traveller, scenarios: list[Scenario], pipe: str) -> list[Trajectory | None]:
+    """Return the flights of a body, ``None`` for those that the simulator cannot fly.
+
+    Raises
+    ------
+    WorkFailedError
+        if it can fly none of them; ``pipe`` says where.
+    """
+    agents = [traveller.agent] * len(scenarios)
+    flights = traveller.simulator.screen_batch(agents, scenarios, lambda _, __: False)
+    if all(flight.end.failed for flight in flights):
+        raise WorkFailedError(f"{traveller.name}: cannot be flown {pipe}: {flights[0].failure}")
+    return [None if flight.end.failed else flight for flight in flights]
 
 
 def locate_middle(flight: Trajectory, rows: list[int] | IntArray, middle: FloatArray) -> FloatArray:

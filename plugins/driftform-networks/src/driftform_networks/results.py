@@ -1,5 +1,7 @@
 """What the commands print and write of passages and fleets: lines, tables, maps, reports."""
 
+import csv
+import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +20,9 @@ from driftform_networks.fleets import Fleet, Member
 from driftform_networks.map import fleet_svg, format_time, passage_svg
 from driftform_networks.page import BODIES, WATER, report_html
 from driftform_networks.passage import Passage
+
+_LONGEST_NAME = 30
+"""Characters of an agent's name in a table."""
 
 MOST_ROWS = 12
 """Rows of a table on the screen; all are in the files of ``--tables``, and in the JSON document."""
@@ -64,16 +69,9 @@ class Outputs:
 
 
 def present_passage(
-    passage: Passage,
-    title: str,
-    outputs: Outputs,
-    assumptions: Sequence[str] = WATER,
-    branches: Mapping[str, Passage] | None = None,
+    passage: Passage, title: str, outputs: Outputs, assumptions: Sequence[str] = WATER
 ) -> CommandResult:
-    """Write the files of a passage, and return what a command prints of it.
-
-    ``branches`` are the passages with branches at other sides of the pipes.
-    """
+    """Write the files of a passage, and return what a command prints of it."""
     length = passage.network.length[passage.reachable].sum() / 1000
     lines = [f"sees {100 * passage.coverage:.1f} % of the {length:.1f} km that its water reaches"]
     if assumptions is BODIES:
@@ -84,19 +82,14 @@ def present_passage(
         lines.append(f"{100 * sum(end.probability for end in passage.stuck):.1f} % end in the pipes")
     tables = [*_table_nodes(passage), *_table_ends(passage)]
     document = passage.as_document()
-    if branches:
-        document["branches"] = {side: _compare(passage, other) for side, other in branches.items()}
+    if passage.branches:
+        document["branches"] = {side: _compare(passage, other) for side, other in passage.branches.items()}
         tables.append(_table_branches(document["branches"]))
-    files = _write_figures(
-        outputs, title, lambda: {"Map": passage_svg(passage, title)}, [*lines, *tables], assumptions
-    )
-    if outputs.tables is not None:
-        files += write_tables(
-            outputs.tables,
-            {"nodes": passage.node_table(), "links": passage.link_table(), "ends": passage.end_table()},
-        )
-    document["files"] = [str(file) for file in files]
-    return CommandResult(document, [title, *tables, *lines, *(f"wrote {file}" for file in files)])
+    figures = {"Map": lambda: passage_svg(passage, title)}
+    files = _write_figures(outputs, title, figures, [*lines, *tables], assumptions)
+    columns = {"nodes": passage.node_table(), "links": passage.link_table(), "ends": passage.end_table()}
+    files += _write_tables(outputs, columns)
+    return list_files(document, [title, *tables, *lines], files)
 
 
 def present_fleet(
@@ -114,38 +107,39 @@ def present_fleet(
             "shape brings nothing here: bodies that divide like the water, too wide for service pipes, see as much"
         )
     tables: list[str | TextTable] = [_table_members(fleet), _table_curves(fleet)]
-
-    def draw() -> dict[str, str]:
-        return {"Map": fleet_svg(fleet, title), "Coverage": curve_svg(fleet, title)}
-
-    files = _write_figures(outputs, title, draw, [*lines, *tables], BODIES)
-    if outputs.tables is not None:
-        columns = {"members": fleet.member_table(), "curve": fleet.curve_table(), "links": fleet.link_table()}
-        files += write_tables(outputs.tables, columns)
+    figures = {"Map": lambda: fleet_svg(fleet, title), "Coverage": lambda: curve_svg(fleet, title)}
+    files = _write_figures(outputs, title, figures, [*lines, *tables], BODIES)
+    columns = {"members": fleet.member_table(), "curve": fleet.curve_table(), "links": fleet.link_table()}
+    files += _write_tables(outputs, columns)
     if outputs.agents is not None:
         chosen = {member.agent for member in fleet.members}
         files += save_agents([one for one in travellers if one.name in chosen], outputs.agents)
-    document["files"] = [str(file) for file in files]
-    return CommandResult(document, [title, *tables, *lines, *(f"wrote {file}" for file in files)])
+    return list_files(document, [title, *tables, *lines], files)
+
+
+def list_files(
+    document: dict[str, Any], text: Sequence[str | TextTable], files: Sequence[Path]
+) -> CommandResult:
+    """Return what a command prints, with the files that it wrote."""
+    found = document | {"files": [str(file) for file in files]}
+    return CommandResult(found, [*text, *(f"wrote {file}" for file in files)])
 
 
 def _write_figures(
     outputs: Outputs,
     title: str,
-    draw: Callable[[], dict[str, str]],
+    figures: Mapping[str, Callable[[], str]],
     text: Sequence[str | TextTable],
     assumptions: Sequence[str],
 ) -> list[Path]:
     """Write the map and the report, if they are asked for."""
     files: list[Path] = []
-    if outputs.map is None and outputs.report is None:
-        return files
-    figures = draw()
     if outputs.map is not None:
-        files += write_map(figures["Map"], outputs.map)
+        files += write_map(figures["Map"](), outputs.map)
     if outputs.report is not None:
         make_directory(outputs.report.parent, "--report")
-        write_text(outputs.report, report_html(title, text, list(figures.items()), assumptions))
+        drawn = [(name, draw()) for name, draw in figures.items()]
+        write_text(outputs.report, report_html(title, text, drawn, assumptions))
         files.append(outputs.report)
     return files
 
@@ -156,49 +150,35 @@ def write_map(picture: str, path: Path) -> tuple[Path, ...]:
     return write_picture(path, picture)
 
 
-def write_tables(folder: Path, tables: Mapping[str, dict[str, list[Any]]]) -> list[Path]:
-    """Write tables as CSV files, and return their paths."""
-    make_directory(folder, "--tables")
+def _write_tables(outputs: Outputs, tables: Mapping[str, dict[str, list[Any]]]) -> list[Path]:
+    """Write tables as CSV files if they are asked for, and return their paths."""
+    if outputs.tables is None:
+        return []
+    make_directory(outputs.tables, "--tables")
     written = []
     for name, columns in tables.items():
-        path = folder / f"{name}.csv"
-        write_text(path, format_csv(columns))
+        path, buffer = outputs.tables / f"{name}.csv", io.StringIO()
+        writer = csv.writer(buffer, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))
+        write_text(path, buffer.getvalue())
         written.append(path)
     return written
 
 
-def format_csv(columns: dict[str, list[Any]]) -> str:
-    """Return columns as CSV text."""
-    import csv
-    import io
-
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*columns.values(), strict=True))
-    return buffer.getvalue()
-
-
 def _table_nodes(passage: Passage) -> list[str | TextTable]:
-    network = passage.network
-    order = sorted(
-        (
-            node
-            for node in range(len(network.nodes))
-            if passage.probability[node] > 1e-6 and node != passage.release
-        ),
-        key=lambda node: (-passage.probability[node], passage.age[node]),
-    )
-    rows = []
+    network, probability = passage.network, passage.probability
+    order = [node for node in np.flatnonzero(probability > 1e-6).tolist() if node != passage.release]
+    order.sort(key=lambda node: (-probability[node], passage.age[node]))
+    header, rows = ["node", "probability %", "mean age"], []
     for node in order[:MOST_ROWS]:
-        row = [network.nodes[node], f"{100 * passage.probability[node]:.2f}", format_time(passage.age[node])]
+        row = [network.nodes[node], f"{100 * probability[node]:.2f}", format_time(passage.age[node])]
         if len(passage.quantiles):
             low, _, high = passage.quantiles[node]
             row.append(f"{format_time(low)} to {format_time(high)}")
         rows.append(row)
-    header = ["node", "probability %", "mean age"] + (
-        ["9 of 10 arrive after"] if len(passage.quantiles) else []
-    )
+    if len(passage.quantiles):
+        header.append("9 of 10 arrive after")
     left = [f"and {len(order) - MOST_ROWS} more nodes"] if len(order) > MOST_ROWS else []
     return [TextTable(header, rows, right=(1,)), *left]
 
@@ -223,15 +203,11 @@ def _compare(passage: Passage, other: Passage) -> dict[str, Any]:
 
 
 def _table_branches(branches: Mapping[str, Mapping[str, Any]]) -> TextTable:
-    rows = [
-        [
-            side,
-            f"{100 * facts['coverage']:.1f}",
-            f"{100 * facts['stuck']:.1f}",
-            f"{100 * facts['largest_change']:.1f}" + (f" at {facts['node']}" if facts["node"] else ""),
-        ]
-        for side, facts in branches.items()
-    ]
+    rows = []
+    for side, facts in branches.items():
+        coverage, stuck, change = (100 * facts[key] for key in ("coverage", "stuck", "largest_change"))
+        at = f" at {facts['node']}" if facts["node"] else ""
+        rows.append([side, f"{coverage:.1f}", f"{stuck:.1f}", f"{change:.1f}{at}"])
     return TextTable(("branches at", "sees %", "stuck %", "largest change, points"), rows, right=(1, 2))
 
 
@@ -240,37 +216,19 @@ def _table_members(fleet: Fleet) -> TextTable:
     groups: dict[tuple[str, str, float], list[Member]] = {}
     for member in fleet.members:
         groups.setdefault((member.agent, member.release, member.passage.hour), []).append(member)
-    rows = [
-        [
-            f"{len(members)}",
-            shorten_name(agent),
-            release,
-            f"{hour:g}",
-            f"{100 * members[0].coverage:.1f}",
-            f"{100 * sum(member.gain for member in members):.1f}",
-        ]
-        for (agent, release, hour), members in groups.items()
-    ]
-    return TextTable(
-        ("number", "agent", "release", "hour", "alone sees %", "adds %"), rows, right=(0, 3, 4, 5)
-    )
+    rows = []
+    for (agent, release, hour), members in groups.items():
+        alone, adds = 100 * members[0].coverage, 100 * sum(member.gain for member in members)
+        name = agent if len(agent) <= _LONGEST_NAME else f"{agent[: _LONGEST_NAME - 3]}..."
+        rows.append([f"{len(members)}", name, release, f"{hour:g}", f"{alone:.1f}", f"{adds:.1f}"])
+    header = ("number", "agent", "release", "hour", "alone sees %", "adds %")
+    return TextTable(header, rows, right=(0, 3, 4, 5))
 
 
 def _table_curves(fleet: Fleet) -> TextTable:
     size = len(fleet.curve)
     counts = sorted({count for count in (1, 2, 5, 10, 20, 50, 100) if count < size} | {size})
-    rows = [
-        [f"{count}"]
-        + [
-            f"{100 * curve[count - 1]:.1f}"
-            for curve in (fleet.tracers, fleet.retained, fleet.curve, fleet.choice_bound, fleet.bound)
-        ]
-        for count in counts
-    ]
+    curves = (fleet.tracers, fleet.retained, fleet.curve, fleet.choice_bound, fleet.bound)
+    rows = [[f"{count}", *(f"{100 * curve[count - 1]:.1f}" for curve in curves)] for count in counts]
     header = ("bodies see %", "tracers", "retained", "fleet", "any choice", "steered")
     return TextTable(header, rows, right=(0, 1, 2, 3, 4, 5))
-
-
-def shorten_name(name: str, most: int = 30) -> str:
-    """Return a name that fits into a table."""
-    return name if len(name) <= most else f"{name[: most - 3]}..."

@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
 from driftform.types import FloatArray
-from driftform_networks.chain import Chain
+from driftform_networks.network import IntArray
 from driftform_networks.snapshot import Snapshot
 
 
@@ -63,6 +62,10 @@ class TransferTable:
 class Routing:
     """The tables of a body in a snapshot.
 
+    They are a Markov chain. A state is a link and the band of its bore in which the body enters it; its number is
+    ``link * bands + band``. :func:`driftform_networks.chain.follow` solves the chain, and
+    :func:`driftform_networks.walkers.walk` draws ways from it, also where the tables change with time.
+
     Attributes
     ----------
     snapshot
@@ -88,30 +91,36 @@ class Routing:
         """Number of bands of a bore."""
         return len(self.release)
 
-    def make_chain(self) -> Chain:
-        """Return the Markov chain of these tables."""
-        snapshot, bands = self.snapshot, self.bands
-        rows, columns, values, durations, held, leaves = [], [], [], [], [], []
-        states = np.arange(bands)
-        for link, (straight, table) in enumerate(zip(self.transfers, self.tables, strict=True)):
-            outlets = snapshot.outlets[snapshot.head[link]]
-            steps = np.einsum("ab,bo,boc->aoc", straight.transfer, table.choice, table.arrival)
-            shape = steps.shape
-            rows.append(np.broadcast_to((link * bands + states)[:, None, None], shape).ravel())
-            columns.append(np.broadcast_to(outlets[:, None] * bands + states, shape).ravel())
-            values.append(steps.ravel())
-            durations.append(snapshot.duration[link] * straight.slowness)
-            held.append(1 - straight.transfer.sum(axis=1))
-            leaves.append(straight.transfer @ table.leaves)
-        count = len(self.tables) * bands
-        entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-        step = sparse.csr_array(entries, (count, count))
-        step.eliminate_zeros()
-        return Chain(
-            snapshot,
-            bands,
-            step,
-            np.concatenate(durations),
-            np.clip(np.concatenate(held), 0.0, 1.0),
-            np.concatenate(leaves),
-        )
+    @property
+    def most(self) -> int:
+        """Largest number of outlets at the end of a link."""
+        return max(len(outlets) for outlets in self.snapshot.outlets)
+
+    @property
+    def transfer(self) -> FloatArray:
+        """Transfer through each link, (links, bands, bands)."""
+        return np.array([straight.transfer for straight in self.transfers])
+
+    @property
+    def slowness(self) -> FloatArray:
+        """Slowness in each link, (links, bands)."""
+        return np.array([straight.slowness for straight in self.transfers])
+
+    def stack_ends(self, most: int) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Return what bodies do at the end of each link as arrays with room for ``most`` outlets.
+
+        Returns
+        -------
+        outlets, choice, arrival
+            links of the snapshot that lead on, filled with -1, (links, most); probability of each outlet, and as the last
+            that of leaving the pipes, (links, bands, most + 1); probability of each band there, (links, bands, most, bands).
+        """
+        count, bands = len(self.tables), self.bands
+        outlets = np.full((count, most), -1)
+        choice, arrival = np.zeros((count, bands, most + 1)), np.zeros((count, bands, most, bands))
+        for link, table in enumerate(self.tables):
+            leading = self.snapshot.outlets[self.snapshot.head[link]]
+            outlets[link, : len(leading)] = leading
+            choice[link, :, : len(leading)], choice[link, :, most] = table.choice, table.leaves
+            arrival[link, :, : len(leading)] = table.arrival
+        return outlets, choice, arrival

@@ -10,7 +10,7 @@ from driftform_networks.chain import find_loops
 from driftform_networks.map import Mark, network_svg
 from driftform_networks.network import Network
 from driftform_networks.reading import open_network
-from driftform_networks.results import Outputs, write_map
+from driftform_networks.results import Outputs, list_files, write_map
 from driftform_networks.scale import is_to_scale
 from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
 
@@ -23,53 +23,43 @@ def show_network(source: str, hour: float, map: Path | None, cache: Path | None)
     Outputs(map).check()
     network = open_network(source, cache)
     snapshot = take_snapshot(network, hour)
-    document: dict[str, Any] = describe_network(network, snapshot)
-    files: tuple[Path, ...] = ()
-    if map is not None:
-        title = f"{network.name} at hour {hour:g}"
-        fastest = float(snapshot.speed[np.isfinite(snapshot.speed)].max())
-        shares = np.full(len(network.links), np.nan)
-        shares[snapshot.links] = np.minimum(snapshot.speed / fastest, 1.0)
-        sources = [
-            Mark(node, network.nodes[node])
-            for node, kind in enumerate(network.node_kinds)
-            if kind != "junction"
-        ]
-        subtitle = f"{len(network.nodes)} nodes, {document['length'] / 1000:.1f} km of pipe"
-        legend = f"speed of the water, relative to {fastest:.2f} m/s"
-        files = write_map(network_svg(network, shares, sources, title, subtitle, legend=legend), map)
-    document["files"] = [str(file) for file in files]
+    facts = describe_network(network, snapshot)
+    narrow, wide = (1000 * bore for bore in facts["bore"])
+    scale = "drawn to scale" if facts["to_scale"] else "not drawn to scale: angles are not those of the pipes"
     rows = [
-        ("nodes", ", ".join(f"{count} {kind}s" for kind, count in document["nodes"].items())),
-        ("links", ", ".join(f"{count} {kind}s" for kind, count in document["links"].items())),
-        (
-            "pipes",
-            f"{document['length'] / 1000:.2f} km, bore {1000 * document['bore'][0]:.0f} to {1000 * document['bore'][1]:.0f} mm",
-        ),
-        ("simulation", f"{document['duration'] / 3600:g} h in {document['steps']} hydraulic steps"),
-        ("reversals", f"the flow of {document['reversing']} links changes its direction"),
-        (
-            "map",
-            "drawn to scale"
-            if document["to_scale"]
-            else "not drawn to scale: angles are not those of the pipes",
-        ),
-        (f"hour {hour:g}", f"{document['flowing']} links flow, at a median of {document['speed']:.2f} m/s"),
-        ("", f"{document['splitting']} nodes divide the flow; {document['looping']} lie in loops of flow"),
+        ("nodes", ", ".join(f"{count} {kind}s" for kind, count in facts["nodes"].items())),
+        ("links", ", ".join(f"{count} {kind}s" for kind, count in facts["links"].items())),
+        ("pipes", f"{facts['length'] / 1000:.2f} km, bore {narrow:.0f} to {wide:.0f} mm"),
+        ("simulation", f"{facts['duration'] / 3600:g} h in {facts['steps']} hydraulic steps"),
+        ("reversals", f"the flow of {facts['reversing']} links changes its direction"),
+        ("map", scale),
+        (f"hour {hour:g}", f"{facts['flowing']} links flow, at a median of {facts['speed']:.2f} m/s"),
+        ("", f"{facts['splitting']} nodes divide the flow; {facts['looping']} lie in loops of flow"),
     ]
     supply = [
         (name, network.node_kinds[network.nodes.index(name)], f"{1000 * flow:.1f}")
-        for name, flow in document["supply"].items()
+        for name, flow in facts["supply"].items()
     ]
     text: list[str | TextTable] = [network.name]
     text += [f"  {name:10}  {value}" for name, value in rows]
     text += [TextTable(("water comes from", "kind", "litres/s"), supply, right=(2,))]
     text += [f"warning: EPANET: {line}" for line in network.hydraulics.warnings]
-    text += [f"wrote {file}" for file in files]
-    return CommandResult(document, text)
+    return list_files(facts, text, () if map is None else write_map(_draw(network, snapshot, hour), map))
 
 
-def describe_network(network: Network, snapshot: Snapshot) -> dict[str, object]:
+def _draw(network: Network, snapshot: Snapshot, hour: float) -> str:
+    """Return the map, with the speed of the water in each link."""
+    fastest = float(snapshot.speed[np.isfinite(snapshot.speed)].max())
+    shares = np.full(len(network.links), np.nan)
+    shares[snapshot.links] = np.minimum(snapshot.speed / fastest, 1.0)
+    sources = [Mark(node, network.nodes[node]) for node in np.flatnonzero(snapshot.stores).tolist()]
+    title = f"{network.name} at hour {hour:g}"
+    subtitle = f"{len(network.nodes)} nodes, {network.length.sum() / 1000:.1f} km of pipe"
+    legend = f"speed of the water, relative to {fastest:.2f} m/s"
+    return network_svg(network, shares, sources, title, subtitle, legend=legend)
+
+
+def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:
     """Return facts about a network and its flow at one hour as plain values for JSON."""
     hydraulics, pipes = network.hydraulics, np.array([kind == "pipe" for kind in network.link_kinds])
     reverses = (hydraulics.flow > _ROUNDING).any(axis=0) & (hydraulics.flow < -_ROUNDING).any(axis=0)

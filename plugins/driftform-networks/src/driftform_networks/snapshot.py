@@ -99,6 +99,28 @@ def take_snapshot(network: Network, hour: float = 0.0) -> Snapshot:
     return Snapshot(network, hour, step, links, tail, head, np.abs(flow[links]), exit, stores, tuple(outlets))
 
 
+def divide_flow(snapshot: Snapshot, node: int, retained: bool = False) -> FloatArray:
+    """Return the probability that water at a node flows into each link of the snapshot, (links,).
+
+    Bodies that are ``retained`` do not leave with the demand of the node.
+
+    Raises
+    ------
+    InputError
+        if it flows into none.
+    """
+    outlets, network = snapshot.outlets[node], snapshot.network
+    if not len(outlets):
+        raise InputError(
+            f"--release {network.nodes[node]}: no water flows from it into a pipe at hour {snapshot.hour:g}: "
+            "choose a node upstream, or another hour"
+        )
+    first = np.zeros(len(snapshot.links))
+    whole = snapshot.departure[node] - (snapshot.exit[node] if retained else 0.0)
+    first[outlets] = snapshot.flow[outlets] / whole
+    return first
+
+
 def check_pressure(network: Network, step: int) -> None:
     """Refuse a step with negative pressure at a junction that delivers water.
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from driftform.types import FloatArray
 from driftform_networks.bore import spread_points
-from driftform_networks.network import IntArray
 
 _ROUNDS = 40
 
@@ -33,7 +32,7 @@ def divide_bore(points: FloatArray, directions: FloatArray, shares: FloatArray) 
     """
     sides, side = np.unique(directions.round(6), axis=0, return_inverse=True)
     together = np.asarray(np.bincount(side, shares, len(sides)), np.float64)
-    chosen = divide_points(points, sides, weigh_outlets(sides, together))
+    chosen = np.argmax(points @ sides.T + weigh_outlets(sides, together), axis=1)
     within = np.where(side == np.arange(len(sides))[:, None], shares, 0.0) / together[:, None]
     return np.asarray(within[chosen])
 
@@ -66,11 +65,6 @@ def _between(lead: FloatArray, share: float) -> float:
     if count >= len(lead):
         return float(lead[-1] + 1e-3)
     return float((lead[count - 1] + lead[count]) / 2)
-
-
-def divide_points(points: FloatArray, directions: FloatArray, weights: FloatArray) -> IntArray:
-    """Return the outlet that each point of the bore flows into, (n,)."""
-    return np.asarray(np.argmax(points @ directions.T + weights, axis=1))
 
 
 def smallest_share(size: float) -> float:

@@ -1,13 +1,12 @@
 """Flights of a body through a tee, and what they say about its way: the outlet, the band there, and where it is held."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
 
-from driftform.errors import WorkFailedError
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform.water.pipe_parts import Opening
@@ -16,7 +15,7 @@ from driftform_networks.bore import BANDS, find_band, spread_points
 from driftform_networks.cache import keep_result
 from driftform_networks.flights import StraightTask
 from driftform_networks.network import IntArray
-from driftform_networks.releasing import draw_attitude, locate_middle, release, turn
+from driftform_networks.releasing import draw_attitude, fly, locate_middle, release, spread_numbers, turn
 from driftform_networks.tees import BRANCH, RUN, Tee
 
 RINGS, AROUND = 7, 15
@@ -62,13 +61,19 @@ class TeeFlights:
 class TeeTask:
     """Flights to make through a tee: of a body from the ends of straight flights, or from anywhere in the bore without them.
 
-    The worker process that makes them writes them to ``path``, as that of a straight pipe does.
+    ``folder`` keeps the result.
     """
 
     traveller: Traveller
+    folder: Path
     tee: Tee
     straight: StraightTask | None
-    path: Path
+
+    @property
+    def path(self) -> Path:
+        """File of the result."""
+        main = self.straight and [self.straight.bore, self.straight.speed, self.straight.slope]
+        return self.folder / self.traveller.name_file(tee=[asdict(self.tee), main])
 
     def __call__(self) -> TeeFlights:
         """Make the flights, or read them."""
@@ -96,31 +101,27 @@ def fly_tee(traveller: Traveller, tee: Tee, states: FloatArray | None, slope: fl
     WorkFailedError
         if the simulator can fly none of them.
     """
-    document = describe_pipe(traveller, tee)
-    if states is None:
-        bands, scenarios = _spread(traveller, tee, document)
-    else:
-        bands, scenarios = _continue(traveller, tee, document, states, slope)
+    document, along = describe_pipe(traveller, tee), _START * tee.bore
+    starts = _spread(traveller, tee) if states is None else _continue(traveller, tee, states, slope)
+    releases = [(band, release(traveller, document, along, *start)) for band, *start in starts]
+    bands = [band for band, scenario in releases if scenario is not None]
+    scenarios = [scenario for _, scenario in releases if scenario is not None]
     if not scenarios:
         return TeeFlights(np.zeros((BANDS, 2, BANDS)), 0.0)
-    agents = [traveller.agent] * len(scenarios)
-    flights = traveller.simulator.screen_batch(agents, scenarios, lambda _, __: False)
-    sound = [index for index, flight in enumerate(flights) if not flight.end.failed]
-    if not sound:
-        raise WorkFailedError(
-            f"{traveller.name}: cannot be flown through a tee of {1000 * tee.bore:.0f} mm: {flights[0].failure}"
-        )
+    flights = fly(traveller, scenarios, f"through a tee of {1000 * tee.bore:.0f} mm")
     counts, total = np.zeros((BANDS, 2, BANDS)), np.zeros(BANDS)
-    for index in sound:
+    for band, scenario, flight in zip(bands, scenarios, flights, strict=True):
+        if flight is None:
+            continue
         # Bodies that are anywhere arrive as often as the water passes their places.
-        weight = float(np.linalg.norm(flights[index].velocity[0, :3])) if states is None else 1.0
-        total[bands[index]] += weight
-        if (end := _find_end(traveller, tee, scenarios[index], flights[index])) is not None:
-            counts[bands[index], *end] += weight
+        weight = float(np.linalg.norm(flight.velocity[0, :3])) if states is None else 1.0
+        total[band] += weight
+        if (end := _find_end(traveller, tee, scenario, flight)) is not None:
+            counts[band, *end] += weight
     mean = counts.sum(axis=0) / total.sum()
     known = (total > 0) & (states is not None)
     onward = np.where(known[:, None, None], counts / np.maximum(total, 1e-300)[:, None, None], mean)
-    return TeeFlights(onward, 1 - len(sound) / len(flights))
+    return TeeFlights(onward, flights.count(None) / len(flights))
 
 
 def describe_pipe(traveller: Traveller, tee: Tee) -> dict[str, Any]:
@@ -151,47 +152,32 @@ def describe_pipe(traveller: Traveller, tee: Tee) -> dict[str, Any]:
     }
 
 
-def _spread(traveller: Traveller, tee: Tee, document: dict[str, Any]) -> tuple[list[int], list[Scenario]]:
-    """Return bands and scenarios of releases from anywhere; those nearest to the wall are as near as they can be."""
+def _spread(traveller: Traveller, tee: Tee) -> Iterator[tuple[Any, ...]]:
+    """Yield band, place, pitch and yaw of releases from anywhere; those nearest to the wall are as near as they can be."""
     room = max(1 - traveller.agent.body.max_diameter / tee.bore, 0.0)
     places = spread_points(1.0, RINGS, AROUND)
     # The thousandth keeps the releases off the wall.
     places *= np.minimum(1.0, 0.999 * room / np.linalg.norm(places, axis=1))[:, None]
-    numbers = qmc.Sobol(2, rng=np.random.default_rng(_SEED)).random(2 ** int(np.ceil(np.log2(len(places)))))
-    bands, scenarios = [], []
+    numbers = spread_numbers(len(places), 2, _SEED)
     for band, place, pair in zip(find_band(places, room).tolist(), places, numbers, strict=False):
-        attitude = draw_attitude(pair)
-        found = release(traveller, document, _START * tee.bore, place * tee.bore / 2, *attitude)
-        if found is not None:
-            bands.append(band)
-            scenarios.append(found)
-    return bands, scenarios
+        yield band, place * tee.bore / 2, *draw_attitude(pair)
 
 
-def _continue(
-    traveller: Traveller, tee: Tee, document: dict[str, Any], states: FloatArray, slope: float
-) -> tuple[list[int], list[Scenario]]:
-    """Return bands and scenarios of releases as at the ends of straight flights."""
-    rows = _pick_states(states[:, 0].astype(np.int64))
+def _continue(traveller: Traveller, tee: Tee, states: FloatArray, slope: float) -> Iterator[tuple[Any, ...]]:
+    """Yield band, place, pitch, yaw and velocity of releases as at the ends of straight flights."""
+    picked = states[_pick_states(states[:, 0].astype(np.int64))]
     x, z = np.sqrt(1 - slope**2), slope
     pipe = np.array([[x, 0.0, z], [0.0, 1.0, 0.0], [-z, 0.0, x]])
-    quaternion = states[rows, 3:7]
     ahead, middle, velocity = (
-        turn(quaternion, vector) @ pipe.T
-        for vector in (np.array([1.0, 0.0, 0.0]), traveller.agent.mass.cob, states[rows, 7:10])
+        turn(picked[:, 3:7], vector) @ pipe.T
+        for vector in (np.array([1.0, 0.0, 0.0]), traveller.agent.mass.cob, picked[:, 7:10])
     )
     # The states have the place of the centre of the displaced water, and a release that of the core.
-    places = states[rows, 1:3] * tee.bore / 2 - np.column_stack([-middle[:, 1], middle[:, 2]])
-    bands, scenarios = [], []
-    for index, row in enumerate(rows.tolist()):
-        pitch = -np.rad2deg(np.arcsin(np.clip(ahead[index, 2], -1, 1)))
-        yaw = np.rad2deg(np.arctan2(ahead[index, 1], ahead[index, 0]))
-        along = _START * tee.bore
-        found = release(traveller, document, along, places[index], float(pitch), float(yaw), velocity[index])
-        if found is not None:
-            bands.append(int(states[row, 0]))
-            scenarios.append(found)
-    return bands, scenarios
+    places = picked[:, 1:3] * tee.bore / 2 - np.column_stack([-middle[:, 1], middle[:, 2]])
+    pitch = -np.rad2deg(np.arcsin(np.clip(ahead[:, 2], -1, 1)))
+    yaw = np.rad2deg(np.arctan2(ahead[:, 1], ahead[:, 0]))
+    bands = picked[:, 0].astype(np.int64)
+    yield from zip(bands.tolist(), places, pitch.tolist(), yaw.tolist(), velocity, strict=True)
 
 
 def _pick_states(bands: IntArray) -> IntArray:

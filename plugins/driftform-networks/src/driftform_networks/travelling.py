@@ -2,10 +2,9 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,12 +12,14 @@ from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
 from driftform_networks.bodies import SCENARIO, Traveller
 from driftform_networks.bore import BANDS, MIRROR, MIXED
-from driftform_networks.cache import find_cache, hash_content
+from driftform_networks.cache import find_cache
 from driftform_networks.dividing import divide_bodies
 from driftform_networks.fits import find_obstacle
+from driftform_networks.flights import StraightFlights, StraightTask
 from driftform_networks.junctions import SIDES, Geometry, Junction
 from driftform_networks.routing import Routing, RoutingTable, TransferTable
 from driftform_networks.snapshot import Snapshot
+from driftform_networks.tee_flights import TeeFlights, TeeTask
 from driftform_networks.tees import (
     ANGLES_DEG,
     BRANCH,
@@ -31,10 +32,6 @@ from driftform_networks.tees import (
     send_all,
     weigh_shares,
 )
-
-if TYPE_CHECKING:
-    from driftform_networks.flights import StraightFlights, StraightTask
-    from driftform_networks.tee_flights import TeeFlights, TeeTask
 
 SPEED_STEP = 1.5
 """Flights are made at speeds that differ by this factor, and serve the speeds around them."""
@@ -50,12 +47,6 @@ SERVICE_BORE = 0.02
 
 Progress = Callable[[int, int], None]
 """Takes the number of tables that are made, and of all."""
-
-_Key = tuple[float, float, float]
-"""Bore, speed and slope of flights."""
-
-_TeeKey = tuple[Tee, _Key | None]
-"""A tee, and the flights through the main whose ends lead into it; ``None`` for a mixed body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,10 +99,9 @@ class Traveling:
         self._geometry, self._travel = geometry, travel
         self._retained = traveller.agent.body.max_diameter >= travel.service_bore
         self._folder = find_cache(cache)
-        self._hash = traveller.hash()
-        self._flights: dict[_Key, StraightFlights] = {}
-        self._tees: dict[_TeeKey, TeeFlights] = {}
-        self._transfers: dict[tuple[object, ...], TransferTable] = {}
+        self._straights: dict[StraightTask, StraightFlights] = {}
+        self._tees: dict[TeeTask, TeeFlights] = {}
+        self._transfers: dict[tuple[StraightTask, int], TransferTable] = {}
         self._bends: dict[int, str] = {}
 
     def with_branch(self, branch: str) -> "Traveling":
@@ -121,66 +111,32 @@ class Traveling:
         other._travel = replace(self._travel, branch=branch)
         return other
 
-    def list_straights(self, snapshots: Iterable[Snapshot]) -> "list[StraightTask]":
-        """Return the flights through straight pipes that these snapshots need and that were not read yet."""
-        keys = {
-            self._key(snapshot, link)
+    def list_straights(self, snapshots: Iterable[Snapshot]) -> list[StraightTask]:
+        """Return the flights through straight pipes that these snapshots need."""
+        found = (
+            self._find_straight(snapshot, link)
             for snapshot in snapshots
             for link in range(len(snapshot.links))
             if self._needs_flights(snapshot, link)
-        }
-        return [self._straight(key) for key in sorted(keys - self._flights.keys())]
+        )
+        return list(dict.fromkeys(found))
 
-    def list_tees(self, snapshots: Iterable[Snapshot]) -> "list[TeeTask]":
-        """Return the flights through tees that these snapshots need and that were not read yet."""
-        from driftform_networks.tee_flights import TeeTask
-
-        keys = {
-            key
+    def list_tees(self, snapshots: Iterable[Snapshot]) -> list[TeeTask]:
+        """Return the flights through tees that these snapshots need."""
+        found = (
+            task
             for snapshot in snapshots
             for link in range(len(snapshot.links))
-            for key, _ in self._find_tees(snapshot, link, self._geometry.describe(snapshot, link))
-            if key[0].share not in (0.0, 1.0)
-        }
-        return [
-            TeeTask(
-                self._traveller,
-                tee,
-                None if key is None else self._straight(key),
-                self._path("tee", (tee, key)),
-            )
-            for tee, key in sorted(keys - self._tees.keys(), key=repr)
-        ]
-
-    def _straight(self, key: _Key) -> "StraightTask":
-        from driftform_networks.flights import StraightTask
-
-        return StraightTask(self._traveller, *key, self._path("straight", key))
-
-    def _path(self, name: str, key: _Key | _TeeKey) -> Path:
-        plain = [asdict(part) if isinstance(part, Tee) else part for part in key]
-        return self._folder / f"{hash_content({'body': self._hash, name: plain})}.npz"
-
-    def read_straights(self, tasks: "Iterable[StraightTask]") -> None:
-        """Take the results of tasks."""
-        for task in tasks:
-            key = task.bore, task.speed, task.slope
-            # Copies of this object, with branches at other sides, may have read them.
-            self._flights[key] = self._flights.get(key) or task()
-
-    def read_tees(self, tasks: "Iterable[TeeTask]") -> None:
-        """Take the results of tasks."""
-        for task in tasks:
-            straight = task.straight
-            key = None if straight is None else (straight.bore, straight.speed, straight.slope)
-            self._tees[task.tee, key] = self._tees.get((task.tee, key)) or task()
+            for task, _ in self._find_tees(snapshot, link, self._geometry.describe(snapshot, link))
+            if task.tee.share not in _ALL_INTO
+        )
+        return list(dict.fromkeys(found))
 
     def route(self, snapshot: Snapshot) -> Routing:
-        """Return the tables of the body in a snapshot; its flights must have been made."""
-        transfers, tables = [], []
-        for link in range(len(snapshot.links)):
-            transfers.append(self._transfer(snapshot, link))
-            tables.append(self._divide(snapshot, link))
+        """Return the tables of the body in a snapshot; flights that were not made are made."""
+        links = range(len(snapshot.links))
+        transfers = [self._transfer(snapshot, link) for link in links]
+        tables = [self._divide(snapshot, link) for link in links]
         return Routing(snapshot, transfers, tables, MIXED, self._retained)
 
     def _needs_flights(self, snapshot: Snapshot, link: int) -> bool:
@@ -189,14 +145,25 @@ class Traveling:
         fits = self._traveller.agent.body.max_diameter <= network.diameter[index]
         return bool(is_pipe and fits and not self._traveller.is_mixed(float(snapshot.speed[link])))
 
-    def _key(self, snapshot: Snapshot, link: int) -> _Key:
+    def _find_straight(self, snapshot: Snapshot, link: int) -> StraightTask:
+        """Return the flights through a straight pipe that stand for a link."""
         network, index = snapshot.network, snapshot.links[link]
-        speed = max(float(snapshot.speed[link]), SLOWEST)
-        rise = network.elevation[snapshot.head[link]] - network.elevation[snapshot.tail[link]]
-        slope = rise / network.length[index] if network.node_kinds[snapshot.tail[link]] == "junction" else 0.0
-        slope = 0.0 if network.node_kinds[snapshot.head[link]] != "junction" else slope
-        nearest = min(SLOPES, key=lambda known: abs(known - slope))
-        return round(float(network.diameter[index]), 4), _match_speed(speed), nearest
+        ends = [snapshot.tail[link], snapshot.head[link]]
+        slope = 0.0
+        if all(network.node_kinds[node] == "junction" for node in ends):
+            slope = float(np.diff(network.elevation[ends])[0] / network.length[index])
+        return StraightTask(
+            self._traveller,
+            self._folder,
+            round(float(network.diameter[index]), 4),
+            _match_speed(max(float(snapshot.speed[link]), SLOWEST)),
+            min(SLOPES, key=lambda known: abs(known - slope)),
+        )
+
+    def _read_straight(self, task: StraightTask) -> StraightFlights:
+        if task not in self._straights:
+            self._straights[task] = task()
+        return self._straights[task]
 
     def _transfer(self, snapshot: Snapshot, link: int) -> TransferTable:
         network, index = snapshot.network, int(snapshot.links[link])
@@ -206,12 +173,12 @@ class Traveling:
             return TransferTable(np.zeros((BANDS, BANDS)), np.ones(BANDS), obstacle)
         if not self._needs_flights(snapshot, link):
             return _MIXING
-        key = self._key(snapshot, link)
-        cells = max(1, round(float(network.length[index]) / self._flights[key].cell))
-        name = (key, cells)
-        if name not in self._transfers:
-            self._transfers[name] = _repeat(self._flights[key], cells, key)
-        return self._transfers[name]
+        task = self._find_straight(snapshot, link)
+        flights = self._read_straight(task)
+        cells = max(1, round(float(network.length[index]) / flights.cell))
+        if (task, cells) not in self._transfers:
+            self._transfers[task, cells] = repeat_cells(flights, cells, task)
+        return self._transfers[task, cells]
 
     def _find_bend(self, bore: float, index: int) -> str:
         """Return why the body cannot pass the bends of a link, empty if it can."""
@@ -222,55 +189,60 @@ class Traveling:
         return self._bends[index]
 
     def _divide(self, snapshot: Snapshot, link: int) -> RoutingTable:
-        junction = self._geometry.describe(snapshot, link)
-        points = None
+        junction, points = self._geometry.describe(snapshot, link), None
         if self._needs_flights(snapshot, link):
-            points = self._flights[self._key(snapshot, link)].states[:, :3]
+            points = self._read_straight(self._find_straight(snapshot, link)).states[:, :3]
         onward = self._fly_on(junction, self._find_tees(snapshot, link, junction))
         return divide_bodies(self._traveller, junction, points, self._travel.service_bore, onward)
 
-    def _find_tees(self, snapshot: Snapshot, link: int, junction: Junction) -> list[tuple[_TeeKey, float]]:
-        """Return the tees that stand for a junction, with weights; none for one that streamtubes divide."""
+    def _find_tees(self, snapshot: Snapshot, link: int, junction: Junction) -> list[tuple[TeeTask, float]]:
+        """Return flights through tees that stand for a junction, with weights; none for one that streamtubes divide."""
         branch = find_branch(junction)
         size = self._traveller.agent.body.max_diameter / (junction.bore or np.inf)
         is_pipe = snapshot.network.link_kinds[snapshot.links[link]] == "pipe"
         is_mixed = not self._needs_flights(snapshot, link)
         if branch is None or not is_pipe or size >= 1 or (is_mixed and size < NARROW):
             return []
-        bore, speed, slope = self._key(snapshot, link)
+        straight = self._find_straight(snapshot, link)
         right, up = junction.directions[branch]
-        clock = np.rad2deg(np.arctan2(abs(right), up))
+        speed, clock = straight.speed, np.rad2deg(np.arctan2(abs(right), up))
         if is_mixed:
             # Neither gravity nor what lies upstream matters.
             speed, clock = _match_speed(max(speed, SLOWEST_MIXED)), 90.0
         turn = float(np.rad2deg(junction.turns[branch]))
         angle = min(ANGLES_DEG, key=lambda known: abs(known - turn))
         ratio = match_ratio(float(junction.bores[branch]) / junction.bore, size)
+        shares = weigh_shares(float(junction.shares[branch]), size if is_mixed else 0.0)
+        tees = [Tee(straight.bore, speed, ratio, angle, round(float(clock)), share) for share, _ in shares]
+        main = None if is_mixed else straight
         return [
-            (
-                (
-                    Tee(bore, speed, ratio, angle, round(float(clock)), share),
-                    None if is_mixed else (bore, speed, slope),
-                ),
-                weight,
-            )
-            for share, weight in weigh_shares(float(junction.shares[branch]), size if is_mixed else 0.0)
+            (TeeTask(self._traveller, self._folder, tee, main), weight)
+            for tee, (_, weight) in zip(tees, shares, strict=True)
         ]
 
-    def _fly_on(self, junction: Junction, tees: list[tuple[_TeeKey, float]]) -> FloatArray | None:
+    def _fly_on(self, junction: Junction, tees: list[tuple[TeeTask, float]]) -> FloatArray | None:
         """Return the probability of each outlet and band by flights, (bands, outlets, bands); ``None`` without tees."""
         branch = find_branch(junction)
         if branch is None or not tees:
             return None
-        ends = {0.0: RUN, 1.0: BRANCH}
         onward = np.zeros((BANDS, 2, BANDS))
-        for key, weight in tees:
-            share = key[0].share
-            onward += weight * (send_all(ends[share]) if share in ends else self._tees[key].onward)
+        for task, weight in tees:
+            onward += weight * self._read_tee(task)
         if junction.directions[branch, 0] < -1e-6:
             # Flights are those of a branch at the right.
             onward = onward[MIRROR][:, :, MIRROR]
         return np.asarray(onward[:, [RUN, BRANCH] if branch == 1 else [BRANCH, RUN]])
+
+    def _read_tee(self, task: TeeTask) -> FloatArray:
+        if task.tee.share in _ALL_INTO:
+            return send_all(_ALL_INTO[task.tee.share])
+        if task not in self._tees:
+            self._tees[task] = task()
+        return self._tees[task].onward
+
+
+_ALL_INTO = {0.0: RUN, 1.0: BRANCH}
+"""Outlet that all bodies take if the branch has this share of the water."""
 
 
 def _match_speed(speed: float) -> float:
@@ -280,7 +252,7 @@ def _match_speed(speed: float) -> float:
 _MIXING = TransferTable(np.tile(MIXED, (BANDS, 1)), np.ones(BANDS))
 
 
-def _repeat(flights: "StraightFlights", cells: int, key: _Key) -> TransferTable:
+def repeat_cells(flights: StraightFlights, cells: int, task: StraightTask) -> TransferTable:
     """Return the table of a run of so many cells."""
     power, spent = np.eye(BANDS), np.zeros(BANDS)
     # By doubling: transfer and time of 1, 2, 4, ... cells.
@@ -289,47 +261,29 @@ def _repeat(flights: "StraightFlights", cells: int, key: _Key) -> TransferTable:
         if left % 2:
             spent, power = spent + power @ slow, power @ transfer
         slow, transfer, left = slow + transfer @ slow, transfer @ transfer, left // 2
-    bore, speed, _ = key
-    return TransferTable(
-        power,
-        np.maximum(spent / cells, 1e-3),
-        f"rests on the wall of a {1000 * bore:.0f} mm bore at about {speed:.2g} m/s",
-    )
+    obstacle = f"rests on the wall of a {1000 * task.bore:.0f} mm bore at about {task.speed:.2g} m/s"
+    return TransferTable(power, np.maximum(spent / cells, 1e-3), obstacle)
 
 
 def make_flights(
     travelings: Sequence[Traveling], snapshots: Sequence[Snapshot], workers: int, progress: Progress
 ) -> None:
-    """Make the flights that bodies need in snapshots, in worker processes, and give them to the bodies.
+    """Make the flights that bodies need in snapshots and that are not on disk, in worker processes.
 
-    What is on disk is read. Each result is written as soon as it is there: after an interruption, only flights that
-    were being made are made again.
+    Each result is written as soon as it is there: after an interruption, only flights that were being made are made again.
 
     Raises
     ------
     WorkFailedError
         if a body cannot be flown, or workers die again and again.
     """
-    straights = [traveling.list_straights(snapshots) for traveling in travelings]
-    tees = [traveling.list_tees(snapshots) for traveling in travelings]
     # Flights through tees begin where those through straight pipes end.
-    stages = [_find_missing(straights), _find_missing(tees)]
-    if any(stages):
-        _work(stages, workers, progress)
-    for traveling, runs, forks in zip(travelings, straights, tees, strict=True):
-        traveling.read_straights(runs)
-        traveling.read_tees(forks)
-
-
-def _find_missing(wanted: "Sequence[Sequence[StraightTask | TeeTask]]") -> "list[StraightTask | TeeTask]":
-    """Return the tasks whose results are not on disk, each once."""
-    tasks = {task.path: task for tasks in wanted for task in tasks}
-    return [task for path, task in tasks.items() if not path.is_file()]
-
-
-def _work(stages: "Sequence[Sequence[StraightTask | TeeTask]]", workers: int, progress: Progress) -> None:
+    stages = [
+        _find_missing(task for traveling in travelings for task in traveling.list_straights(snapshots)),
+        _find_missing(task for traveling in travelings for task in traveling.list_tees(snapshots)),
+    ]
     total = sum(map(len, stages))
-    if workers == 1 or total == 1:
+    if workers == 1 or total < 2:
         for done, task in enumerate(chain.from_iterable(stages), start=1):
             task()
             progress(done, total)
@@ -341,6 +295,13 @@ def _work(stages: "Sequence[Sequence[StraightTask | TeeTask]]", workers: int, pr
         size, done = 4 * workers, 0
         for tasks in stages:
             for start in range(0, len(tasks), size):
-                executor.call(tasks[start : start + size])
-                done += len(tasks[start : start + size])
+                part = tasks[start : start + size]
+                executor.call(part)
+                done += len(part)
                 progress(done, total)
+
+
+def _find_missing(wanted: Iterable[StraightTask | TeeTask]) -> list[StraightTask | TeeTask]:
+    """Return the tasks whose results are not on disk, each once."""
+    tasks = {task.path: task for task in wanted}
+    return [task for path, task in tasks.items() if not path.is_file()]

@@ -1,15 +1,23 @@
 """Bodies followed one by one through flows that change with time, or that are those of one hour for ever."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.errors import InputError
 from driftform.types import FloatArray
 from driftform_networks.network import IntArray, Network
+from driftform_networks.passage import (
+    QUANTILES,
+    Ending,
+    Passage,
+    count_junctions,
+    find_reachable,
+    leave,
+    merge_ends,
+)
 from driftform_networks.routing import Routing
-from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
+from driftform_networks.snapshot import STILL
 
 LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY = range(4)
 """How a walk ends: out of the pipes at a node, at rest in a link or at a node, or not before the simulation ends."""
@@ -34,8 +42,8 @@ class Walks:
         of each move from node to node: whose it is, the link, and the node that is reached, -1 if none is, (moves,).
     low, high
         least and greatest share of the link's length that the move reaches, from the link's start, (moves,).
-    left, reached
-        time at the begin and the end of each move, s, (moves,).
+    reached
+        time at the end of each move, s, (moves,).
     ends
         how each walk ends: :data:`LEFT`, :data:`HELD_IN_LINK`, :data:`HELD_AT_NODE` or :data:`UNDER_WAY`, (walks,).
     place
@@ -50,7 +58,6 @@ class Walks:
     node: IntArray
     low: FloatArray
     high: FloatArray
-    left: FloatArray
     reached: FloatArray
     ends: IntArray
     place: IntArray
@@ -60,157 +67,106 @@ class Walks:
         """Number of walks."""
         return len(self.began)
 
-    def first_arrivals(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """Return walk, node and time since the release of each first arrival of a walk at a node, (arrivals,) each."""
+    def first_arrivals(self) -> tuple[IntArray, FloatArray]:
+        """Return node and time since the release of each first arrival of a walk at a node, (arrivals,) each."""
         arrived = np.flatnonzero(self.node >= 0)
         # Moves of a walk are in the order of time, so that the first of each pair is the first arrival.
         key = self.walk[arrived] * len(self.network.nodes) + self.node[arrived]
-        _, first = np.unique(key, return_index=True)
-        rows = arrived[first]
-        keep = self.node[rows] != self.release
-        rows = rows[keep]
-        return self.walk[rows], self.node[rows], self.reached[rows] - self.began[self.walk[rows]]
+        rows = arrived[np.unique(key, return_index=True)[1]]
+        rows = rows[self.node[rows] != self.release]
+        return self.node[rows], self.reached[rows] - self.began[self.walk[rows]]
 
-    def covered(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """Return walk, link and share of its length that the walk has seen, for each link that a walk enters."""
+    def measure_sight(self) -> FloatArray:
+        """Return the mean share of the length of each link that a walk has seen, (links,)."""
         links = len(self.network.links)
         key, index = np.unique(self.walk * links + self.link, return_inverse=True)
         low, high = np.full(len(key), np.inf), np.full(len(key), -np.inf)
         np.minimum.at(low, index, self.low)
         np.maximum.at(high, index, self.high)
-        return key // links, key % links, high - low
+        return np.bincount(key % links, high - low, links) / self.count
 
 
-def walk_snapshot(routing: Routing, release: int, count: int, rng: np.random.Generator) -> Walks:
-    """Return walks through the flows of one hour, which never change."""
-    snapshot = routing.snapshot
-    flow = np.zeros(len(snapshot.network.links))
-    forward = snapshot.tail == snapshot.network.start[snapshot.links]
-    flow[snapshot.links] = np.where(forward, 1.0, -1.0) * snapshot.flow
-    return _walk([routing], flow[None], np.array([0.0]), np.inf, release, np.zeros(count), rng)
-
-
-def walk_network(
-    network: Network,
-    route: Callable[[Snapshot], Routing],
-    release: int,
-    hours: FloatArray,
-    rng: np.random.Generator,
-) -> Walks:
-    """Return walks through the flows as they change until the end of the simulation.
-
-    Parameters
-    ----------
-    route
-        makes the tables of each hydraulic step.
-    hours
-        hour at which each walk begins, (walks,).
-
-    Raises
-    ------
-    InputError
-        if the simulation ends before such an hour, or EPANET finds a negative pressure later.
-    """
-    hydraulics, latest = network.hydraulics, float(np.max(hours))
-    first = hydraulics.find_step(float(np.min(hours)))
-    if latest * 3600 >= hydraulics.end:
-        raise InputError(
-            f"--at {latest:g}: the simulation of {network.name} ends at hour {hydraulics.end / 3600:g}, so that no flow "
-            "changes later: leave out --unsteady, or choose an earlier hour"
-        )
-    times = hydraulics.times[first:]
-    routings = [route(take_snapshot(network, time / 3600)) for time in times]
-    return _walk(
-        routings,
-        hydraulics.flow[first:],
-        times,
-        hydraulics.end,
-        release,
-        3600 * np.asarray(hours, float),
-        rng,
-    )
-
-
-def _walk(
+def walk(
     routings: Sequence[Routing],
-    flow: FloatArray,
-    times: FloatArray,
-    end: float,
+    times: Sequence[float],
     release: int,
     began: FloatArray,
     rng: np.random.Generator,
 ) -> Walks:
-    walk = _Walk(routings, flow, times, end, release, began)
-    while walk.active.any():
-        walk.choose(rng)
-        walk.advance()
-    moves = [np.concatenate(column) for column in zip(*walk.moves, strict=True)]
+    """Return ways of bodies that are drawn from their tables.
+
+    Parameters
+    ----------
+    routings
+        tables of each hydraulic step.
+    times
+        begin of each of these steps, and the end of the last, s, (steps + 1,); infinite for flows that never change.
+    release
+        node where the bodies enter the water.
+    began
+        time at which each walk begins, s, (walks,).
+    """
+    walkers = _Walkers(routings, np.array(times), release, began)
+    while walkers.active.any():
+        walkers.choose(rng)
+        walkers.advance()
+    moves = [np.concatenate(column) for column in zip(*walkers.moves, strict=True)]
     # In the order of time for each walk.
     order = np.argsort(moves[0], kind="stable")
+    who, link, node, low, high, reached = (column[order] for column in moves)
     network = routings[0].snapshot.network
-    who, link, node, low, high, left, reached = (column[order] for column in moves)
-    return Walks(network, release, began, who, link, node, low, high, left, reached, walk.ends, walk.place)
+    return Walks(network, release, began, who, link, node, low, high, reached, walkers.ends, walkers.place)
 
 
-@dataclass(frozen=True, eq=False)
-class _Tables:
-    """The tables of all steps as arrays.
-
-    Attributes
-    ----------
-    entry
-        row of a link at a step in ``outlets``, ``fork`` and ``run``, -1 if its water stands still, (steps, links).
-    outlets, fork, run
-        links at the downstream end, (rows, most), and the numbers of its tables, (rows,).
-    choice
-        of each fork, cumulative over outlets and then out of the pipes, (forks, bands, most + 1).
-    arrival, transfer
-        cumulative over the bands that follow, (forks, bands, most, bands) and (runs, bands, bands).
-    slowness
-        of each run, (runs, bands).
-    """
-
-    entry: IntArray
-    outlets: IntArray
-    fork: IntArray
-    run: IntArray
-    choice: FloatArray
-    arrival: FloatArray
-    transfer: FloatArray
-    slowness: FloatArray
-
-
-class _Walk:
+class _Walkers:
     """All walks at once: in turn, those at nodes choose a link, and those in links advance to its end or to a new flow."""
 
     def __init__(
-        self,
-        routings: Sequence[Routing],
-        flow: FloatArray,
-        times: FloatArray,
-        end: float,
-        release: int,
-        began: FloatArray,
+        self, routings: Sequence[Routing], times: FloatArray, release: int, began: FloatArray
     ) -> None:
         network, count = routings[0].snapshot.network, len(began)
-        self._tables = _number_tables(routings)
+        self._stack(routings)
         self._first = _accumulate(routings[0].release)
-        self._bands = routings[0].bands
-        self._flow = np.where(np.abs(flow) > STILL, flow, 0.0)
+        self._bands, self._steps = routings[0].bands, len(routings)
         self._exit = np.array([routing.snapshot.exit * (not routing.retained) for routing in routings])
-        self._times = np.append(times, end)
+        self._times = times
         self._near = _list_neighbours(network)
         self._sides = np.column_stack([network.start, network.end])
         self._volume = network.length * network.area
         self.active = np.ones(count, bool)
         self.ends, self.place = np.full(count, UNDER_WAY), np.full(count, release)
         self.moves: list[tuple[IntArray | FloatArray, ...]] = []
-        """Rows of walk, link, node, low, high, left and reached."""
-        self._t, self._step = began.copy(), np.searchsorted(times, began + 1e-6, side="right") - 1
+        """Rows of walk, link, node, low, high and reached."""
+        self._t, self._step = began.copy(), np.searchsorted(times[:-1], began + 1e-6, side="right") - 1
         self._node, self._came, self._link = (np.full(count, value) for value in (release, -1, -1))
         self._band, self._following = np.zeros(count, np.int64), np.zeros(count, np.int64)
-        self._x, self._low, self._high, self._left = (np.zeros(count) for _ in range(4))
+        self._x, self._low, self._high = (np.zeros(count) for _ in range(3))
         self._pace = np.ones(count)
+
+    def _stack(self, routings: Sequence[Routing]) -> None:
+        """Join the tables of all steps: one row for each link at each step, with cumulative probabilities."""
+        links, most = len(routings[0].snapshot.network.links), max(routing.most for routing in routings)
+        self._flow = np.zeros((len(routings), links))
+        self._row = np.full((len(routings), links), -1)
+        """Row of a link at a step, -1 if its water stands still."""
+        outlets, choices, arrivals, row = [], [], [], 0
+        for step, routing in enumerate(routings):
+            snapshot = routing.snapshot
+            forward = snapshot.tail == snapshot.network.start[snapshot.links]
+            self._flow[step, snapshot.links] = np.where(forward, snapshot.flow, -snapshot.flow)
+            self._row[step, snapshot.links] = row + np.arange(len(snapshot.links))
+            row += len(snapshot.links)
+            leading, choice, arrival = routing.stack_ends(most)
+            outlets.append(np.where(leading >= 0, snapshot.links[leading], -1))
+            choices.append(choice)
+            arrivals.append(arrival)
+        self._outlets = np.concatenate(outlets)
+        self._choice, self._arrival = (
+            _accumulate(np.concatenate(choices)),
+            _accumulate(np.concatenate(arrivals)),
+        )
+        self._transfer = _accumulate(np.concatenate([routing.transfer for routing in routings]))
+        self._slowness = np.concatenate([routing.slowness for routing in routings])
 
     def choose(self, rng: np.random.Generator) -> None:
         """Choose a link, and the band in which it is entered, for all walks at nodes."""
@@ -219,26 +175,23 @@ class _Walk:
             return
         step, came, node = self._step[here], self._came[here], self._node[here]
         number, second, third = rng.random((3, len(here)))
-        row = np.where(came >= 0, self._tables.entry[step, came], -1)
+        row = np.where(came >= 0, self._row[step, came], -1)
         arrives = self._sides[came, (self._flow[step, came] > 0).astype(int)] == node
         by_table = (row >= 0) & arrives
         link, held = np.empty(len(here), np.int64), np.zeros(len(here), bool)
         band = _pick(np.broadcast_to(self._first, (len(here), self._bands)), second)
         link[~by_table] = self._divide(step[~by_table], node[~by_table], number[~by_table])
-        if by_table.any():
-            t, at = self._tables, row[by_table]
-            fork, was = t.fork[at], self._band[here[by_table]]
-            chosen = _pick(t.choice[fork, was], number[by_table])
-            most = t.outlets.shape[1]
-            link[by_table] = np.where(chosen < most, t.outlets[at, np.minimum(chosen, most - 1)], _LEAVES)
-            held[by_table] = chosen > most
-            arrival = t.arrival[fork, was, np.minimum(chosen, most - 1)]
-            band[by_table] = np.minimum(_pick(arrival, second[by_table]), self._bands - 1)
+        at, was = row[by_table], self._band[here[by_table]]
+        chosen, most = _pick(self._choice[at, was], number[by_table]), self._outlets.shape[1]
+        outlet = np.minimum(chosen, most - 1)
+        link[by_table] = np.where(chosen < most, self._outlets[at, outlet], _LEAVES)
+        held[by_table] = chosen > most
+        arrival = _pick(self._arrival[at, was, outlet], second[by_table])
+        band[by_table] = np.minimum(arrival, self._bands - 1)
         self._finish(here[held], HELD_AT_NODE, node[held])
         leaves = ~held & (link == _LEAVES)
         self._finish(here[leaves], LEFT, node[leaves])
-        waits = ~held & (link == _WAITS)
-        self._wait(here[waits])
+        self._wait(here[~held & (link == _WAITS)])
         enters = ~held & (link >= 0)
         self._enter(here[enters], link[enters], band[enters], third[enters])
 
@@ -262,25 +215,22 @@ class _Walk:
         """Let walks wait at their nodes until the flow changes."""
         self._step[walks] += 1
         self._t[walks] = self._times[self._step[walks]]
-        late = walks[self._step[walks] == len(self._flow)]
+        late = walks[self._step[walks] == self._steps]
         self._finish(late, UNDER_WAY, self._node[late])
 
     def _enter(self, walks: IntArray, link: IntArray, band: IntArray, number: FloatArray) -> None:
-        run = self._tables.run[self._tables.entry[self._step[walks], link]]
-        following = _pick(self._tables.transfer[run, band], number)
+        row = self._row[self._step[walks], link]
+        following = _pick(self._transfer[row, band], number)
         held = following == self._bands
         self._finish(walks[held], HELD_IN_LINK, link[held])
         self._link[walks], self._band[walks], self._following[walks] = link, band, following
-        self._pace[walks] = self._tables.slowness[run, band]
+        self._pace[walks] = self._slowness[row, band]
         self._x[walks] = np.where(self._flow[self._step[walks], link] > 0, 0.0, 1.0)
         self._low[walks] = self._high[walks] = self._x[walks]
-        self._left[walks] = self._t[walks]
 
     def advance(self) -> None:
         """Advance all walks in links to the end of their links, or to the time at which the flow changes."""
         moving = np.flatnonzero(self.active & (self._link >= 0))
-        if not len(moving):
-            return
         link, step, x, t = self._link[moving], self._step[moving], self._x[moving], self._t[moving]
         flow, stop = self._flow[step, link], self._times[step + 1]
         still, onward = flow == 0, flow > 0
@@ -301,14 +251,13 @@ class _Walk:
         self._came[done], self._link[done], self._band[done] = self._link[done], -1, self._following[done]
         waiting = moving[~arrives]
         self._step[waiting] += 1
-        late = waiting[self._step[waiting] == len(self._flow)]
+        late = waiting[self._step[waiting] == self._steps]
         self._record(late, np.full(len(late), -1))
         self._finish(late, UNDER_WAY, self._link[late])
 
     def _record(self, walks: IntArray, node: IntArray) -> None:
-        columns = (self._link, self._low, self._high, self._left, self._t)
-        link, low, high, left, t = (column[walks] for column in columns)
-        self.moves.append((walks, link, node, low, high, left, t))
+        link, low, high, t = (column[walks] for column in (self._link, self._low, self._high, self._t))
+        self.moves.append((walks, link, node, low, high, t))
 
 
 def _pick(cumulative: FloatArray, number: FloatArray) -> IntArray:
@@ -327,46 +276,76 @@ def _list_neighbours(network: Network) -> IntArray:
     return near
 
 
-def _number_tables(routings: Sequence[Routing]) -> _Tables:
-    """Return the tables of all steps as arrays, each different table once."""
-    network, bands = routings[0].snapshot.network, routings[0].bands
-    forks = {id(table): table for routing in routings for table in routing.tables}
-    runs = {id(table): table for routing in routings for table in routing.transfers}
-    fork_number = {key: number for number, key in enumerate(forks)}
-    run_number = {key: number for number, key in enumerate(runs)}
-    most = max(table.choice.shape[1] for table in forks.values())
-    rows = sum(len(routing.tables) for routing in routings)
-    entry = np.full((len(routings), len(network.links)), -1)
-    outlets, fork, run = np.full((rows, most), -1), np.empty(rows, np.int64), np.empty(rows, np.int64)
-    row = 0
-    for step, routing in enumerate(routings):
-        snapshot = routing.snapshot
-        for link, table in enumerate(routing.tables):
-            leading = snapshot.links[snapshot.outlets[snapshot.head[link]]]
-            entry[step, snapshot.links[link]] = row
-            outlets[row, : len(leading)] = leading
-            fork[row], run[row] = fork_number[id(table)], run_number[id(routing.transfers[link])]
-            row += 1
-    choice = np.zeros((len(forks), bands, most + 1))
-    arrival = np.zeros((len(forks), bands, most, bands))
-    for number, table in enumerate(forks.values()):
-        choice[number, :, : table.choice.shape[1]] = table.choice
-        choice[number, :, most] = table.leaves
-        arrival[number, :, : table.choice.shape[1]] = table.arrival
-    return _Tables(
-        entry,
-        outlets,
-        fork,
-        run,
-        _accumulate(choice),
-        _accumulate(arrival),
-        _accumulate(np.array([table.transfer for table in runs.values()])),
-        np.array([table.slowness for table in runs.values()]),
-    )
-
-
 def _accumulate(probability: FloatArray) -> FloatArray:
     """Return cumulative probabilities along the last axis; rounding must not hold a body."""
     total = np.cumsum(probability, axis=-1)
     whole = total[..., -1:] > 1 - 1e-9
     return np.where(whole & (total > 1 - 1e-9), 1.0, total)
+
+
+def summarise_walks(walks: Walks, routings: Sequence[Routing]) -> Passage:
+    """Return the passage of bodies that were followed one by one, with quantiles of their arrival times."""
+    network, nodes = walks.network, len(walks.network.nodes)
+    node, time = walks.first_arrivals()
+    arrivals = np.bincount(node, minlength=nodes)
+    probability = arrivals / walks.count
+    with np.errstate(invalid="ignore"):
+        age = np.bincount(node, time, nodes) / arrivals
+    probability[walks.release], age[walks.release] = 1.0, 0.0
+    visits = np.bincount(walks.node[walks.node >= 0], minlength=nodes) / walks.count
+    visits[walks.release] += 1
+    flown, divided = count_junctions(routings, probability)
+    return Passage(
+        network,
+        walks.release,
+        float(walks.began.min()) / 3600,
+        visits,
+        probability,
+        age,
+        walks.measure_sight(),
+        find_reachable(network, walks.release, [routing.snapshot.step for routing in routings]),
+        merge_ends(_count_ends(walks, routings)),
+        measure_quantiles(walks),
+        unsteady=True,
+        flown=flown,
+        divided=divided,
+    )
+
+
+def _count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:
+    network = walks.network
+    for how in (LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY):
+        places, counts = np.unique(walks.place[walks.ends == how], return_counts=True)
+        for place, share in zip(places.tolist(), (counts / walks.count).tolist(), strict=True):
+            if how == LEFT:
+                yield leave(network, place, share)
+            elif how == UNDER_WAY:
+                yield Ending("under way", "", share)
+            else:
+                name = (network.links if how == HELD_IN_LINK else network.nodes)[place]
+                yield Ending("stuck", name, share, _find_obstacle(routings, how, place))
+
+
+def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
+    """Return the first obstacle that the tables name at a place."""
+    for routing in routings:
+        snapshot = routing.snapshot
+        at = snapshot.links == place if how == HELD_IN_LINK else snapshot.head == place
+        tables = routing.transfers if how == HELD_IN_LINK else routing.tables
+        for link in np.flatnonzero(at).tolist():
+            if tables[link].obstacle:
+                return str(tables[link].obstacle)
+    return ""
+
+
+def measure_quantiles(walks: Walks) -> FloatArray:
+    """Return quantiles of the first arrivals at each node, s, (nodes, quantiles); NaN where no walk arrives."""
+    found = np.full((len(walks.network.nodes), len(QUANTILES)), np.nan)
+    node, time = walks.first_arrivals()
+    order = np.argsort(node, kind="stable")
+    nodes, starts = np.unique(node[order], return_index=True)
+    # Where no walk arrives at all, split returns one empty part.
+    for place, times in zip(nodes, np.split(time[order], starts[1:]), strict=False):
+        found[place] = np.quantile(times, QUANTILES)
+    found[walks.release] = 0.0
+    return found
