@@ -10,7 +10,7 @@ import reprlib
 import secrets
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from pydantic import ValidationError
@@ -141,10 +141,8 @@ class Study:
         """Create a strategy in its initial state, with a random generator from the seed."""
         rng = np.random.default_rng(self.seed)
         space = SearchSpace(self.make_plugin("grammar"), self.scenario.target_names, rng, self.scenario)
-        strategy: Strategy[Any] = registry().create(
-            "strategy", *_split_selection(self.document, "strategy"), space=space
-        )
-        return strategy
+        made = registry().create("strategy", *_split_selection(self.document, "strategy"), space=space)
+        return cast("Strategy[Any]", made)
 
     def check_formats(self) -> None:
         """Check that the formats of a run's files can be written, as :func:`load_study` does for files.
@@ -194,23 +192,19 @@ class Study:
 
     def make_exporter(self, name: str) -> Exporter[Any]:
         """Create an exporter with the options of its table ``[exporter.<name>]``, if there is one."""
-        exporter: Exporter[Any] = self._make_named("exporter", name)
-        return exporter
+        return cast("Exporter[Any]", self._make_named("exporter", name))
 
     def make_recorder(self, name: str) -> Recorder[Any]:
         """Create a recorder with the options of its table ``[recorder.<name>]``, if there is one."""
-        recorder: Recorder[Any] = self._make_named("recorder", name)
-        return recorder
+        return cast("Recorder[Any]", self._make_named("recorder", name))
 
     def make_renderer(self, name: str) -> Renderer[Any]:
         """Create a renderer with the options of its table ``[renderer.<name>]``, if there is one."""
-        renderer: Renderer[Any] = self._make_named("renderer", name)
-        return renderer
+        return cast("Renderer[Any]", self._make_named("renderer", name))
 
     def make_checker(self, name: str) -> Checker[Any]:
         """Create a checker with the options of its table ``[checker.<name>]``, if there is one."""
-        checker: Checker[Any] = self._make_named("checker", name)
-        return checker
+        return cast("Checker[Any]", self._make_named("checker", name))
 
     def __repr__(self) -> str:
         # The document would fill a screen.
