@@ -1,6 +1,7 @@
 """A design: an agent that a person opened, with its study, and all that can be done with it."""
 
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from driftform.agent import hull_mass
 from driftform.design.departures import list_departures
 from driftform.design.flight import DisturbedFlights, Flight
 from driftform.design.inspection import compare_added_mass, inspect_agent
@@ -19,6 +21,7 @@ from driftform.motion.resampling import check_rate, resample
 from driftform.motion.way import find_offsets, name_outlet
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
+from driftform.plugins.registry import registry
 from driftform.plugins.seams import require_facts, require_file, require_files
 from driftform.runs.agent_file import StoredAgent
 from driftform.study import Document, Study, load_study
@@ -252,6 +255,9 @@ class Design:
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
         """Write it as a file for printers and other programs, and return the paths of what was written.
 
+        Warns if the agent was simulated as a kit, and the file holds its sealed hull; ``under("exporter.stl.kit=true")``
+        writes the kit.
+
         Parameters
         ----------
         format
@@ -264,7 +270,23 @@ class Design:
         InputError
             if there is no such format, or nothing can be written there.
         """
-        return [Path(file.path) for file in self.export_files(format, path)]
+        files = self.export_files(format, path)
+        if note := self.describe_missing_kit(files):
+            advice = f"export design.under('exporter.{format}.kit=true') instead"
+            warnings.warn(f"{note}; {advice}", stacklevel=2)
+        return [Path(file.path) for file in files]
+
+    def describe_missing_kit(self, files: Sequence[WrittenFile]) -> str:
+        """Return what the parts of its kit weigh, if it was simulated as one and ``files`` hold its sealed hull; else ``""``."""
+
+        def lacks_kit(file: WrittenFile) -> bool:
+            options = registry().find("exporter", file.format).Options.model_fields
+            return "mass_kg" in file.facts and "kit" not in file.facts and "kit" in options
+
+        body = self.agent.body
+        if not body.fittings.material.volume or not any(map(lacks_kit, files)):
+            return ""
+        return f"{self.name} was simulated as a kit, whose parts weigh {1000 * hull_mass(body):.2f} g"
 
     def export_files(
         self, format: str, path: str | os.PathLike[str] | None = None
