@@ -19,9 +19,9 @@ from driftform.motion.drag_coefficients import CROSSFLOW_PLATEAU
 from driftform.motion.way import find_offsets
 from driftform.runs.misses import PROMISED, estimate_quantile
 from driftform.runs.store import Store
-from driftform.search import LocalProcesses
 from driftform.search.finalists import find_winner, fly_finalists
 from driftform.search.jobs import Executor, Job
+from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import FloatArray

@@ -1,3 +1,4 @@
+from . import interpolation as interpolation
 from .approach import closest_approach as closest_approach
 from .body_drag import estimate_drag as estimate_drag
 from .coordinates import describe_motion as describe_motion

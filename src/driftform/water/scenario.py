@@ -1,17 +1,18 @@
 """The tables of a scenario: pipe, flow, fluid, release, contact, targets. Validated here, read by kernels as arrays."""
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from driftform.errors import did_you_mean
-from driftform.options import Table, option
+from driftform.options import Table, describe, option
 from driftform.types import FloatArray
 from driftform.util.latest import keep_latest
 from driftform.util.vectors import cross
 from driftform.water.factors import Calibration, calibrate_restitution
 from driftform.water.flow import (
+    FLOWS,
     DevelopingFlow,
     Flow,
     LogLawFlow,
@@ -187,6 +188,11 @@ class Scenario(Table):
         description="points to reach: name and position in the world frame, or the name of an outlet",
         json_schema_extra={"unit": "m"},
     )
+
+    @staticmethod
+    def describe_flows() -> dict[str, list[dict[str, Any]]]:
+        """Return the options of each kind of current: rows ``{option, type, bounds, default, unit, help}``."""
+        return {kind: describe(model) for kind, model in FLOWS.items()}
 
     @model_validator(mode="after")
     def _check_together(self) -> "Scenario":

@@ -35,9 +35,9 @@ def intervals_svg(
 
     bottom = top + ROW * count
     for value in tick_values(low, high, floor_to_nice_number((high - low) / 4)):
-        svg.add(root, "line", x1=x_of(value), y1=top, x2=x_of(value), y2=bottom, stroke=GRID)
+        svg.add_segment(root, x_of(value), top, x_of(value), bottom, GRID)
         write(root, x_of(value), bottom + 16, f"{value:g}", 11, MUTED, "middle")
-    svg.add(root, "line", x1=x_of(1), y1=top, x2=x_of(1), y2=bottom, stroke=MUTED, stroke_width=1.4)
+    svg.add_segment(root, x_of(1), top, x_of(1), bottom, MUTED, 1.4)
     for number, name in enumerate([*intervals, *unknown]):
         y = top + ROW * (number + 0.5)
         write(root, left - 14, y + 4, name.replace("_", " "), 12, INK if name in intervals else MUTED, "end")
@@ -45,17 +45,7 @@ def intervals_svg(
             write(root, x_of(1) + 8, y + 4, "not known, left at 1", 11, MUTED, halo=True)
             continue
         value, least, most = intervals[name]
-        svg.add(
-            root,
-            "line",
-            class_="interval",
-            x1=x_of(least),
-            y1=y,
-            x2=x_of(most),
-            y2=y,
-            stroke=tint(BLUE, 0.55),
-            stroke_width=7,
-        )
-        svg.add(root, "circle", class_="value", cx=x_of(value), cy=y, r=4.5, fill=BLUE)
+        svg.add_segment(root, x_of(least), y, x_of(most), y, tint(BLUE, 0.55), 7, class_="interval")
+        svg.add_circle(root, x_of(value), y, 4.5, BLUE, class_="value")
         write(root, width - MARGIN, y + 4, f"{value:.3g}", 12, INK, "end")
     return svg.render(root)

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from driftform import StoredAgent
-from driftform.runs.agent_file import write_agent
 from driftform.types import FloatArray
 from driftform.util.files import make_directory, write_text
 from driftform.util.notebook import show_picture, show_table
@@ -126,7 +125,7 @@ class CalibrationResult:
         make_directory(directory)
         paths = [directory / name for name in FILES]
         write_text(paths[0], self.toml())
-        write_agent(paths[1], self.calibrated())
+        self.calibrated().write(paths[1])
         write_text(paths[2], self.html())
         write_text(paths[3], self.tracks_svg())
         write_text(paths[4], self.factors_svg())

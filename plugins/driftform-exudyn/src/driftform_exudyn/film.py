@@ -98,8 +98,8 @@ class ExudynRenderer(Renderer[FilmOptions]):
         self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float
     ) -> WrittenFile:
         """Write the still; the side view also shows the agent at equal intervals. Facts: ``t``, ``size_px``."""
-        from driftform.figures import png_bytes
         from driftform.motion.resampling import even_times
+        from driftform_exudyn.png import png_bytes
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)

@@ -10,9 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from driftform import Pipeline, Run, Study, load_study
-from driftform.runs.store import Record
-from driftform.search import Observer, search_run
-from driftform.search.jobs import Executor
+from driftform.search import Executor, Observer
 from driftform.types import FloatArray, Genome, Trajectory
 from driftform.water import Scenario, TurbulentFlow
 
@@ -83,7 +81,7 @@ def search_all(
     total, before = sum(study.evaluations for study in studies.values()), 0
     for directory, study in studies.items():
         with Run.ensure(directory, study) as run:
-            search_run(run, executor, _Counter(progress, before, total))
+            run.search(executor, _Counter(progress, before, total))
         before += study.evaluations
 
 
@@ -93,7 +91,7 @@ class _Counter(Observer):
     def __init__(self, progress: Callable[[int, int], None], before: int, total: int) -> None:
         self._progress, self._done, self._total = progress, before, total
 
-    def record(self, record: Record) -> None:
+    def record(self, record: object) -> None:
         self._done += 1
         self._progress(self._done, self._total)
 
