@@ -1,5 +1,7 @@
 from .factors import Calibration as Calibration
 from .factors import Factors as Factors
+from .field import wall_distance as wall_distance
+from .field import water_velocity as water_velocity
 from .flow import TurbulentFlow as TurbulentFlow
 from .layout import Layout as Layout
 from .pipe import Pipe as Pipe

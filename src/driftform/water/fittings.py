@@ -9,7 +9,7 @@ import numpy as np
 
 from driftform.errors import InputError
 from driftform.types import FloatArray
-from driftform.water import Pipe, Scenario
+from driftform.util.latest import keep_latest
 from driftform.water.fitting_flow import (
     AMPLITUDE,
     AROUND,
@@ -59,6 +59,7 @@ from driftform.water.fitting_walls import (
 from driftform.water.flow import Flow, GridFlow
 from driftform.water.grid_flow import load_grid
 from driftform.water.layout import BEYOND, Layout, Placed
+from driftform.water.pipe import Pipe
 from driftform.water.pipe_parts import (
     Bend,
     Opening,
@@ -69,6 +70,7 @@ from driftform.water.pipe_parts import (
     exact_cosine,
     exact_sine,
 )
+from driftform.water.scenario import Scenario
 from driftform.water.tee_flow import tee_field
 from driftform.water.velocity import profile_parameter
 
@@ -115,8 +117,10 @@ def _make_array(pipe: Pipe, flow: Flow, viscosity: float) -> FloatArray:
     return values
 
 
+@keep_latest
+@lru_cache(maxsize=16)
 def wall_array(pipe: Pipe) -> FloatArray:
-    """Return the array of a pipe without its flow; of open water, that of a bore without end."""
+    """Return the array of a pipe without its flow, read-only; of open water, that of a bore without end."""
     rows = wall_rows(pipe.layout) if not pipe.is_open else np.array([_row_of_open_water()])
     return np.concatenate([[float(len(rows))], rows.ravel()])
 
