@@ -1,3 +1,4 @@
+from . import tee_wall as tee_wall
 from .factors import Calibration as Calibration
 from .factors import Factors as Factors
 from .field import wall_distance as wall_distance
@@ -13,5 +14,4 @@ from .pipe_parts import Tee as Tee
 from .scenario import Fluid as Fluid
 from .scenario import Scenario as Scenario
 from .tee_store import TeePotentials as TeePotentials
-from .tee_wall import Junction as Junction
 from .velocity import friction_factor as friction_factor

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 from scipy.sparse import coo_array, csr_array
 
-from driftform.types import BoolArray, FloatArray
+from driftform.types import FloatArray
 
-IntArray = NDArray[np.int64]
+BoolArray, IntArray = NDArray[np.bool_], NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
