@@ -8,8 +8,8 @@ import numpy as np
 from driftform.errors import InputError
 from driftform.types import FloatArray
 from driftform.util.files import write_whole
-from driftform.water import Scenario, TurbulentFlow
-from driftform.water.flow import UniformFlow
+from driftform.water import Scenario
+from driftform.water.flow import TurbulentFlow, UniformFlow
 from driftform.water.grid_files import VelocityGrid
 
 COLUMNS = ("timestamp", "x", "y", "z", "u", "v", "w")

@@ -11,9 +11,9 @@ import numpy as np
 
 from driftform.types import Body, FloatArray
 from driftform.util.vectors import cross
-from driftform.water import Calibration, Fluid, Scenario, TurbulentFlow
+from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import DRAGS
-from driftform.water.flow import LogLawFlow
+from driftform.water.flow import LogLawFlow, TurbulentFlow
 from driftform.water.normal import normal_quantile
 from driftform.water.scenario import Robustness
 

@@ -75,11 +75,12 @@ class TeePotentials:
         """
         head = np.zeros(HEAD + LEVEL_SIZE * len(levels))
         head[0], place = len(levels), len(head)
-        for row, (width, low, through, _) in zip(head[HEAD:].reshape(-1, LEVEL_SIZE), levels, strict=True):
-            row[:] = width, *low, *through.shape, place
-            place += through.size
-        flows = (np.concatenate([level[k].ravel() for level in levels]) for k in (2, 3))
-        return cls(head, *(flow - np.nanmean(flow) for flow in flows), leakage)
+        for row, (width, low, values, _) in zip(head[HEAD:].reshape(-1, LEVEL_SIZE), levels, strict=True):
+            row[:] = width, *low, *values.shape, place
+            place += values.size
+        through = np.concatenate([values.ravel() for _, _, values, _ in levels])
+        branch = np.concatenate([values.ravel() for _, _, _, values in levels])
+        return cls(head, through - np.nanmean(through), branch - np.nanmean(branch), leakage)
 
 
 @lru_cache(maxsize=8)

@@ -16,8 +16,7 @@ import numpy as np
 from driftform import Pipeline
 from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray, Morphology
-from driftform.water import Factors, Pipe, Scenario, Segment
-from driftform.water.factors import NAMES, QUANTILE
+from driftform.water import Calibration, Factors, Pipe, Scenario, Segment
 from driftform_calibration.bench import Bench, ReleaseError
 from driftform_calibration.fit import CONTACT, find_widest, list_reasons
 from driftform_calibration.problem import Filmed, Problem, factor_of
@@ -143,8 +142,8 @@ def plan_drops(
     reasons: dict[str, str] = {}
     for number, scenario in enumerate(candidates):
         there = Bench(bench.body, bench.coefficients, scenario)
-        reasons = list_reasons([Filmed(there, _blank(np.zeros(1)))], NAMES)
-        names = tuple(name for name in NAMES if name not in reasons)
+        reasons = list_reasons([Filmed(there, _blank(np.zeros(1)))], Factors.names)
+        names = tuple(name for name in Factors.names if name not in reasons)
         examined = _examine(there, tank, names, fps, noise)
         if examined is not None:
             found.append(examined)
@@ -294,7 +293,7 @@ def _choose(
         drops.append(replace(found[best][0], gain=float(gains[best])))
     deviation = np.sqrt(np.diag(np.linalg.inv(information)))
     expected = {}
-    for name, width in zip(names, QUANTILE * deviation, strict=True):
+    for name, width in zip(names, Calibration.quantile * deviation, strict=True):
         half = (factor_of(name, width) - factor_of(name, -width)) / 2
         expected[name] = (float(half), bool(half <= find_widest(bench, name, 1.0)))
     share = bench.hull_weight / max(abs(bench.net_weight), 1e-12)

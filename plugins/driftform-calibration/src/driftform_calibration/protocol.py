@@ -7,8 +7,7 @@ from typing import Any
 
 from driftform.figures import section_svg
 from driftform.types import Agent
-from driftform.util.files import make_directory, write_text
-from driftform.util.notebook import show_table
+from driftform.util import files, notebook
 from driftform_calibration.drop_figure import DropPicture, drop_svg, ruler_svg
 from driftform_calibration.experiment import Drop, Plan, Tank, describe_plan
 from driftform_calibration.page import make_page
@@ -74,7 +73,7 @@ class DropPlan:
         """Write the page and a study file for each drop, and return their paths."""
         import tomli_w
 
-        make_directory(directory)
+        files.make_directory(directory)
         paths = [directory / "protocol.html"]
         for number, drop in enumerate(self.drops, start=1):
             dumped = drop.scenario.model_dump(mode="json", exclude_none=True)
@@ -85,9 +84,9 @@ class DropPlan:
                 **{key: dumped[key] for key in TABLES},
             }
             path = directory / f"drop-{number}.toml"
-            write_text(path, tomli_w.dumps(study))
+            files.write_text(path, tomli_w.dumps(study))
             paths.append(path)
-        write_text(paths[0], self.html())
+        files.write_text(paths[0], self.html())
         return paths
 
     def html(self) -> str:
@@ -143,12 +142,12 @@ class DropPlan:
         return make_page(
             f"Drops of {self.name}",
             f"<p>Tank {1000 * size.length:.0f} x {1000 * size.width:.0f} mm, water {1000 * size.depth:.0f} mm deep.</p>"
-            f"<h2>Releases</h2>{show_table(heads, rows)}<div class=drops>{pictures}</div>"
+            f"<h2>Releases</h2>{notebook.show_table(heads, rows)}<div class=drops>{pictures}</div>"
             f"<h2>What to do</h2><ol>{''.join(f'<li>{step}</li>' for step in steps)}</ol>"
             f"<p>Save the tracks beside the study files as <code>{tracks}</code>, then:</p>"
             f"<p><code>driftform calibrate AGENT {tracks} --printed-mass KG</code></p>"
             f"<h2>What the films are expected to show</h2>"
-            f"{show_table(('factor', 'half of the 90 % interval', 'known'), expected)}"
+            f"{notebook.show_table(('factor', 'half of the 90 % interval', 'known'), expected)}"
             f"<h2>Ruler</h2><div class=ruler>{ruler_svg()}</div>"
             f"<h2>The agent</h2><div class=agent>{section_svg(self.agent, self.name)}</div>",
         )
@@ -182,7 +181,9 @@ class DropPlan:
             )
             for n, d in enumerate(self.drops, start=1)
         ]
-        return show_table(("drop", "pitch deg", "depth mm", "ballast g", "bits"), rows, repr(self)[1:-1])
+        return notebook.show_table(
+            ("drop", "pitch deg", "depth mm", "ballast g", "bits"), rows, repr(self)[1:-1]
+        )
 
 
 def _rename(name: str) -> str:

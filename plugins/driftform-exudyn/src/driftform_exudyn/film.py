@@ -9,7 +9,7 @@ import numpy as np
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Renderer, Table, option
 from driftform.types import Agent, Trajectory, WrittenFile
-from driftform.util.files import write_whole
+from driftform.util import files
 from driftform.water import Scenario
 from driftform_exudyn.encoder import SUFFIXES, encode, find_ffmpeg
 
@@ -71,7 +71,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         progress: Callable[[int, int], None],
     ) -> WrittenFile:
         """Write the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
-        from driftform.motion.resampling import even_times
+        from driftform.motion import even_times
         from driftform_exudyn.scene import Scene
 
         self.check(path)
@@ -99,7 +99,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
     ) -> WrittenFile:
         """Write the still; the side view also shows the agent at equal intervals. Facts: ``t``, ``size_px``."""
         from driftform.figures import png_bytes
-        from driftform.motion.resampling import even_times
+        from driftform.motion import even_times
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)
@@ -141,6 +141,6 @@ class ExudynRenderer(Renderer[FilmOptions]):
 def _save(path: Path, write: Callable[[Path], object]) -> None:
     """Write a file completely or not at all."""
     try:
-        write_whole(path, write)
+        files.write_whole(path, write)
     except OSError as error:
         raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error

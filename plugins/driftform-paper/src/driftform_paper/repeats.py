@@ -14,7 +14,7 @@ from driftform.runs.store import Record
 from driftform.search import Observer, search_run
 from driftform.search.jobs import Executor
 from driftform.types import FloatArray, Genome, Trajectory
-from driftform.water import Scenario, TurbulentFlow
+from driftform.water import Scenario
 
 STRATEGIES = ("paper", "random")
 """The paper's search, and the baseline that it is held against."""
@@ -163,5 +163,5 @@ def repeat_flights(
 
 def add_turbulence(scenario: Scenario, seeds: Sequence[int]) -> list[Scenario]:
     """Return the scenario with the turbulent flow of the same bulk speed, with gusts of each seed."""
-    flows = [TurbulentFlow(speed=scenario.flow.speed, seed=seed) for seed in seeds]
-    return [scenario.model_copy(update={"flow": flow}) for flow in flows]
+    flows = [{"kind": "turbulent", "speed": scenario.flow.speed, "seed": seed} for seed in seeds]
+    return [Scenario.model_validate({**dict(scenario), "flow": flow}) for flow in flows]

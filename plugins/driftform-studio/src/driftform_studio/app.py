@@ -19,7 +19,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
 from driftform.errors import DriftformError, InputError, describe_error
-from driftform.water import Bend, Reducer, Straight
+from driftform.water import pipe_parts
 from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
 from driftform_studio.folder import RunsFolder
 from driftform_studio.searches import Searches
@@ -459,9 +459,9 @@ def _outline_without_targets(draft: dict[str, Any]) -> dict[str, Any] | None:
 
 def _axis_step(part: Any) -> float:
     """Return the distance at which points of the axis of a part are drawn, m: two points for a straight axis of one bore."""
-    if isinstance(part, Bend):
+    if isinstance(part, pipe_parts.Bend):
         return part.bend_radius * BEND_STEP
-    return part.length / REDUCER_STEPS if isinstance(part, Reducer) else math.inf
+    return part.length / REDUCER_STEPS if isinstance(part, pipe_parts.Reducer) else math.inf
 
 
 def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
@@ -471,7 +471,7 @@ def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
 
     scene = scene_data(scenario, paths)
     pipe, profile = scenario.pipe, scene["pipe"]
-    if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, Straight):
+    if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, pipe_parts.Straight):
         # The first part carries the profile of a straight pipe.
         start, end = pipe.layout.inlet.centre, pipe.layout.parts[0].part.list_exits()[0].centre
         inlet = Segment(start=tuple(start.tolist()), end=tuple(end.tolist()), radius=pipe.layout.inlet.radius)

@@ -18,7 +18,8 @@ from scipy.sparse import coo_array, csr_array
 
 from driftform.types import FloatArray
 
-BoolArray, IntArray = NDArray[np.bool_], NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

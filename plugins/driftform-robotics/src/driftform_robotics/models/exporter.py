@@ -3,15 +3,18 @@
 from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
-from driftform.interfaces import Exporter, ExportJob, OptionsT_co, Table, option
+from driftform.interfaces import Exporter, ExportJob, Table, option
 from driftform.types import FloatArray, WrittenFile
 from driftform_robotics.models.folder import cut_hull, hull_files, model_facts, save_folder
 from driftform_robotics.models.link import Link, make_link, warn_of_damping, warn_of_flow, warn_of_folding
 from driftform_robotics.models.meshes import Piece
 from driftform_robotics.models.xml import make_identifier
+
+OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
 
 
 class ModelOptions(Table):

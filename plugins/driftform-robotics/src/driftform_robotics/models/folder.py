@@ -6,7 +6,7 @@ from typing import Any
 
 from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray, WrittenFile
-from driftform.util.files import write_folder
+from driftform.util import files
 from driftform_robotics.models.link import Link
 from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolve_contour
 
@@ -24,8 +24,8 @@ def piece_path(index: int) -> str:
 
 def hull_files(body: Body, cog: FloatArray, pieces: list[Piece]) -> dict[str, str]:
     """Return the meshes of the hull by their paths in the folder."""
-    files = {HULL: obj_text(revolve_contour(body.outer).translate(-cog))}
-    return files | {piece_path(i): obj_text(piece.mesh) for i, piece in enumerate(pieces)}
+    hull = {HULL: obj_text(revolve_contour(body.outer).translate(-cog))}
+    return hull | {piece_path(i): obj_text(piece.mesh) for i, piece in enumerate(pieces)}
 
 
 def cut_hull(body: Body) -> list[Piece]:
@@ -43,7 +43,7 @@ def cut_hull(body: Body) -> list[Piece]:
 
 
 def save_folder(
-    name: str, folder: Path, files: Mapping[str, str], facts: dict[str, Any]
+    name: str, folder: Path, texts: Mapping[str, str], facts: dict[str, Any]
 ) -> tuple[WrittenFile, ...]:
     """Write texts by their paths in the folder; the facts belong to the first file, which is the file to open.
 
@@ -53,16 +53,16 @@ def save_folder(
         if they cannot be written.
     """
     try:
-        with write_folder(folder) as part:
-            for path, text in files.items():
+        with files.write_folder(folder) as part:
+            for path, text in texts.items():
                 (part / path).parent.mkdir(parents=True, exist_ok=True)
                 (part / path).write_text(text, encoding="utf-8")
                 if text.startswith("#!"):
                     (part / path).chmod(0o755)
     except OSError as error:
         raise WorkFailedError(f"cannot write {folder}: {error.strerror or error}") from error
-    first = next(iter(files))
-    return tuple(WrittenFile(name, str(folder / path), facts if path == first else {}) for path in files)
+    first = next(iter(texts))
+    return tuple(WrittenFile(name, str(folder / path), facts if path == first else {}) for path in texts)
 
 
 def model_facts(link: Link, warnings: list[str]) -> dict[str, Any]:

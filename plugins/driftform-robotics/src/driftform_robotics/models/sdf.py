@@ -14,7 +14,6 @@ from driftform.agent import slice_solid
 from driftform.interfaces import Table, option
 from driftform.types import FloatArray
 from driftform.water import Scenario
-from driftform.water.flow import UniformFlow
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.folder import HULL, PIPE, piece_path
 from driftform_robotics.models.gazebo_package import WORLD, gazebo_package
@@ -130,7 +129,7 @@ def _move_to_water_frame(model: Model, drag_speed: float | None) -> Model:
     scenario = model.job.scenario
     x, y, z = (model.link.velocity - scenario.current()).tolist()
     calm = {
-        "flow": UniformFlow(speed=0.0),
+        "flow": Scenario().flow.model_copy(update={"speed": 0.0}),
         "release": scenario.release.model_copy(update={"velocity": (x, y, z)}),
     }
     job = replace(model.job, scenario=scenario.model_copy(update=calm))

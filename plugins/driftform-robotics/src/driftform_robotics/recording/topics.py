@@ -10,7 +10,8 @@ import numpy as np
 from driftform.interfaces import ExportJob
 from driftform.motion import accelerations_along, net_wrench
 from driftform.types import FloatArray, Trajectory
-from driftform.util.rotations import quaternion_from_rotation_vector
+from driftform.util import rotations
+from driftform.water import wall_distance
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.models.pipe import list_bores
@@ -90,7 +91,7 @@ class FlightTopics:
         straight = scenario.pipe.straight
         if not scenario.targets or scenario.flow.speed == 0 or straight is None:
             return []
-        gaps = sensors.wall_distance(scenario.target_array(), scenario.pipe)
+        gaps = wall_distance(scenario.target_array(), scenario)
         on_wall = gaps < ON_WALL * straight.radius
         return [
             make_plume(scenario, point, self.options.leak_rate, self.options.diffusivity)
@@ -221,7 +222,7 @@ class FlightTopics:
 
     def _make_ranges(self) -> Iterator[tuple[int, Any]]:
         pipe, options = self.job.scenario.pipe, self.options
-        found = np.maximum(sensors.wall_distance(self.sensor_positions, pipe), 0.0)
+        found = np.maximum(wall_distance(self.sensor_positions, self.job.scenario), 0.0)
         for stamp, value in self._add_noise(found, options.distance_noise, 2):
             yield (
                 stamp,
@@ -335,4 +336,4 @@ def _turn_z_to(direction: FloatArray) -> FloatArray:
     sine = np.linalg.norm(across)
     angle = np.arctan2(sine, axis[2])
     turn = angle * across / sine if sine > 0 else np.array([angle, 0.0, 0.0])
-    return np.asarray(quaternion_from_rotation_vector(turn[None])[0], dtype=np.float64)
+    return np.asarray(rotations.quaternion_from_rotation_vector(turn[None])[0], dtype=np.float64)
