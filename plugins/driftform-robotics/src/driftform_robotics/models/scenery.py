@@ -8,7 +8,7 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models.pipe import list_bores, make_wall
-from driftform_robotics.models.xml import add, add_comment, format_number, format_numbers, format_pose
+from driftform_robotics.models.xml import add, add_comment, format_pose
 
 _GLASS, _RED = "0.6 0.8 0.9 1", "0.9 0.2 0.1 1"
 
@@ -30,8 +30,8 @@ def add_scene(world: ET.Element) -> None:
 def add_friction(collision: ET.Element, coefficient: float) -> None:
     """Append a surface with Coulomb friction to a collision."""
     ode = add(add(add(collision, "surface"), "friction"), "ode")
-    add(ode, "mu", format_number(coefficient))
-    add(ode, "mu2", format_number(coefficient))
+    add(ode, "mu", coefficient)
+    add(ode, "mu2", coefficient)
 
 
 def add_mesh(parent: ET.Element, uri: str) -> None:
@@ -76,7 +76,7 @@ def add_pipe(
             for shape in shapes:
                 place = bore.position + offset + bore.rotation @ plank.position
                 add(shape, "pose", format_pose(place, bore.rotation @ plank.rotation))
-                add(add(add(shape, "geometry"), "box"), "size", format_numbers(plank.size))
+                add(add(add(shape, "geometry"), "box"), "size", plank.size)
     return model
 
 
@@ -97,7 +97,7 @@ def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> ET
         visual = add(link, "visual", name=name)
         add(visual, "pose", format_pose(np.array(place) + offset))
         _add_material(visual, _RED)
-        add(add(add(visual, "geometry"), "sphere"), "radius", format_number(radius))
+        add(add(add(visual, "geometry"), "sphere"), "radius", radius)
     return model
 
 

@@ -194,21 +194,21 @@ def _make_world(
         add_comment(root, _describe_drift(model.title, passing))
     world = add(root, "world", name=WORLD)
     physics = add(world, "physics", name="step", type="ignored")
-    add(physics, "max_step_size", format_number(step))
+    add(physics, "max_step_size", step)
     add(physics, "real_time_factor", "1")
-    add(world, "gravity", format_numbers([0.0, 0.0, -fluid.gravity]))
+    add(world, "gravity", [0.0, 0.0, -fluid.gravity])
     _add_plugin(world, gazebo, "physics", "Physics")
     _add_plugin(world, gazebo, "user-commands", "UserCommands")
     _add_plugin(world, gazebo, "scene-broadcaster", "SceneBroadcaster")
     _add_plugin(world, gazebo, "apply-link-wrench", "ApplyLinkWrench")
     buoyancy = _add_plugin(world, gazebo, "buoyancy", "Buoyancy")
     if fluid.water_level is None:
-        add(buoyancy, "uniform_fluid_density", format_number(fluid.density))
+        add(buoyancy, "uniform_fluid_density", fluid.density)
     else:
         graded = add(buoyancy, "graded_buoyancy")
-        add(graded, "default_density", format_number(fluid.density))
+        add(graded, "default_density", fluid.density)
         change = add(graded, "density_change")
-        add(change, "above_depth", format_number(fluid.water_level))
+        add(change, "above_depth", fluid.water_level)
         add(change, "density", "0")
     add(buoyancy, "enable", model.title)
     add_scene(world)
@@ -249,7 +249,7 @@ def _add_motion(models: list[ET.Element | None], velocity: FloatArray, gazebo: _
         for axis in "xyz":
             add(inertia, f"i{axis}{axis}", "1e6")
         control = _add_plugin(model, gazebo, "velocity-control", "VelocityControl")
-        add(control, "initial_linear", format_numbers(velocity))
+        add(control, "initial_linear", velocity)
 
 
 def _add_model(
@@ -265,7 +265,7 @@ def _add_model(
         add(root, "pose", place)
     element = add(root, "link", name=LINK)
     inertial = add(element, "inertial")
-    add(inertial, "mass", format_number(link.mass))
+    add(inertial, "mass", link.mass)
     inertia = add(inertial, "inertia")
     for tag, value in format_symmetric(link.inertia, "xyz", "i").items():
         add(inertia, tag, value)
@@ -305,9 +305,7 @@ def _add_spheres(element: ET.Element, model: Model) -> None:
     for index, (x, volume, _) in enumerate(slice_solid(body.outer, count)):
         collision = add(element, "collision", name=f"slice_{index}")
         add(collision, "pose", format_pose(model.axis_point(x)))
-        add(
-            add(add(collision, "geometry"), "sphere"), "radius", format_number(np.cbrt(0.75 * volume / np.pi))
-        )
+        add(add(add(collision, "geometry"), "sphere"), "radius", np.cbrt(0.75 * volume / np.pi))
         add(add(add(collision, "surface"), "contact"), "collide_bitmask", "0")
 
 
@@ -316,7 +314,7 @@ def _add_hydrodynamics(root: ET.Element, model: Model, gazebo: _Gazebo) -> None:
     plugin = _add_plugin(root, gazebo, "hydrodynamics", "Hydrodynamics")
     add(plugin, "link_name", LINK)
     add_comment(plugin, ["The current, world frame, m/s."])
-    add(plugin, "default_current", format_numbers(model.job.scenario.current()))
+    add(plugin, "default_current", model.job.scenario.current())
     lines = {
         f"{_FORCES[i]}{_RATES[j]}": -link.linear_damping[i, j] for i, j in _list_entries(link.linear_damping)
     } | {
@@ -326,13 +324,13 @@ def _add_hydrodynamics(root: ET.Element, model: Model, gazebo: _Gazebo) -> None:
     if lines:
         add_comment(plugin, ["Damping, negative if it resists: force and moment per speed and rate."])
     for tag, value in lines.items():
-        add(plugin, tag, format_number(value))
+        add(plugin, tag, value)
     if gazebo.solves_added_mass:
         add_comment(plugin, ["The added mass is in the link; here it would count twice."])
         return
     add_comment(plugin, ["Added mass, negative. Gazebo computes only the Coriolis forces of its diagonal."])
     for i, j in _list_entries(link.added_mass):
-        add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", format_number(-link.added_mass[i, j]))
+        add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", -link.added_mass[i, j])
 
 
 def _list_entries(matrix: FloatArray) -> list[tuple[int, int]]:
