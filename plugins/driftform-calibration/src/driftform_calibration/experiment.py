@@ -90,6 +90,11 @@ class Drop:
     path: FloatArray
     scenario: Scenario
 
+    def document(self) -> dict[str, Any]:
+        """Return the drop as ``driftform drop --json`` prints it; SI units, degrees where the name says so."""
+        names = ("pitch_deg", "depth", "ballast", "ballast_x", "duration", "end")
+        return {**{name: getattr(self, name) for name in names}, "gain_bits": self.gain}
+
 
 @dataclass(frozen=True, eq=False)
 class Plan:
@@ -303,19 +308,3 @@ def _choose(
 def _prior_widths(bench: Bench, names: Sequence[str]) -> FloatArray:
     problem = Problem([Filmed(bench, _blank(np.linspace(0, 1, 8)))], names, [1.0])
     return np.array([p.prior for p in problem.parameters[: len(names)]])
-
-
-def describe_plan(plan: Plan) -> list[dict[str, Any]]:
-    """Return the drops as ``driftform drop --json`` prints them; SI units, degrees where the name says so."""
-    return [
-        {
-            "pitch_deg": drop.pitch_deg,
-            "depth": drop.depth,
-            "ballast": drop.ballast,
-            "ballast_x": drop.ballast_x,
-            "duration": drop.duration,
-            "end": drop.end,
-            "gain_bits": drop.gain,
-        }
-        for drop in plan.drops
-    ]

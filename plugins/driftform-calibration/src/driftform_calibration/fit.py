@@ -20,6 +20,7 @@ from driftform_calibration.problem import (
     Problem,
     factor_of,
     parameter_of,
+    shown_name,
 )
 from driftform_calibration.solution import (
     Solution,
@@ -432,18 +433,16 @@ def _estimate(
         elif _find_excess(solution, j, float(solution.x[j]), float(own[j])) <= 1.0:
             left = [k for k in range(len(problem.names)) if k != j and k not in judgement.known]
             most = max(left, key=lambda k: abs(correlation[j, k] * solution.x[k] / own[k]), default=j)
-            why = f"it would be {middle:.2g}, but depends on {_name(problem.names[most])}, which is not known"
+            why = f"it would be {middle:.2g}, but depends on {shown_name(problem.names[most])}, which is not known"
         elif others:
-            why = f"the tracks cannot tell it from {' and '.join(_name(problem.names[k]) for k in others)}"
+            why = (
+                f"the tracks cannot tell it from {' and '.join(shown_name(problem.names[k]) for k in others)}"
+            )
         else:
             what = "a hull of" if name == "hull_density" else "anything from"
             why = f"the tracks leave {what} {low:.2g} to {high:.2g} possible"
         found[name] = FactorEstimate(reason=why)
     return found
-
-
-def _name(name: str) -> str:
-    return "net_weight" if name == "hull_density" else name
 
 
 def _limit(value: float) -> float:

@@ -320,6 +320,11 @@ class Problem:
         )
 
 
+def shown_name(name: str) -> str:
+    """Return the name of a factor as people read it: the density of the hull shows as the net weight that it changes."""
+    return "net_weight" if name == "hull_density" else name
+
+
 def factor_of(name: str, value: float) -> float:
     """Return the factor of a parameter: the hull's density is 1 + value, the others are exp(value)."""
     return 1.0 + value if name == "hull_density" else float(np.exp(value))

@@ -9,8 +9,9 @@ from driftform.figures import section_svg
 from driftform.types import Agent
 from driftform.util import files, notebook
 from driftform_calibration.drop_figure import DropPicture, drop_svg, ruler_svg
-from driftform_calibration.experiment import Drop, Plan, Tank, describe_plan
+from driftform_calibration.experiment import Drop, Plan, Tank
 from driftform_calibration.page import make_page
+from driftform_calibration.problem import shown_name
 
 TABLES = ("pipe", "flow", "fluid", "release", "contact", "flight", "robustness")
 """Tables of a drop's study file; its plugins are those of the study that it was planned in."""
@@ -54,18 +55,18 @@ class DropPlan:
             "agent": self.name,
             "mass": self.agent.mass.mass,
             "tank": [self.tank.length, self.tank.width, self.tank.depth],
-            "drops": describe_plan(self.plan),
+            "drops": [drop.document() for drop in self.drops],
             "expected": {
                 name: {"half_width": half, "known": known} for name, (half, known) in self._expected().items()
             },
-            "reasons": {_rename(name): reason for name, reason in self.plan.reasons.items()},
+            "reasons": {shown_name(name): reason for name, reason in self.plan.reasons.items()},
             "files": [str(path) for path in files],
         }
 
     def _expected(self) -> dict[str, tuple[float, bool]]:
         """Half intervals and whether they will do; that of the hull's density as one of the net weight."""
         return {
-            _rename(name): (half * self.plan.hull_share if name == "hull_density" else half, known)
+            shown_name(name): (half * self.plan.hull_share if name == "hull_density" else half, known)
             for name, (half, known) in self.plan.expected.items()
         }
 
@@ -110,7 +111,7 @@ class DropPlan:
             for name, (half, known) in self._expected().items()
         ]
         expected += [
-            (_rename(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()
+            (shown_name(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()
         ]
         size = self.tank
         steps = [
@@ -184,10 +185,6 @@ class DropPlan:
         return notebook.show_table(
             ("drop", "pitch deg", "depth mm", "ballast g", "bits"), rows, repr(self)[1:-1]
         )
-
-
-def _rename(name: str) -> str:
-    return "net_weight" if name == "hull_density" else name
 
 
 def _describe_known(name: str, known: bool) -> str:

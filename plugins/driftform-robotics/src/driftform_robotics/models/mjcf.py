@@ -14,8 +14,7 @@ from driftform.interfaces import Table
 from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid
-from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
-from driftform_robotics.models.folder import HULL, PIPE, piece_path
+from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions, piece_path
 from driftform_robotics.models.meshes import obj_text
 from driftform_robotics.models.mujoco_path import REACH, compare_paths
 from driftform_robotics.models.pipe import Wall, list_bores, make_wall

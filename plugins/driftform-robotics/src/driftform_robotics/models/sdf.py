@@ -14,8 +14,7 @@ from driftform.agent import slice_solid
 from driftform.interfaces import Table, option
 from driftform.types import FloatArray
 from driftform.water import Scenario
-from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
-from driftform_robotics.models.folder import HULL, PIPE, piece_path
+from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions, piece_path
 from driftform_robotics.models.gazebo_package import WORLD, gazebo_package
 from driftform_robotics.models.link import make_link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.meshes import obj_text
@@ -31,6 +30,7 @@ from driftform_robotics.models.scenery import (
 from driftform_robotics.models.xml import (
     add,
     add_comment,
+    add_texts,
     format_document,
     format_fields,
     format_number,
@@ -163,8 +163,7 @@ def _list_warnings(model: Model, gazebo: _Gazebo, push: str) -> list[str]:
 
 def _make_config(model: Model, gazebo: _Gazebo) -> ET.Element:
     root = ET.Element("model")
-    add(root, "name", model.title)
-    add(root, "version", "1.0")
+    add_texts(root, name=model.title, version="1.0")
     add(root, "sdf", "model.sdf", version=gazebo.sdf)
     add(root, "description", f"The agent {model.job.name} of driftform")
     return root
@@ -194,8 +193,7 @@ def _make_world(
         add_comment(root, _describe_drift(model.title, passing))
     world = add(root, "world", name=WORLD)
     physics = add(world, "physics", name="step", type="ignored")
-    add(physics, "max_step_size", step)
-    add(physics, "real_time_factor", "1")
+    add_texts(physics, max_step_size=step, real_time_factor="1")
     add(world, "gravity", [0.0, 0.0, -fluid.gravity])
     _add_plugin(world, gazebo, "physics", "Physics")
     _add_plugin(world, gazebo, "user-commands", "UserCommands")
@@ -208,8 +206,7 @@ def _make_world(
         graded = add(buoyancy, "graded_buoyancy")
         add(graded, "default_density", fluid.density)
         change = add(graded, "density_change")
-        add(change, "above_depth", fluid.water_level)
-        add(change, "density", "0")
+        add_texts(change, above_depth=fluid.water_level, density="0")
     add(buoyancy, "enable", model.title)
     add_scene(world)
     pipe = add_pipe(world, scenario, np.zeros(3), PIPE)

@@ -7,8 +7,7 @@ import xml.etree.ElementTree as ET
 from typing import ClassVar
 
 from driftform.interfaces import Table, option
-from driftform_robotics.models.exporter import Model, ModelExporter
-from driftform_robotics.models.folder import HULL, piece_path
+from driftform_robotics.models.exporter import HULL, Model, ModelExporter, piece_path
 from driftform_robotics.models.link import warn_of_folding
 from driftform_robotics.models.ros2 import make_package
 from driftform_robotics.models.xml import (

@@ -21,6 +21,7 @@ from driftform_robotics.models.urdf import add_link
 from driftform_robotics.models.xml import (
     add,
     add_comment,
+    add_texts,
     format_document,
     format_fields,
     format_number,
@@ -136,8 +137,7 @@ def _add_hydrodynamics(element: ET.Element, link: Link, body: Body) -> None:
     def to_ned(matrix: FloatArray) -> FloatArray:
         return np.asarray(TO_NED[:, None] * matrix * TO_NED, dtype=np.float64)
 
-    add(element, "neutrally_buoyant", "0")
-    add(element, "volume", link.volume)
+    add_texts(element, neutrally_buoyant="0", volume=link.volume)
     box = add(element, "box")
     for side, extent in (
         ("width", body.max_diameter),
@@ -175,9 +175,7 @@ def _make_world(scenario: Scenario, offset: FloatArray, step: float) -> ET.Eleme
         ],
     )
     physics = add(world, "physics", name="step", default="true", type="ode")
-    add(physics, "max_step_size", step)
-    add(physics, "real_time_factor", "1")
-    add(physics, "real_time_update_rate", 1 / step)
+    add_texts(physics, max_step_size=step, real_time_factor="1", real_time_update_rate=1 / step)
     add(world, "gravity", [0.0, 0.0, -scenario.fluid.gravity])
     add_scene(world)
     make_static([add_pipe(world, scenario, offset, None), add_targets(world, scenario, offset)])
@@ -273,12 +271,9 @@ def _make_release_launch(title: str, link: Link, offset: FloatArray) -> ET.Eleme
 def _package_files(model: Model) -> dict[str, str]:
     """Return the files that make the folder a ROS package for catkin."""
     root = ET.Element("package", format="2")
-    add(root, "name", model.title)
-    add(root, "version", "0.1.0")
-    add(root, "description", f"The agent {model.job.name} of driftform")
+    add_texts(root, name=model.title, version="0.1.0", description=f"The agent {model.job.name} of driftform")
     add(root, "maintainer", "driftform", email="driftform@localhost")
-    add(root, "license", "MIT")
-    add(root, "buildtool_depend", "catkin")
+    add_texts(root, license="MIT", buildtool_depend="catkin")
     for package in _DEPENDS:
         add(root, "exec_depend", package)
     build = f"""cmake_minimum_required(VERSION 3.0.2)

@@ -26,6 +26,12 @@ def add(
     return found
 
 
+def add_texts(parent: ET.Element, **texts: str | npt.ArrayLike) -> None:
+    """Append one element for each text, by its tag."""
+    for tag, text in texts.items():
+        add(parent, tag, text)
+
+
 def _format_value(value: str | npt.ArrayLike) -> str:
     return value if isinstance(value, str) else format_numbers(value)
 

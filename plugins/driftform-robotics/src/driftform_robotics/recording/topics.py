@@ -209,45 +209,35 @@ class FlightTopics:
         scenario, options = self.job.scenario, self.options
         surface = sensors.surface_height(scenario)
         found = sensors.pressure(self.sensor_positions[:, 2], surface, scenario.fluid, options.atmosphere)
-        for stamp, value in self._add_noise(found, options.pressure_noise, 1):
-            yield (
-                stamp,
-                self.ros.make(
-                    "sensor_msgs/FluidPressure",
-                    header=self._make_sensor_header(stamp),
-                    fluid_pressure=value,
-                    variance=options.pressure_noise**2,
-                ),
-            )
+        readings = self._add_noise(found, options.pressure_noise, 1)
+        return self._make_sensed(
+            "sensor_msgs/FluidPressure", "fluid_pressure", readings, options.pressure_noise
+        )
 
     def _make_ranges(self) -> Iterator[tuple[int, Any]]:
-        pipe, options = self.job.scenario.pipe, self.options
-        found = np.maximum(wall_distance(self.sensor_positions, self.job.scenario), 0.0)
-        for stamp, value in self._add_noise(found, options.distance_noise, 2):
-            yield (
-                stamp,
-                self.ros.make(
-                    "sensor_msgs/Range",
-                    header=self._make_sensor_header(stamp),
-                    # All directions: the distance is that of the nearest point of the wall.
-                    field_of_view=2 * np.pi,
-                    max_range=pipe.layout.inlet.radius,
-                    range=value,
-                    variance=options.distance_noise**2,
-                ),
-            )
+        scenario, noise = self.job.scenario, self.options.distance_noise
+        found = np.maximum(wall_distance(self.sensor_positions, scenario), 0.0)
+        # All directions: the distance is that of the nearest point of the wall.
+        seen = {"field_of_view": 2 * np.pi, "max_range": scenario.pipe.layout.inlet.radius}
+        readings = self._add_noise(found, noise, 2)
+        return self._make_sensed("sensor_msgs/Range", "range", readings, noise, **seen)
+
+    def _make_sensed(
+        self, kind: str, field: str, readings: Iterator[tuple[int, float]], noise: float, **more: float
+    ) -> Iterator[tuple[int, Any]]:
+        """Yield messages with a header, a reading in a ``field``, and its variance."""
+        for stamp, value in readings:
+            header, values = self._make_sensor_header(stamp), {field: value, **more}
+            yield stamp, self.ros.make(kind, header=header, variance=noise**2, **values)
 
     def _make_clearances(self) -> Iterator[tuple[int, Any]]:
         body, pipe = self.job.agent.body, self.job.scenario.pipe
-        return self._make_readings(
-            sensors.clearance(self.trajectory, body, pipe), self.options.distance_noise, 3
-        )
+        found = sensors.clearance(self.trajectory, body, pipe)
+        return self._make_readings(found, self.options.distance_noise, 3)
 
     def _make_concentrations(self) -> Iterator[tuple[int, Any]]:
-        found = sum(
-            (p.concentration(self.sensor_positions) for p in self.plumes),
-            np.zeros(len(self.sensor_positions)),
-        )
+        nothing = np.zeros(len(self.sensor_positions))
+        found = sum((p.concentration(self.sensor_positions) for p in self.plumes), nothing)
         return self._make_readings(found, self.options.concentration_noise, 4)
 
     def _make_readings(self, values: FloatArray, noise: float, sensor: int) -> Iterator[tuple[int, Any]]:
