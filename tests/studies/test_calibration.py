@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from made_films import draw_world, film_flight, place_drop
 
 import driftform as df
 from driftform.design.design import Design
@@ -25,7 +26,6 @@ from driftform.types import FloatArray
 from driftform.water import Calibration, Factors
 from driftform_calibration.films import weigh_prior
 from driftform_calibration.fit import fit_factors
-from driftform_calibration.made_films import draw_world, film_flight, place_drop
 
 pytestmark = pytest.mark.slow
 

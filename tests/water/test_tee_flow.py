@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from driftform.util.compiled import compiled
 from driftform.water.tee_flow import tee_field, tee_leakage, tee_motion
 from driftform.water.tee_store import JUNCTIONS
-from driftform.water.tee_wall import Junction, distance_beyond_ends, wall_level
+from driftform.water.tee_wall import Junction, wall_level
+from driftform_tees.region import distance_beyond_ends
 
 SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
 

@@ -5,6 +5,5 @@ from . import svg as svg
 from .files import make_pdf as make_pdf
 from .files import rasterise as rasterise
 from .files import write_picture as write_picture
-from .intervals import intervals_svg as intervals_svg
 from .png import png_bytes as png_bytes
 from .section import section_svg as section_svg

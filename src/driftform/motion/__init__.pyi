@@ -14,11 +14,16 @@ from .inertia import largest_added_mass_ratio as largest_added_mass_ratio
 from .inertia import shift_origin as shift_origin
 from .integrator import Accuracy as Accuracy
 from .integrator import greatest_distance as greatest_distance
-from .integrator import grow_tolerance as grow_tolerance
 from .integrator import integrate as integrate
 from .integrator import integrate_once as integrate_once
+from .interpolation import interpolate_attitudes as interpolate_attitudes
+from .interpolation import interpolate_positions as interpolate_positions
+from .loop import grow_tolerance as grow_tolerance
+from .model import FlightModel as FlightModel
 from .model import flight_model as flight_model
 from .path import evaluate_path as evaluate_path
 from .resampling import even_times as even_times
 from .resampling import resample as resample
+from .stepping import compute_rate as compute_rate
+from .stepping import has_left as has_left
 from .terminal import terminal_speeds as terminal_speeds
