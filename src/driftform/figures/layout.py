@@ -125,12 +125,6 @@ class Box:
         """Return the box of that size centred on a point."""
         return cls(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
 
-    def overlap_area(self, other: "Box") -> float:
-        """Return the area that two boxes share, px2."""
-        w = min(self.right, other.right) - max(self.left, other.left)
-        h = min(self.bottom, other.bottom) - max(self.top, other.top)
-        return max(w, 0.0) * max(h, 0.0)
-
 
 def place_labels(
     anchors: FloatArray, widths: Sequence[float], height: float, ink: FloatArray, page: Box, keep: float = 9

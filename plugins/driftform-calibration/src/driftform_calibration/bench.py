@@ -17,6 +17,7 @@ from driftform.motion import (
     release_state,
 )
 from driftform.types import Agent, Body, Coefficients, FloatArray, Morphology
+from driftform.util import rotations
 from driftform.water import Calibration, Factors, Scenario
 
 ACCURACY = Accuracy(tolerance=1e-7, max_step=0.03, step_limit=20_000)
@@ -120,10 +121,8 @@ class Bench:
         samples = np.ascontiguousarray(samples[np.isfinite(samples).all(axis=1)])
         touched = finish_trajectory(samples, model, until, ACCURACY.step_limit).contact
         contact = np.inf if touched is None else touched
-        w, x, y, z = samples[:, 4:8].T
-        axis = np.column_stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
-        left = np.column_stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)])
-        up = np.column_stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+        turned = rotations.matrix_from_quaternion(samples[:, 4:8])
+        axis, left, up = (np.ascontiguousarray(turned[..., k]) for k in range(3))
         rate = samples[:, 13:14] * left - samples[:, 12:13] * up
         return Path(samples[:, 0], samples[:, 1:4], samples[:, 8:11], axis, rate, contact)
 

@@ -209,44 +209,33 @@ class FlightTopics:
         scenario, options = self.job.scenario, self.options
         surface = sensors.surface_height(scenario)
         found = sensors.pressure(self.sensor_positions[:, 2], surface, scenario.fluid, options.atmosphere)
-        readings = self._add_noise(found, options.pressure_noise, 1)
-        return self._make_sensed(
-            "sensor_msgs/FluidPressure", "fluid_pressure", readings, options.pressure_noise
-        )
+        noise = options.pressure_noise
+        return self._make_readings("sensor_msgs/FluidPressure", "fluid_pressure", found, noise, 1)
 
     def _make_ranges(self) -> Iterator[tuple[int, Any]]:
         scenario, noise = self.job.scenario, self.options.distance_noise
         found = np.maximum(wall_distance(self.sensor_positions, scenario), 0.0)
         # All directions: the distance is that of the nearest point of the wall.
         seen = {"field_of_view": 2 * np.pi, "max_range": scenario.pipe.layout.inlet.radius}
-        readings = self._add_noise(found, noise, 2)
-        return self._make_sensed("sensor_msgs/Range", "range", readings, noise, **seen)
-
-    def _make_sensed(
-        self, kind: str, field: str, readings: Iterator[tuple[int, float]], noise: float, **more: float
-    ) -> Iterator[tuple[int, Any]]:
-        """Yield messages with a header, a reading in a ``field``, and its variance."""
-        for stamp, value in readings:
-            header, values = self._make_sensor_header(stamp), {field: value, **more}
-            yield stamp, self.ros.make(kind, header=header, variance=noise**2, **values)
+        return self._make_readings("sensor_msgs/Range", "range", found, noise, 2, **seen)
 
     def _make_clearances(self) -> Iterator[tuple[int, Any]]:
-        body, pipe = self.job.agent.body, self.job.scenario.pipe
-        found = sensors.clearance(self.trajectory, body, pipe)
-        return self._make_readings(found, self.options.distance_noise, 3)
+        found = sensors.clearance(self.trajectory, self.job.agent.body, self.job.scenario.pipe)
+        return self._make_readings("std_msgs/Float64", "data", found, self.options.distance_noise, 3)
 
     def _make_concentrations(self) -> Iterator[tuple[int, Any]]:
         nothing = np.zeros(len(self.sensor_positions))
         found = sum((p.concentration(self.sensor_positions) for p in self.plumes), nothing)
-        return self._make_readings(found, self.options.concentration_noise, 4)
+        return self._make_readings("std_msgs/Float64", "data", found, self.options.concentration_noise, 4)
 
-    def _make_readings(self, values: FloatArray, noise: float, sensor: int) -> Iterator[tuple[int, Any]]:
-        for stamp, value in self._add_noise(values, noise, sensor):
-            yield stamp, self.ros.make("std_msgs/Float64", data=value)
-
-    def _add_noise(self, values: FloatArray, noise: float, sensor: int) -> Iterator[tuple[int, float]]:
+    def _make_readings(
+        self, kind: str, field: str, values: FloatArray, noise: float, sensor: int, **more: float
+    ) -> Iterator[tuple[int, Any]]:
+        """Yield a reading with noise in a ``field`` of each message, with a header and its variance if the kind has them."""
         readings = sensors.add_noise(values, noise, self._make_rng(sensor))
-        return zip(self.stamps, readings.tolist(), strict=True)
+        for stamp, value in zip(self.stamps, readings.tolist(), strict=True):
+            given = {field: value, "variance": noise**2, **more}
+            yield stamp, self.ros.make(kind, header=self._make_sensor_header(stamp), **given)
 
     def _make_sensor_header(self, stamp: int) -> Any:
         return self.ros.make_header(stamp, f"{self.options.namespace}/sensors")
