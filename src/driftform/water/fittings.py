@@ -100,7 +100,7 @@ def _row_of_part(part: PipePart) -> FloatArray:
     row = np.zeros(wall.PART)
     row[wall.ORIGIN : wall.ORIGIN + 3], row[wall.AXES : wall.AXES + 9] = part.origin, part.axes.ravel()
     row[wall.RADIUS], row[wall.END_RADIUS], row[wall.LENGTH] = part.radius, part.end_radius, part.length
-    row[wall.NARROWEST], row[wall.EXIT] = min(part.radius, part.end_radius), wall.INNER
+    row[wall.NARROWEST], row[wall.EXIT] = part.narrowest, wall.INNER
     match part:
         case Straight():
             row[wall.KIND] = wall.STRAIGHT
@@ -110,7 +110,6 @@ def _row_of_part(part: PipePart) -> FloatArray:
             row[wall.KIND], row[wall.CURVE] = wall.REDUCER, part.arc_radius
         case Tee():
             row[wall.KIND], row[wall.END_RADIUS], row[wall.FILLET] = wall.TEE, part.branch_radius, part.fillet
-            row[wall.NARROWEST] = min(part.radius, part.branch_radius)
             row[wall.COSINE], row[wall.SINE] = exact_cosine(part.angle), exact_sine(part.angle)
             row[wall.UPSTREAM], row[wall.DOWNSTREAM], row[wall.SIDE] = part.legs
             flat = np.concatenate([np.zeros(wall.HEAD), row])
@@ -143,35 +142,16 @@ def _row_beyond(opening: Opening, exit_: float) -> FloatArray:
 def greatest_curvature(layout: Layout) -> float:
     """Return by how much the curvatures of a wall across and along the pipe differ at most, 1/m.
 
-    Along a bend or a reducer the wall bulges by the radius of the bend's inside, and of the reducer's arcs. The rounded edge of a
-    tee is left out: bodies do not lie on it with a flat end.
+    The rounded edge of a tee is left out: bodies do not lie on it with a flat end.
     """
-    return max(_curvature(placed.part) for placed in layout.parts)
-
-
-def _curvature(part: PipePart) -> float:
-    match part:
-        case Bend():
-            return 1 / part.radius + 1 / (part.bend_radius - part.radius)
-        case Reducer():
-            return 1 / min(part.radius, part.end_radius) + 1 / part.arc_radius
-        case Tee():
-            return 1 / min(part.radius, part.branch_radius)
-    return 1 / part.radius
+    parts = [placed.part for placed in layout.parts]
+    return max(1 / part.narrowest + (0.0 if isinstance(part, Tee) else 1 / part.bulge) for part in parts)
 
 
 def rim_spacing(layout: Layout) -> float:
     """Return the greatest distance (m) between the rims of a body: a wall of the radius rho rises by s^2 / (8 rho) between two."""
-    bulges = [math.inf]
-    for placed in layout.parts:
-        match placed.part:
-            case Bend():
-                bulges.append(placed.part.bend_radius - placed.part.radius)
-            case Reducer():
-                bulges.append(placed.part.arc_radius)
-            case Tee():
-                bulges.append(placed.part.fillet)
-    return max(FINEST_RIMS, math.sqrt(8 * UNSEEN_DEPTH * min(bulges)))
+    bulge = min((placed.part.bulge for placed in layout.parts), default=math.inf)
+    return max(FINEST_RIMS, math.sqrt(8 * UNSEEN_DEPTH * bulge))
 
 
 @dataclass(frozen=True)

@@ -283,11 +283,8 @@ def _interpolate_gust(t: float, gusts: FloatArray, step: float, column: int) -> 
 
 
 def pipe_rows(scenario: Scenario) -> FloatArray:
-    """Return the straight pipe; no rows for another one and in open water."""
-    segment = scenario.pipe.straight
-    if segment is None:
-        return np.empty((0, 8))
-    rows = np.array([[*segment.start, *segment.end, segment.radius]])
+    """Return the straight pipe, (1, 8): start, axis, length and radius; no rows for another one and in open water."""
+    rows = scenario.pipe.array()
     axis = rows[:, 3:6] - rows[:, :3]
     length = np.linalg.norm(axis, axis=1, keepdims=True)
     return np.column_stack([rows[:, :3], axis / length, length, rows[:, 6]])
