@@ -22,7 +22,6 @@ from .loop import grow_tolerance as grow_tolerance
 from .model import FlightModel as FlightModel
 from .model import flight_model as flight_model
 from .path import evaluate_path as evaluate_path
-from .resampling import even_times as even_times
 from .resampling import resample as resample
 from .stepping import compute_rate as compute_rate
 from .stepping import has_left as has_left
