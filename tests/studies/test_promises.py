@@ -25,10 +25,8 @@ from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
-from driftform.water import TurbulentFlow
 from driftform.water.disturbances import disturb_body, draw_conditions
-from driftform.water.flow import LogLawFlow
-from driftform.water.velocity import friction_factor
+from driftform.water.flow import LogLawFlow, TurbulentFlow, friction_factor
 
 pytestmark = pytest.mark.slow
 

@@ -16,8 +16,9 @@ from driftform.motion.terminal import terminal_speed_across
 from driftform.types import Agent, Body, Drag, FloatArray
 from driftform.util.compiled import borrow, borrow_as, borrowing, compiled
 from driftform.util.latest import keep_latest
-from driftform.water import Scenario, TurbulentFlow
+from driftform.water import Scenario
 from driftform.water.fittings import fitting_array, greatest_curvature, rim_spacing
+from driftform.water.flow import TurbulentFlow
 from driftform.water.profiles import UNIFORM
 from driftform.water.scenario import Contact
 from driftform.water.velocity import flow_array, gust_array, pipe_rows

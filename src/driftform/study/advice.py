@@ -12,9 +12,9 @@ import numpy as np
 from driftform.errors import InputError, find_commonest
 from driftform.pipeline import Pipeline
 from driftform.types import Body, FloatArray, Morphology
-from driftform.water import Scenario, TurbulentFlow
+from driftform.water import Scenario
 from driftform.water.factors import DRAGS
-from driftform.water.flow import PowerLawFlow, UniformFlow
+from driftform.water.flow import PowerLawFlow, TurbulentFlow, UniformFlow
 from driftform.water.misfit import find_misfit, show_length
 
 NEGLIGIBLE = 1e-3

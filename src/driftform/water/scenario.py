@@ -10,7 +10,7 @@ from driftform.options import Table, describe, option
 from driftform.types import FloatArray
 from driftform.util.latest import keep_latest
 from driftform.util.vectors import cross
-from driftform.water.factors import Calibration, calibrate_restitution
+from driftform.water.factors import Calibration
 from driftform.water.flow import (
     FLOWS,
     DevelopingFlow,
@@ -19,6 +19,7 @@ from driftform.water.flow import (
     PipeFlow,
     TurbulentFlow,
     UniformFlow,
+    friction_velocity,
 )
 from driftform.water.pipe import Pipe, Vector
 
@@ -270,6 +271,11 @@ class Scenario(Table):
         """Return the mean velocity of the water at the inlet, in the world frame, m/s, (3,)."""
         return self.flow.speed * self.direction()
 
+    def friction_velocity(self) -> float:
+        """Return the friction velocity u* = U sqrt(f / 8) of the pipe's wall at the inlet, m/s."""
+        radius, viscosity = self.pipe.layout.inlet.radius, self.fluid.viscosity
+        return friction_velocity(self.flow, radius, abs(self.flow.speed), viscosity)
+
     def calibrated_contact(self) -> Contact:
         """Return the contact with the coefficients that filmed flights have shown."""
         factors = self.calibration.factors
@@ -277,7 +283,7 @@ class Scenario(Table):
             return self.contact
         return self.contact.model_copy(
             update={
-                "restitution": calibrate_restitution(factors, self.contact.restitution),
+                "restitution": factors.scale_restitution(self.contact.restitution),
                 "friction": factors.friction * self.contact.friction,
             }
         )

@@ -12,7 +12,7 @@ import numpy as np
 from driftform import Pipeline, Run, Study, load_study
 from driftform.search import Executor, Observer
 from driftform.types import FloatArray, Genome, Trajectory
-from driftform.water import Scenario, TurbulentFlow
+from driftform.water import Scenario
 
 STRATEGIES = ("paper", "random")
 """The paper's search, and the baseline that it is held against."""
@@ -161,5 +161,5 @@ def repeat_flights(
 
 def add_turbulence(scenario: Scenario, seeds: Sequence[int]) -> list[Scenario]:
     """Return the scenario with the turbulent flow of the same bulk speed, with gusts of each seed."""
-    flows = [TurbulentFlow(speed=scenario.flow.speed, seed=seed) for seed in seeds]
-    return [scenario.model_copy(update={"flow": flow}) for flow in flows]
+    flows = [{"kind": "turbulent", "speed": scenario.flow.speed, "seed": seed} for seed in seeds]
+    return [Scenario.model_validate({**dict(scenario), "flow": flow}) for flow in flows]

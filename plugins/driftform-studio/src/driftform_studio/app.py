@@ -21,7 +21,7 @@ from starlette.routing import Route
 from driftform import Run, Study, load_study
 from driftform.errors import DriftformError, InputError, describe_error
 from driftform.figures import scene
-from driftform.water import Bend, Pipe, Reducer, Scenario, Segment, Straight
+from driftform.water import Pipe, Scenario, Segment, pipe_parts
 from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
 from driftform_studio.folder import DATABASE, RunsFolder
 from driftform_studio.searches import Searches
@@ -429,16 +429,16 @@ def _outline_without_targets(draft: dict[str, Any]) -> dict[str, Any] | None:
 
 def _axis_step(part: Any) -> float:
     """Return the distance at which points of the axis of a part are drawn, m: two points for a straight axis of one bore."""
-    if isinstance(part, Bend):
+    if isinstance(part, pipe_parts.Bend):
         return part.bend_radius * BEND_STEP
-    return part.length / REDUCER_STEPS if isinstance(part, Reducer) else math.inf
+    return part.length / REDUCER_STEPS if isinstance(part, pipe_parts.Reducer) else math.inf
 
 
 def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
     """Return the scene of the 3-D view, and the profile of the current at the inlet, empty if there is none."""
     found = scene.scene_data(scenario, paths)
     pipe, profile = scenario.pipe, found["pipe"]
-    if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, Straight):
+    if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, pipe_parts.Straight):
         # The first part carries the profile of a straight pipe.
         start, end = pipe.layout.inlet.centre, pipe.layout.parts[0].part.list_exits()[0].centre
         inlet = Segment(start=tuple(start.tolist()), end=tuple(end.tolist()), radius=pipe.layout.inlet.radius)
