@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Error, Manifold, Mesh64
 
-from driftform.agent import hull_volume, solid_of_revolution
-from driftform.agent.meshes import area_factor, is_closed, merge_vertices, signed_volume
+from driftform.agent import Mesh, hull_volume, solid_of_revolution
+from driftform.agent.meshes import area_factor
 from driftform.errors import WorkFailedError
 from driftform.study import load_study
 from driftform.types import Body, Core, Module, Morphology
@@ -63,10 +63,10 @@ def agent(fore="", aft=""):
 
 def reread(solid):
     """The solid of the mesh that a file in single precision holds."""
-    vertices, triangles = merge_vertices(solid.vertices.astype(np.float32), solid.triangles)
-    assert is_closed(triangles)
-    assert signed_volume(vertices, triangles) > 0
-    again = Manifold(Mesh64(vertices.astype(np.float64), triangles.astype(np.uint64)))
+    mesh = Mesh(solid.vertices.astype(np.float32), solid.triangles).merge_vertices()
+    assert mesh.is_closed
+    assert mesh.volume > 0
+    again = Manifold(Mesh64(mesh.vertices.astype(np.float64), mesh.triangles.astype(np.uint64)))
     assert again.status() == Error.NoError
     return again
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from driftform.agent import Mesh
 from driftform.errors import InputError, WorkFailedError
-from driftform_kit.checks.parts import Part
 from driftform_kit.checks.reading import read_parts
 
 MODEL = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
@@ -43,7 +43,7 @@ def mesh_of(block: trimesh.Trimesh, scale: float = 1.0) -> str:
     return f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh>"
 
 
-def same(part: Part, block: trimesh.Trimesh, offset: tuple[float, float, float] = (0, 0, 0)) -> bool:
+def same(part: Mesh, block: trimesh.Trimesh, offset: tuple[float, float, float] = (0, 0, 0)) -> bool:
     found = {tuple(np.round(v, 4)) for v in part.vertices}
     volume = part.volume
     return found == {tuple(np.round(v + offset, 4)) for v in block.vertices} and np.isclose(

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from driftform.agent.meshes import stl_bytes
 from driftform_kit.checks.reading import read_parts
 
 
@@ -16,6 +15,6 @@ def provide_stl(files: Sequence[Path], folder: Path) -> list[Path]:
             continue
         for number, part in enumerate(read_parts(path), 1):
             copy = folder / f"{path.stem}-{number}.stl"
-            copy.write_bytes(stl_bytes(part.vertices, part.triangles))
+            copy.write_bytes(part.to_stl())
             found.append(copy)
     return found
