@@ -161,7 +161,7 @@ def test_a_homogeneous_sphere_rests_on_the_floor_in_any_attitude(edges, attitude
 
 
 def test_a_sphere_bounces_as_scipy_integrates_the_law_of_the_page():
-    """The law, written down again from docs/dataflow.md: m omega^2 d (1 + (d / 0.2 mm)^4) times the damper's factor."""
+    """The law, written down again from docs/physics.md: m omega^2 d (1 + (d / 0.2 mm)^4) times the damper's factor."""
     restitution, radius, weight, omega = 0.8, 0.3, 0.2 * SPHERE_MASS / 1.2 * 9.81, 300.0
     mass = SPHERE_MASS + 0.5 * SPHERE_MASS / 1.2
     film = 35 * 6 * math.pi * VISCOSITY * DENSITY * 0.01**2 * math.sqrt(restitution)

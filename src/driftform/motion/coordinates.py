@@ -69,7 +69,8 @@ class Motion:
 
 def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
     """Return the motion from the state ``start`` (13,): in the vertical plane if it stays there, otherwise in space."""
-    if stays_in_plane(start, model):
+    # Samples of a motion in the plane lie in y = 0.
+    if start[1] == 0.0 and stays_in_plane(start, model):
         pitch = 2.0 * math.atan2(start[5], start[3])
         return Motion(
             np.array([start[0], start[2], pitch]),

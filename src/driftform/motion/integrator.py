@@ -116,6 +116,10 @@ class IntegrationResult:
     error: float
     tolerance: float
 
+    def distance_from(self, samples: FloatArray) -> float:
+        """Return the greatest distance (m) from other raw samples of the same flight, (k, 14); infinite if one ends early."""
+        return float(greatest_distance(self.samples, samples))
+
 
 def integrate(
     model: FlightModel,
