@@ -10,9 +10,10 @@ import numpy as np
 
 from driftform import Design, Pipeline
 from driftform.agent import MassElement, reweigh
+from driftform.cli import formats
 from driftform.errors import InputError, WorkFailedError
-from driftform.study.exporter_settings import list_exporter_settings
 from driftform.types import Agent, FloatArray
+from driftform_frusta.kit_options import PartOptions
 from driftform_kit.ballast import (
     FOAM,
     MATERIALS,
@@ -27,7 +28,7 @@ from driftform_kit.ballast import (
     place_two_balls,
     required_ballast,
 )
-from driftform_kit.kit import Balls, HeldBall, KitReport, MeasureKit, measure_kit
+from driftform_kit.kit import HeldBall, KitReport, report_kit
 
 GRAMS_FOR_KG = 20
 """A printed mass of more than this many times the simulated one was given in another unit."""
@@ -46,6 +47,13 @@ _SAME_SIZE = 0.1
 
 LEAD = MATERIALS["lead"]
 """kg/m3, of the ballast where nothing else is asked for."""
+
+
+Balls = Sequence[tuple[float, float]]
+"""Of each ball x and diameter, m."""
+
+MeasureKit = Callable[[Balls | None], KitReport]
+"""Measures a kit with seats for balls, for ``None`` with those of its options; fails if it cannot hold them."""
 
 
 @dataclass(frozen=True)
@@ -457,13 +465,26 @@ def trim_design(
             weight,
             LEAD if ballast_density is None else ballast_density,
         )
-    kit_settings = list_exporter_settings([format], {"kit": ("true", "--kit")})
-    exporter, job = design.under(*kit_settings).study.make_exporter(format), design.export_job()
+    kit_settings = formats.list_exporter_settings([format], {"kit": ("true", "--kit")})
+    exporter, body = design.under(*kit_settings).study.make_exporter(format), design.agent.body
+    given = exporter.options
+    if not isinstance(given, PartOptions):
+        raise WorkFailedError(
+            f"exporter '{format}' does not report how its kit balances; weigh the kit, and leave --kit out"
+        )
     if ballast_density is None:
-        ballast_density = getattr(exporter.options, "ballast_density", LEAD)
+        ballast_density = given.ballast_density
 
     def measure(balls: Balls | None = None) -> KitReport:
-        return measure_kit(exporter, job, balls)
+        if balls is None:
+            return report_kit(body, given)
+        changed = {**given.model_dump(), "ballast": [list(ball) for ball in balls]}
+        try:
+            options = PartOptions.model_validate(changed)
+        except ValueError:
+            sizes = ", ".join(f"{1000 * diameter:.2g} mm" for _, diameter in balls)
+            raise WorkFailedError(f"exporter '{format}' makes no seats for balls of {sizes}") from None
+        return report_kit(body, options)
 
     weight = weigh_print(design.agent, printed_mass, printed_cog, measure())
     return trim_agent(design.pipeline, design.agent, design.name, weight, ballast_density, measure)

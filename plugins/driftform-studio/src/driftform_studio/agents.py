@@ -9,6 +9,7 @@ import numpy as np
 
 from driftform import Design, Run, StoredAgent
 from driftform.agent import hull_mass
+from driftform.cli import formats
 from driftform.design.limits import list_limits
 from driftform.errors import InputError, did_you_mean
 from driftform.figures.style import SERIES
@@ -20,7 +21,6 @@ from driftform.runs.dependence import divide_spread
 from driftform.runs.misses import Misses, finite_or_none
 from driftform.search.finalists import find_winner
 from driftform.search.picking import write_pick
-from driftform.study.exporter_settings import list_exporter_settings
 from driftform.types import BoolArray, FloatArray, Trajectory
 from driftform.util.progress import count_progress, track_progress
 
@@ -100,7 +100,7 @@ def export_agent(stored: StoredAgent, kind: str, folder: Path) -> Path:
     if kind not in FORMATS:
         raise InputError(f"there are no files '{kind}'{did_you_mean(kind, FORMATS)}")
     format, kit = FORMATS[kind]
-    settings = list_exporter_settings((format,), {"kit": ("true", "a kit")} if kit else {})
+    settings = formats.list_exporter_settings((format,), {"kit": ("true", "a kit")} if kit else {})
     design = Design.build(stored, stored.name, settings=settings)
     path = folder / f"{design.name}{design.study.make_exporter(format).suffix}"
     written = [Path(file.path) for file in design.export_files(format, path)]

@@ -11,7 +11,6 @@ import numpy as np
 from driftform.agent import Mesh
 from driftform.figures import rasterise
 from driftform.interfaces import Exporter, ExportJob, Table
-from driftform.study.exporter_settings import KIT_FILE
 from driftform.types import WrittenFile
 from driftform_frusta.colours import colour_of
 from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
@@ -60,7 +59,7 @@ class ThreeMfExporter(Exporter[PartOptions]):
         WorkFailedError
             if the body has no closed printable solid, or a file cannot be written.
         """
-        from driftform_frusta.kits import make_parts
+        from driftform_frusta.kits import KIT_FILE, make_parts
         from driftform_frusta.source import write_source
         from driftform_frusta.threemf import package_bytes
 

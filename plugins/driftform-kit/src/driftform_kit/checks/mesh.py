@@ -11,11 +11,11 @@ from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, FloatArray, State
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_kit.checks.parts import MM3_PER_M3, MM_PER_M
-from driftform_kit.checks.reading import read_parts
 from driftform_kit.checks.shells import Shell, find_shells, orient_outward
 from driftform_kit.checks.slenderness import measure_slenderness
 from driftform_kit.checks.topology import Topology, analyse_topology
 from driftform_kit.checks.walls import REACH, Wall, find_thinnest_wall
+from driftform_kit.reading import read_meshes
 
 _SMALLEST, _LARGEST = 1.0, 10_000.0
 """mm: a smaller part was written in metres, a larger one in micrometres."""
@@ -93,7 +93,7 @@ class MeshChecker(Checker[MeshOptions]):
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Report unit, closedness, orientation of faces, shells, mass, walls, size, orientation on the bed, slenderness."""
-        parts = [part for path in job.files for part in read_parts(path)]
+        parts = [part for path in job.files for part in read_meshes(path)]
         studied = [analyse_part(part) for part in parts]
         unit = _check_unit(parts)
         yield unit

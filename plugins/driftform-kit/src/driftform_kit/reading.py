@@ -1,4 +1,4 @@
-"""Printable files -> their parts, in mm and z up, whatever the format."""
+"""Printable files -> the meshes of their parts, in mm and z up, whatever the format."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,8 +21,8 @@ _FROM_GLTF = MM_PER_M * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 
 _LONGEST_NAME = 40
 
 
-def read_parts(path: Path) -> tuple[Mesh, ...]:
-    """Return the parts of a file, one at least.
+def read_meshes(path: Path) -> tuple[Mesh, ...]:
+    """Return the meshes of a file, one for each part, at least one; no two vertices of a mesh are the same.
 
     STL, OBJ and PLY have no unit and are taken to be in mm; 3MF states its unit, GLB is in metres with y up. OpenSCAD
     source is rendered.
