@@ -71,7 +71,7 @@ def hit(agent, speed, restitution, viscosity=VISCOSITY, pitch=0.0, radius=0.3):
 
 def law(model, agent, speed, restitution, viscosity=VISCOSITY):
     """e_dry exp(-35 / St), St = m v / (6 pi mu R^2), with the mass that moves across the axis."""
-    mass, radius = model.table[2, 2], agent.body.max_diameter / 2
+    mass, radius = model.numbers[0]["mass"][2, 2], agent.body.max_diameter / 2
     return restitution * math.exp(-35 * 6 * math.pi * viscosity * DENSITY * radius**2 / (mass * speed))
 
 
@@ -156,7 +156,7 @@ def test_a_homogeneous_sphere_rests_on_the_floor_in_any_attitude(edges, attitude
     assert depth < 1e-4
     rate = np.empty(13)
     fill_rate_in_space(0.0, end[1:], model, rate)
-    assert np.abs(rate[10:] * model.table[4, 4]).max() < 1e-9, "no torque"
+    assert np.abs(rate[10:] * model.numbers[0]["mass"][4, 4]).max() < 1e-9, "no torque"
     assert np.abs(end[11:]).max() < 1e-9, "it does not turn"
 
 

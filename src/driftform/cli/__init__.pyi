@@ -6,5 +6,6 @@ from .output import TextTable as TextTable
 from .output import print_json as print_json
 from .output import print_result as print_result
 from .output import print_table as print_table
+from .output import print_text as print_text
 
 def main() -> None: ...

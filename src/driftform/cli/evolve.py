@@ -71,7 +71,6 @@ def evolve(
     then flown under fresh conditions, which show the miss that 9 of 10 flights stay within. --robust 0 leaves this out.
     """
     from driftform.study import load_study
-    from driftform.study.advice import list_warnings
 
     disturbed = () if robust is None else (f"robustness.conditions={robust}",)
     checked = load_study(
@@ -83,17 +82,17 @@ def evolve(
         calibration=calibration,
     )
     # What runs a study takes a second to import. A wrong study is refused before, and its workers import meanwhile.
-    from driftform.cli.executors import open_executor
+    from driftform.search.executors import open_executor
 
     with open_executor(checked, executor, scheduler, workers) as place:
         from driftform.cli.running import advance_run
         from driftform.runs.directory import check_new
-        from driftform.runs.run import Run, check_study
+        from driftform.runs.run import Run
 
-        check_study(checked)
+        checked.check_search()
         if out is not None:
             check_new(out)
-        warnings = list_warnings(checked)
+        warnings = checked.list_warnings()
         for warning in warnings:
             typer.echo(f"warning: {warning}", err=True)
         with Run.create(out or _next_directory(study), checked) as run:

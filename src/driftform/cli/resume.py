@@ -27,9 +27,9 @@ def resume(
 
     With a larger budget a complete run continues too: the result is that of a run that had it from the start.
     """
-    from driftform.cli.executors import open_executor
     from driftform.cli.running import advance_run
     from driftform.runs.run import Run
+    from driftform.search.executors import open_executor
 
     with (
         Run.resume(run, evaluations) as resumed,

@@ -28,7 +28,7 @@ def sample(
 
     from driftform.cli.output import print_json
     from driftform.errors import InputError, find_commonest
-    from driftform.runs.agent_file import StoredAgent, write_agent
+    from driftform.runs.agent_file import StoredAgent
     from driftform.study import load_study
     from driftform.util.files import make_directory
 
@@ -46,7 +46,7 @@ def sample(
     for number in range(1, count + 1):
         name = f"agent-{number:0{width}d}"
         genome = grammar.random(rng)
-        write_agent(out / f"{name}.json", StoredAgent(name, genome, environment, {"seed": seed}))
+        StoredAgent(name, genome, environment, {"seed": seed}).write(out / f"{name}.json")
         paths.append(str(out / f"{name}.json"))
         if (reason := pipeline.find_obstacle(genome)) is not None:
             reasons.append(reason)

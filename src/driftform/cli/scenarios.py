@@ -75,11 +75,10 @@ def check(
     from driftform.cli.output import print_json, print_text
     from driftform.errors import escape_controls
     from driftform.study import NAMED, SELECTED, load_study
-    from driftform.study.advice import list_warnings
     from driftform.util.files import check_directory, write_text
 
     study = load_study(file, settings or ())
-    warnings = list_warnings(study)
+    warnings = study.list_warnings()
     if study.scenario.targets:
         study.make_strategy()
     document, scenario = study.document, study.scenario

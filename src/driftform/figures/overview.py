@@ -97,9 +97,7 @@ def _draw_flights(
     # Faint lines count for less: a label may cross one if there is no free place.
     ink += [resample_polyline(window.to_page(line), 9) for line in lines]
     start = window.to_page(scenario.release_position()[None])
-    svg.add(
-        root, "circle", cx=start[0, 0], cy=start[0, 1], r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6
-    )
+    svg.add_circle(root, start[0, 0], start[0, 1], 4.5, "#ffffff", INK, 1.6)
 
     names = list(scenario.target_names)
     anchors = window.to_page(scenario.target_array())

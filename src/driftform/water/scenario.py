@@ -1,23 +1,25 @@
 """The tables of a scenario: pipe, flow, fluid, release, contact, targets. Validated here, read by kernels as arrays."""
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from driftform.errors import did_you_mean
-from driftform.options import Table, option
+from driftform.options import Table, describe, option
 from driftform.types import FloatArray, MassProperties
 from driftform.util.latest import keep_latest
 from driftform.util.vectors import cross
-from driftform.water.factors import Calibration, calibrate_restitution
+from driftform.water.factors import Calibration
 from driftform.water.flow import (
+    FLOWS,
     DevelopingFlow,
     Flow,
     LogLawFlow,
     PipeFlow,
     TurbulentFlow,
     UniformFlow,
+    friction_velocity,
 )
 from driftform.water.pipe import Pipe, Vector
 
@@ -204,6 +206,11 @@ class Scenario(Table):
         json_schema_extra={"unit": "m"},
     )
 
+    @staticmethod
+    def describe_flows() -> dict[str, list[dict[str, Any]]]:
+        """Return the options of each kind of current: rows ``{option, type, bounds, default, unit, help}``."""
+        return {kind: describe(model) for kind, model in FLOWS.items()}
+
     @model_validator(mode="after")
     def _check_together(self) -> "Scenario":
         if self.targets and self.pipe.is_open:
@@ -280,6 +287,11 @@ class Scenario(Table):
         """Return the mean velocity of the water at the inlet, in the world frame, m/s, (3,)."""
         return self.flow.speed * self.direction()
 
+    def friction_velocity(self) -> float:
+        """Return the friction velocity u* = U sqrt(f / 8) of the pipe's wall at the inlet, m/s."""
+        radius, viscosity = self.pipe.layout.inlet.radius, self.fluid.viscosity
+        return friction_velocity(self.flow, radius, abs(self.flow.speed), viscosity)
+
     def calibrated_contact(self) -> Contact:
         """Return the contact with the coefficients that filmed flights have shown."""
         factors = self.calibration.factors
@@ -287,7 +299,7 @@ class Scenario(Table):
             return self.contact
         return self.contact.model_copy(
             update={
-                "restitution": calibrate_restitution(factors, self.contact.restitution),
+                "restitution": factors.scale_restitution(self.contact.restitution),
                 "friction": factors.friction * self.contact.friction,
             }
         )

@@ -93,7 +93,7 @@ def calibrate(
     """
     from driftform import open_agent
     from driftform.cli import print_json
-    from driftform.util.files import check_directory
+    from driftform.util import files
     from driftform_calibration.designs import calibrate_design
     from driftform_calibration.films import find_scenario
     from driftform_calibration.tracks import Reading
@@ -101,7 +101,7 @@ def calibrate(
     settings, use = settings or [], {"hydrodynamics": hydrodynamics}
     # An agent that does not remember how it was built, such as a word, is built as the study of its first film says.
     design = open_agent(agent, *settings, scenario=scenario or find_scenario(tracks[0]), use=use)
-    directory = check_directory(out or Path("calibrations") / design.name)
+    directory = files.check_directory(out or Path("calibrations") / design.name)
     reading = Reading(unit, scale, fps, y_down, target, _read_points(point or []))
     found = calibrate_design(
         design,
@@ -142,8 +142,7 @@ def _read_points(texts: list[str]) -> dict[str, float]:
 def _print(found: "CalibrationResult", paths: list[Path]) -> None:
     from shlex import quote
 
-    from driftform.cli import print_table
-    from driftform.cli.output import print_text
+    from driftform.cli import print_table, print_text
     from driftform_calibration.result import describe_estimate
 
     rows = [

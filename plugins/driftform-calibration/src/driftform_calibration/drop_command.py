@@ -55,15 +55,14 @@ def drop(
     """
     from driftform import open_agent
     from driftform.cli import print_json
-    from driftform.util.files import check_directory
-    from driftform.util.progress import count_progress
+    from driftform.util import files, progress
     from driftform_calibration.designs import drop_design
     from driftform_calibration.protocol import default_directory
 
     design = open_agent(agent, *(settings or ()), scenario=scenario, use={"hydrodynamics": hydrodynamics})
-    directory = check_directory(out or default_directory(design.name))
-    with count_progress("releases") as progress:
-        plan = drop_design(design, tank, drops=drops, fps=fps, noise=noise, progress=progress)
+    directory = files.check_directory(out or default_directory(design.name))
+    with progress.count_progress("releases") as show:
+        plan = drop_design(design, tank, drops=drops, fps=fps, noise=noise, progress=show)
     paths = plan.write(directory)
     if json:
         print_json(plan.document(paths))
@@ -72,8 +71,7 @@ def drop(
 
 
 def _print(plan: "DropPlan", paths: list[Path]) -> None:
-    from driftform.cli import print_table
-    from driftform.cli.output import print_text
+    from driftform.cli import print_table, print_text
 
     document = plan.document()
     print_table(

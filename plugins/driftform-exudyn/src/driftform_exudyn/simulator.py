@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
 
+import numpy as np
+
 from driftform.interfaces import Simulator, Table, option
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Scenario
@@ -89,10 +91,11 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             describe_motion,
             finish_trajectory,
             flight_model,
+            greatest_distance,
             integrate,
+            integrate_once,
             release_state,
         )
-        from driftform.motion.integrator import greatest_distance, has_failed, integrate_once
 
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
@@ -121,7 +124,8 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             samples = integrate_motion(motion, settings, options.step_limit)
             error = reference.error + greatest_distance(reference.samples, samples)
             tolerance *= TIGHTENING
-            hopeless = all(has_failed(flown, options.step_limit) for flown in (reference.samples, samples))
+            flown = (reference.samples, samples)
+            hopeless = all(len(s) > options.step_limit or not np.isfinite(s[-1]).all() for s in flown)
             last = options.integrator != "DOPRI5" or tolerance < options.tightest or hopeless
             if error <= options.accuracy or last:
                 return finish_trajectory(samples, model, horizon, options.step_limit, error, options.accuracy)

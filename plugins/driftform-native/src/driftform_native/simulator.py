@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from driftform.interfaces import Simulator, Table, option
 from driftform.types import Agent, Trajectory
-from driftform.water import Scenario, TurbulentFlow
+from driftform.water import Scenario
 
 if TYPE_CHECKING:
     from driftform.motion import Accuracy
@@ -93,8 +93,13 @@ class NativeSimulator(Simulator[NativeOptions]):
         self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
     ) -> Trajectory:
         # Imported here, because compiled code loads the compiler, and listing the plugins must not.
-        from driftform.motion import finish_trajectory, flight_model, integrate, release_state
-        from driftform.motion.integrator import integrate_once
+        from driftform.motion import (
+            finish_trajectory,
+            flight_model,
+            integrate,
+            integrate_once,
+            release_state,
+        )
 
         horizon, accuracy = scenario.flight.horizon, self._choose_accuracy(scenario)
         model = flight_model(agent, scenario)
@@ -114,7 +119,7 @@ class NativeSimulator(Simulator[NativeOptions]):
 
         options = self.options
         accuracy, tolerance, tightest = options.accuracy, options.tolerance, options.tightest
-        if isinstance(scenario.flow, TurbulentFlow):
+        if scenario.flow.kind == "turbulent":
             accuracy = max(accuracy, min(GUST_RATIO * accuracy, GUST_ACCURACY))
             tolerance = GUST_RATIO * tolerance
             tightest = max(tightest, GUST_TIGHTENING * tolerance)

@@ -149,7 +149,6 @@ def draw_agents(
 
 def save_agents(travellers: Sequence[Traveller], folder: Path) -> list[Path]:
     """Write the agent.json of each body that has one, from which ``driftform export`` makes printable files."""
-    from driftform.runs.agent_file import write_agent
     from driftform.util.files import make_directory
 
     written = []
@@ -157,6 +156,6 @@ def save_agents(travellers: Sequence[Traveller], folder: Path) -> list[Path]:
         if (design := traveller.design) is not None:
             path = folder / f"{traveller.name}.json"
             make_directory(folder, "--agents")
-            write_agent(path, replace(design.stored, environment=design.study.environment()))
+            replace(design.stored, environment=design.study.environment()).write(path)
             written.append(path)
     return written

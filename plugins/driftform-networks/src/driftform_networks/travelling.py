@@ -1,7 +1,6 @@
 """The tables of a body in a network: made from flights, kept on disk, shared by all networks."""
 
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import closing
 from copy import copy
 from dataclasses import dataclass, replace
 from itertools import chain
@@ -290,9 +289,9 @@ def make_flights(
             progress(done, total)
         return
     from driftform import load_study
-    from driftform.search import LocalProcesses
+    from driftform.search import open_executor
 
-    with closing(LocalProcesses(load_study(str(SCENARIO), run={"seed": 0}).document, workers)) as executor:
+    with open_executor(load_study(str(SCENARIO), run={"seed": 0}), workers=workers) as executor:
         size, done = 4 * workers, 0
         for tasks in stages:
             for start in range(0, len(tasks), size):

@@ -52,7 +52,7 @@ def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
     ``nu`` holds the velocity of the centre of gravity relative to the water, m/s, and the angular velocity, rad/s, both
     in body axes, (6,).
     """
-    from driftform.motion.drag import still_water_wrench
+    from driftform.motion import still_water_wrench
 
     coefficients, cog = agent.coefficients, agent.mass.cog
     velocity, omega = nu[:3], nu[3:]
