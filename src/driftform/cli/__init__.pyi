@@ -1,5 +1,6 @@
+from . import formats as formats
 from . import options as options
-from .formats import open_exported as open_exported
+from . import output as output
 from .output import CommandResult as CommandResult
 from .output import TextTable as TextTable
 from .output import print_json as print_json

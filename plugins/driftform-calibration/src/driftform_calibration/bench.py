@@ -7,7 +7,6 @@ import numpy as np
 
 from driftform import Pipeline
 from driftform.agent import hull_mass, mass_properties
-from driftform.agent.mass_elements import load_ballast
 from driftform.motion import (
     Accuracy,
     evaluate_path,
@@ -106,7 +105,7 @@ class Bench:
     def agent(self, factors: Factors) -> Agent:
         """Return the agent with these factors, and with the ballast of the release."""
         body = factors.scale_body(self.body)
-        mass = load_ballast(mass_properties(body), self.scenario.release)
+        mass = self.scenario.release.load(mass_properties(body))
         return Agent(body, mass, factors.scale_coefficients(self.coefficients))
 
     def fly(self, factors: Factors, error: ReleaseError, until: float) -> Path:

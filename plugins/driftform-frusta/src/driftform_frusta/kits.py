@@ -10,6 +10,9 @@ from driftform.types import Body, Fittings
 from driftform_frusta.kit_options import KitOptions, PartOptions
 from driftform_frusta.parts import Part
 
+KIT_FILE = "kit.json"
+"""Name of the attachment of a 3MF file that holds the options of its kit, as JSON."""
+
 GROUP = "driftform_frusta.kits"
 """The group of entry points."""
 

@@ -9,7 +9,7 @@ import numpy as np
 from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform.types import Body, WrittenFile
-from driftform.util.files import write_whole
+from driftform.util import files
 
 if TYPE_CHECKING:
     from driftform_frusta.kit_options import PartOptions
@@ -26,7 +26,7 @@ def save(path: Path, data: bytes | str) -> None:
     """
     raw = data.encode() if isinstance(data, str) else data
     try:
-        write_whole(path, lambda part: part.write_bytes(raw))
+        files.write_whole(path, lambda part: part.write_bytes(raw))
     except OSError as error:
         raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
 

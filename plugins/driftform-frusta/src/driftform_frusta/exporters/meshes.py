@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
+from driftform.agent import Mesh
 from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import FloatArray, WrittenFile
 from driftform_frusta.exporters.common import facts_of_all, facts_of_part, path_of_part, save, write_sheet
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.mesh import Mesh, make_mesh
+from driftform_frusta.mesh import make_mesh
 
 
 class PartFiles(Exporter[PartOptions]):

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from driftform.agent import Mesh
 from driftform.figures import rasterise
-from driftform.figures.files import ZOOM
 from driftform.interfaces import Exporter, ExportJob, Table
-from driftform.study.exporter_settings import KIT_FILE
 from driftform.types import WrittenFile
 from driftform_frusta.colours import colour_of
 from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.mesh import Mesh, make_mesh
-from driftform_frusta.picture import Shape, plate_svg
+from driftform_frusta.mesh import make_mesh
+from driftform_frusta.picture import plate_svg
 from driftform_frusta.plate import arrange, fits
 
 if TYPE_CHECKING:
@@ -37,10 +36,6 @@ class _Placed:
     plate: int
     x: float
     y: float
-
-    def shape(self) -> Shape:
-        moved = self.mesh.vertices.astype(np.float64) + np.array([self.x, self.y, 0.0])
-        return Shape(moved, self.mesh.triangles, self.colour)
 
 
 class ThreeMfExporter(Exporter[PartOptions]):
@@ -64,7 +59,7 @@ class ThreeMfExporter(Exporter[PartOptions]):
         WorkFailedError
             if the body has no closed printable solid, or a file cannot be written.
         """
-        from driftform_frusta.kits import make_parts
+        from driftform_frusta.kits import KIT_FILE, make_parts
         from driftform_frusta.source import write_source
         from driftform_frusta.threemf import package_bytes
 
@@ -86,12 +81,12 @@ class ThreeMfExporter(Exporter[PartOptions]):
             written.append(WrittenFile(self.name, str(target), self._facts(job, here)))
         return (*written, *write_sheet(self.name, job, self.options, path))
 
-    def plate_picture(self, job: ExportJob, width: int = 400, height: int = 300) -> bytes:
-        """Return the picture of the first plate, a PNG file."""
+    def plate_picture(self, job: ExportJob) -> bytes:
+        """Return a larger picture of the first plate than the file has, a PNG file."""
         from driftform_frusta.kits import make_parts
 
         placed = self._placed(make_parts(job.agent.body, self.options))
-        return self._picture([p for p in placed if p.plate == 0], width, height)
+        return self._picture([p for p in placed if p.plate == 0], 200.0, 150.0)
 
     def _placed(self, parts: "Sequence[Part]") -> list[_Placed]:
         meshes = [make_mesh(part.on_bed(), part.name) for part in parts]
@@ -142,9 +137,9 @@ class ThreeMfExporter(Exporter[PartOptions]):
         picture = self._picture(placed)
         return Package(title, items, {"Description": description}, hints, picture, attachments)
 
-    def _picture(self, placed: Sequence[_Placed], width: int = 320, height: int = 240) -> bytes:
-        drawn = plate_svg([p.shape() for p in placed], self._bed[:2], width / ZOOM, height / ZOOM)
-        return rasterise(drawn) or b""
+    def _picture(self, placed: Sequence[_Placed], width: float = 160.0, height: float = 120.0) -> bytes:
+        shapes = [(p.mesh.translate((p.x, p.y, 0.0)), p.colour) for p in placed]
+        return rasterise(plate_svg(shapes, self._bed[:2], width, height)) or b""
 
     def _facts(self, job: ExportJob, placed: Sequence[_Placed]) -> dict[str, Any]:
         from driftform_frusta.kits import list_kit_facts
