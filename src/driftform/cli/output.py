@@ -6,7 +6,6 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
-from dataclasses import dataclass
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -171,40 +170,3 @@ def _to_plain(value: Any) -> Any:
             return [_to_plain(item) for item in value]
         case _:
             return value if value is None or isinstance(value, bool | int | str) else str(value)
-
-
-@dataclass(frozen=True)
-class TextTable:
-    """A table for people: a header, rows of text, and the columns that are flush right."""
-
-    header: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    right: Sequence[int] = ()
-
-
-@dataclass(frozen=True)
-class CommandResult:
-    """What a command prints.
-
-    Attributes
-    ----------
-    document
-        content of the JSON document that ``--json`` prints.
-    text
-        lines and tables for people, printed without ``--json``.
-    """
-
-    document: Mapping[str, Any]
-    text: Sequence[str | TextTable] = ()
-
-
-def print_result(result: CommandResult, json: bool) -> None:
-    """Print the document of a result, or its text."""
-    if json:
-        print_json(result.document)
-        return
-    for part in result.text:
-        if isinstance(part, str):
-            print_text(part)
-        else:
-            print_table(part.header, part.rows, part.right)

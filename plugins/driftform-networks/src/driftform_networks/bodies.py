@@ -25,6 +25,9 @@ SCENARIO = Path(__file__).with_name("network.toml")
 FLOWN_BY = ("agent", "water", "motion")
 """Packages of driftform whose code decides how a body flies."""
 
+LEAD_DENSITY = 11_340.0
+"""Density of the heaviest core, kg/m3."""
+
 _SPHERE = "sphere:"
 
 
@@ -132,11 +135,9 @@ def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
     """
     if buoyancy is None:
         return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator, design)
-    from driftform.design.inspection import LEAD
-
     fluid, core = design.scenario.fluid, design.agent.body.core
     mass = core.mass + (design.agent.mass.net_buoyancy(fluid) - buoyancy) / fluid.gravity
-    heaviest = LEAD * 4 / 3 * np.pi * core.radius**3
+    heaviest = LEAD_DENSITY * 4 / 3 * np.pi * core.radius**3
     if not 0 <= mass <= heaviest:
         raise InputError(
             f"--buoyancy {buoyancy:g}: {design.name} needs a core of {1000 * mass:.1f} g for it; one of "

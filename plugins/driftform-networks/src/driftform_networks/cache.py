@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from driftform.util.files import write_whole
+from driftform.util import files
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -63,7 +63,7 @@ def load_arrays(path: Path) -> Arrays | None:
 def save_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
     """Write a file of arrays, completely or not at all; without room for it the next run makes them again."""
     with suppress(OSError):
-        write_whole(path, lambda part: _write(part, arrays))
+        files.write_whole(path, lambda part: _write(part, arrays))
 
 
 def _write(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated, TypeAlias
 
 import typer
 
-from driftform.cli import options, print_result
+from driftform.cli import options
 from driftform.errors import InputError
 
 Net: TypeAlias = Annotated[
@@ -143,7 +143,7 @@ def show(
     """Show what a network is: its pipes, flows, sources, loops and reversals."""
     from driftform_networks.show import show_network
 
-    print_result(show_network(net, at, map, cache), json)
+    show_network(net, at, map, cache, json)
 
 
 def tracers(
@@ -171,9 +171,8 @@ def tracers(
     outputs.check()
     network = open_network(net, cache)
     passage = trace(network, release, hour=at, unsteady=unsteady, walks=walks, seed=seed)
-    print_result(
-        present_passage(passage, f"{network.name}: tracers from {release} at hour {at:g}", outputs), json
-    )
+    title = f"{network.name}: tracers from {release} at hour {at:g}"
+    present_passage(passage, title, outputs, json)
 
 
 def route(
@@ -201,7 +200,7 @@ def route(
     Flights of the agent in the bores of the network are made first and kept; after an interruption, the same command
     continues.
     """
-    from driftform.util.progress import count_progress
+    from driftform.util import progress
     from driftform_networks import api
     from driftform_networks.bodies import open_traveller
     from driftform_networks.page import BODIES
@@ -215,7 +214,7 @@ def route(
     network = open_network(net, cache)
     network.find_node(release)
     traveller = open_traveller(agent, scenario, settings or (), buoyancy)
-    with count_progress("flight tables") as progress:
+    with progress.count_progress("flight tables") as shown:
         passage = api.route(
             network,
             traveller,
@@ -227,11 +226,11 @@ def route(
             travel=travel,
             workers=_count(workers),
             cache=cache,
-            progress=progress,
+            progress=shown,
             compare=True,
         )
     title = f"{network.name}: {traveller.name} from {release} at hour {at:g}"
-    print_result(present_passage(passage, title, outputs, BODIES), json)
+    present_passage(passage, title, outputs, json, BODIES)
 
 
 def fleet(
@@ -291,7 +290,7 @@ def fleet(
     Each member is the one that adds most to those before it. The result is beside that of drifters which divide like the
     water, and of bodies that are steered perfectly.
     """
-    from driftform.util.progress import count_progress
+    from driftform.util import progress
     from driftform_networks.candidates import BUOYANCIES, collect_candidates
     from driftform_networks.fleets import plan_fleet
     from driftform_networks.reading import open_network
@@ -308,7 +307,7 @@ def fleet(
         network.find_node(name)
     trims = None if as_designed else (buoyancy or BUOYANCIES)
     travellers = collect_candidates(agent or (), run, count, seed, trims, scenario, settings or ())
-    with count_progress("flight tables") as progress:
+    with progress.count_progress("flight tables") as shown:
         planned = plan_fleet(
             network,
             travellers,
@@ -318,10 +317,10 @@ def fleet(
             travel=travel,
             workers=_count(workers),
             cache=cache,
-            progress=progress,
+            progress=shown,
         )
     title = f"{network.name}: a fleet of {size} from {', '.join(dict.fromkeys(release))}"
-    print_result(present_fleet(planned, title, outputs, travellers), json)
+    present_fleet(planned, title, outputs, json, travellers)
 
 
 def _count(workers: int | None) -> int:

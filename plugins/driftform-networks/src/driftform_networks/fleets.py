@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from driftform.types import BoolArray, FloatArray
+from driftform.types import FloatArray
 from driftform_networks.bodies import Traveller
 from driftform_networks.chain import follow
 from driftform_networks.choosing import bound_steering, choose_fleet
 from driftform_networks.junctions import Geometry
-from driftform_networks.network import Network
+from driftform_networks.network import BoolArray, Network
 from driftform_networks.passage import Ending, Passage, find_reachable
 from driftform_networks.snapshot import Snapshot, divide_flow, take_snapshot
 from driftform_networks.tracers import route_tracers

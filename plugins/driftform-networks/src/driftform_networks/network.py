@@ -10,6 +10,7 @@ from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
 
 IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from driftform.errors import InputError
-from driftform.types import BoolArray, FloatArray
-from driftform_networks.network import IntArray, Network
+from driftform.types import FloatArray
+from driftform_networks.network import BoolArray, IntArray, Network
 
 STILL = 1.114e-5 * 0.3048**3
 """Flow below which the water of a link stands still, m3/s: EPANET's Q_STAGNANT of 1.114e-5 ft3/s (its types.h)."""
