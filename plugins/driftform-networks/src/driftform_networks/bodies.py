@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -61,7 +61,7 @@ class Traveller:
         scenario = self.scenario.model_dump(include={"fluid", "flow", "contact"})
         simulator = (self.simulator.name, self.simulator.options.model_dump())
         # The mass properties and coefficients hold what builder and hydrodynamics made of the genome.
-        parts = [_plain(self.agent.body), _plain(self.agent.mass), _plain(self.agent.coefficients)]
+        parts = [asdict(part) for part in (self.agent.body, self.agent.mass, self.agent.coefficients)]
         return hash_content([parts, scenario, simulator, hash_code()])
 
     def name_file(self, **flights: list[Any]) -> str:
@@ -184,12 +184,3 @@ def hash_code() -> str:
     files = [file for name in FLOWN_BY for file in sorted((core / name).glob("*.py"))]
     files += [plugin / name for name in ("bore.py", "flights.py", "releasing.py", "tee_flights.py")]
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
-
-
-def _plain(value: Any) -> Any:
-    """Return a dataclass of arrays as lists and numbers."""
-    if is_dataclass(value):
-        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value

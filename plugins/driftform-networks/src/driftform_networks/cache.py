@@ -34,8 +34,9 @@ def find_cache(directory: Path | None = None) -> Path:
 
 
 def hash_content(content: Any) -> str:
-    """Return the SHA-256 of plain values, in hexadecimal digits."""
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+    """Return the SHA-256 of plain values and arrays, in hexadecimal digits."""
+    text = json.dumps(content, sort_keys=True, default=np.ndarray.tolist)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def keep_result(path: Path, kind: Callable[..., T], make: Callable[[], T]) -> T:

@@ -7,12 +7,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.errors import InputError
-from driftform.figures import layout, style, svg
+from driftform.figures import layout, plot, style, svg
 from driftform.types import FloatArray
 from driftform_networks.fleets import Fleet
 from driftform_networks.network import Network
 from driftform_networks.passage import Ending, Passage
-from driftform_networks.scale import is_to_scale
 
 UNREACHED = "#d3d9de"
 RAMP = ("#b5de2b", "#6ece58", "#35b779", "#1f9e89", "#26828e", "#31688e", "#482878", "#440154")
@@ -102,17 +101,17 @@ def network_svg(
     InputError
         if the network has no coordinates.
     """
-    page = _Page.fit(network)
+    page = _fit(network)
     root = layout.start_page(
         page.box.bottom + _LEGEND, title, subtitle, f"A map of the water network {network.name}. {subtitle}."
     )
-    lines = [page.place(network.polyline(link)) for link in range(len(network.links))]
+    lines = [page.to_page(network.polyline(link)) for link in range(len(network.links))]
     _draw_links(root, lines, shares)
-    for kind, (x, y) in zip(network.node_kinds, page.place(network.places).tolist(), strict=True):
+    for kind, (x, y) in zip(network.node_kinds, page.to_page(network.places).tolist(), strict=True):
         if kind != "junction":
             _draw_source(root, kind, x, y, class_=kind)
     for mark in marks:
-        x, y = page.place(network.places[[mark.node]])[0]
+        x, y = page.to_page(network.places[[mark.node]])[0]
         svg.add(
             root,
             "circle",
@@ -129,43 +128,13 @@ def network_svg(
     return svg.render(root)
 
 
-@dataclass(frozen=True, eq=False)
-class _Page:
-    """Where a network lies on the page.
-
-    Attributes
-    ----------
-    box
-        its frame, px.
-    low
-        point of the map of the file at the lower left corner, (2,).
-    scale
-        px for each unit of that map.
-    """
-
-    box: layout.Box
-    low: FloatArray
-    scale: float
-
-    @classmethod
-    def fit(cls, network: Network) -> "_Page":
-        points = np.vstack([network.places, *network.vertices])
-        low, high = points.min(axis=0), points.max(axis=0)
-        extent = high - low
-        if not np.isfinite(points).all() or extent.max() <= 0:
-            raise InputError(f"{network.name}: the file gives its nodes no coordinates: leave out --map")
-        width = layout.WIDTH - 2 * layout.MARGIN
-        inner = width - 40
-        scale = float(min(inner / max(extent[0], 1e-9), (_TALLEST - 40) / max(extent[1], 1e-9)))
-        height = max(extent[1] * scale + 40, 160.0)
-        middle = (low + high) / 2
-        box = layout.Box(layout.MARGIN, _TOP, layout.MARGIN + width, _TOP + float(height))
-        return cls(box, middle - np.array([width, height]) / (2 * scale), scale)
-
-    def place(self, points: FloatArray) -> FloatArray:
-        """Return points of the file's map on the page, px, (n, 2)."""
-        x, y = ((points - self.low) * self.scale).T
-        return np.column_stack([self.box.left + x, self.box.bottom - y])
+def _fit(network: Network) -> plot.Window:
+    """Return the window of the page that shows a network; a unit of its map is a metre there."""
+    points = np.vstack([network.places, *network.vertices])
+    if not np.isfinite(points).all() or np.ptp(points, axis=0).max() <= 0:
+        raise InputError(f"{network.name}: the file gives its nodes no coordinates: leave out --map")
+    width = layout.WIDTH - 2 * layout.MARGIN
+    return plot.Window.around((0, 1), points, layout.MARGIN, _TOP, width, _TALLEST, 20)
 
 
 def choose_line(share: float) -> tuple[str, float]:
@@ -192,16 +161,16 @@ def _draw_source(root: ET.Element, kind: str, x: float, y: float, **named: str |
     svg.add(root, tag, "", **named, **shape, fill="#ffffff", stroke=style.BLUE, stroke_width=2)
 
 
-def _draw_stuck(root: ET.Element, page: _Page, network: Network, stuck: Sequence[Ending]) -> list[Mark]:
+def _draw_stuck(root: ET.Element, page: plot.Window, network: Network, stuck: Sequence[Ending]) -> list[Mark]:
     """Draw a cross where bodies are stuck, larger for more; return texts for the most probable places."""
     marks = []
     nodes = {name: node for node, name in enumerate(network.nodes)}
     links = {name: link for link, name in enumerate(network.links)}
     for number, end in enumerate(stuck):
         if end.place in nodes and end.kind == "stuck":
-            x, y = page.place(network.places[[nodes[end.place]]])[0]
+            x, y = page.to_page(network.places[[nodes[end.place]]])[0]
         elif end.place in links:
-            line = layout.resample_polyline(page.place(network.polyline(links[end.place])), 3)
+            line = layout.resample_polyline(page.to_page(network.polyline(links[end.place])), 3)
             x, y = line[len(line) // 2]
         else:
             continue
@@ -252,11 +221,11 @@ def format_time(seconds: float) -> str:
 
 
 def _write_marks(
-    root: ET.Element, page: _Page, network: Network, marks: Sequence[Mark], ink: FloatArray
+    root: ET.Element, page: plot.Window, network: Network, marks: Sequence[Mark], ink: FloatArray
 ) -> None:
     if not marks:
         return
-    anchors = page.place(network.places[[mark.node for mark in marks]])
+    anchors = page.to_page(network.places[[mark.node for mark in marks]])
     texts = [layout.shorten(mark.text, 12, 140, bold=True) for mark in marks]
     widths = [
         layout.text_width(text, 12, bold=mark.colour != style.INK)
@@ -279,7 +248,7 @@ def _write_marks(
         )
 
 
-def _draw_legend(root: ET.Element, page: _Page, network: Network, text: str, has_shares: bool) -> None:
+def _draw_legend(root: ET.Element, page: plot.Window, network: Network, text: str, has_shares: bool) -> None:
     base = page.box.bottom + 34
     x = layout.MARGIN
     if has_shares:
@@ -300,13 +269,13 @@ def _draw_legend(root: ET.Element, page: _Page, network: Network, text: str, has
     layout.write(root, x + 16, base + 14, "tank", 11, style.MUTED)
     _draw_source(root, "reservoir", x + 66, base + 10)
     layout.write(root, x + 78, base + 14, "reservoir", 11, style.MUTED)
-    metres = is_to_scale(network)
+    metres = network.scale
     right = layout.WIDTH - layout.MARGIN
     if metres is None:
         layout.write(root, right, base + 14, "not drawn to scale", 11, style.MUTED, "end")
         return
-    bar = layout.floor_to_nice_number(150 * metres / page.scale)
-    left = right - bar / metres * page.scale
+    bar = layout.floor_to_nice_number(150 * metres / page.px_per_m)
+    left = right - bar / metres * page.px_per_m
     ends = [(left, base + 6), (left, base + 10), (right, base + 10), (right, base + 6)]
     svg.add_line(root, svg.path_data(ends), style.INK, 1.2)
     text = f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m"

@@ -63,7 +63,11 @@ def _find_file(text: str) -> Path:
 
 def _pack(network: Network) -> Arrays:
     """Return the values of a network as arrays; those of its hydraulics have a prefix."""
-    values = {name: value for name, value in vars(network).items() if name not in ("hydraulics", "vertices")}
+    values = {
+        name: value
+        for name, value in vars(network).items()
+        if name not in ("hydraulics", "vertices", "scale")
+    }
     values |= {f"{_HYDRAULICS}{name}": value for name, value in vars(network.hydraulics).items()}
     return {
         **{

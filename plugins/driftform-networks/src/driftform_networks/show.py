@@ -12,7 +12,6 @@ from driftform_networks.network import Network
 from driftform_networks.page import TextTable
 from driftform_networks.reading import open_network
 from driftform_networks.results import Outputs, present
-from driftform_networks.scale import is_to_scale
 from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
 
 _ROUNDING = 1e-9
@@ -76,7 +75,7 @@ def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:
         "duration": hydraulics.end,
         "steps": len(hydraulics.times),
         "reversing": int(reverses.sum()),
-        "to_scale": is_to_scale(network) is not None,
+        "to_scale": network.scale is not None,
         "hour": snapshot.hour,
         "flowing": len(snapshot.links),
         "speed": float(np.median(snapshot.speed[flowing])) if flowing.any() else 0.0,

@@ -1,6 +1,7 @@
 """The flow of a network at one moment, as links that are directed downstream."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -64,11 +65,16 @@ class Snapshot:
         """Time that water takes through each link, s, (n,)."""
         return np.asarray(self.length / self.speed)
 
-    @property
+    @cached_property
     def departure(self) -> FloatArray:
         """Water that leaves each node, through links or with the demand, m3/s, (nodes,)."""
         through = np.bincount(self.tail, self.flow, len(self.network.nodes))
         return np.asarray(through + self.exit)
+
+    @cached_property
+    def inlets(self) -> IntArray:
+        """Number of links whose water comes into each node, (nodes,)."""
+        return np.bincount(self.head, minlength=len(self.network.nodes))
 
     def name(self, link: int) -> str:
         """Return the name of a link of this snapshot."""
