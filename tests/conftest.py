@@ -28,7 +28,8 @@ import sys
 import numpy as np
 
 from driftform.study import load_study
-from driftform.testing.textbook import distance_from_textbook, random_case
+sys.path.insert(0, sys.argv[2])
+from textbook import distance_from_textbook, random_case
 
 for name in ("paper", "pipe-inspection"):
     pipeline = load_study(name, use={"simulator": sys.argv[1]}, run={"seed": 0}).make_pipeline()
@@ -56,7 +57,10 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 def pytest_xdist_setupnodes() -> None:
     """Compile the kernels before the workers start, so that no test waits for them."""
     command = (sys.executable, "-c", KERNELS)
-    processes = [subprocess.Popen([*command, simulator]) for simulator in ("native", "exudyn")]
+    processes = [
+        subprocess.Popen([*command, simulator, str(ROOT / "tests" / "helpers")])
+        for simulator in ("native", "exudyn")
+    ]
     assert [process.wait() for process in processes] == [0, 0]
 
 

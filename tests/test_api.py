@@ -243,6 +243,18 @@ def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) ->
     assert document["environment"]["fluid"]["density"] == 1025
 
 
+def test_the_sealed_hull_of_an_agent_simulated_as_a_kit_is_written_with_a_warning(tmp_path: Path) -> None:
+    agent = df.open_agent(WORD, scenario="pipe-inspection", use={"simulator": "native"})
+    with pytest.warns(
+        UserWarning, match=r"simulated as a kit, whose parts weigh \d+\.\d\d g; export design\.under"
+    ):
+        [sealed] = agent.export("stl", tmp_path / "sealed.stl")
+    assert sealed.exists()
+    # The warning's advice: without a warning, as the tests turn those into errors.
+    assert len(agent.under("exporter.stl.kit=true").export("stl", tmp_path / "kit.stl")) > 2
+    agent.export("svg", tmp_path / "drawing.svg")
+
+
 def test_an_unknown_setting_or_format_is_told_in_one_line() -> None:
     agent = df.open_agent(WORD, scenario="paper")
     with pytest.raises(InputError, match="did you mean 'speed'"):

@@ -37,14 +37,18 @@ __all__ = [
     "ExportJob",
     "Exporter",
     "Fitness",
+    "Flown",
     "Grammar",
     "Hydrodynamics",
     "HydrodynamicsOptions",
+    "Inspector",
     "PhenotypeBuilder",
     "PrintJob",
     "Printer",
     "Recorder",
     "Renderer",
+    "ReportJob",
+    "Reporter",
     "SearchSpace",
     "Simulator",
     "Strategy",
@@ -338,7 +342,7 @@ class Exporter(Plugin[OptionsT_co]):
 
     @abstractmethod
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the file at ``path``, or several files, and return a description of each.
+        """Write the file at ``path``, or several files, and return a description of each; create missing parent folders.
 
         Raises
         ------
@@ -434,7 +438,7 @@ class Recorder(Plugin[OptionsT_co]):
 
     @abstractmethod
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the samples of a flight in the job's scenario, and return a description of each file.
+        """Write the samples of a flight in the job's scenario, and return a description of each file; create missing folders.
 
         The trajectory may have a single sample, or be that of a failed flight: write all its samples. A file must be
         written completely or not at all.
@@ -494,6 +498,9 @@ class PrintJob:
 class Checker(Plugin[OptionsT_co]):
     """Printable files -> findings: whether the printed agent will match the simulated one.
 
+    The contract checks STL files in text form; driftform writes binary ones. A checker that reads STL must read both, as
+    :func:`driftform.agent.read_mesh` does, or skip what it does not read.
+
     ``program`` is the name of the program on PATH that the checker runs, ``""`` if it runs no other program.
     """
 
@@ -513,6 +520,80 @@ class Checker(Plugin[OptionsT_co]):
         """
 
 
+class Inspector(Plugin[OptionsT_co]):
+    """Agent in a scenario -> facts, a section of ``driftform inspect``.
+
+    All installed inspectors are asked, each with the options of its table ``[inspector.<name>]``. ``heading`` is the
+    title of the section.
+    """
+
+    heading: ClassVar[str]
+
+    @abstractmethod
+    def describe(self, agent: Agent, scenario: Scenario) -> dict[str, Any]:
+        """Return facts by name: numbers, texts, and lists of them, in SI units; the unit in the name, as in ``draught_m``.
+
+        ``--json`` has them below ``sections``, under the name of the inspector. Without facts there is no section.
+
+        Raises
+        ------
+        WorkFailedError
+            if the agent cannot be described; the message gives the reason.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """The best agent of a run for one target: the ``agent``, its ``trajectory``, its ``fitness`` (%), and its ``name``."""
+
+    name: str
+    agent: Agent
+    trajectory: Trajectory
+    fitness: float
+
+
+@dataclass(frozen=True, eq=False)
+class ReportJob:
+    """A run to report: what reporters receive.
+
+    Attributes
+    ----------
+    name
+        of the run.
+    scenario
+        the environment of all flights.
+    best
+        the best agent of each target, by the name of the target.
+    """
+
+    name: str
+    scenario: Scenario
+    best: Mapping[str, Flown]
+
+
+class Reporter(Plugin[OptionsT_co]):
+    """Run -> a section of its report page.
+
+    All installed reporters are asked, each with the options of its table ``[reporter.<name>]``. ``heading`` is the
+    title of the section.
+    """
+
+    heading: ClassVar[str]
+
+    @abstractmethod
+    def write(self, job: ReportJob) -> str:
+        """Return the section as a fragment of HTML, such as a picture in SVG; an empty text for no section.
+
+        The page must not need anything else: no network, no other file, no script. The same run must give the same text.
+        Escape names that come from files (``html.escape``).
+
+        Raises
+        ------
+        WorkFailedError
+            if the section cannot be written; the message gives the reason.
+        """
+
+
 SEAMS: dict[str, type[Plugin[Any]]] = {
     "grammar": Grammar,
     "builder": PhenotypeBuilder,
@@ -524,5 +605,7 @@ SEAMS: dict[str, type[Plugin[Any]]] = {
     "recorder": Recorder,
     "renderer": Renderer,
     "checker": Checker,
+    "inspector": Inspector,
+    "reporter": Reporter,
 }
 """The interfaces by the name of their seam, which hooks (``driftform_<seam>``) and tables of a study file use."""

@@ -1,7 +1,6 @@
 """What a command costs from start to end, beside the imports that no flight can do without.
 
-Run by hand: ``pytest -m slow -s tests/benchmarks/test_commands.py``. With ``UPDATE_DOCS=1`` the table goes into
-docs/validation.md.
+Run by hand: ``pytest -m slow -s tests/benchmarks/test_commands.py``.
 """
 
 import os
@@ -41,7 +40,7 @@ def measure_cpu(*arguments: str) -> float:
 
 
 def test_commands_take_little_more_than_their_imports(
-    publish: Callable[..., None], count_of: Callable[[str, int], int], tmp_path: Path
+    count_of: Callable[[str, int], int], tmp_path: Path
 ) -> None:
     run, again, repeats = tmp_path / "run", tmp_path / "again", count_of("REPEATS", 5)
     evolve = ("evolve", "--seed", "1", "--simulator", "native", "--workers", "2")
@@ -73,5 +72,5 @@ def test_commands_take_little_more_than_their_imports(
         f"Medians of {repeats} runs with cached kernels, of a run of the default study: 500 flights, and the disturbed ones. "
         'Workers are included. The imports are `python -c "import numpy, numba, scipy"`, measured in turn with the command.',
     ]
-    publish("commands", lines)
+    print("", *lines, sep="\n")
     assert {name: ratio for name, ratio in ratios.items() if ratio > BOUNDS.get(name, ratio)} == {}

@@ -45,7 +45,7 @@ def flown(scenario, kind, cache):
     return float(done.stdout), done.stderr
 
 
-def test_what_the_kernels_cost_a_process(tmp_path, publish):
+def test_what_the_kernels_cost_a_process(tmp_path):
     lines = ["| flights | compiled, CPU s | loaded, CPU s | files |", "|---|---|---|---|"]
     for number, (flights, (scenario, kind)) in enumerate(ROWS.items()):
         cache = tmp_path / str(number)
@@ -60,4 +60,4 @@ def test_what_the_kernels_cost_a_process(tmp_path, publish):
         "",
         "CPU time of the first three evaluations of a process, with an empty cache and with a full one.",
     ]
-    publish("kernels", lines)
+    print("", *lines, sep="\n")

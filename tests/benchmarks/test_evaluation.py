@@ -30,7 +30,7 @@ pytestmark = pytest.mark.slow
 SIMULATORS = ("native", "exudyn")
 
 
-def test_stages_of_an_evaluation(publish, count_of, milliseconds):
+def test_stages_of_an_evaluation(count_of, milliseconds):
     pipelines = {use: load_study("paper", use={"simulator": use}).make_pipeline() for use in SIMULATORS}
     pipeline, rng = pipelines["native"], np.random.default_rng(0)
     scenario = pipeline.scenario
@@ -68,7 +68,7 @@ def test_stages_of_an_evaluation(publish, count_of, milliseconds):
         f"{len(genomes)} random agents, each the best of three. A flight includes its model. "
         f"Python {platform.python_version()}, {os.cpu_count()} cores.",
     ]
-    publish("stages", lines)
+    print("", *lines, sep="\n")
 
 
 def test_errors_of_unchecked_flights(publish, count_of, tmp_path):
@@ -136,7 +136,7 @@ class Recorder:
         return self._executor.evaluate(taken)
 
 
-def test_evaluations_per_second_with_two_workers(publish, count_of):
+def test_evaluations_per_second_with_two_workers(count_of):
     count = count_of("EVALUATIONS", 5000)
     lines = [
         "| simulator | workers | start-up s | evaluations per second | over one process | failed |",
@@ -171,7 +171,7 @@ def test_evaluations_per_second_with_two_workers(publish, count_of):
         "",
         f"{count} random genomes of the default study, from genome to ten fitnesses; start-up is extra.",
     ]
-    publish("rate", lines)
+    print("", *lines, sep="\n")
 
 
 def test_what_a_search_takes_for_an_evaluation(publish, count_of, tmp_path):

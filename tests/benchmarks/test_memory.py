@@ -14,7 +14,7 @@ pytestmark = [
 MEGABYTES = 20.0
 
 
-def test_a_process_does_not_grow_with_what_it_evaluates(publish, count_of):
+def test_a_process_does_not_grow_with_what_it_evaluates(count_of):
     program = Path(__file__).with_name("resident.py")
     lines = [
         "| simulator | evaluations | MB after 200 | more in the end | more at most |",
@@ -28,5 +28,5 @@ def test_a_process_does_not_grow_with_what_it_evaluates(publish, count_of):
         )
         first, more, grown[use] = map(float, done.stdout.split())
         lines.append(f"| {use} | {count} | {first:.0f} | {more:.1f} | {grown[use]:.1f} |")
-    publish("memory", lines)
+    print("", *lines, sep="\n")
     assert max(grown.values()) < MEGABYTES, grown

@@ -1,6 +1,6 @@
 """How long the files of an agent take, beside OpenSCAD on the same body.
 
-Run by hand: ``pytest -m slow -s tests/benchmarks``. With ``UPDATE_DOCS=1`` the table goes into docs/validation.md.
+Run by hand: ``pytest -m slow -s tests/benchmarks``.
 """
 
 import resource
@@ -59,7 +59,7 @@ def milliseconds(function: Callable[[ExportJob], object], jobs: list[ExportJob])
     return times
 
 
-def test_files_for_printers(publish, jobs, tmp_path):
+def test_files_for_printers(jobs, tmp_path):
     def written(exporter, **options):
         made = exporter(exporter.Options(**options))
         return lambda job: made.write(job, tmp_path / f"agent{made.suffix}")
@@ -98,6 +98,6 @@ def test_files_for_printers(publish, jobs, tmp_path):
         "",
         f"{len(jobs)} random agents, CPU time, each the best of five; with 64 segments unless stated otherwise.",
     ]
-    publish("files for printers", lines)
+    print("", *lines, sep="\n")
     assert np.median(times["mesh of the hull, 96 segments"]) <= 10
     assert np.median(times["3MF of the kit, with picture and attachments"]) <= 150

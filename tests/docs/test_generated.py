@@ -6,6 +6,7 @@ import re
 import subprocess
 import tomllib
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from importlib import metadata
 from itertools import chain
 from pathlib import Path
@@ -17,7 +18,7 @@ import typer
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from driftform.cli.app import app
+from driftform.cli.app import Commands, app
 from driftform.interfaces import SEAMS
 from driftform.options import describe_bounds, find_table
 from driftform.plugins.registry import Contribution, registry
@@ -105,8 +106,10 @@ def markdown(docstring: str) -> str:
 
 
 def commands(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """A command and those below it, those of plugins after those of the core."""
     yield path, command
-    for name, child in getattr(command, "commands", {}).items():
+    added = command.list_added() if isinstance(command, Commands) else {}
+    for name, child in {**getattr(command, "commands", {}), **added}.items():
         yield from commands(child, (*path, name))
 
 
@@ -193,18 +196,32 @@ def test_every_command_and_option_has_help() -> None:
     assert bare == []
 
 
-# docs/plugins.md
+# docs/plugins.md and docs/plugins
 
 
-def shipped() -> dict[str, list[Contribution]]:
-    """What this repository's distributions bring, by seam."""
+@dataclass(frozen=True)
+class Distribution:
+    """A distribution of this repository: its table in ``pyproject.toml``, and what it brings to the seams."""
+
+    project: dict[str, Any]
+    rows: list[Contribution]
+
+    @property
+    def name(self) -> str:
+        return str(self.project["name"])
+
+    @property
+    def page(self) -> str:
+        """Name of its page in ``docs/plugins``; that of the core is ``core``."""
+        return self.name.removeprefix("driftform-").replace("driftform", "core")
+
+
+def distributions() -> list[Distribution]:
+    """The core and the plugins of this repository, with their contributions in the order of the seams."""
     files = [ROOT / "pyproject.toml", *sorted(ROOT.glob("plugins/*/pyproject.toml"))]
+    found = [row for seam in SEAMS for row in registry().contributions() if row.seam == seam and row.cls]
     projects = [tomllib.loads(path.read_text(encoding="utf-8"))["project"] for path in files]
-    # The studio implements no seam.
-    names = {project["name"] for project in projects if "driftform" in project["entry-points"]}
-    rows = [row for row in registry().contributions() if row.distribution in names]
-    assert {row.distribution for row in rows if row.cls is not None} == names
-    return {seam: [row for row in rows if row.seam == seam] for seam in SEAMS}
+    return [Distribution(p, [row for row in found if row.distribution == p["name"]]) for p in projects]
 
 
 EXTRAS = """\
@@ -235,50 +252,95 @@ own.
 
 Only the tests of the group `peers` compare with Drake, which installs the proprietary solver Mosek; they call no solver
 of it, and nothing that users install depends on it.
-
-## Seams and names
 """.splitlines()
 
 
-def plugins_page() -> str:
+def index_page() -> str:
     lines = [
         "# Plugins that come with driftform",
         "",
-        "This page is generated from the program: `driftform plugins show NAME` prints the description and the options of",
-        "any installed plugin, also of one that is not listed here. A study file selects a plugin by its name and sets its options",
-        "in the table of its seam ([study-files.md](study-files.md)); [write-a-plugin.md](write-a-plugin.md) explains",
-        "how to write one. Commands select exporters, recorders, renderers and checkers by name; their options are in",
-        "tables such as `[exporter.stl]`, `[recorder.mcap]` and `[checker.mesh]`.",
+        "Generated from the program: `driftform plugins show NAME` prints the description and the options of any installed",
+        "plugin. A study file selects a plugin by its name and sets its options in the table of its seam",
+        "([study-files.md](study-files.md)). Commands select exporters, recorders, renderers and checkers by name; their",
+        "options are in tables such as `[exporter.stl]` and `[checker.mesh]`.",
+        "[write-a-plugin.md](write-a-plugin.md) explains how to write one.",
         "",
-        *EXTRAS,
-        "",
-        "| seam | name | distribution |",
+        "| distribution | what it is | seams and names |",
         "|---|---|---|",
     ]
-    rows = shipped()
-    for seam, contributions in rows.items():
-        lines += [
-            f"| {seam} | [`{row.name}`](#{seam}-{row.name}) | {row.distribution} |" for row in contributions
-        ]
-    for seam, contributions in rows.items():
-        for row in contributions:
-            assert row.cls is not None
-            lines += ["", f"## {seam} {row.name}", "", markdown(row.cls.__doc__ or ""), ""]
-            if row.cls.Options.model_fields:
-                lines += keys_table(row.cls.Options)
-            else:
-                lines.append("It has no options.")
-            endings = (getattr(row.cls, "suffix", ""), *getattr(row.cls, "suffixes", ()))
-            if told := " or ".join(f"`{ending}`" for ending in endings if ending):
-                lines += ["", f"Its files end in {told}."]
-            if told := " or ".join(f"`{ending}`" for ending in getattr(row.cls, "stills", ())):
-                lines += ["", f"Its stills end in {told}."]
+    for d in distributions():
+        names = [f"{seam} " + ", ".join(links) for seam, links in links_of(d).items()]
+        lines.append(f"| [{d.name}](plugins/{d.page}.md) | {description(d)} | {'; '.join(names)} |")
+    return "\n".join([*lines, "", *EXTRAS]).rstrip() + "\n"
+
+
+def links_of(d: Distribution) -> dict[str, list[str]]:
+    """Links to the plugins of a distribution, by seam."""
+    links: dict[str, list[str]] = {}
+    for row in d.rows:
+        links.setdefault(row.seam, []).append(f"[`{row.name}`](plugins/{d.page}.md#{row.seam}-{row.name})")
+    return links
+
+
+def description(d: Distribution) -> str:
+    if d.page == "core":
+        return "The plugins of the core"
+    return re.sub(r"[,;] a driftform plugin$", "", str(d.project["description"]).removesuffix("."))
+
+
+def plugin_page(d: Distribution) -> str:
+    core = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    included = d.page == "core" or any(need.startswith(f"{d.name}==") for need in core["dependencies"])
+    extras = [
+        e for e, n in core["optional-dependencies"].items() if any(x.startswith(f"{d.name}==") for x in n)
+    ]
+    lines = [
+        f"# {d.name}",
+        "",
+        f"{description(d)}.".capitalize() if d.page == "core" else f"{description(d)}.",
+        "",
+    ]
+    if included:
+        lines.append("`pip install driftform` installs it.")
+    elif extras:
+        lines.append(f'The extra installs it: `pip install "driftform[{extras[0]}]"`.')
+    else:
+        lines.append(f"`pip install {d.name}` installs it.")
+    lines[-1] += " [All plugins](../plugins.md)."
+    package = d.name.replace("-", "_")
+    added = [
+        f"`driftform {' '.join(path)}`"
+        for path, command in commands(typer.main.get_command(app))
+        if path and str(getattr(command.callback, "__module__", "")).split(".")[0] == package != "driftform"
+    ]
+    if added:
+        lines += ["", f"It adds {', '.join(added)} to the [command line](../cli.md)."]
+    for row in d.rows:
+        assert row.cls is not None
+        lines += ["", f"## {row.seam} {row.name}", "", markdown(row.cls.__doc__ or ""), ""]
+        if row.cls.Options.model_fields:
+            lines += keys_table(row.cls.Options)
+        else:
+            lines.append("It has no options.")
+        endings = (getattr(row.cls, "suffix", ""), *getattr(row.cls, "suffixes", ()))
+        if told := " or ".join(f"`{ending}`" for ending in endings if ending):
+            lines += ["", f"Its files end in {told}."]
+        if told := " or ".join(f"`{ending}`" for ending in getattr(row.cls, "stills", ())):
+            lines += ["", f"Its stills end in {told}."]
     return "\n".join(lines) + "\n"
 
 
 @pytest.mark.peers
-def test_plugins_page(docs: Path, up_to_date: Check) -> None:
-    up_to_date(docs / "plugins.md", plugins_page())
+def test_index_of_plugins(docs: Path, up_to_date: Check) -> None:
+    up_to_date(docs / "plugins.md", index_page())
+
+
+@pytest.mark.peers
+def test_page_of_each_plugin(docs: Path, up_to_date: Check) -> None:
+    found = distributions()
+    for d in found:
+        up_to_date(docs / "plugins" / f"{d.page}.md", plugin_page(d))
+    assert {path.stem for path in (docs / "plugins").glob("*.md")} == {d.page for d in found}
 
 
 def licence_of(package: str) -> str:
@@ -318,8 +380,8 @@ def get_ffmpeg() -> str:
 
 @pytest.mark.peers
 def test_every_option_of_a_shipped_plugin_has_help_and_a_unit_where_it_is_a_quantity() -> None:
-    for contributions in shipped().values():
-        for row in contributions:
+    for d in distributions():
+        for row in d.rows:
             assert row.cls is not None
             for name, field in row.cls.Options.model_fields.items():
                 assert field.description, f"{row.name}.{name} has no help"
@@ -353,7 +415,7 @@ def scenario_keys() -> list[str]:
     for name, field in Scenario.model_fields.items():
         if name == "flow":
             for kind, profile in FLOWS.items():
-                lines += [f'### `[flow]` with `kind = "{kind}"`', "", markdown(profile.__doc__ or ""), ""]
+                lines += [f'## `[flow]` with `kind = "{kind}"`', "", markdown(profile.__doc__ or ""), ""]
                 lines += [*keys_table(profile), ""]
             continue
         model = inner_table(field.annotation)
@@ -361,14 +423,14 @@ def scenario_keys() -> list[str]:
             extra = field.json_schema_extra
             unit = extra.get("unit", "") if isinstance(extra, dict) else ""
             lines += [
-                f"### `[{name}]`",
+                f"## `[{name}]`",
                 "",
                 f"{field.description or ''}: each key is a name, each value a point ",
             ]
             lines[-1] += f"`[x, y, z]` of the world frame in {unit}, or the name of an outlet. Default: none."
             lines.append("")
             continue
-        lines += [f"### `[{name}]`", "", markdown(model.__doc__ or ""), "", *keys_table(model), ""]
+        lines += [f"## `[{name}]`", "", markdown(model.__doc__ or ""), "", *keys_table(model), ""]
         for key, item in model.model_fields.items():
             if (name, key) == ("pipe", "parts"):
                 for kind, part in PIPE_PARTS.items():
@@ -393,10 +455,21 @@ def scenario_keys() -> list[str]:
     return lines[:-1]
 
 
-def test_scenario_and_run_keys_of_study_files_page(docs: Path, up_to_date: Check) -> None:
-    path = docs / "study-files.md"
-    text = with_generated(path.read_text(encoding="utf-8"), "scenario keys", scenario_keys())
-    up_to_date(path, with_generated(text, "run keys", keys_table(RunOptions)))
+def test_study_keys_page(docs: Path, up_to_date: Check) -> None:
+    lines = [
+        "# Keys of a study file",
+        "",
+        "Every key of the environment and of the run, with type, default and unit; generated from the program.",
+        "[study-files.md](study-files.md) explains how a study is written and merged. The options of the plugins are on the",
+        "pages of the [plugins](plugins.md).",
+        "",
+        *scenario_keys(),
+        "",
+        "## `[run]`",
+        "",
+        *keys_table(RunOptions),
+    ]
+    up_to_date(docs / "study-keys.md", "\n".join(lines) + "\n")
 
 
 def _imports(node: ast.AST, known: set[str]) -> Iterator[str]:

@@ -52,7 +52,7 @@ def default() -> dict[str, Any]:
 
 
 def test_the_default_study(default: dict[str, Any], pages: dict[str, str]) -> None:
-    notes, dataflow = flat(pages["paper-notes.md"]), flat(pages["dataflow.md"])
+    notes, physics = flat(pages["paper-notes.md"]), flat(pages["physics.md"])
     low, median, high = np.percentile(default["net"], [5, 50, 95])
     assert set(default["modules"]) == {39}
     assert f"{percent(default['net'] > 0)} float with `first`" in notes
@@ -64,7 +64,7 @@ def test_the_default_study(default: dict[str, Any], pages: dict[str, str]) -> No
     assert f"{np.sum(np.abs(default['net']) < 0.01)} of the 2000 are within 1 % of neutral" in notes
     assert f"instead of {default['diameter'].max():.2f} m" in notes
     assert not default["wide"].any()
-    assert f"Of 2000 random agents in `paper`, {percent(default['lambda_max'] > 17 / 3)} lie" in dataflow
+    assert f"Of 2000 random agents in `paper`, {percent(default['lambda_max'] > 17 / 3)} lie" in physics
 
 
 def test_where_places_are_skipped(default: dict[str, Any], pages: dict[str, str]) -> None:

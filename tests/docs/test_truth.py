@@ -1,5 +1,6 @@
 """What the pages say exists: links, commands, hooks, options, and Python that runs."""
 
+import os
 import re
 import shlex
 from pathlib import Path
@@ -14,8 +15,7 @@ from driftform.water import Fluid
 from driftform.water.flow import FLOWS
 
 ROOT = Path(__file__).parents[2]
-CORE = ROOT / "src" / "driftform"
-SOURCE = re.compile(r"(?<![\w/])(?:src|plugins|tests)/[\w./-]*\w")
+SOURCE = re.compile(r"(?<![\w/(])(?:src|plugins|tests)/[\w./-]*\w")
 COMMAND = re.compile(r"^(?:\$ )?(?:uv run )?(driftform(?: .*)?)$")
 
 
@@ -84,9 +84,10 @@ def test_relative_links_resolve(docs: Path, prose: dict[str, str]) -> None:
             if re.match(r"[a-z]+:", target):
                 continue
             path, _, fragment = target.partition("#")
-            if path and not (docs / path).exists():
+            page = os.path.normpath(Path(name).parent / path) if path else name
+            if not (docs / page).exists():
                 wrong.append(f"{name}: {target}: no such file")
-            elif fragment and fragment not in anchors.get(path or name, {fragment}):
+            elif fragment and fragment not in anchors.get(page, {fragment}):
                 wrong.append(f"{name}: {target}: no such heading")
     assert wrong == []
 
@@ -102,12 +103,21 @@ def anchor(heading: str) -> str:
 
 def test_every_page_is_in_the_index(pages: dict[str, str]) -> None:
     for name in pages:
-        assert name == "index.md" or f"({name})" in pages["index.md"], f"index.md does not link {name}"
+        index = "plugins.md" if name.startswith("plugins/") else "index.md"
+        assert name == "index.md" or f"({name})" in pages[index], f"{index} does not link {name}"
 
 
 @pytest.mark.parametrize("page", ["dataflow.md", "write-a-plugin.md"])
 def test_every_hook_is_documented(page: str, pages: dict[str, str]) -> None:
     assert [hook for hook in hooks() if f"`{hook}`" not in pages[page]] == []
+
+
+@pytest.mark.peers
+def test_every_built_in_scenario_is_on_the_page_of_study_files(pages: dict[str, str]) -> None:
+    from driftform.study.sources import read_scenarios
+
+    section = pages["study-files.md"].partition("## Built-in scenarios")[2].partition("\n## ")[0]
+    assert set(re.findall(r"^\| `([\w-]+)` \|", section, re.MULTILINE)) == set(read_scenarios())
 
 
 def test_every_contract_is_documented(pages: dict[str, str]) -> None:
@@ -119,7 +129,7 @@ def test_every_contract_is_documented(pages: dict[str, str]) -> None:
 def test_no_page_names_a_hook_that_is_not(pages: dict[str, str]) -> None:
     for name, text in pages.items():
         seams = re.findall(r"`driftform_([a-z]+)`", text)
-        packages = {"lsystem", "frusta", "striptheory", "exudyn", "dwell"}
+        packages = {"lsystem", "frusta", "striptheory", "exudyn", "paper", "dwell"}
         assert {f"driftform_{s}" for s in seams if s not in packages} <= set(hooks()), name
 
 
@@ -134,20 +144,6 @@ def test_source_files_that_the_pages_name_exist(pages: dict[str, str], blocks: l
     assert len(named) > 10
     missing = [(page, path) for page, path in sorted(named) if not (ROOT / path).exists()]
     assert [pair for pair in missing if not any(file.startswith(pair[1]) for file in examples)] == []
-
-
-def test_the_map_of_packages_names_files_that_exist_and_leaves_out_no_package(pages: dict[str, str]) -> None:
-    section = pages["dataflow.md"].partition("## Where to look for what")[2].partition("<!-- ")[0]
-    rows = [line.split("|")[1:4] for line in section.splitlines() if line.startswith("| ")][1:]
-    found: set[str] = set()
-    for package, _, files in rows:
-        names = re.findall("`([^`]+)`", package)
-        found |= set(names)
-        for file in re.findall("`([^`]+)`", files):
-            folders = [CORE / name for name in names] or [CORE]
-            assert any((folder / file).is_file() for folder in (*folders, CORE)), f"{package}: {file}"
-    packages = {path.parent.name for path in CORE.glob("*/__init__.py")}
-    assert packages - {"scenarios"} == found
 
 
 @pytest.mark.peers
@@ -204,7 +200,7 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
 def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
     from driftform.motion import bore, impact
 
-    section = pages["dataflow.md"].partition("## Contact with the wall")[2]
+    section = pages["physics.md"].partition("## Contact with the wall")[2]
     assert f"(d / {1000 * impact.STIFF_DEPTH:g} mm)^4" in section
     assert f"exp(-{impact.LUBRICATION:g} / St)" in section
     assert f"below about {bore.SINE_SMOOTHING:g}" in section

@@ -174,28 +174,21 @@ def test_a_flight_of_the_core_reaches_that_speed(pitch_deg, motion):
 
 def test_the_page_has_the_errors_of_the_drag(published):
     rows = [
-        (case.name, case.motion.__name__, f"{case.reynolds:.0e}", case.found, case.measured, case.source)
+        (case.name, case.motion.__name__, f"{case.reynolds:.0e}", case.found, case.measured)
         for case in CASES
+        # A sphere moves alike along and across.
+        if (case.name, case.motion) != ("sphere", across)
     ]
-    rows += [
-        (
-            "core of 50 g, terminal speed, m/s",
-            motion,
-            f"{speed * 0.02 / NU:.0e}",
-            speed,
-            CORE_SPEED,
-            "benchmark 1, C_d 0.47",
-        )
-        for motion, speed in zip(("along", "across"), core_speeds(), strict=True)
-    ]
+    speed = core_speeds()[0]
+    rows.append(("core of 50 g, terminal speed, m/s", "along", f"{speed * 0.02 / NU:.0e}", speed, CORE_SPEED))
     published(
         "drag",
         [
-            "| body | moves | Re | model | literature | off by | source |",
-            "|---|---|---|---|---|---|---|",
+            "| body | moves | Re | model | literature | off by |",
+            "|---|---|---|---|---|---|",
             *(
-                f"| {name} | {motion} | {re} | {found:.3f} | {value:.3f} | {100 * (found / value - 1):+.0f} % | {source} |"
-                for name, motion, re, found, value, source in rows
+                f"| {name} | {motion} | {re} | {found:.3f} | {value:.3f} | {100 * (found / value - 1):+.0f} % |"
+                for name, motion, re, found, value in rows
             ),
         ],
     )

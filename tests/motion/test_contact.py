@@ -14,7 +14,7 @@ from driftform.motion.contact import (
     wall_wrench,
 )
 from driftform.motion.impact import contact_law, spring
-from driftform.motion.model import FRICTION, INVERSE, LINEAR, MASS, REACH, flight_model
+from driftform.motion.model import flight_model
 from driftform.testing.agents import sphere_agent
 from driftform.water import Scenario
 
@@ -44,17 +44,16 @@ def model_of(surfaces, pipe=PIPE, friction=0.0, restitution=0.7, total=INERTIA):
     for row, surface in zip(rows, surfaces, strict=True):
         row[: len(surface)] = surface
     rows[:, 5], rows[:, 6] = rows[:, 1] ** 2 / pipe[:, 7].min(), total[0, 0]
-    table = SPHERE.table.copy()
-    table[MASS:INVERSE], table[INVERSE:LINEAR] = total, np.linalg.inv(total)
-    table[FRICTION], table[REACH] = friction, (np.hypot(rows[:, 0], rows[:, 1]) + rows[:, 2]).max()
-    law = contact_law(table[INVERSE:LINEAR], OMEGA, restitution, 1e-3, 0.02)
+    numbers = SPHERE.numbers.copy()
+    numbers["mass"], numbers["inverse"] = total, np.linalg.inv(total)
+    numbers["friction"], numbers["reach"] = friction, (np.hypot(rows[:, 0], rows[:, 1]) + rows[:, 2]).max()
+    numbers["law"] = contact_law(numbers["inverse"][0], OMEGA, restitution, 1e-3, 0.02)
     bristles = np.zeros((2 * len(rows) if friction else 0, 3))
     return SPHERE._replace(
-        table=table,
+        numbers=numbers,
         surfaces=rows,
-        law=law,
         pipe=pipe,
-        touches=np.zeros((len(rows), 10)),
+        touches=np.zeros((len(rows) + 1, 10)),
         bristles=bristles,
     )
 
@@ -89,7 +88,7 @@ def potential(position, R, surfaces, pipe=PIPE):
     for k in range(len(surfaces)):
         depth, _, normal, x, r = depth_of(position, R, model, k)
         if depth > 0:
-            total += spring(float(R[:, 0] @ normal), x, r, depth, model.law)[1] ** 2
+            total += spring(float(R[:, 0] @ normal), x, r, depth, model.numbers[0]["law"])[1] ** 2
     return 0.5 * np.sqrt(total)
 
 

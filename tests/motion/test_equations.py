@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from driftform.motion.coordinates import describe_motion
 from driftform.motion.equations import accelerations, damping_wrench, water_motion_at_cob
-from driftform.motion.model import STEADY, flight_model
+from driftform.motion.model import flight_model
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform.types import Agent, Coefficients, Drag, MassProperties
@@ -138,7 +138,7 @@ def test_damping_about_another_point_is_that_of_the_shifted_matrices(v, w):
     H = np.block([[np.eye(3), -skew(coefficients.origin)], [np.zeros((3, 3)), np.eye(3)]])
     local = H @ [*v, *w]
     damping = coefficients.linear_damping @ local + coefficients.quadratic_damping @ (np.abs(local) * local)
-    wrench = damping_wrench(tuple(v.tolist()), tuple(w.tolist()), model.table)
+    wrench = damping_wrench(tuple(v.tolist()), tuple(w.tolist()), model.numbers[0])
     assert np.concatenate(wrench) == pytest.approx(-H.T @ damping, rel=1e-9, abs=1e-12)
 
 
@@ -153,11 +153,11 @@ def ramp(agent, acceleration, mode, speed=0.3, radius=100.0):
         fluid=Fluid(density=DENSITY, gravity=GRAVITY, flow_force=mode),
     )
     model = flight_model(agent, scenario)
-    table = model.table.copy()
-    table[STEADY] = 0.0
+    numbers = model.numbers.copy()
+    numbers["is_steady"] = 0.0
     a = np.asarray(acceleration, dtype=float)
     return model._replace(
-        table=table,
+        numbers=numbers,
         flow=np.array([*model.flow[:3], 10.0]),
         gusts=np.array([[0.0, 0.0, 0.0, *a], [*(10 * a), *a]]),
     )
@@ -206,7 +206,7 @@ def test_gusts_that_do_not_blow_leave_uniform_water_steady(seed, velocity, omega
                 fluid=Fluid(density=DENSITY, gravity=GRAVITY, flow_force=mode),
             ),
         )
-        assert steady.table[STEADY] == 1.0
+        assert steady.numbers[0]["is_steady"] == 1.0
         expected = accelerated(steady, R, [3.0, 0.5, -0.2], velocity, omega)
         assert accelerated(calm, R, [3.0, 0.5, -0.2], velocity, omega, 1.0) == pytest.approx(
             expected, rel=1e-12
@@ -224,7 +224,7 @@ def test_water_that_accelerates_turns_a_body_whose_mass_is_not_where_its_volume_
     )
     hung = flight_model(agent, scenario)
     model = ramp(agent, [0.0, 0.0, 2.0], "full", speed=0.0)
-    model.table[29, 2] = 0.0  # no gravity but that of the moving frame
+    model.numbers["gravity"] = 0.0  # no gravity but that of the moving frame
     R = Rotation.from_rotvec([0.0, 0.4, 0.0]).as_matrix()
     found, expected = accelerated(model, R), accelerated(hung, R)
     assert expected[4] != pytest.approx(0, abs=0.1)

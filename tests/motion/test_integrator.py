@@ -16,7 +16,7 @@ from driftform.motion.integrator import (
     greatest_distance,
     integrate,
 )
-from driftform.motion.model import REACH, STEADY, flight_model
+from driftform.motion.model import flight_model
 from driftform.motion.tableaus import DOP853, DOPRI5
 from driftform.study import load_study
 from driftform.testing.agents import Libration, Spheroid, tumbling_agent
@@ -71,9 +71,9 @@ def libration(pair, horizon):
     model = flight_model(SPHEROID.agent(), scenario)
     if pair is DOPRI5:
         # A body that could reach the wall from anywhere is integrated as near to it; without surfaces it never touches.
-        table = model.table.copy()
-        table[REACH] = 1e9
-        model = model._replace(table=table, surfaces=np.empty((0, 7)))
+        numbers = model.numbers.copy()
+        numbers["reach"] = 1e9
+        model = model._replace(numbers=numbers, surfaces=np.empty((0, 7)))
     return model, release_state(model, scenario)
 
 
@@ -216,11 +216,11 @@ def test_a_neutral_body_rides_on_water_that_speeds_up():
         pipe=pipe, flow=UniformFlow(speed=0.5), fluid=Fluid(density=1024.0), release=Release(pitch_deg=30.0)
     )
     model = flight_model(SPHEROID.agent(), scenario)
-    table = model.table.copy()
-    table[STEADY] = 0.0
+    numbers = model.numbers.copy()
+    numbers["is_steady"] = 0.0
     a, still = np.array([0.6, 0.1, -0.2]), np.zeros(6)
     model = model._replace(
-        table=table,
+        numbers=numbers,
         flow=np.array([*model.flow[:3], 10.0]),
         gusts=np.array([[0, 0, 0, *a, *still], [*(10 * a), *a, *still]]),
     )

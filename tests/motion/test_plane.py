@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from driftform.motion.flight import release_state
 from driftform.motion.integrator import Accuracy, greatest_distance, integrate
-from driftform.motion.model import DAMPED, flight_model
-from driftform.motion.plane import STATE_INDICES, fill_rate_in_plane, plane_model, stays_in_plane
+from driftform.motion.model import flight_model
+from driftform.motion.plane import STATE_INDICES, fill_plane, fill_rate_in_plane, stays_in_plane
 from driftform.motion.rates import fill_rate_in_space
 from driftform.study import load_study
 from driftform.testing.agents import sphere_agent
@@ -82,7 +82,9 @@ def test_the_rate_of_a_state_is_what_it_is_in_space(
     )
     whole, part = np.empty(len(state)), np.empty(len(flat))
     fill_rate_in_space(0.0, state, model, whole)
-    fill_rate_in_plane(flat, plane_model(model), model.surfaces, model.touches, np.empty(2 * count), part)
+    fill_plane(model)
+    room = np.empty(2 * count)
+    fill_rate_in_plane(flat, model.numbers[0], model.surfaces, model.touches, room, part)
     # Rounding, of a weight and a lift that cancel each other all but a thousandth, and of a micrometre's depth.
     error = 1e-9 + 1e-7 * np.abs(whole).max()
     assert part[:7] == pytest.approx(whole[places], rel=1e-6, abs=error)
@@ -96,9 +98,9 @@ def test_a_flight_is_the_same_in_the_plane_and_in_space(seed, friction):
     agent, scenario = agent_of(seed), scenario_of(contact=Contact(friction=friction))
     model = flight_model(agent, scenario)
     start = release_state(model, scenario)
-    damped = model._replace(table=model.table.copy())
+    damped = model._replace(numbers=model.numbers.copy())
     # Damping whose every coefficient is zero: it changes nothing but that the motion is integrated in space.
-    damped.table[DAMPED] = 1.0
+    damped.numbers["is_damped"] = 1.0
     assert stays_in_plane(start, model)
     assert not stays_in_plane(start, damped)
     # Bounces without damping are chaotic: only flights far more accurate than a millimetre are the same.

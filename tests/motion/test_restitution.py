@@ -71,7 +71,7 @@ def hit(agent, speed, restitution, viscosity=VISCOSITY, pitch=0.0, radius=0.3):
 
 def law(model, agent, speed, restitution, viscosity=VISCOSITY):
     """e_dry exp(-35 / St), St = m v / (6 pi mu R^2), with the mass that moves across the axis."""
-    mass, radius = model.table[2, 2], agent.body.max_diameter / 2
+    mass, radius = model.numbers[0]["mass"][2, 2], agent.body.max_diameter / 2
     return restitution * math.exp(-35 * 6 * math.pi * viscosity * DENSITY * radius**2 / (mass * speed))
 
 
@@ -156,12 +156,12 @@ def test_a_homogeneous_sphere_rests_on_the_floor_in_any_attitude(edges, attitude
     assert depth < 1e-4
     rate = np.empty(13)
     fill_rate_in_space(0.0, end[1:], model, rate)
-    assert np.abs(rate[10:] * model.table[4, 4]).max() < 1e-9, "no torque"
+    assert np.abs(rate[10:] * model.numbers[0]["mass"][4, 4]).max() < 1e-9, "no torque"
     assert np.abs(end[11:]).max() < 1e-9, "it does not turn"
 
 
 def test_a_sphere_bounces_as_scipy_integrates_the_law_of_the_page():
-    """The law, written down again from docs/dataflow.md: m omega^2 d (1 + (d / 0.2 mm)^4) times the damper's factor."""
+    """The law, written down again from docs/physics.md: m omega^2 d (1 + (d / 0.2 mm)^4) times the damper's factor."""
     restitution, radius, weight, omega = 0.8, 0.3, 0.2 * SPHERE_MASS / 1.2 * 9.81, 300.0
     mass = SPHERE_MASS + 0.5 * SPHERE_MASS / 1.2
     film = 35 * 6 * math.pi * VISCOSITY * DENSITY * 0.01**2 * math.sqrt(restitution)

@@ -16,12 +16,20 @@ def test_a_plugin_has_the_licence_of_the_whole_and_a_readme_of_its_own(plugin: P
     assert (plugin / "README.md").read_text(encoding="utf-8").startswith(f"# {plugin.name}\n")
 
 
-def test_the_citation_is_of_the_paper_and_of_this_version() -> None:
+def test_the_citation_is_of_this_version_and_of_the_paper() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     assert citation["version"] == project["version"] and citation["license"] == project["license"]
-    title = citation["preferred-citation"]["title"]
-    assert f"*{title}*" in " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    [author], [paper] = citation["authors"], citation["references"]
+    assert f"*{paper['title']}*" in readme and paper["authors"]
+    year = citation["date-released"].year
+    for line in (
+        f"author = {{{{{author['name']}}}}}",
+        f"year = {{{year}}}",
+        f"version = {{{project['version']}}}",
+    ):
+        assert line in readme
 
 
 def test_the_changelog_tells_of_this_version() -> None:

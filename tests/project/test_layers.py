@@ -16,7 +16,7 @@ HOOKS = "src/driftform/plugins/hookspecs.py"
 LAYERS = (
     *("errors", "types", "options", "scenarios", "util", "agent", "water"),
     *("interfaces", "motion", "plugins", "pipeline", "study"),
-    *("runs", "figures", "search", "design", "report", "builtin", "testing", "scaffold", "api", "cli"),
+    *("runs", "figures", "search", "design", "report", "builtin", "scaffold", "api", "cli", "testing"),
 )
 """The modules and packages of the core from the ground up: each may import those before it, and no others."""
 

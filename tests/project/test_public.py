@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -63,6 +64,14 @@ def test_a_plugin_imports_public_names_alone(package: Path) -> None:
         for line in find_private_imports(file.read_text(encoding="utf-8"), public)
     ]
     assert found == []
+
+
+def test_the_templates_of_new_plugins_import_public_names_alone() -> None:
+    public = list_public()
+    for file in ROOT.glob("src/driftform/scaffold/*/implementation.py.txt"):
+        source = re.sub(r"\$(\w+)", r"\1", file.read_text(encoding="utf-8"))
+        if not source.startswith("title ="):
+            assert list(find_private_imports(source, public)) == [], file.parent.name
 
 
 def test_an_import_of_a_private_module_is_found() -> None:

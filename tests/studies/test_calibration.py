@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from made_films import draw_world, film_flight, place_drop
 
 import driftform as df
 from driftform.design.design import Design
@@ -26,7 +27,6 @@ from driftform.water import Calibration, Factors
 from driftform.water.factors import NAMES
 from driftform_calibration.films import weigh_prior
 from driftform_calibration.fit import fit_factors
-from driftform_calibration.made_films import draw_world, film_flight, place_drop
 
 pytestmark = pytest.mark.slow
 

@@ -182,6 +182,10 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
         unsound += found
         beyond += far
         checked += len(errors)
-    publish(f"ends with {occupied}", [*lines, "", f"{count} random agents in each of these surroundings."])
+    lines += ["", f"{count} random agents in each of these surroundings."]
+    if occupied == "insert":
+        publish("ends with insert", lines)
+    else:
+        print("", *lines, sep="\n")
     assert unsound == []
     assert beyond <= (1 - ENOUGH) * checked

@@ -4,11 +4,11 @@ from itertools import repeat
 
 import numpy as np
 import pytest
+from textbook import textbook_states
 
 from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance, wall_depths
-from driftform.testing.textbook import textbook_states
 from driftform.types import End, Trajectory
 from driftform.water import Pipe
 

@@ -1,5 +1,6 @@
 """A contract that fails says what it asks, and what came instead."""
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -99,9 +100,23 @@ def test_a_contract_that_fails_says_what_came_and_what_it_asks(
     assert caught.value.__notes__ == [f"The contract asks: {asked}"]
 
 
+class Endless(LetterGrammar):
+    def random(self, rng: np.random.Generator) -> Any:
+        while True:
+            time.sleep(0.01)
+
+
+def test_a_test_that_does_not_end_fails_after_the_time_limit() -> None:
+    contract = make(GrammarContract, Endless)
+    contract.time_limit = 0.2
+    with pytest.raises(pytest.fail.Exception, match=r"has not ended after 0\.2 s; 'time_limit'") as failure:
+        contract.test_the_same_seed_draws_the_same_genomes()
+    assert any("The contract asks" in note for note in failure.value.__notes__)
+
+
 def test_every_contract_states_what_each_of_its_tests_asks() -> None:
     contracts = [getattr(testing, name) for name in testing.__all__]
-    assert all(Contract in contract.__bases__ for contract in contracts)
+    assert all(issubclass(contract, Contract) for contract in contracts)
     tests = [
         test for contract in contracts for name, test in vars(contract).items() if name.startswith("test_")
     ]

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from textbook import distance_from_textbook, textbook_rate
 
 from driftform.motion.body_drag import estimate_drag
 from driftform.motion.model import flight_model
@@ -15,7 +16,6 @@ from driftform.motion.rates import fill_rate_in_space
 from driftform.study import load_study
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import spheroid_body
-from driftform.testing.textbook import distance_from_textbook, textbook_rate
 
 MILLIMETRE = 1e-3
 SETTINGS = ["flow.kind=log_law", "hydrodynamics.use=panels", "hydrodynamics.drag=strips"]

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_films import Filming, film_flight, place_drop
 
 from driftform.design.design import Design
 from driftform.design.opening import open_agent
 from driftform.water import Factors
-from driftform_calibration.made_films import Filming, film_flight, place_drop
 from driftform_calibration.problem import Filmed
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_films import Filming, film_flight
 
 from driftform.design.design import Design
 from driftform.errors import WorkFailedError
@@ -11,7 +12,6 @@ from driftform.water import Factors
 from driftform_calibration.bench import Bench
 from driftform_calibration.experiment import MARGIN, Plan, Tank, list_candidates, plan_drops
 from driftform_calibration.fit import fit_factors
-from driftform_calibration.made_films import Filming, film_flight
 
 pytestmark = pytest.mark.long
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_films import Filming, draw_world, film_flight, place_drop
 
 from driftform.design.design import Design
 from driftform.study import load_study
@@ -12,7 +13,6 @@ from driftform.water import Factors
 from driftform.water.factors import NAMES
 from driftform_calibration.bench import Bench
 from driftform_calibration.fit import Fit, fit_factors
-from driftform_calibration.made_films import Filming, draw_world, film_flight, place_drop
 from driftform_calibration.problem import Filmed, factor_of, parameter_of
 
 pytestmark = pytest.mark.long

@@ -6,9 +6,9 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from driftform.figures.intervals import intervals_svg
 from driftform.testing.bodies import cylinder_body
 from driftform_calibration.drop_figure import DropPicture, drop_svg, ruler_svg
+from driftform_calibration.interval_figure import intervals_svg
 from driftform_calibration.track_figure import TrackPanel, tracks_svg
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftform.motion.coordinates import describe_motion
-from driftform.motion.model import COB, COG, INVERSE, MASS, flight_model
+from driftform.motion.model import flight_model
 from driftform.motion.stability import stable_rest
 from driftform.study import load_study
 from driftform.util.rotations import matrix_from_quaternion
@@ -33,7 +33,7 @@ def exudyn_frequencies(model, height, pitch):
 
     axes = np.eye(6)
     axes[:3, :3] = matrix_from_quaternion(quaternion)
-    mass = axes @ model.table[MASS : MASS + 6] @ axes.T
+    mass = axes @ model.numbers[0]["mass"] @ axes.T
 
     def force(_, t, __, pose, speed):
         return mass @ motion.accelerations(t, np.array(pose), np.array(speed), motion.values)
@@ -68,11 +68,12 @@ def test_a_body_that_sinks_swings_with_its_righting_moment_over_the_inertia_that
     for _ in range(5):
         agent = pipeline.make_agent(pipeline.grammar.random(rng))
         model = flight_model(agent, pipeline.scenario)
+        n = model.numbers[0]
         weight, buoyancy = agent.mass.mass * 9.81, 1024.0 * agent.mass.volume * 9.81
-        righting = buoyancy * model.table[COB, 0] - weight * model.table[COG, 0]
+        righting = buoyancy * n["cob"][0] - weight * n["cog"][0]
         # Pitch accelerates by the inverse mass times the moment and the part of the net force that comes to lie
         # across the axis.
-        square = model.table[INVERSE + 4, 4] * righting - model.table[INVERSE + 4, 2] * (buoyancy - weight)
+        square = n["inverse"][4, 4] * righting - n["inverse"][4, 2] * (buoyancy - weight)
         rest = stable_rest(model)
         assert rest.slowest_period == pytest.approx(2 * math.pi / math.sqrt(abs(square)), rel=1e-5)
         assert math.copysign(1, square) == -math.copysign(1, rest.pitch)

@@ -8,7 +8,7 @@ import pytest
 from driftform.motion.coordinates import describe_motion
 from driftform.motion.flight import release_state
 from driftform.motion.integrator import greatest_distance
-from driftform.motion.model import DAMPED, flight_model
+from driftform.motion.model import flight_model
 from driftform.study import load_study
 from driftform_exudyn import integration
 from driftform_exudyn.integration import integrate_motion, make_settings
@@ -25,8 +25,8 @@ def motions(seed):
     )
     model = flight_model(agent, scenario)
     # Damping whose every coefficient is zero: it changes nothing but that the motion is integrated in space.
-    damped = model._replace(table=model.table.copy())
-    damped.table[DAMPED] = 1.0
+    damped = model._replace(numbers=model.numbers.copy())
+    damped.numbers["is_damped"] = 1.0
     start = release_state(model, scenario)
     return [describe_motion(m, start) for m in (model, damped)]
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from textbook import distance_from_textbook, random_case
 
 from driftform.testing.agents import sphere_agent
-from driftform.testing.textbook import distance_from_textbook, random_case
 from driftform.types import End
 from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.scenario import Contact, FlightLimits, Release

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from textbook import distance_from_textbook, random_case
 
-from driftform.testing.textbook import distance_from_textbook, random_case
 from driftform.types import End
 from driftform_native.simulator import NativeOptions, NativeSimulator
 

@@ -1,6 +1,6 @@
 """The commands that plugins add, by the hook ``driftform_commands``."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -9,7 +9,7 @@ import typer
 
 from driftform.cli.help import Command, Group, UsageError
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
-from driftform.plugins.discovery import PluginModule, find_modules
+from driftform.plugins.discovery import find_modules
 
 BROUGHT_BY: Mapping[str, str] = {
     "calibrate": "driftform-calibration",
@@ -61,7 +61,8 @@ def load_added() -> Added:
     problems: dict[str, str] = {}
     for plugin in find_modules():
         try:
-            made = _make_commands(plugin)
+            hook = plugin.find_hook("driftform_commands")
+            made = {} if hook is None else make_commands(hook)
         except (Exception, SystemExit) as error:
             problems[plugin.distribution] = f"{plugin.distribution} is unavailable: {describe_error(error)}"
             continue
@@ -100,16 +101,18 @@ def find_added(name: str) -> Any:
     raise InputError(f"command '{name}' is not installed; run: {in_clone}pip install \"{package}\"")
 
 
-def _make_commands(plugin: PluginModule) -> dict[str, Any]:
-    hook = plugin.find_hook("driftform_commands")
-    if hook is None:
-        return {}
-    app = typer.Typer(cls=Group, add_completion=False, rich_markup_mode=None)
+def make_app(hook: Callable[[typer.Typer], None], cls: type[Group] = Group) -> typer.Typer:
+    """Return an application with the commands that a hook adds, which look and fail like those of driftform."""
+    app = typer.Typer(cls=cls, add_completion=False, rich_markup_mode=None)
     app.callback()(lambda: None)
     hook(app)
     _apply_style(app)
-    found = typer.main.get_command(app)
-    return dict(found.commands)  # type: ignore[attr-defined]
+    return app
+
+
+def make_commands(hook: Callable[[typer.Typer], None]) -> dict[str, Any]:
+    """Return the commands that a hook adds, by name."""
+    return dict(typer.main.get_group(make_app(hook)).commands)
 
 
 def _apply_style(app: typer.Typer) -> None:

@@ -1,14 +1,11 @@
 """``driftform export``."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from driftform.cli.options import Agent, Bed, ExporterOptions, Json, Settings
-
-if TYPE_CHECKING:
-    from driftform.types import WrittenFile
 
 
 def export(
@@ -29,7 +26,6 @@ def export(
     json: Json = False,
 ) -> None:
     """Write an agent's hull as files for printers and other programs; older files of the same name are replaced."""
-    from driftform.agent import hull_mass
     from driftform.cli.formats import open_exported, parse_formats
     from driftform.cli.output import print_json
     from driftform.util.files import make_directory
@@ -42,13 +38,8 @@ def export(
     written = list(
         {file.path: file for name, path in paths.items() for file in design.export_files(name, path)}.values()
     )
-    body = design.agent.body
-    if body.fittings.material.volume and any("mass_kg" in w.facts and _lacks_kit(w) for w in written):
-        typer.echo(
-            f"note: {design.name} was simulated as a kit, whose parts weigh {1000 * hull_mass(body):.2f} g: "
-            "write them with --kit",
-            err=True,
-        )
+    if note := design.describe_missing_kit(written):
+        typer.echo(f"note: {note}: write them with --kit", err=True)
     if json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})
         return
@@ -67,13 +58,6 @@ def export(
     for place, (key, table) in enumerate(tables):
         if (key, table) not in tables[:place]:
             _print_table(key, table)
-
-
-def _lacks_kit(file: "WrittenFile") -> bool:
-    """Return whether a format that can hold a kit was written without one."""
-    from driftform.plugins.registry import registry
-
-    return "kit" not in file.facts and "kit" in registry().find("exporter", file.format).Options.model_fields
 
 
 def _print_table(title: str, table: dict[str, Any]) -> None:

@@ -1,6 +1,7 @@
 """A design: an agent that a person opened, with its study, and all that can be done with it."""
 
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from driftform.agent import hull_mass
 from driftform.design.departures import list_departures
 from driftform.design.flight import DisturbedFlights, Flight
 from driftform.design.inspection import compare_added_mass, inspect_agent
@@ -18,7 +20,8 @@ from driftform.motion.resampling import check_rate, resample
 from driftform.motion.way import find_offsets, name_outlet
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
-from driftform.plugins.seams import require_file, require_files
+from driftform.plugins.registry import registry
+from driftform.plugins.seams import require_facts, require_file, require_files
 from driftform.runs.agent_file import StoredAgent, agent_document
 from driftform.study import Document, Study, load_study
 from driftform.types import (
@@ -166,7 +169,12 @@ class Design:
     def inspect(self) -> dict[str, Any]:
         """Return what ``driftform inspect --json`` prints; some of it takes flights."""
         found = inspect_agent(self.pipeline, self.agent, self.name, self.result.get("target"))
-        return found | {"warnings": [*found["warnings"], *self.list_departures()]}
+        asked, problems = self.study.ask_each(
+            "inspector", lambda each: require_facts(each.describe(self.agent, self.scenario), each)
+        )
+        sections = {each.name: {"heading": each.heading, "facts": facts} for each, facts in asked if facts}
+        more = {"sections": sections} if sections else {}
+        return found | more | {"warnings": [*found["warnings"], *self.list_departures(), *problems]}
 
     def compare_added_mass(self) -> dict[str, Any]:
         """Return the added mass, (6, 6), about the centre of buoyancy by each hydrodynamics model installed."""
@@ -242,6 +250,9 @@ class Design:
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
         """Write it as a file for printers and other programs, and return the paths of what was written.
 
+        Warns if the agent was simulated as a kit, and the file holds its sealed hull; ``under("exporter.stl.kit=true")``
+        writes the kit.
+
         Parameters
         ----------
         format
@@ -254,7 +265,23 @@ class Design:
         InputError
             if there is no such format, or nothing can be written there.
         """
-        return [Path(file.path) for file in self.export_files(format, path)]
+        files = self.export_files(format, path)
+        if note := self.describe_missing_kit(files):
+            advice = f"export design.under('exporter.{format}.kit=true') instead"
+            warnings.warn(f"{note}; {advice}", stacklevel=2)
+        return [Path(file.path) for file in files]
+
+    def describe_missing_kit(self, files: Sequence[WrittenFile]) -> str:
+        """Return what the parts of its kit weigh, if it was simulated as one and ``files`` hold its sealed hull; else ``""``."""
+
+        def lacks_kit(file: WrittenFile) -> bool:
+            options = registry().find("exporter", file.format).Options.model_fields
+            return "mass_kg" in file.facts and "kit" not in file.facts and "kit" in options
+
+        body = self.agent.body
+        if not body.fittings.material.volume or not any(map(lacks_kit, files)):
+            return ""
+        return f"{self.name} was simulated as a kit, whose parts weigh {1000 * hull_mass(body):.2f} g"
 
     def export_files(
         self, format: str, path: str | os.PathLike[str] | None = None

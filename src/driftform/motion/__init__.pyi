@@ -9,6 +9,11 @@ from .inertia import added_mass_at as added_mass_at
 from .inertia import shift_origin as shift_origin
 from .integrator import Accuracy as Accuracy
 from .integrator import integrate as integrate
+from .interpolation import interpolate_attitudes as interpolate_attitudes
+from .interpolation import interpolate_positions as interpolate_positions
+from .model import FlightModel as FlightModel
 from .model import flight_model as flight_model
 from .resampling import resample as resample
+from .stepping import compute_rate as compute_rate
+from .stepping import has_left as has_left
 from .terminal import terminal_speeds as terminal_speeds

@@ -13,8 +13,8 @@ from driftform.motion.bore import (
     transverse_parts,
 )
 from driftform.motion.fitting_contact import touch_fitting
-from driftform.motion.impact import FREQUENCY, common_mass, damper, spring
-from driftform.motion.model import FRICTION, INVERSE, LINEAR, REACH, FlightModel
+from driftform.motion.impact import common_mass, damper, spring
+from driftform.motion.model import FlightModel
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import (
@@ -96,7 +96,7 @@ def axis_in_bore(
 def deepest_depth(position: Vector, R: Rotation, model: FlightModel) -> float:
     """Return the depth (m) of the deepest surface of the model in the wall, 0 if none touches."""
     deepest = 0.0
-    if not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings):
+    if not is_far_from_wall(position, model.numbers[0].reach, model.pipe, model.fittings):
         axis = body_axis(R)
         line, parts = axis_in_bore(position, axis, model.pipe, model.fittings)
         for k in range(model.surfaces.shape[0]):
@@ -120,11 +120,13 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
     mass m that a push along the wall moves, k = m omega^2 and c = m omega. ``model.bristles`` holds omega z of every surface;
     its second half is filled with the rates of these. Without friction it is empty.
     """
-    bristles = model.bristles.shape[0] // 2
+    n = model.numbers[0]
+    law = n.law
+    bristles, model.touches[0, 9] = model.bristles.shape[0] // 2, -1.0
     for k in range(bristles):
         for j in range(3):
-            model.bristles[bristles + k, j] = -model.law[FREQUENCY] * model.bristles[k, j]
-    if is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings):
+            model.bristles[bristles + k, j] = -law.frequency * model.bristles[k, j]
+    if is_far_from_wall(position, n.reach, model.pipe, model.fittings):
         return ZERO, ZERO
     axis, w = body_axis(R), to_world(R, omega)
     line, parts = axis_in_bore(position, axis, model.pipe, model.fittings)
@@ -132,30 +134,31 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
     for k in range(model.surfaces.shape[0]):
         depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model, model.fittings)
         if depth > 0.0:
-            mass, energy, force, turning = spring(dot(axis, normal), x, r, depth, model.law)
+            mass, energy, force, turning = spring(dot(axis, normal), x, r, depth, law)
             total += energy * energy
             pressed += energy * force
             springs = add_wrenches(springs, force_wrench(lever, scale(-energy * force, normal)))
             _keep_touch(model.touches[count], k, lever, normal, energy, force, turning)
             count += 1
+    model.touches[count, 9] = -1.0
     if not total > 0.0:
         return ZERO, ZERO
     root = math.sqrt(total)
     if count > 1:
         F, T = to_body(R, springs[0]), to_body(R, springs[1])
-        a, alpha = multiply(model.table[INVERSE:LINEAR], F, T)
-        mass = common_mass(pressed, dot(F, a) + dot(T, alpha), model.law)
+        a, alpha = multiply(n.inverse, F, T)
+        mass = common_mass(pressed, dot(F, a) + dot(T, alpha), law)
     wrench = (ZERO, ZERO)
     for i in range(count):
         row = model.touches[i]
         lever, normal = (row[0], row[1], row[2]), (row[3], row[4], row[5])
         moving, share = add(velocity, cross(w, lever)), row[6] / root
         speed = dot(normal, moving)
-        force = row[7] * share * damper(root / mass, speed, mass, model.law)
+        force = row[7] * share * damper(root / mass, speed, mass, law)
         push = scale(-force, normal)
         if bristles > 0:
             sliding = subtract(moving, scale(speed, normal))
-            most = model.table[FRICTION] * force
+            most = n.friction * force
             push = subtract(push, bristle_force(sliding, normal, most, int(row[9]), model))
         turn = scale(-row[8] * share / smoothed_sine(dot(axis, normal)), cross(axis, normal))
         wrench = add_wrenches(wrench, (push, add(cross(lever, push), turn)))
@@ -179,7 +182,9 @@ def bristle_force(sliding: Vector, normal: Vector, most: float, k: int, model: F
     ``sliding`` is the velocity along the wall, m/s; see :func:`wall_wrench`.
     """
     bent, mass = (model.bristles[k, 0], model.bristles[k, 1], model.bristles[k, 2]), model.surfaces[k, 6]
-    trial = scale(mass * model.law[FREQUENCY], add(sliding, subtract(bent, scale(dot(normal, bent), normal))))
+    trial = scale(
+        mass * model.numbers[0].law.frequency, add(sliding, subtract(bent, scale(dot(normal, bent), normal)))
+    )
     size = math.sqrt(dot(trial, trial))
     force = trial if size <= most else scale(most / size, trial)
     for j in range(3):

@@ -14,14 +14,12 @@ import numpy as np
 from driftform.motion.contact import is_far_from_wall
 from driftform.motion.equations import accelerations
 from driftform.motion.flight import has_left_pipe, is_finite
-from driftform.motion.model import REACH, FlightModel, pack, unpack
+from driftform.motion.model import FlightModel, pack, unpack
 from driftform.motion.plane import (
-    MODEL_SIZE,
-    RUB,
     accelerations_in_plane,
+    fill_plane,
     has_left_in_plane,
     is_near_in_plane,
-    plane_model,
     stays_in_plane,
 )
 from driftform.types import FloatArray
@@ -69,19 +67,14 @@ class Motion:
 
 def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
     """Return the motion from the state ``start`` (13,): in the vertical plane if it stays there, otherwise in space."""
-    if stays_in_plane(start, model):
+    # Samples of a motion in the plane lie in y = 0.
+    if start[1] == 0.0 and stays_in_plane(start, model):
+        fill_plane(model)
         pitch = 2.0 * math.atan2(start[5], start[3])
         return Motion(
             np.array([start[0], start[2], pitch]),
             start[[7, 9, 11]],
-            np.concatenate(
-                [
-                    plane_model(model),
-                    model.surfaces.ravel(),
-                    model.touches.ravel(),
-                    np.zeros(len(model.bristles)),
-                ]
-            ),
+            pack(model),
             _accelerations_in_plane,
             _fill_sample_in_plane,
             len(model.bristles) // 2,
@@ -114,13 +107,13 @@ def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray
     """Return True if a surface may touch a wall."""
     model = unpack(values, fittings)
     position = (coordinates[0], coordinates[1], coordinates[2])
-    return not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings)
+    return not is_far_from_wall(position, model.numbers[0].reach, model.pipe, model.fittings)
 
 
 @compiled
 def _can_touch_in_plane(coordinates: FloatArray, values: FloatArray) -> bool:
     """Return True if a surface may touch a wall."""
-    return is_near_in_plane((coordinates[0], coordinates[1]), values)
+    return is_near_in_plane((coordinates[0], coordinates[1]), unpack(values, None).numbers[0])
 
 
 @compiled
@@ -175,23 +168,16 @@ def _fill_sample_in_space(
 
 @compiled
 def _accelerations_in_plane(
-    t: float, coordinates: FloatArray, rates: FloatArray, plane: FloatArray
+    t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
 ) -> tuple[float, float, float]:
-    attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
+    model, attitude = unpack(values, None), (math.cos(coordinates[2]), math.sin(coordinates[2]))
     position, velocity = (coordinates[0], coordinates[1]), (rates[0], rates[1])
-    # Each surface has 17 numbers, and with friction two for its bristle.
-    rubs = plane[RUB] > 0.0
-    count = (plane.shape[0] - MODEL_SIZE) // (19 if rubs else 17)
-    touches, bristles = MODEL_SIZE + 7 * count, MODEL_SIZE + 17 * count
+    # One number for each bristle and one for its rate.
+    room = model.bristles.shape[0]
+    bristles = borrow(values, values.shape[0] - room, (room,))
+    n, surfaces, touches = model.numbers[0], model.surfaces, model.touches
     a_x, a_z, alpha = accelerations_in_plane(
-        position,
-        attitude,
-        velocity,
-        rates[2],
-        plane,
-        borrow(plane, MODEL_SIZE, (count, 7)),
-        borrow(plane, touches, (count, 10)),
-        borrow(plane, bristles, (2 * count if rubs else 0,)),
+        position, attitude, velocity, rates[2], n, surfaces, touches, bristles
     )
     return _bound(a_x), _bound(a_z), _bound(alpha)
 
@@ -205,4 +191,6 @@ def _fill_sample_in_plane(
     sample[0], sample[1], sample[3] = t, coordinates[0], coordinates[1]
     sample[4], sample[6] = math.cos(0.5 * coordinates[2]), math.sin(0.5 * coordinates[2])
     sample[8], sample[10], sample[12] = rates[0], rates[1], rates[2]
-    return is_finite(sample) and not has_left_in_plane((coordinates[0], coordinates[1]), values)
+    return is_finite(sample) and not has_left_in_plane(
+        (coordinates[0], coordinates[1]), unpack(values, None).numbers[0]
+    )

@@ -26,36 +26,7 @@ from driftform.motion.drag import (
     wake_drag,
 )
 from driftform.motion.drag_coefficients import blockage_factor
-from driftform.motion.model import (
-    ACROSS,
-    AXIAL_DRAG,
-    BLOCKING,
-    BODY_MASS,
-    CENTRE,
-    COB,
-    COG,
-    CURRENT,
-    DAMPED,
-    DAMPING_POINT,
-    DENSITY,
-    DIAMETER,
-    DISPLACED_MASS,
-    FROUDE_KRYLOV,
-    GRAVITY,
-    INVERSE,
-    LENGTHWISE,
-    LINEAR,
-    MASS,
-    QUADRATIC,
-    ROUND_AREA,
-    SHEAR_VOLUME,
-    SPIN,
-    STEADY,
-    TAILS,
-    VISCOSITY,
-    WATER_LEVEL,
-    FlightModel,
-)
+from driftform.motion.model import FlightModel
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import (
@@ -84,14 +55,14 @@ def _read_vector(row: FloatArray) -> Vector:
 
 
 @compiled
-def damping_wrench(moving: Vector, omega: Vector, table: FloatArray) -> Wrench:
+def damping_wrench(moving: Vector, omega: Vector, n: np.record) -> Wrench:
     """Return -D_1 nu - D_2 |nu| nu about the body's origin; nu is taken at the point that the damping refers to."""
-    point = _read_vector(table[DAMPING_POINT])
+    point = _read_vector(n.damping_point)
     v = add(moving, cross(omega, point))
-    linear = multiply(table[LINEAR:QUADRATIC], v, omega)
+    linear = multiply(n.linear, v, omega)
     squares = (v[0] * abs(v[0]), v[1] * abs(v[1]), v[2] * abs(v[2]))
     turns = (omega[0] * abs(omega[0]), omega[1] * abs(omega[1]), omega[2] * abs(omega[2]))
-    quadratic = multiply(table[QUADRATIC:COG], squares, turns)
+    quadratic = multiply(n.quadratic, squares, turns)
     force = scale(-1.0, add(linear[0], quadratic[0]))
     torque = scale(-1.0, add(linear[1], quadratic[1]))
     return force, add(torque, cross(point, force))
@@ -112,9 +83,9 @@ def drag_wrench(
     ``height`` is that of the body's origin, ``bore`` the radius of the pipe around it, m; see
     :func:`driftform.motion.drag.strip_drag` for the other arguments.
     """
-    table, strips = model.table, model.strips
-    level, centre = table[WATER_LEVEL], _read_vector(table[COB])
-    density, viscosity = table[DENSITY], table[VISCOSITY]
+    n, strips = model.numbers[0], model.strips
+    level, centre = n.water_level, _read_vector(n.cob)
+    density, viscosity = n.density, n.viscosity
     wrench, share = (ZERO, ZERO), 1.0
     if level < np.inf:
         under, area = 0.0, 0.0
@@ -134,20 +105,20 @@ def drag_wrench(
                 (0.0, wrench[0][1] + force[1], wrench[0][2] + force[2]),
                 (0.0, wrench[1][1] - x * force[2], wrench[1][2] + x * force[1]),
             )
-    along = axial_drag(moving[0], density, viscosity, table[AXIAL_DRAG]) * share
+    along = axial_drag(moving[0], density, viscosity, n.axial) * share
     wrench = add_wrenches(wrench, ((along, 0.0, 0.0), ZERO))
-    if table[ROUND_AREA] > 0.0:
-        there = _velocity_at(table[CENTRE], moving, omega, shear, centre[0])
-        force = sphere_drag(there, density, viscosity, table[ROUND_AREA] * share, table[DIAMETER])
-        wrench = add_wrenches(wrench, force_wrench((table[CENTRE], 0.0, 0.0), force))
-    if table[BLOCKING] > 0.0:
-        factor = blockage_factor(0.5 * table[BLOCKING] / bore)
+    if n.round_area > 0.0:
+        there = _velocity_at(n.centre, moving, omega, shear, centre[0])
+        force = sphere_drag(there, density, viscosity, n.round_area * share, n.diameter)
+        wrench = add_wrenches(wrench, force_wrench((n.centre, 0.0, 0.0), force))
+    if n.blocking > 0.0:
+        factor = blockage_factor(0.5 * n.blocking / bore)
         wrench = scale(factor, wrench[0]), scale(factor, wrench[1])
     tail = 0 if moving[0] > 0.0 else 2
-    x = table[TAILS, tail]
+    x = n.tails[tail]
     there = _velocity_at(x, moving, omega, shear, centre[0])
-    force = wake_drag(moving[0], there[1], there[2], density, table[TAILS, tail + 1] * share)
-    spinning = spin_drag(omega[0], density, viscosity, table[SPIN], table[DIAMETER]) * share
+    force = wake_drag(moving[0], there[1], there[2], density, n.tails[tail + 1] * share)
+    spinning = spin_drag(omega[0], density, viscosity, n.spin, n.diameter) * share
     wrench = add_wrenches(wrench, force_wrench((x, 0.0, 0.0), force))
     return add_wrenches(wrench, (ZERO, (spinning, 0.0, 0.0)))
 
@@ -179,15 +150,16 @@ def water_motion_at_cob(
 
     The shear is the derivative of the water's velocity along the body's axis, 1/s.
     """
-    table, centre = model.table, _read_vector(model.table[COB])
+    n = model.numbers[0]
+    centre = _read_vector(n.cob)
     place = add(position, to_world(R, centre))
-    spread = (body_axis(R), table[ACROSS], table[LENGTHWISE])
+    spread = (body_axis(R), n.spread_across, n.spread_along)
     speed, gradient, rate = water_motion(
         place, t, model.pipe, model.flow, model.gusts, spread, model.fittings
     )
     # The velocity of the path along which the water's velocity changes: the water's own, or the body's.
     path = velocity_of_path(speed, t, model.flow, model.gusts, model.fittings)
-    if table[FROUDE_KRYLOV] == 0.0:
+    if n.has_pressure_gradient == 0.0:
         path = add(velocity, to_world(R, cross(omega, centre)))
     shear = to_body(R, add(to_world(gradient, body_axis(R)), gust_shear(t, model.flow, model.gusts)))
     curl = (
@@ -215,38 +187,38 @@ def accelerations(
     omega
         angular velocity in the body frame, rad/s.
     """
-    table = model.table
-    stream, change, shear, curl = _read_vector(table[CURRENT]), ZERO, ZERO, ZERO
-    if table[STEADY] == 0.0:
+    n = model.numbers[0]
+    stream, change, shear, curl = _read_vector(n.current), ZERO, ZERO, ZERO
+    if n.is_steady == 0.0:
         stream, change, shear, curl = water_motion_at_cob(t, position, R, velocity, omega, model)
     moving = to_body(R, subtract(velocity, stream))
     pull = to_body(R, change)
-    cog, centre = _read_vector(table[COG]), _read_vector(table[COB])
-    weight = scale(-table[BODY_MASS], add(scale(table[GRAVITY], R[2]), pull))
-    lift, displaced = scale(table[DISPLACED_MASS] * table[GRAVITY], R[2]), table[DISPLACED_MASS]
+    cog, centre = _read_vector(n.cog), _read_vector(n.cob)
+    weight = scale(-n.body_mass, add(scale(n.gravity, R[2]), pull))
+    lift, displaced = scale(n.displaced_mass * n.gravity, R[2]), n.displaced_mass
     wrench = (ZERO, ZERO)
-    if table[WATER_LEVEL] < np.inf:
+    if n.water_level < np.inf:
         wrench, volume, x = buoyancy(
-            position[2], R, centre, table[WATER_LEVEL], table[DENSITY] * table[GRAVITY], model.slices
+            position[2], R, centre, n.water_level, n.density * n.gravity, model.slices
         )
-        centre, lift, displaced = (x, centre[1], centre[2]), ZERO, table[DENSITY] * volume
-    lift = add(lift, scale(displaced * table[FROUDE_KRYLOV], pull))
+        centre, lift, displaced = (x, centre[1], centre[2]), ZERO, n.density * volume
+    lift = add(lift, scale(displaced * n.has_pressure_gradient, pull))
     wrench = add_wrenches(wrench, add_wrenches(force_wrench(cog, weight), force_wrench(centre, lift)))
-    if table[DAMPED] != 0.0:
-        wrench = add_wrenches(wrench, damping_wrench(moving, omega, table))
+    if n.is_damped != 0.0:
+        wrench = add_wrenches(wrench, damping_wrench(moving, omega, n))
     if model.strips.shape[0] > 0:
         bore = _bore_around(position, model.pipe, model.fittings)
         wrench = add_wrenches(wrench, drag_wrench(position[2], R, moving, omega, shear, model, bore))
-        if table[STEADY] == 0.0 and table[SHEAR_VOLUME] > 0.0:
+        if n.is_steady == 0.0 and n.shear_volume > 0.0:
             there = add(moving, cross(omega, centre))
-            mass = table[DENSITY] * table[SHEAR_VOLUME] * displaced / table[DISPLACED_MASS]
+            mass = n.density * n.shear_volume * displaced / n.displaced_mass
             wrench = add_wrenches(wrench, force_wrench(centre, shear_lift(there, curl, mass)))
     wrench = add_wrenches(
         wrench,
         wall_wrench(position, R, velocity, omega, model),
     )
-    momentum, turning = multiply(table[MASS:INVERSE], moving, omega)
+    momentum, turning = multiply(n.mass, moving, omega)
     force = add(wrench[0], cross(momentum, omega))
     torque = add(wrench[1], add(cross(turning, omega), cross(momentum, moving)))
-    v_dot, w_dot = multiply(table[INVERSE:LINEAR], force, torque)
+    v_dot, w_dot = multiply(n.inverse, force, torque)
     return add(to_world(R, add(v_dot, cross(omega, moving))), change), w_dot

@@ -6,22 +6,7 @@ import numpy as np
 
 from driftform.motion.buoyancy import buoyant_energy
 from driftform.motion.contact import deepest_depth
-from driftform.motion.model import (
-    BODY_MASS,
-    COB,
-    COG,
-    CURRENT,
-    DAMPED,
-    DENSITY,
-    DISPLACED_MASS,
-    GRAVITY,
-    MASS,
-    STEADY,
-    WATER_LEVEL,
-    FlightModel,
-    pack,
-    unpack,
-)
+from driftform.motion.model import FlightModel, pack, unpack
 from driftform.motion.runge_kutta import copy
 from driftform.types import End, FloatArray, Trajectory
 from driftform.util.compiled import allocating, compiled
@@ -47,7 +32,7 @@ def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
 
 def _water_velocity(point: Vector, model: FlightModel) -> tuple[float, ...]:
     """Return the water's velocity (m/s, world frame) at the release."""
-    if model.table[STEADY] == 0.0 or len(model.pipe) == 0:
+    if model.numbers[0]["is_steady"] == 0.0 or len(model.pipe) == 0:
         return water_motion(point, 0.0, model.pipe, model.flow, model.gusts, AT_A_POINT, model.fittings)[0]
     # The same in uniform water, whose kernel need not be compiled then. Adding zero turns -0 into 0, as the kernel does.
     return tuple((model.flow[SPEED] * model.pipe[0, 3:6] + 0.0).tolist())
@@ -274,16 +259,16 @@ def _contact_depth(row: FloatArray, model: FlightModel) -> float:
 
 def _conserves_energy(model: FlightModel) -> bool:
     """Return True without drag, in water that is uniform and steady and does not carry the body to or from its surface."""
-    table = model.table
-    rises = table[WATER_LEVEL] < np.inf and table[CURRENT, 2] != 0.0
-    return bool(table[STEADY] != 0.0 and table[DAMPED] == 0.0 and len(model.strips) == 0 and not rises)
+    n = model.numbers[0]
+    rises = n["water_level"] < np.inf and n["current"][2] != 0.0
+    return bool(n["is_steady"] != 0.0 and n["is_damped"] == 0.0 and len(model.strips) == 0 and not rises)
 
 
 @compiled
 def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
     """Return the range of the energy over the first ``count`` samples, relative to the largest kinetic energy."""
     model = unpack(values, None)
-    table = model.table
+    n = model.numbers[0]
     lowest, highest, largest, far = math.inf, -math.inf, 0.0, 1.0
     _, origin = energies(rows[0], model)
     for k in range(count):
@@ -293,30 +278,30 @@ def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
         largest = max(largest, kinetic)
         far = max(far, abs(rows[k, 3]))
     # The energy of a body that does not move in the water is rounding only: of m g z, and of speeds below 1e-12 m/s.
-    masses = table[BODY_MASS] + table[DISPLACED_MASS]
-    rounding = masses * (1e-14 * table[GRAVITY] * far + 1e-24)
+    masses = n.body_mass + n.displaced_mass
+    rounding = masses * (1e-14 * n.gravity * far + 1e-24)
     return float((highest - lowest) / largest) if highest - lowest > rounding else 0.0
 
 
 @compiled
 def energies(row: FloatArray, model: FlightModel) -> tuple[float, float]:
     """Return the kinetic and the potential energy of body and water, J, in the frame that moves with the water."""
-    table, R = model.table, _rotation(row)
-    stream = (table[CURRENT, 0], table[CURRENT, 1], table[CURRENT, 2])
+    n, R = model.numbers[0], _rotation(row)
+    stream = (n.current[0], n.current[1], n.current[2])
     v = to_body(R, subtract(velocity_of(row), stream))
     nu = (v[0], v[1], v[2], row[11], row[12], row[13])
     kinetic = 0.0
     for i in range(6):
         for j in range(6):
-            kinetic += 0.5 * nu[i] * table[MASS + i, j] * nu[j]
+            kinetic += 0.5 * nu[i] * n.mass[i, j] * nu[j]
     height = row[3] - row[0] * stream[2]
-    cog = height + dot(R[2], (table[COG, 0], table[COG, 1], table[COG, 2]))
-    centre = (table[COB, 0], table[COB, 1], table[COB, 2])
-    lift = -table[DISPLACED_MASS] * table[GRAVITY] * (height + dot(R[2], centre))
-    if table[WATER_LEVEL] < np.inf:
-        weight = table[DENSITY] * table[GRAVITY]
-        lift = buoyant_energy(row[3], R, centre, table[WATER_LEVEL], weight, model.slices)
-    return kinetic, table[BODY_MASS] * table[GRAVITY] * cog + lift
+    cog = height + dot(R[2], (n.cog[0], n.cog[1], n.cog[2]))
+    centre = (n.cob[0], n.cob[1], n.cob[2])
+    lift = -n.displaced_mass * n.gravity * (height + dot(R[2], centre))
+    if n.water_level < np.inf:
+        weight = n.density * n.gravity
+        lift = buoyant_energy(row[3], R, centre, n.water_level, weight, model.slices)
+    return kinetic, n.body_mass * n.gravity * cog + lift
 
 
 @compiled

@@ -22,6 +22,7 @@ import math
 import numpy as np
 
 from driftform.motion.bore import smoothed_sine
+from driftform.motion.fields import LAW, Records
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
@@ -45,15 +46,11 @@ MOST_LOSS = 2.3
 LUBRICATION = 35.0
 """-St ln(e / e_dry), Legendre et al. (2006)."""
 
-# Indices in the law of a contact. The first four make the mobility 1 / m.
-AXIAL, LATERAL, TURNING, COUPLING = 0, 1, 2, 3
-FREQUENCY, DRY_LOSS, WET_LOSS, GREATEST_MASS = 4, 5, 6, 7
-
 
 def contact_law(
     inverse: FloatArray, frequency: float, restitution: float, viscosity: float, radius: float
-) -> FloatArray:
-    """Return the law of the contacts of a body, (8,).
+) -> Records:
+    """Return the law of the contacts of a body: one record of :data:`driftform.motion.fields.LAW`, (1,).
 
     Parameters
     ----------
@@ -69,22 +66,18 @@ def contact_law(
         R of the Stokes number, m.
     """
     along, across = inverse[0, 0], 0.5 * (inverse[1, 1] + inverse[2, 2])
-    return np.array(
-        [
-            along,
-            across,
-            0.5 * (inverse[4, 4] + inverse[5, 5]),
-            0.5 * (inverse[1, 5] - inverse[2, 4]),
-            frequency,
-            -math.log(restitution),
-            LUBRICATION * 6.0 * math.pi * viscosity * radius**2 * math.sqrt(restitution),
-            1.0 / min(along, across) if min(along, across) > 0.0 else math.inf,
-        ]
-    )
+    law = np.zeros(1, LAW)
+    law["axial"], law["lateral"] = along, across
+    law["turning"] = 0.5 * (inverse[4, 4] + inverse[5, 5])
+    law["coupling"] = 0.5 * (inverse[1, 5] - inverse[2, 4])
+    law["greatest_mass"] = 1.0 / min(along, across) if min(along, across) > 0.0 else math.inf
+    law["frequency"], law["dry_loss"] = frequency, -math.log(restitution)
+    law["wet_loss"] = LUBRICATION * 6.0 * math.pi * viscosity * radius**2 * math.sqrt(restitution)
+    return law
 
 
 @compiled
-def spring(s: float, x: float, r: float, depth: float, law: FloatArray) -> tuple[float, float, float, float]:
+def spring(s: float, x: float, r: float, depth: float, law: np.record) -> tuple[float, float, float, float]:
     """Return mass m (kg), twice the energy e (J), half of de/d(depth) (N), and half of de/d(angle) (N m) of a spring.
 
     The angle is that from the normal's plane to the axis: s = sin(angle). The rim (x, r), m, touches; a dome about x has
@@ -94,20 +87,17 @@ def spring(s: float, x: float, r: float, depth: float, law: FloatArray) -> tuple
     along = x - arm * s
     lever, change = along * c, -along * s - arm
     mobility = (
-        s * s * law[AXIAL]
-        + c * c * law[LATERAL]
-        + lever * lever * law[TURNING]
-        + 2.0 * c * lever * law[COUPLING]
+        s * s * law.axial + c * c * law.lateral + lever * lever * law.turning + 2.0 * c * lever * law.coupling
     )
     if not mobility > 0.0:
         return math.inf, 0.0, 0.0, 0.0
     slope = (
-        s * c * (law[AXIAL] - law[LATERAL])
-        + lever * change * law[TURNING]
-        + (c * change - s * lever) * law[COUPLING]
+        s * c * (law.axial - law.lateral)
+        + lever * change * law.turning
+        + (c * change - s * lever) * law.coupling
     )
     mass = 1.0 / mobility
-    stiffness, square = mass * law[FREQUENCY] * law[FREQUENCY], depth * depth
+    stiffness, square = mass * law.frequency * law.frequency, depth * depth
     if depth < DEEPEST:
         stiffer = square * square * _STIFFENING
         energy, force = square * (1.0 + stiffer / 3.0), depth * (1.0 + stiffer)
@@ -120,34 +110,26 @@ def spring(s: float, x: float, r: float, depth: float, law: FloatArray) -> tuple
 
 
 @compiled
-def spring_slope(mass: float, depth: float, law: FloatArray) -> float:
-    """Return half of the second derivative of e with respect to the depth, N/m; beyond DEEPEST that at it."""
-    ratio = min(depth, DEEPEST) / STIFF_DEPTH
-    square = ratio * ratio
-    return float(mass * (law[FREQUENCY] * law[FREQUENCY]) * (1.0 + 5.0 * (square * square)))
-
-
-@compiled
-def common_mass(pressed: float, power: float, law: FloatArray) -> float:
+def common_mass(pressed: float, power: float, law: np.record) -> float:
     """Return the effective mass (kg) of several springs that press together.
 
     ``pressed`` is the sum of their forces, and ``power`` the product of the acceleration that they give to the body with their
     wrench. Springs at opposite walls press, but do not accelerate: the mass is at most that of a central push.
     """
-    most = float(law[GREATEST_MASS])
+    most = float(law.greatest_mass)
     return min(most, pressed * pressed / power) if power > 0.0 else most
 
 
 @compiled
-def damper(square: float, speed: float, mass: float, law: FloatArray) -> float:
+def damper(square: float, speed: float, mass: float, law: np.record) -> float:
     """Return the factor of a spring's force, at least 0; ``square`` is q^2 = 2 U / m (m2/s2), ``speed`` the approach, m/s.
 
     The loss -ln e of a collision depends on its speed v, of which the remainder sqrt(q^2 + w^2) is known. The wet loss is
     therefore written for the remainder: with y = 35 sqrt(e_dry) / St(remainder), the rate
     y (1 + 0.33 y) / (1 + 0.7 y + 0.02 y^2) adds up to 35 / St(v) over a collision, within .02 in e for St > 20 and e_dry > 0.5.
     """
-    wet = law[WET_LOSS] / (mass * math.sqrt(square + speed * speed))
-    loss = min(MOST_LOSS, law[DRY_LOSS] + wet * (1.0 + 0.33 * wet) / (1.0 + wet * (0.7 + 0.02 * wet)))
+    wet = law.wet_loss / (mass * math.sqrt(square + speed * speed))
+    loss = min(MOST_LOSS, law.dry_loss + wet * (1.0 + 0.33 * wet) / (1.0 + wet * (0.7 + 0.02 * wet)))
     # A fit to the loss of the collision that this factor makes, within .005 in e: damping ratio by loss.
     ratio = loss * (0.415 + 0.052 * loss * loss)
     return max(0.0, 1.0 + 2.0 * float(ratio) * speed / math.sqrt(square + ONSET * ONSET * speed * speed))

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from driftform.agent.slices import slice_solid
+from driftform.motion.fields import NUMBERS, Records
 from driftform.motion.fitting_contact import MOST_STANDOFF
 from driftform.motion.impact import contact_law
 from driftform.motion.inertia import added_mass_at, rigid_body_mass
@@ -13,7 +14,7 @@ from driftform.motion.inverse import invert_mass
 from driftform.motion.surfaces import refined_surfaces, touching_surfaces
 from driftform.motion.terminal import terminal_speed_across
 from driftform.types import Agent, Body, Drag, FloatArray
-from driftform.util.compiled import borrow, borrowing, compiled
+from driftform.util.compiled import borrow, borrow_as, borrowing, compiled
 from driftform.util.latest import keep_latest
 from driftform.water import Scenario, TurbulentFlow
 from driftform.water.fittings import fitting_array, greatest_curvature, rim_spacing
@@ -21,27 +22,12 @@ from driftform.water.profiles import UNIFORM
 from driftform.water.scenario import Contact
 from driftform.water.velocity import flow_array, gust_array, pipe_rows
 
-# Rows of the table that the kernels read; six columns each.
-MASS, INVERSE, LINEAR, QUADRATIC = 0, 6, 12, 18
-COG, COB = 24, 25
-DAMPING_POINT = 26
-CURRENT = 27
-AXIAL_DRAG = 28
-TAILS = 31
-ROWS = 33
-
-# Indices of single numbers in it.
-DAMPED = (DAMPING_POINT, 3)
-STEADY = (CURRENT, 3)
-BODY_MASS, DISPLACED_MASS = (29, 0), (29, 1)
-GRAVITY, DENSITY, VISCOSITY, WATER_LEVEL = (29, 2), (29, 3), (29, 4), (29, 5)
-FROUDE_KRYLOV, FRICTION, REACH = (30, 0), (30, 1), (30, 2)
-ROUND_AREA, DIAMETER = (AXIAL_DRAG, 4), (AXIAL_DRAG, 5)
-SPIN, SHEAR_VOLUME = (TAILS, 4), (TAILS, 5)
-ACROSS, LENGTHWISE, BLOCKING, CENTRE = (32, 0), (32, 1), (32, 2), (32, 3)
-AXISYMMETRIC = (32, 4)
-
 _FEWEST, _MOST_SLICES = 16, 64
+
+_borrow_numbers = borrow_as(NUMBERS)
+_NUMBERS = NUMBERS.itemsize // 8
+_ARRAYS = 8
+"""Arrays of a model besides its numbers and fittings; a packed model begins with their lengths."""
 
 _NO_DRAG = Drag(np.empty((0, 4)))
 
@@ -51,22 +37,12 @@ class FlightModel(NamedTuple):
 
     Attributes
     ----------
-    table
-        (33, 6): total mass M_RB + M_A, its inverse, linear damping, quadratic damping; then one row each of COG,
-        COB, (point that the damping refers to, 1 if the body is damped), (the water's velocity in the world frame,
-        1 if it is uniform and steady), axial drag (see :func:`driftform.motion.drag.axial_drag`) with round area and
-        diameter;
-        (mass, mass of the displaced water, gravity, density, viscosity, height of the free surface, infinite
-        without one); (1 if the pressure gradient of accelerating water acts on the body, coefficient of friction,
-        greatest distance of a surface from the origin); (x and lift area of the tail for
-        motion ahead, the same for motion astern, spin, shear volume); (spread across and along, blocking diameter,
-        centre of the drag of a sphere: see :class:`driftform.types.Drag`; 1 if a roll changes nothing).
+    numbers
+        one record of :data:`driftform.motion.fields.NUMBERS`, (1,).
     surfaces
         rims and domes of the body that can touch a wall: the five numbers of
         :func:`driftform.motion.surfaces.touching_surfaces`, greatest fall of the bore from its tangent within the
         radius (m), effective mass against a push along the wall (kg), (k, 7).
-    law
-        of the force of a contact, (8,): see :func:`driftform.motion.impact.contact_law`.
     pipe
         rows of start (3), unit vector downstream (3), length, radius, (segments, 8); (0, 8) in open water and for a pipe
         with parts.
@@ -88,9 +64,8 @@ class FlightModel(NamedTuple):
         water, where nothing of it is compiled.
     """
 
-    table: FloatArray
+    numbers: Records
     surfaces: FloatArray
-    law: FloatArray
     pipe: FloatArray
     flow: FloatArray
     gusts: FloatArray
@@ -110,48 +85,40 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     surfaces = _surface_rows(agent.body, inverse, scenario)
     gusts = _gusts(agent, scenario)
     drag = coefficients.drag or _NO_DRAG
-    table = np.zeros((ROWS, 6))
-    table[MASS : MASS + 6], table[INVERSE : INVERSE + 6] = total, inverse
-    table[LINEAR : LINEAR + 6] = coefficients.linear_damping
-    table[QUADRATIC : QUADRATIC + 6] = coefficients.quadratic_damping
-    table[COG, :3], table[COB, :3] = mass.cog, mass.cob
-    table[DAMPING_POINT, :3] = coefficients.origin
-    table[DAMPED] = table[LINEAR:COG].any()
-    table[CURRENT, :3] = current
-    table[STEADY] = flow[0] == UNIFORM and not len(gusts) and fittings is None
-    table[AXIAL_DRAG] = (
-        drag.friction_area,
-        drag.length,
-        drag.ahead,
-        drag.astern,
-        drag.round_area,
-        drag.diameter,
-    )
-    table[TAILS] = *drag.wake_ahead, *drag.wake_astern, drag.spin, drag.shear_volume
-    table[ACROSS], table[LENGTHWISE] = drag.spread
-    table[BLOCKING], table[CENTRE] = drag.blocking, drag.centre
-    table[AXISYMMETRIC] = _is_axisymmetric(table)
-    table[BODY_MASS], table[DISPLACED_MASS] = mass.mass, fluid.density * mass.volume
-    table[GRAVITY], table[DENSITY], table[VISCOSITY] = fluid.gravity, fluid.density, fluid.viscosity
-    table[WATER_LEVEL] = np.inf if fluid.water_level is None else fluid.water_level
-    table[FROUDE_KRYLOV] = fluid.flow_force == "full"
-    table[FRICTION] = contact.friction
+    numbers = np.zeros(1, NUMBERS)
+    n = numbers[0]
+    n["mass"], n["inverse"] = total, inverse
+    n["linear"], n["quadratic"] = coefficients.linear_damping, coefficients.quadratic_damping
+    n["damping_point"] = coefficients.origin
+    n["is_damped"] = n["linear"].any() or n["quadratic"].any()
+    n["cog"], n["cob"] = mass.cog, mass.cob
+    n["is_axisymmetric"] = _is_axisymmetric(n)
+    n["body_mass"], n["displaced_mass"] = mass.mass, fluid.density * mass.volume
+    n["gravity"], n["density"], n["viscosity"] = fluid.gravity, fluid.density, fluid.viscosity
+    n["water_level"] = np.inf if fluid.water_level is None else fluid.water_level
+    n["current"] = current
+    n["is_steady"] = flow[0] == UNIFORM and not len(gusts) and fittings is None
+    n["has_pressure_gradient"] = fluid.flow_force == "full"
+    n["axial"] = drag.friction_area, drag.length, drag.ahead, drag.astern
+    n["tails"] = *drag.wake_ahead, *drag.wake_astern
+    n["round_area"], n["diameter"], n["centre"] = drag.round_area, drag.diameter, drag.centre
+    n["spin"], n["shear_volume"], n["blocking"] = drag.spin, drag.shear_volume, drag.blocking
+    n["spread_across"], n["spread_along"] = drag.spread
     standoff = 0.0 if fittings is None else MOST_STANDOFF * surfaces[:, 5]
     reach = np.hypot(surfaces[:, 0], surfaces[:, 1]) + surfaces[:, 2] + standoff
-    table[REACH] = reach.max(initial=0.0)
+    n["reach"], n["friction"] = reach.max(initial=0.0), contact.friction
     viscosity = fluid.density * fluid.viscosity
     radius = 0.5 * agent.body.max_diameter
-    law = contact_law(inverse, contact.frequency, contact.restitution, viscosity, radius)
+    n["law"] = contact_law(inverse, contact.frequency, contact.restitution, viscosity, radius)[0]
     return FlightModel(
-        table,
+        numbers,
         surfaces,
-        law,
         pipe.copy(),
         flow.copy(),
         gusts,
         np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
         _drag_strips(agent),
-        np.zeros((len(surfaces), 10)),
+        np.zeros((len(surfaces) + 1, 10)),
         np.zeros((2 * len(surfaces) if contact.friction > 0.0 else 0, 3)),
         fittings,
     )
@@ -165,35 +132,32 @@ def _environment(scenario: Scenario) -> tuple[FloatArray, FloatArray, FloatArray
 
 def pack(model: FlightModel) -> FloatArray:
     """Return all arrays of a model but its fittings as one, which is cheaper to pass to a kernel; see :func:`unpack`."""
-    arrays = [array for array in model[:-1] if array is not None]
-    flat: list[FloatArray] = [np.array([float(len(array)) for array in arrays])]
-    flat.extend(array.ravel() for array in arrays)
-    return np.concatenate(flat)
+    arrays = model[1:-1]
+    lengths = np.array([float(len(array)) for array in arrays])
+    return np.concatenate([lengths, model.numbers.view(np.float64), *(array.ravel() for array in arrays)])
 
 
 @borrowing
 def unpack(values: FloatArray, fittings: FloatArray | None) -> FlightModel:
     """Return the model that :func:`pack` put into one array, with its fittings; its arrays share that memory."""
-    surfaces = 10 + 6 * int(values[0])
-    law = surfaces + 7 * int(values[1])
-    pipe = law + int(values[2])
-    flow = pipe + 8 * int(values[3])
-    gusts = flow + int(values[4])
-    slices = gusts + 12 * int(values[5])
-    strips = slices + 4 * int(values[6])
-    touches = strips + 4 * int(values[7])
-    bristles = touches + 10 * int(values[8])
+    surfaces = _ARRAYS + _NUMBERS
+    pipe = surfaces + 7 * int(values[0])
+    flow = pipe + 8 * int(values[1])
+    gusts = flow + int(values[2])
+    slices = gusts + 12 * int(values[3])
+    strips = slices + 4 * int(values[4])
+    touches = strips + 4 * int(values[5])
+    bristles = touches + 10 * int(values[6])
     return FlightModel(
-        borrow(values, 10, (int(values[0]), 6)),
-        borrow(values, surfaces, (int(values[1]), 7)),
-        borrow(values, law, (int(values[2]),)),
-        borrow(values, pipe, (int(values[3]), 8)),
-        borrow(values, flow, (int(values[4]),)),
-        borrow(values, gusts, (int(values[5]), 12)),
-        borrow(values, slices, (int(values[6]), 4)),
-        borrow(values, strips, (int(values[7]), 4)),
-        borrow(values, touches, (int(values[8]), 10)),
-        borrow(values, bristles, (int(values[9]), 3)),
+        _borrow_numbers(values, _ARRAYS, (1,)),
+        borrow(values, surfaces, (int(values[0]), 7)),
+        borrow(values, pipe, (int(values[1]), 8)),
+        borrow(values, flow, (int(values[2]),)),
+        borrow(values, gusts, (int(values[3]), 12)),
+        borrow(values, slices, (int(values[4]), 4)),
+        borrow(values, strips, (int(values[5]), 4)),
+        borrow(values, touches, (int(values[6]), 10)),
+        borrow(values, bristles, (int(values[7]), 3)),
         _borrow_fittings(fittings),
     )
 
@@ -205,25 +169,25 @@ def _borrow_fittings(fittings: FloatArray | None) -> FloatArray | None:
 
 
 @compiled
-def _is_axisymmetric(table: FloatArray) -> bool:
-    """Return True if mass, damping and all centres of a table are the same after a roll."""
-    for row in (COG, COB, DAMPING_POINT):
-        if table[row, 1] != 0.0 or table[row, 2] != 0.0:
+def _is_axisymmetric(n: np.record) -> bool:
+    """Return True if mass, damping and all centres are the same after a roll."""
+    for point in (n.cog, n.cob, n.damping_point):
+        if point[1] != 0.0 or point[2] != 0.0:
             return False
-    for row in (MASS, LINEAR, QUADRATIC):
+    for matrix in (n.mass, n.linear, n.quadratic):
         largest, change = 0.0, 0.0
-        for i in range(row, row + 6):
+        for i in range(6):
             for j in range(6):
-                largest = max(largest, abs(table[i, j]))
+                largest = max(largest, abs(matrix[i, j]))
         # A roll turns the pairs sway, heave and pitch, yaw: it changes what couples one with surge or roll, and each
         # block of two pairs that is not a scale and a turn.
         for i in range(0, 6, 3):
             for j in range(0, 6, 3):
-                up, low = table[row + i + 1], table[row + i + 2]
+                up, low = matrix[i + 1], matrix[i + 2]
                 change = max(
                     change,
-                    abs(table[row + i, j + 1]),
-                    abs(table[row + i, j + 2]),
+                    abs(matrix[i, j + 1]),
+                    abs(matrix[i, j + 2]),
                     abs(up[j]),
                     abs(low[j]),
                     abs(up[j + 1] - low[j + 2]),

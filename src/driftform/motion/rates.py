@@ -8,7 +8,7 @@ changes that fast, and nothing depends on it.
 import math
 
 from driftform.motion.equations import accelerations
-from driftform.motion.model import AXISYMMETRIC, FlightModel
+from driftform.motion.model import FlightModel
 from driftform.motion.plane import fill_rate_in_plane
 from driftform.types import FloatArray
 from driftform.util.compiled import borrow, compiled
@@ -26,19 +26,18 @@ def fill_rate(
     t: float,
     y: FloatArray,
     model: FlightModel,
-    plane: FloatArray | None,
     in_space: bool | None,
     out: FloatArray,
 ) -> None:
-    """Fill ``out`` with the rate of a state in the plane or in space, whichever of the two arguments is not None.
+    """Fill ``out`` with the rate of a state in space, or in the plane if ``in_space`` is None.
 
     In the plane ``y`` holds seven numbers and one for each bristle; in space see :func:`fill_rate_in_space`.
     """
     # numba compiles no branch for an argument that is None. Motion in space takes most of the time to compile.
-    if plane is not None:
+    if in_space is None:
         room = borrow(model.bristles, 0, (2 * (y.shape[0] - PLANE_STATE),))
-        fill_rate_in_plane(y, plane, model.surfaces, model.touches, room, out)
-    if in_space is not None:
+        fill_rate_in_plane(y, model.numbers[0], model.surfaces, model.touches, room, out)
+    else:
         fill_rate_in_space(t, y, model, out)
 
 
@@ -66,7 +65,7 @@ def fill_rate_in_space(t: float, y: FloatArray, model: FlightModel, out: FloatAr
     spin = p
     if angles > 0:
         # The rates are components of a vector: in a frame that turns less, they change more.
-        spin = p * (1.0 - model.table[AXISYMMETRIC])
+        spin = p * (1.0 - model.numbers[0].is_axisymmetric)
         out[11] -= r * (p - spin)
         out[12] += q * (p - spin)
         out[y.shape[0] - 1] = p - spin

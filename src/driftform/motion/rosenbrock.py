@@ -2,8 +2,8 @@
 
 The springs of the wall and the bristles of friction are much faster than the motion along the wall. An explicit method takes
 steps as short as they are, however smooth the motion is. A Rosenbrock method solves linear equations in every stage, and
-takes steps as long as the motion allows; a W-method keeps its order with an inexact Jacobian, here that of the wall's forces
-alone (:mod:`driftform.motion.contact_jacobian`).
+takes steps as long as the motion allows; a W-method keeps its order with an inexact Jacobian J, here one of differences
+that serves for several steps.
 
 In its equations (1 / (gamma h) - J) u = b the pose is eliminated, because its rate is the velocity; what remains are
 the velocities and the bristles of the surfaces that touch. The other bristles only decay.
@@ -12,53 +12,139 @@ the velocities and the bristles of the surfaces that touch. The other bristles o
 import math
 from typing import NamedTuple
 
-from driftform.motion.contact_jacobian import EQUATIONS, JACOBIAN_ROOM, ContactJacobian, make_jacobian
-from driftform.motion.impact import FREQUENCY
 from driftform.motion.model import FlightModel
-from driftform.motion.rates import fill_rate
+from driftform.motion.rates import PLANE_STATE, STATE, fill_rate
 from driftform.motion.runge_kutta import copy, normalise, squared_error
 from driftform.motion.tableaus import ROS34PW2
 from driftform.types import FloatArray
 from driftform.util.compiled import borrow, borrowing, compiled
 from driftform.util.rotations import quaternion_product, quaternion_rate
 
+POSE_STEP = 1e-7
+"""Difference of a position (m) or an angle (rad) from which the Jacobian follows: a wall gives way by some 1e-5 m."""
+
+SPEED_STEP = 1e-4
+"""Difference of a velocity (m/s, rad/s), or of a bristle."""
+
 
 class WorkSpace(NamedTuple):
-    """Room for a step: its Jacobian, its stages, the matrix, unknowns and pose of its equations, the state of a stage."""
+    """Room for steps of states of s numbers, of which u are unknowns: v velocities, and the bristles.
 
-    jacobian: ContactJacobian
-    stages: FloatArray
+    Attributes
+    ----------
+    places
+        of the unknowns in a state, (u,).
+    slopes
+        derivatives of the unknowns' rates with respect to motions of the pose by unit velocities, and to the unknowns,
+        (u, v + u).
+    matrix, unknowns, pose
+        of the equations of a stage: (u, u), (u,), (v,).
+    stages, state, rate, changed
+        (stages, s), (s,), (s,), (s,).
+    """
+
+    places: FloatArray
+    slopes: FloatArray
     matrix: FloatArray
     unknowns: FloatArray
     pose: FloatArray
+    stages: FloatArray
     state: FloatArray
+    rate: FloatArray
+    changed: FloatArray
 
 
-_UNKNOWNS = JACOBIAN_ROOM + EQUATIONS**2
-_POSE = _UNKNOWNS + EQUATIONS
-WORK_ROOM = _POSE + 6
-"""Numbers of a work space, without the states."""
+_STAGES = len(ROS34PW2.b)
 
-WORK_STATES = len(ROS34PW2.b) + 1
-"""States in a work space."""
+
+@compiled
+def count_work_space(size: int, velocities: int) -> int:
+    """Return how many numbers a work space takes: see :func:`make_work_space`."""
+    unknowns = size - velocities - 1
+    return unknowns * (2 + 2 * unknowns + velocities) + velocities + (_STAGES + 3) * size
 
 
 @borrowing
-def make_work_space(room: FloatArray, size: int, velocities: int, directions: int) -> WorkSpace:
-    """Return room for steps of states of this ``size``; see :class:`ContactJacobian` for the other numbers.
+def make_work_space(room: FloatArray, first: int, size: int, velocities: int) -> WorkSpace:
+    """Return room for steps of states of ``size`` numbers, with 3 ``velocities`` in the plane or 6 in space.
 
-    It is in the first WORK_ROOM + WORK_STATES ``size`` numbers of ``room``, which must be zero.
+    It lies in ``room`` from the index ``first`` on.
     """
-    jacobian = make_jacobian(room, velocities, directions)
-    equations, stages = jacobian.fast.shape[0], WORK_STATES - 1
+    u, v = size - velocities - 1, velocities
+    slopes = first + u
+    matrix = slopes + u * (v + u)
+    unknowns = matrix + u * u
+    pose = unknowns + u
+    stages = pose + v
+    state = stages + _STAGES * size
     return WorkSpace(
-        jacobian,
-        borrow(room, WORK_ROOM, (stages, size)),
-        borrow(room, JACOBIAN_ROOM, (equations, equations)),
-        borrow(room, _UNKNOWNS, (equations,)),
-        borrow(room, _POSE, (velocities,)),
-        borrow(room, WORK_ROOM + stages * size, (size,)),
+        borrow(room, first, (u,)),
+        borrow(room, slopes, (u, v + u)),
+        borrow(room, matrix, (u, u)),
+        borrow(room, unknowns, (u,)),
+        borrow(room, pose, (v,)),
+        borrow(room, stages, (_STAGES, size)),
+        borrow(room, state, (size,)),
+        borrow(room, state + size, (size,)),
+        borrow(room, state + 2 * size, (size,)),
     )
+
+
+@compiled
+def fill_jacobian(
+    t: float,
+    y: FloatArray,
+    work: WorkSpace,
+    model: FlightModel,
+    in_space: bool | None,
+) -> int:
+    """Fill the Jacobian at the state ``y``; return the number of unknowns, 0 if no surface touches."""
+    fill_rate(t, y, model, in_space, work.rate)
+    if model.touches[0, 9] < 0.0:
+        return 0
+    v, places = len(work.pose), work.places
+    first = 7 if v == 6 else 4
+    bristles = (3 if v == 6 else 1) if model.bristles.shape[0] > 0 else 0
+    for i in range(v):
+        places[i] = first + i
+    count = v
+    for k in range(model.touches.shape[0]):
+        if model.touches[k, 9] < 0.0:
+            break
+        for j in range(bristles):
+            places[count] = first + v + bristles * model.touches[k, 9] + j
+            count += 1
+    for i in range(v + count):
+        step = POSE_STEP if i < v else SPEED_STEP
+        copy(y, work.state)
+        if i < v:
+            for k in range(v):
+                work.pose[k] = step if k == i else 0.0
+            _move(y, work.pose, work.state)
+        else:
+            work.state[int(places[i - v])] += step
+        fill_rate(t, work.state, model, in_space, work.changed)
+        for k in range(count):
+            row = int(places[k])
+            work.slopes[k, i] = (work.changed[row] - work.rate[row]) / step
+    return count
+
+
+@compiled
+def _move(y: FloatArray, by: FloatArray, pose: FloatArray) -> None:
+    """Add to the first numbers of ``pose`` the motion ``by`` (m, rad) of the state ``y``; a turn about its axis moves no wall."""
+    pose[0] += by[0]
+    pose[1] += by[1]
+    if by.shape[0] == 3:
+        pose[2] -= 0.5 * y[3] * by[2]
+        pose[3] += 0.5 * y[2] * by[2]
+    else:
+        pose[2] += by[2]
+        w, a, b, c = quaternion_rate(y[3], y[4], y[5], y[6], 0.0, by[4], by[5])
+        pose[3] += w
+        pose[4] += a
+        pose[5] += b
+        pose[6] += c
 
 
 @compiled
@@ -68,20 +154,18 @@ def take_implicit_step(
     y: FloatArray,
     new: FloatArray,
     slopes: FloatArray,
-    touching: int,
+    count: int,
     work: WorkSpace,
     model: FlightModel,
-    plane: FloatArray | None,
     in_space: bool | None,
     tolerance: float,
 ) -> float:
     """Fill ``new`` with the state after ``h`` (s), and the second of ``slopes`` with its rate; return error over tolerance.
 
-    The first of ``slopes`` is the rate at ``y``. The Jacobian in ``work`` is that at ``y``, where so many surfaces are
-    ``touching``.
+    The first of ``slopes`` is the rate at ``y``. The Jacobian in ``work`` has ``count`` unknowns.
     """
     method, stages, rate = ROS34PW2, work.stages, 1.0 / (ROS34PW2.gamma * h)
-    _factorise(rate, touching, work)
+    _factorise(rate, count, work)
     for k in range(stages.shape[0]):
         copy(y, work.state)
         for i in range(k):
@@ -90,90 +174,73 @@ def take_implicit_step(
         if k == 0:
             copy(slopes[0], stages[k])
         else:
-            fill_rate(t + method.c[k] * h, work.state, model, plane, in_space, stages[k])
+            fill_rate(t + method.c[k] * h, work.state, model, in_space, stages[k])
         for i in range(k):
             for j in range(y.shape[0]):
                 stages[k, j] += method.solved[k, i] / h * stages[i, j]
-        _solve(rate, y, stages[k], touching, model.law[FREQUENCY], work)
+        _solve(rate, y, stages[k], count, model.numbers[0].law.frequency, work)
     copy(y, new)
     for k in range(stages.shape[0]):
         for j in range(y.shape[0]):
             new[j] += method.b[k] * stages[k, j]
     error = math.sqrt(squared_error(method.error, stages, y, new, tolerance))
-    normalise(new, plane)
-    fill_rate(t + h, new, model, plane, in_space, slopes[1])
+    normalise(new, in_space)
+    fill_rate(t + h, new, model, in_space, slopes[1])
     return error
 
 
 @compiled
-def _factorise(rate: float, touching: int, work: WorkSpace) -> None:
+def _factorise(rate: float, count: int, work: WorkSpace) -> None:
     """Fill ``matrix`` with the LU factors of the equations, 1/(gamma h) = ``rate`` (1/s), without pivots.
 
-    The matrix is one plus the product of the inverse mass with matrices that have no negative eigenvalue. The inverse of
-    each pivot takes its place.
+    The inverse of each pivot takes its place.
     """
-    fast, stiff, matrix = work.jacobian.fast, work.jacobian.stiff, work.matrix
-    v, step = stiff.shape[0], 1.0 / rate
-    n = v + touching * (work.jacobian.pushes.shape[1] - 1)
-    for i in range(n):
-        for j in range(n):
-            matrix[i, j] = -fast[i, j]
-    for i in range(v):
+    slopes, matrix, v = work.slopes, work.matrix, work.pose.shape[0]
+    for i in range(count):
+        for j in range(count):
+            matrix[i, j] = -slopes[i, v + j]
         for j in range(v):
-            matrix[i, j] -= step * stiff[i, j]
-    for k in range(n):
-        matrix[k, k] += rate
-    for k in range(n):
+            matrix[i, j] -= slopes[i, j] / rate
+        matrix[i, i] += rate
+    for k in range(count):
         matrix[k, k] = 1.0 / matrix[k, k]
-        for i in range(k + 1, n):
+        for i in range(k + 1, count):
             factor = matrix[i, k] * matrix[k, k]
             matrix[i, k] = factor
-            for j in range(k + 1, n):
+            for j in range(k + 1, count):
                 matrix[i, j] -= factor * matrix[k, j]
 
 
 @compiled
-def _solve(rate: float, y: FloatArray, u: FloatArray, touching: int, omega: float, work: WorkSpace) -> None:
+def _solve(rate: float, y: FloatArray, u: FloatArray, count: int, omega: float, work: WorkSpace) -> None:
     """Replace the right-hand side ``u`` of the equations of a stage by their solution."""
-    stiff, z, pose, step = work.jacobian.stiff, work.unknowns, work.pose, 1.0 / rate
-    v, d = stiff.shape[0], work.jacobian.pushes.shape[1] - 1
-    first, bristles = (4, 7) if v == 3 else (7, 13)
+    z, pose, places, step = work.unknowns, work.pose, work.places, 1.0 / rate
+    v = pose.shape[0]
     pose[0], pose[1] = step * u[0], step * u[1]
+    # The rate of a turn is twice the product of the conjugate quaternion with the quaternion's rate.
     if v == 3:
         pose[2] = 2.0 * step * (y[2] * u[3] - y[3] * u[2])
     else:
         pose[2] = step * u[2]
-        # The rate of a turn is twice the product of the conjugate quaternion with the quaternion's rate.
         _, a, b, c = quaternion_product(y[3], -y[4], -y[5], -y[6], u[3], u[4], u[5], u[6])
         pose[3], pose[4], pose[5] = 2.0 * step * a, 2.0 * step * b, 2.0 * step * c
-    for i in range(v):
-        total = u[first + i]
+    for i in range(count):
+        total = u[int(places[i])]
         for j in range(v):
-            total += stiff[i, j] * pose[j]
+            total += work.slopes[i, j] * pose[j]
         z[i] = total
-    for i in range(touching):
-        bent = bristles + d * int(work.jacobian.touching[i])
-        for j in range(d):
-            z[v + i * d + j] = u[bent + j]
-    _substitute(work.matrix, z, v + touching * d)
-    decay = 1.0 / (rate + omega)
-    for j in range(bristles, y.shape[0]):
+    _substitute(work.matrix, z, count)
+    spin, decay = u[y.shape[0] - 1], 1.0 / (rate + omega)
+    for j in range(PLANE_STATE if v == 3 else STATE, y.shape[0]):
         u[j] *= decay
-    for i in range(touching):
-        bent = bristles + d * int(work.jacobian.touching[i])
-        for j in range(d):
-            u[bent + j] = z[v + i * d + j]
-    for i in range(v):
-        u[first + i] = z[i]
-    u[0], u[1] = step * (u[0] + z[0]), step * (u[1] + z[1])
-    if v == 3:
-        u[2], u[3] = step * (u[2] - 0.5 * y[3] * z[2]), step * (u[3] + 0.5 * y[2] * z[2])
-    else:
-        w, a, b, c = quaternion_rate(y[3], y[4], y[5], y[6], 0.0, z[4], z[5])
-        u[2], u[3], u[4] = step * (u[2] + z[2]), step * (u[3] + w), step * (u[4] + a)
-        u[5], u[6] = step * (u[5] + b), step * (u[6] + c)
+    for i in range(count):
+        u[int(places[i])] = z[i]
+    _move(y, z[:v], u)
+    for j in range(4 if v == 3 else 7):
+        u[j] *= step
+    if v == 6:
         # The angle of the spin is the last number; nothing depends on it.
-        u[y.shape[0] - 1] *= step / decay
+        u[y.shape[0] - 1] = step * spin
 
 
 @compiled

@@ -18,7 +18,6 @@ def take_step(
     slopes: FloatArray,
     pair: RungeKuttaPair,
     model: FlightModel,
-    plane: FloatArray | None,
     in_space: bool | None,
     tolerance: float,
 ) -> float:
@@ -31,19 +30,19 @@ def take_step(
             share = h * (pair.b[k] if last else pair.a[s, k])
             for j in range(y.shape[0]):
                 new[j] += share * slopes[k, j]
-        fill_rate(t + (1.0 if last else pair.c[s]) * h, new, model, plane, in_space, slopes[s])
+        fill_rate(t + (1.0 if last else pair.c[s]) * h, new, model, in_space, slopes[s])
     first = squared_error(pair.error, slopes, y, new, tolerance)
     second = squared_error(pair.second, slopes, y, new, tolerance) if pair.second.shape[0] > 0 else 0.0
-    normalise(new, plane)
+    normalise(new, in_space)
     if second > 0.0:
         return float(h * first / math.sqrt(first + 0.01 * second))
     return float(h * math.sqrt(first))
 
 
 @compiled
-def normalise(y: FloatArray, plane: FloatArray | None) -> None:
+def normalise(y: FloatArray, in_space: bool | None) -> None:
     """Give the quaternion of a state the length 1, which is not part of the motion."""
-    begin, end = (3, 7) if plane is None else (2, 4)
+    begin, end = (2, 4) if in_space is None else (3, 7)
     square = 0.0
     for j in range(begin, end):
         square += y[j] * y[j]

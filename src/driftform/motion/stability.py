@@ -9,21 +9,7 @@ import numpy.typing as npt
 
 from driftform.motion.buoyancy import buoyancy, buoyant_energy
 from driftform.motion.equations import accelerations
-from driftform.motion.model import (
-    BODY_MASS,
-    COB,
-    COG,
-    CURRENT,
-    DENSITY,
-    DISPLACED_MASS,
-    GRAVITY,
-    INVERSE,
-    STEADY,
-    WATER_LEVEL,
-    FlightModel,
-    pack,
-    unpack,
-)
+from driftform.motion.model import FlightModel, pack, unpack
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.rotations import rotation_from_vector
@@ -73,18 +59,18 @@ def stable_rest(model: FlightModel) -> Rest:
     rests in the attitude to which it returns after a small turn. Currents and walls are ignored.
     """
     still = _still_open_water(model)
-    table = still.table
-    floats = table[WATER_LEVEL] < math.inf and table[BODY_MASS] < table[DISPLACED_MASS]
+    n = still.numbers[0]
+    floats = n["water_level"] < math.inf and n["body_mass"] < n["displaced_mass"]
     if not floats:
-        table[WATER_LEVEL] = math.inf
-        lever = table[DISPLACED_MASS] * table[COB, 0] - table[BODY_MASS] * table[COG, 0]
-        net = table[DISPLACED_MASS] - table[BODY_MASS]
+        n["water_level"] = math.inf
+        lever = n["displaced_mass"] * n["cob"][0] - n["body_mass"] * n["cog"][0]
+        net = n["displaced_mass"] - n["body_mass"]
         # With the fore end up, the moment turns a small pitch back, and so does the net force through the inertia that
         # couples heave with pitch; with the fore end down, their opposites do.
-        back = table[INVERSE + 4, 4] * lever - table[INVERSE + 4, 2] * net
+        back = n["inverse"][4, 4] * lever - n["inverse"][4, 2] * net
         pitch = -math.copysign(math.pi / 2, back) if back else 0.0
         return Rest(pitch, None, still)
-    table[WATER_LEVEL] = 0.0
+    n["water_level"] = 0.0
     return Rest(*_find_rest_afloat(pack(still), _PITCHES), still)
 
 
@@ -109,10 +95,9 @@ def eigenvalues(model: FlightModel, height: float, pitch: float) -> npt.NDArray[
 
 
 def _still_open_water(model: FlightModel) -> FlightModel:
-    table = model.table.copy()
-    table[CURRENT, :3] = 0.0
-    table[STEADY] = 1.0
-    return model._replace(table=table, pipe=np.empty((0, 8)))
+    numbers = model.numbers.copy()
+    numbers["current"], numbers["is_steady"] = 0.0, 1.0
+    return model._replace(numbers=numbers, pipe=np.empty((0, 8)))
 
 
 @compiled
@@ -144,19 +129,19 @@ def _find_rest_afloat(values: FloatArray, pitches: FloatArray) -> tuple[float, f
 @compiled
 def _floating_energy(model: FlightModel, pitch: float) -> float:
     """Return the potential energy (J) of the body at a pitch (rad), at the height where it floats."""
-    table, R = model.table, _rotation(pitch)
+    n, R = model.numbers[0], _rotation(pitch)
     height = _floating_height(model, R)
-    centre = (table[COB, 0], table[COB, 1], table[COB, 2])
-    lift = buoyant_energy(height, R, centre, 0.0, table[DENSITY] * table[GRAVITY], model.slices)
-    cog = height + dot(R[2], (table[COG, 0], table[COG, 1], table[COG, 2]))
-    return float(lift + table[BODY_MASS] * table[GRAVITY] * cog)
+    centre = (n.cob[0], n.cob[1], n.cob[2])
+    lift = buoyant_energy(height, R, centre, 0.0, n.density * n.gravity, model.slices)
+    cog = height + dot(R[2], (n.cog[0], n.cog[1], n.cog[2]))
+    return float(lift + n.body_mass * n.gravity * cog)
 
 
 @compiled
 def _floating_height(model: FlightModel, R: Rotation) -> float:
     """Return the height (m) of the origin above the surface at which buoyancy equals the weight, by bisection."""
-    table, slices = model.table, model.slices
-    centre = (table[COB, 0], table[COB, 1], table[COB, 2])
+    n, slices = model.numbers[0], model.slices
+    centre = (n.cob[0], n.cob[1], n.cob[2])
     farthest = widest = thickest = 0.0
     for k in range(slices.shape[0]):
         farthest = max(farthest, abs(slices[k, 0]))
@@ -166,8 +151,8 @@ def _floating_height(model: FlightModel, R: Rotation) -> float:
     low = -high
     for _ in range(60):
         middle = (low + high) / 2
-        _, volume, _ = buoyancy(middle, R, centre, 0.0, table[DENSITY] * table[GRAVITY], slices)
-        if table[DENSITY] * volume > table[BODY_MASS]:
+        _, volume, _ = buoyancy(middle, R, centre, 0.0, n.density * n.gravity, slices)
+        if n.density * volume > n.body_mass:
             low = middle
         else:
             high = middle

@@ -19,9 +19,11 @@ if TYPE_CHECKING:
         Fitness,
         Grammar,
         Hydrodynamics,
+        Inspector,
         PhenotypeBuilder,
         Recorder,
         Renderer,
+        Reporter,
         Simulator,
         Strategy,
     )
@@ -82,6 +84,16 @@ def driftform_renderer() -> "OneOrMore[Renderer[Any]]":  # type: ignore[empty-bo
 @hookspec
 def driftform_checker() -> "OneOrMore[Checker[Any]]":  # type: ignore[empty-body]
     """Printable files -> findings: whether they can be printed, and match the simulated agent."""
+
+
+@hookspec
+def driftform_inspector() -> "OneOrMore[Inspector[Any]]":  # type: ignore[empty-body]
+    """Agent -> facts, a section of ``driftform inspect``."""
+
+
+@hookspec
+def driftform_reporter() -> "OneOrMore[Reporter[Any]]":  # type: ignore[empty-body]
+    """Run -> a section of its report page."""
 
 
 @hookspec

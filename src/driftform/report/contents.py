@@ -8,13 +8,14 @@ import numpy as np
 from driftform.errors import WorkFailedError
 from driftform.figures.dependence import dependence_svg
 from driftform.figures.gallery import GalleryEntry
-from driftform.figures.intervals import intervals_svg
 from driftform.figures.overview import overview_svg
 from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.trend import Trend, trend_svg
+from driftform.interfaces import Flown, ReportJob
 from driftform.motion.way import approach_targets
+from driftform.plugins.seams import require
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.coverage import PipeGrid, map_coverage
 from driftform.runs.dependence import divide_spread
@@ -56,7 +57,8 @@ class Contents:
 
     ``commonest_failure`` is the first of the commonest kind of failure, and how many there are. ``seconds`` is the total
     time of all evaluations on the machines that made them. There is one of the ``sections`` for each of the
-    :attr:`agents`; ``causes`` has a picture for each target of what the miss depends on.
+    :attr:`agents`; ``causes`` has a picture for each target of what the miss depends on. ``added`` are the sections of
+    reporters by their headings, and ``problems`` what was wrong with any of them.
     """
 
     name: str
@@ -69,6 +71,8 @@ class Contents:
     figures: Mapping[str, str]
     sections: Sequence[str]
     causes: Mapping[str, str]
+    added: Mapping[str, str]
+    problems: Sequence[str]
 
     @property
     def scenario(self) -> Scenario:
@@ -144,10 +148,6 @@ def collect_contents(run: Run) -> Contents:
                 map_coverage(seen, PipeGrid.of_scenario(study.scenario)), study.scenario, title
             ),
         }
-        if intervals := study.scenario.calibration.intervals:
-            count = study.scenario.calibration.tracks
-            heading = f"Calibration by {count} filmed flights" if count else "Calibration"
-            figures["Calibration"] = intervals_svg(intervals, heading)
         strips = [
             Strip(e.target, e.distance, misses.distances[:, 0], float(misses.promised[0]))
             for e in entries
@@ -170,12 +170,21 @@ def collect_contents(run: Run) -> Contents:
             figures,
             (),
             _draw_causes(promises),
+            *_ask_reporters(run.name, study, entries),
         )
         sections = [
             section_svg(group[0].agent, ", ".join(entry.target for entry in group), study.scenario)
             for group in contents.agents
         ]
         return replace(contents, sections=sections)
+
+
+def _ask_reporters(name: str, study: Study, entries: Sequence[Entry]) -> tuple[dict[str, str], list[str]]:
+    """Return the sections of the installed reporters by their headings, and one line for each that failed."""
+    best = {e.target: Flown(e.stored.name, e.agent, e.trajectory, e.fitness) for e in entries}
+    job = ReportJob(name, study.scenario, best)
+    asked, problems = study.ask_each("reporter", lambda each: require(each.write(job), str, each, "write"))
+    return {each.heading: text for each, text in asked if text}, problems
 
 
 def _draw_causes(promises: Mapping[str, Misses]) -> dict[str, str]:

@@ -20,6 +20,9 @@ from driftform.interfaces import SEAMS
 from driftform.plugins.registry import registry
 from driftform.study import NAMED
 
+KINDS = (*SEAMS, "commands", "scenarios")
+"""What a new distribution can bring: a plugin of a seam, commands, or scenarios."""
+
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 """An agent to try a plugin with, as its developed word."""
 
@@ -66,8 +69,8 @@ def make_names(name: str, seam: str) -> Names:
     InputError
         if it is not a valid name of a distribution (PEP 508), or is already taken.
     """
-    if seam not in SEAMS:
-        raise InputError(f"--seam {seam}: unknown seam{did_you_mean(seam, SEAMS)}")
+    if seam not in KINDS:
+        raise InputError(f"--seam {seam}: unknown seam{did_you_mean(seam, KINDS)}")
     if not re.fullmatch(r"[a-z0-9]([a-z0-9._-]*[a-z0-9])?", name, re.IGNORECASE | re.ASCII):
         near = re.sub(r"[^a-z0-9]+", "-", name.lower(), flags=re.ASCII).strip("-")
         raise InputError(
@@ -91,7 +94,7 @@ def make_names(name: str, seam: str) -> Names:
         raise InputError(
             f"'{name}' would give a class with the name of a class of driftform; choose another name"
         )
-    for row in registry().seam(seam):
+    for row in registry().seam(seam) if seam in SEAMS else ():
         if row.name == plugin:
             raise InputError(
                 f"{seam} '{plugin}' already exists, from {row.distribution} {row.version}; choose another name"
@@ -110,9 +113,9 @@ def list_files(parts: Sequence[Names]) -> dict[str, str]:
         **words[0],
         "summary": summary,
         "about": f"{summary}: the {seams}" if len(parts) == 1 else f"The {seams}",
-        "interfaces": _enumerate([f"`{SEAMS[part.seam].__name__}`" for part in parts]),
+        "interfaces": _enumerate([f"`{_name_interface(part.seam)}`" for part in parts]),
         "dependencies": ", ".join(f'"{line}"' for line in (f"driftform>={__version__}", *dependencies)),
-        "hooks": "".join(_fill("common", "hook.py.txt", line) for line in words),
+        "hooks": "".join(_fill(_find_hook(line["seam"]), "hook.py.txt", line) for line in words),
         "use": "\n".join(f"$ {line}" for line in list_uses(parts)),
         "study": _merge_studies(
             [_fill(part.seam, "study.toml.txt", line) for part, line in zip(parts, words, strict=True)]
@@ -124,7 +127,8 @@ def list_files(parts: Sequence[Names]) -> dict[str, str]:
         f"{package}/__init__.py": _fill("common", "__init__.py.txt", shared),
     }
     for part, line in zip(parts, words, strict=True):
-        files[f"{package}/{part.seam}.py"] = _fill(part.seam, "implementation.py.txt", line)
+        place = Template(_read_about(part.seam).get("file", "$seam.py")).substitute(line)
+        files[f"{package}/{place}"] = _fill(part.seam, "implementation.py.txt", line)
         files[f"tests/test_{part.seam}.py"] = _fill(part.seam, "test.py.txt", line)
     return {**files, "study.toml": shared["study"]}
 
@@ -159,6 +163,15 @@ def _merge_studies(texts: Sequence[str]) -> str:
     """Return one study with the tables of all; each begins with its base, which they share."""
     head = texts[0].partition("\n\n")[0]
     return "\n\n".join([head, *(text.partition("\n\n")[2].rstrip() for text in texts)]) + "\n"
+
+
+def _name_interface(kind: str) -> str:
+    return SEAMS[kind].__name__ if kind in SEAMS else f"driftform_{kind}"
+
+
+def _find_hook(kind: str) -> str:
+    """Return the folder of the template of a hook: that of the kind, if it has one of its own."""
+    return kind if (resources.files(__name__) / kind / "hook.py.txt").is_file() else "common"
 
 
 def _enumerate(words: Sequence[str]) -> str:

@@ -8,9 +8,9 @@ a built-in scenario, contains only what differs from it. Built-in scenarios are 
 
 import reprlib
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import ValidationError
@@ -19,6 +19,7 @@ from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import SEAMS, Checker, Exporter, Recorder, Renderer, SearchSpace, Strategy
 from driftform.options import MAX_SEED, Table, option
 from driftform.pipeline import Pipeline
+from driftform.plugins.faults import describe_fault
 from driftform.plugins.registry import registry
 from driftform.plugins.seams import check_grammar, check_wording
 from driftform.study.error_lines import format_errors
@@ -32,11 +33,16 @@ from driftform.study.sources import (
 )
 from driftform.water import Scenario
 
+T = TypeVar("T")
+
 DEFAULT = "pipe-inspection"
 """The default scenario."""
 
-NAMED = ("exporter", "recorder", "renderer", "checker")
+NAMED = ("exporter", "recorder", "renderer", "checker", "inspector", "reporter")
 """The seams whose plugins a command selects by name: a study contains only their options."""
+
+NOT_FLOWN = ("strategy", "run", "inspector", "reporter")
+"""The tables that do not decide how an agent is built and flies."""
 
 SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
 """The seams for which a study selects one plugin."""
@@ -178,6 +184,21 @@ class Study:
             ("target", "x m", "y m", "z m"), targets
         )
 
+    def ask_each(self, seam: str, ask: Callable[[Any], T]) -> tuple[list[tuple[Any, T]], list[str]]:
+        """Ask each installed plugin of a seam that no study selects, such as ``inspector``.
+
+        Returns the plugins with their answers, and one line for each that cannot be used or fails: that is no reason to
+        keep back the others.
+        """
+        answers, problems = [], []
+        for row in registry().seam(seam):
+            try:
+                plugin = self._make_named(seam, row.name)
+                answers.append((plugin, ask(plugin)))
+            except (Exception, SystemExit) as error:
+                problems.append(describe_fault(error))
+        return answers, problems
+
     def _make_named(self, seam: str, name: str) -> Any:
         return registry().create(seam, name, self.document.get(seam, {}).get(name, {}))
 
@@ -186,7 +207,7 @@ class Study:
 
         With the index of an ``evaluation``, the flow has the gusts of that evaluation.
         """
-        kept = {key: value for key, value in self.document.items() if key not in ("strategy", "run")}
+        kept = {key: value for key, value in self.document.items() if key not in NOT_FLOWN}
         if evaluation is not None:
             kept["flow"] = _to_plain(self.scenario.of_evaluation(self.seed, evaluation).flow)
         return kept

@@ -1,4 +1,4 @@
-"""Contract tests that a plugin inherits: one class per seam.
+"""Contract tests that a plugin inherits: one class per seam, and one each for commands and scenarios.
 
 To test a plugin against its seam, write a subclass that makes the plugin::
 
@@ -30,6 +30,10 @@ _CONTRACTS = (
     "recorder",
     "renderer",
     "checker",
+    "inspector",
+    "reporter",
+    "commands",
+    "scenarios",
 )
 
 # By default pytest rewrites assertions in test files only, and would not show the values of a failed one here.
@@ -37,24 +41,33 @@ pytest.register_assert_rewrite(*(f"{__name__}.{module}" for module in _CONTRACTS
 
 from driftform.testing.builder import BuilderContract  # noqa: E402
 from driftform.testing.checker import CheckerContract  # noqa: E402
+from driftform.testing.commands import CommandsContract  # noqa: E402
 from driftform.testing.exporter import ExporterContract  # noqa: E402
 from driftform.testing.fitness import FitnessContract  # noqa: E402
 from driftform.testing.grammar import GrammarContract  # noqa: E402
 from driftform.testing.hydrodynamics import HydrodynamicsContract  # noqa: E402
+from driftform.testing.inspector import InspectorContract  # noqa: E402
 from driftform.testing.recorder import RecorderContract  # noqa: E402
 from driftform.testing.renderer import RendererContract  # noqa: E402
-from driftform.testing.simulator import SimulatorContract  # noqa: E402
+from driftform.testing.reporter import ReporterContract  # noqa: E402
+from driftform.testing.scenarios import ScenariosContract  # noqa: E402
+from driftform.testing.simulator import PointSimulatorContract, SimulatorContract  # noqa: E402
 from driftform.testing.strategy import StrategyContract  # noqa: E402
 
 __all__ = [
     "BuilderContract",
     "CheckerContract",
+    "CommandsContract",
     "ExporterContract",
     "FitnessContract",
     "GrammarContract",
     "HydrodynamicsContract",
+    "InspectorContract",
+    "PointSimulatorContract",
     "RecorderContract",
     "RendererContract",
+    "ReporterContract",
+    "ScenariosContract",
     "SimulatorContract",
     "StrategyContract",
 ]

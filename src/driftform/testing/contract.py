@@ -1,9 +1,10 @@
-"""What all contracts share: a test that fails says what the contract asks."""
+"""What all contracts share: a test that fails says what the contract asks, and one that does not end fails."""
 
 import functools
 import inspect
+import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
@@ -11,12 +12,20 @@ from driftform.errors import DriftformError
 
 
 class Contract:
-    """Base class of all contracts: the failure of a test ends with the requirement that its docstring states."""
+    """Base class of all contracts: the failure of a test ends with the requirement that its docstring states.
+
+    Attributes
+    ----------
+    time_limit
+        time after which a test fails, s; a plugin that needs longer raises it in its class.
+    """
+
+    time_limit: ClassVar[float] = 120.0
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
         # Tests that a plugin adds are its own.
-        if Contract in cls.__bases__:
+        if cls.__module__.startswith(f"{__package__}."):
             for name, test in list(vars(cls).items()):
                 if name.startswith("test_"):
                     setattr(cls, name, _explain(test))
@@ -26,10 +35,10 @@ def _explain(test: Callable[..., None]) -> Callable[..., None]:
     note = f"The contract asks: {' '.join((inspect.getdoc(test) or '').split())}"
 
     @functools.wraps(test)
-    def explained(*arguments: Any, **values: Any) -> None:
+    def explained(contract: Contract, *arguments: Any, **values: Any) -> None:
         __tracebackhide__ = True
         try:
-            test(*arguments, **values)
+            _run_within(contract.time_limit, functools.partial(test, contract, *arguments, **values))
         except DriftformError as error:
             failure = AssertionError(str(error))
             failure.add_note(note)
@@ -39,3 +48,23 @@ def _explain(test: Callable[..., None]) -> Callable[..., None]:
             raise
 
     return explained
+
+
+def _run_within(seconds: float, test: Callable[[], None]) -> None:
+    """Run a test, and fail if it takes longer; what hangs then is left behind in a thread that does not outlive the process."""
+    __tracebackhide__ = True
+    raised: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            test()
+        except BaseException as error:
+            raised.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(seconds)
+    if thread.is_alive():
+        pytest.fail(f"the test has not ended after {seconds:g} s; 'time_limit' of the class allows more")
+    if raised:
+        raise raised[0]

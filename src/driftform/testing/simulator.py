@@ -90,26 +90,25 @@ def _not_finite() -> dict[str, Callable[[], Agent]]:
 NOT_FINITE = _not_finite()
 
 
-class SimulatorContract(Contract):
-    """Inherit this class, and make the simulator::
+def _parts_scenario(parts: list[dict[str, Any]], position: Vector = (0.1, 0.0, 0.0)) -> Scenario:
+    """Return a scenario with a pipe of parts, 200 mm wide, and water of 0.5 m/s that carries the body along."""
+    return Scenario.model_validate(
+        {
+            "pipe": {"segments": [], "radius": 0.1, "parts": parts},
+            "flow": {"kind": "uniform", "speed": 0.5},
+            "fluid": {"density": DENSITY, "gravity": GRAVITY},
+            "release": {"position": position, "velocity": "current"},
+            "flight": {"horizon": 30.0},
+        }
+    )
 
-        class TestMySimulator(SimulatorContract):
-            def plugin(self) -> MySimulator:
-                return MySimulator(MyOptions())
 
-    Attributes
-    ----------
-    drift
-        greatest change of energy and impulse of a free motion in 3 s, relative to their size.
-    accuracy
-        greatest relative error of motions that are known in closed form.
-    agreement
-        greatest distance (m) at any time between two flights that are the same motion described in two ways.
+class PointSimulatorContract(Contract):
+    """The contract of simulators of points, which know neither attitude nor inertia: neutral bodies drift with the water.
+
+    Inherit this class as :class:`SimulatorContract`. It asks where a flight begins and ends, in straight pipes, bends and
+    tees, that the water carries a neutral body, and that flights can be repeated.
     """
-
-    drift: ClassVar[float] = 1e-5
-    accuracy: ClassVar[float] = 2e-3
-    agreement: ClassVar[float] = 1e-3
 
     def plugin(self) -> Simulator[Any]:
         """Return the simulator to be tested."""
@@ -123,19 +122,45 @@ class SimulatorContract(Contract):
         assert trajectory.t[-1] == pytest.approx(scenario.flight.horizon, rel=1e-9)
         return trajectory
 
-    # The samples of a trajectory.
-
-    def test_a_flight_starts_as_released(self) -> None:
-        """The first sample is the release: time 0, and its position, attitude and velocity."""
-        scenario = water_scenario(0.5, (0.4, 0.3, -0.2), speed=1.0, pitch_deg=30.0, position=(0.1, 0.2, 0.3))
-        trajectory = self.fly(tumbling_agent(), scenario)
+    def test_a_flight_starts_at_its_release(self) -> None:
+        """The first sample is the release: time 0, and its position."""
+        scenario = water_scenario(0.5, "current", speed=1.0, position=(0.1, 0.2, 0.3))
+        trajectory = self.fly(sphere_agent(CORE_RADIUS, NEUTRAL_MASS), scenario)
         assert trajectory.t[0] == 0.0
         np.testing.assert_allclose(trajectory.position[0], (0.1, 0.2, 0.3), atol=1e-12)
-        half = math.radians(15)
-        turned = trajectory.quaternion[0] * np.sign(trajectory.quaternion[0, 0])
-        np.testing.assert_allclose(turned, (math.cos(half), 0, math.sin(half), 0), atol=1e-12)
-        np.testing.assert_allclose(world_velocity(trajectory)[0], (0.4, 0.3, -0.2), atol=1e-12)
-        np.testing.assert_allclose(trajectory.velocity[0, 3:], 0, atol=1e-12)
+
+    def test_a_flight_follows_a_bend_to_the_outlet(self) -> None:
+        """A neutral sphere on the axis ends in the plane of the outlet behind a bend of 90 degrees, and not beyond its wall."""
+        parts: list[dict[str, Any]] = [{"length": 0.5}, {"kind": "bend", "radius": 0.3}, {"length": 0.4}]
+        trajectory = self.plugin().simulate(sphere_agent(CORE_RADIUS, NEUTRAL_MASS), _parts_scenario(parts))
+        assert trajectory.end == End.OUTLET
+        # The axis turns from x to z: 0.5 m, a quarter of a circle of 0.3 m, and 0.4 m.
+        assert trajectory.position[-1, 2] == pytest.approx(0.3 + 0.4, abs=1e-6)
+        assert abs(trajectory.position[-1, 0] - (0.5 + 0.3)) < 0.1
+        assert trajectory.t[-1] < 2 * (0.5 + 0.5 * math.pi * 0.3 + 0.4) / 0.5
+
+    def test_a_flight_through_a_tee_ends_at_one_of_its_outlets(self) -> None:
+        """Bodies released on both sides of the dividing surface leave by the branch and by the run, each in its plane."""
+        tee = {
+            "kind": "tee",
+            "branch_radius": 0.05,
+            "fillet": 0.01,
+            "share": 0.5,
+            "branch": [{"length": 0.4, "outlet": "branch"}],
+        }
+        parts: list[dict[str, Any]] = [{"length": 0.6}, tee, {"length": 0.4, "outlet": "run"}]
+        ends = []
+        for height in (-0.06, 0.06):
+            scenario = _parts_scenario(parts, position=(0.1, 0.0, height))
+            trajectory = self.plugin().simulate(sphere_agent(CORE_RADIUS, NEUTRAL_MASS), scenario)
+            assert trajectory.end == End.OUTLET
+            assert trajectory.t[-1] < scenario.flight.horizon / 2
+            ends.append(trajectory.position[-1])
+        by_run, by_branch = ends
+        assert by_run[0] > 1.0 and abs(by_run[2]) < 0.1
+        assert by_branch[2] > 0.3
+
+    # The samples of a trajectory.
 
     def test_samples_are_finite_and_in_order(self) -> None:
         """Times increase strictly, quaternions have unit length, and all values are finite."""
@@ -156,6 +181,176 @@ class SimulatorContract(Contract):
         np.testing.assert_allclose(
             np.diff(trajectory.position, axis=0) / h, moved / h, atol=1000 * h.max() ** 2 / 12
         )
+
+    # Motions in a straight line.
+
+    def test_a_body_released_with_the_current_drifts_with_it(self) -> None:
+        """A neutral body with ``release.velocity = "current"`` drifts with the water and never turns."""
+        trajectory = self.fly(SPHEROID.agent(), water_scenario(3.0, "current", speed=0.7))
+        np.testing.assert_allclose(trajectory.position[:, 0], 0.7 * trajectory.t, atol=1e-9)
+        np.testing.assert_allclose(trajectory.velocity[:, 0], 0.7, atol=1e-9)
+        np.testing.assert_allclose(trajectory.velocity[:, 1:], 0, atol=1e-9)
+
+    # Water that is not uniform and steady.
+
+    def test_a_neutral_sphere_is_carried_by_the_profile_where_it_is(self) -> None:
+        """On the axis of a pipe the power law with n = 7 is 120/98 of the bulk velocity."""
+        scenario = water_scenario(3.0, speed=0.8, pipe=(9.0, 1.0)).model_copy(
+            update={"flow": PowerLawFlow(speed=0.8, exponent=7.0)}
+        )
+        trajectory = self.fly(sphere_agent(CORE_RADIUS, NEUTRAL_MASS), scenario)
+        np.testing.assert_allclose(trajectory.position[:, 0], 0.8 * 120 / 98 * trajectory.t, atol=1e-6)
+
+    # Ends of a flight.
+
+    def test_a_flight_ends_exactly_at_the_outlet(self) -> None:
+        """The last sample is interpolated to the outlet's plane, and does not lie beyond it."""
+        trajectory = self.plugin().simulate(
+            sphere_agent(CORE_RADIUS, NEUTRAL_MASS),
+            water_scenario(20.0, "current", speed=0.83, pipe=(3.0, 1.0)),
+        )
+        assert trajectory.end == End.OUTLET
+        assert trajectory.position[-1, 0] == pytest.approx(3.0, abs=1e-9)
+        assert trajectory.t[-1] == pytest.approx(3.0 / 0.83, abs=1e-9)
+        assert (trajectory.position[:-1, 0] < 3.0).all()
+
+    def test_a_pipe_may_run_in_any_direction(self) -> None:
+        """The current follows the pipe, and the outlet is the plane perpendicular to the pipe at its end."""
+        end = (2.0, 3.0, -1.0)
+        scenario = water_scenario(20.0, "current", speed=1.0)
+        pipe = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=end, radius=0.5),))
+        trajectory = self.plugin().simulate(
+            sphere_agent(CORE_RADIUS, NEUTRAL_MASS), scenario.model_copy(update={"pipe": pipe})
+        )
+        assert trajectory.end == End.OUTLET
+        np.testing.assert_allclose(trajectory.position[-1], end, atol=1e-9)
+
+    def test_a_flight_that_does_not_arrive_ends_at_the_horizon(self) -> None:
+        """The flight ends exactly at that time, wherever the agent is."""
+        trajectory = self.plugin().simulate(
+            sphere_agent(CORE_RADIUS, NEUTRAL_MASS),
+            water_scenario(1.234, "current", speed=1.0, pipe=(9.0, 1.0)),
+        )
+        assert trajectory.end == End.HORIZON
+        assert trajectory.t[-1] == pytest.approx(1.234, abs=1e-9)
+        assert trajectory.position[-1, 0] == pytest.approx(1.234, abs=1e-9)
+
+    @pytest.mark.parametrize("what", NOT_FINITE)
+    def test_an_impossible_agent_gives_a_failed_flight_instead_of_an_exception(self, what: str) -> None:
+        """The flight has failed, and its trajectory holds the finite samples: at least the release."""
+        trajectory = self.plugin().simulate(
+            NOT_FINITE[what](), water_scenario(1.0, "current", speed=1.0, pipe=(9.0, 1.0))
+        )
+        assert trajectory.end.failed
+        assert len(trajectory.t) >= 1 and trajectory.t[0] == 0.0
+        for values in (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity):
+            assert np.isfinite(values).all()
+
+    # Many flights.
+
+    def test_a_batch_is_exactly_its_single_flights(self) -> None:
+        """Every flight of a batch equals the flight of its agent alone to the last bit, whatever the other agents."""
+        agents = [
+            tumbling_agent(),
+            sphere_agent(CORE_RADIUS, 0.05),
+            NOT_FINITE["an added mass that is not a number"](),
+            SPHEROID.agent(),
+        ]
+        scenario = water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pipe=(2.0, 0.3))
+        simulator = self.plugin()
+        flights = simulator.simulate_batch(agents, [scenario] * len(agents))
+        assert len(flights) == len(agents)
+        for agent, trajectory in zip(agents, flights, strict=True):
+            assert_identical(trajectory, simulator.simulate(agent, scenario))
+        back = simulator.simulate_batch(agents[::-1], [scenario] * len(agents))[::-1]
+        for trajectory, reverse in zip(flights, back, strict=True):
+            assert_identical(trajectory, reverse)
+        assert simulator.simulate_batch([], []) == []
+
+    def test_a_screened_flight_that_matters_is_the_simulated_one(self) -> None:
+        """Flights that matter equal those of ``simulate`` to the last bit, with their estimated error."""
+        agents, scenario = self._screened()
+        simulator = self.plugin()
+        flights = simulator.screen_batch(agents, [scenario] * len(agents), lambda index, _: index != 1)
+        for index in (0, 2):
+            checked = simulator.simulate(agents[index], scenario)
+            assert_identical(flights[index], checked)
+            assert flights[index].error == checked.error
+
+    def test_a_screened_flight_that_does_not_matter_is_unchecked_or_the_simulated_one(self) -> None:
+        """It is the flight that ``matters`` received first with the agent's index, whose error is ``None``; or it is checked."""
+        agents, scenario = self._screened()
+        simulator = self.plugin()
+        seen: dict[int, Trajectory] = {}
+
+        def matters(index: int, trajectory: Trajectory) -> bool:
+            assert trajectory.error is None
+            seen[index] = trajectory
+            return False
+
+        flights = simulator.screen_batch(agents, [scenario] * len(agents), matters)
+        assert len(flights) == len(agents)
+        for index, (agent, flight) in enumerate(zip(agents, flights, strict=True)):
+            checked = simulator.simulate(agent, scenario)
+            assert_identical(flight, seen.get(index, checked))
+            # The same flight, though nothing says how accurate it is.
+            end = min(float(flight.t[-1]), float(checked.t[-1]))
+            times = np.linspace(0.0, end, 101)
+            paths = (interpolate_positions(flight, times), interpolate_positions(checked, times))
+            assert largest_distance(*paths) < 0.05
+        assert simulator.screen_batch([], [], matters) == []
+
+    def _screened(self) -> tuple[list[Agent], Scenario]:
+        agents = [tumbling_agent(), sphere_agent(CORE_RADIUS, 0.05), SPHEROID.agent()]
+        return agents, water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pipe=(2.0, 0.3))
+
+    def test_the_same_flight_twice_is_the_same_to_the_last_bit(self) -> None:
+        """Earlier flights have no effect, and a pickled copy in a worker process gives the same flight."""
+        scenario = water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pitch_deg=10.0, pipe=(9.0, 0.3))
+        simulator = self.plugin()
+        first = simulator.simulate(tumbling_agent(damped=True), scenario)
+        simulator.simulate(sphere_agent(CORE_RADIUS, 0.05), water_scenario(0.5))
+        assert_identical(first, simulator.simulate(tumbling_agent(damped=True), scenario))
+        copy = pickle.loads(pickle.dumps(simulator))
+        assert_identical(
+            first, copy.simulate(*pickle.loads(pickle.dumps((tumbling_agent(damped=True), scenario))))
+        )
+
+
+class SimulatorContract(PointSimulatorContract):
+    """Inherit this class, and make the simulator::
+
+        class TestMySimulator(SimulatorContract):
+            def plugin(self) -> MySimulator:
+                return MySimulator(MyOptions())
+
+    Attributes
+    ----------
+    drift
+        greatest change of energy and impulse of a free motion in 3 s, relative to their size.
+    accuracy
+        greatest relative error of motions that are known in closed form.
+    agreement
+        greatest distance (m) at any time between two flights that are the same motion described in two ways.
+    """
+
+    drift: ClassVar[float] = 1e-5
+    accuracy: ClassVar[float] = 2e-3
+    agreement: ClassVar[float] = 1e-3
+
+    # The samples of a trajectory.
+
+    def test_a_flight_starts_as_released(self) -> None:
+        """The first sample is the release: time 0, and its position, attitude and velocity."""
+        scenario = water_scenario(0.5, (0.4, 0.3, -0.2), speed=1.0, pitch_deg=30.0, position=(0.1, 0.2, 0.3))
+        trajectory = self.fly(tumbling_agent(), scenario)
+        assert trajectory.t[0] == 0.0
+        np.testing.assert_allclose(trajectory.position[0], (0.1, 0.2, 0.3), atol=1e-12)
+        half = math.radians(15)
+        turned = trajectory.quaternion[0] * np.sign(trajectory.quaternion[0, 0])
+        np.testing.assert_allclose(turned, (math.cos(half), 0, math.sin(half), 0), atol=1e-12)
+        np.testing.assert_allclose(world_velocity(trajectory)[0], (0.4, 0.3, -0.2), atol=1e-12)
+        np.testing.assert_allclose(trajectory.velocity[0, 3:], 0, atol=1e-12)
 
     # Motions in a straight line.
 
@@ -206,13 +401,6 @@ class SimulatorContract(Contract):
         trajectory = self.fly(agent, water_scenario(2.0, "rest", speed=1.0))
         expected = trajectory.t - (1 - np.exp(-2 * trajectory.t)) / 2
         np.testing.assert_allclose(trajectory.position[:, 0], expected, atol=self.accuracy * 1e-2)
-
-    def test_a_body_released_with_the_current_drifts_with_it(self) -> None:
-        """A neutral body with ``release.velocity = "current"`` drifts with the water and never turns."""
-        trajectory = self.fly(SPHEROID.agent(), water_scenario(3.0, "current", speed=0.7))
-        np.testing.assert_allclose(trajectory.position[:, 0], 0.7 * trajectory.t, atol=1e-9)
-        np.testing.assert_allclose(trajectory.velocity[:, 0], 0.7, atol=1e-9)
-        np.testing.assert_allclose(trajectory.velocity[:, 1:], 0, atol=1e-9)
 
     # Kirchhoff's equations.
 
@@ -377,14 +565,6 @@ class SimulatorContract(Contract):
         )
         np.testing.assert_allclose(trajectory.velocity[:, 3:], 0, atol=1e-6)
 
-    def test_a_neutral_sphere_is_carried_by_the_profile_where_it_is(self) -> None:
-        """On the axis of a pipe the power law with n = 7 is 120/98 of the bulk velocity."""
-        scenario = water_scenario(3.0, speed=0.8, pipe=(9.0, 1.0)).model_copy(
-            update={"flow": PowerLawFlow(speed=0.8, exponent=7.0)}
-        )
-        trajectory = self.fly(sphere_agent(CORE_RADIUS, NEUTRAL_MASS), scenario)
-        np.testing.assert_allclose(trajectory.position[:, 0], 0.8 * 120 / 98 * trajectory.t, atol=1e-6)
-
     def test_the_seed_decides_the_gusts(self) -> None:
         """The same seed gives the same flight to the last bit, another seed another flight."""
 
@@ -446,17 +626,6 @@ class SimulatorContract(Contract):
 
     # Ends of a flight.
 
-    def test_a_flight_ends_exactly_at_the_outlet(self) -> None:
-        """The last sample is interpolated to the outlet's plane, and does not lie beyond it."""
-        trajectory = self.plugin().simulate(
-            sphere_agent(CORE_RADIUS, NEUTRAL_MASS),
-            water_scenario(20.0, "current", speed=0.83, pipe=(3.0, 1.0)),
-        )
-        assert trajectory.end == End.OUTLET
-        assert trajectory.position[-1, 0] == pytest.approx(3.0, abs=1e-9)
-        assert trajectory.t[-1] == pytest.approx(3.0 / 0.83, abs=1e-9)
-        assert (trajectory.position[:-1, 0] < 3.0).all()
-
     def test_a_tumbling_flight_ends_exactly_at_the_outlet_too(self) -> None:
         """This holds also for a path that is not straight."""
         trajectory = self.plugin().simulate(
@@ -464,27 +633,6 @@ class SimulatorContract(Contract):
         )
         assert trajectory.end == End.OUTLET
         assert trajectory.position[-1, 0] == pytest.approx(2.0, abs=1e-9)
-
-    def test_a_pipe_may_run_in_any_direction(self) -> None:
-        """The current follows the pipe, and the outlet is the plane perpendicular to the pipe at its end."""
-        end = (2.0, 3.0, -1.0)
-        scenario = water_scenario(20.0, "current", speed=1.0)
-        pipe = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=end, radius=0.5),))
-        trajectory = self.plugin().simulate(
-            sphere_agent(CORE_RADIUS, NEUTRAL_MASS), scenario.model_copy(update={"pipe": pipe})
-        )
-        assert trajectory.end == End.OUTLET
-        np.testing.assert_allclose(trajectory.position[-1], end, atol=1e-9)
-
-    def test_a_flight_that_does_not_arrive_ends_at_the_horizon(self) -> None:
-        """The flight ends exactly at that time, wherever the agent is."""
-        trajectory = self.plugin().simulate(
-            sphere_agent(CORE_RADIUS, NEUTRAL_MASS),
-            water_scenario(1.234, "current", speed=1.0, pipe=(9.0, 1.0)),
-        )
-        assert trajectory.end == End.HORIZON
-        assert trajectory.t[-1] == pytest.approx(1.234, abs=1e-9)
-        assert trajectory.position[-1, 0] == pytest.approx(1.234, abs=1e-9)
 
     def test_a_flight_that_goes_back_through_the_inlet_ends_there(self) -> None:
         """An agent that leaves upstream ends its flight, which is not a failure."""
@@ -494,17 +642,6 @@ class SimulatorContract(Contract):
         assert trajectory.end == End.INLET
         assert not trajectory.end.failed
         assert trajectory.position[-1, 0] < 0
-
-    @pytest.mark.parametrize("what", NOT_FINITE)
-    def test_an_impossible_agent_gives_a_failed_flight_instead_of_an_exception(self, what: str) -> None:
-        """The flight has failed, and its trajectory holds the finite samples: at least the release."""
-        trajectory = self.plugin().simulate(
-            NOT_FINITE[what](), water_scenario(1.0, "current", speed=1.0, pipe=(9.0, 1.0))
-        )
-        assert trajectory.end.failed
-        assert len(trajectory.t) >= 1 and trajectory.t[0] == 0.0
-        for values in (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity):
-            assert np.isfinite(values).all()
 
     # Contact with the wall.
 
@@ -600,74 +737,6 @@ class SimulatorContract(Contract):
         assert self.fly(tumbling_agent(damped=True), water_scenario(0.5)).energy_drift is None
 
     # Many flights.
-
-    def test_a_batch_is_exactly_its_single_flights(self) -> None:
-        """Every flight of a batch equals the flight of its agent alone to the last bit, whatever the other agents."""
-        agents = [
-            tumbling_agent(),
-            sphere_agent(CORE_RADIUS, 0.05),
-            NOT_FINITE["an added mass that is not a number"](),
-            SPHEROID.agent(),
-        ]
-        scenario = water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pipe=(2.0, 0.3))
-        simulator = self.plugin()
-        flights = simulator.simulate_batch(agents, [scenario] * len(agents))
-        assert len(flights) == len(agents)
-        for agent, trajectory in zip(agents, flights, strict=True):
-            assert_identical(trajectory, simulator.simulate(agent, scenario))
-        back = simulator.simulate_batch(agents[::-1], [scenario] * len(agents))[::-1]
-        for trajectory, reverse in zip(flights, back, strict=True):
-            assert_identical(trajectory, reverse)
-        assert simulator.simulate_batch([], []) == []
-
-    def test_a_screened_flight_that_matters_is_the_simulated_one(self) -> None:
-        """Flights that matter equal those of ``simulate`` to the last bit, with their estimated error."""
-        agents, scenario = self._screened()
-        simulator = self.plugin()
-        flights = simulator.screen_batch(agents, [scenario] * len(agents), lambda index, _: index != 1)
-        for index in (0, 2):
-            checked = simulator.simulate(agents[index], scenario)
-            assert_identical(flights[index], checked)
-            assert flights[index].error == checked.error
-
-    def test_a_screened_flight_that_does_not_matter_is_unchecked_or_the_simulated_one(self) -> None:
-        """It is the flight that ``matters`` received first with the agent's index, whose error is ``None``; or it is checked."""
-        agents, scenario = self._screened()
-        simulator = self.plugin()
-        seen: dict[int, Trajectory] = {}
-
-        def matters(index: int, trajectory: Trajectory) -> bool:
-            assert trajectory.error is None
-            seen[index] = trajectory
-            return False
-
-        flights = simulator.screen_batch(agents, [scenario] * len(agents), matters)
-        assert len(flights) == len(agents)
-        for index, (agent, flight) in enumerate(zip(agents, flights, strict=True)):
-            checked = simulator.simulate(agent, scenario)
-            assert_identical(flight, seen.get(index, checked))
-            # The same flight, though nothing says how accurate it is.
-            end = min(float(flight.t[-1]), float(checked.t[-1]))
-            times = np.linspace(0.0, end, 101)
-            paths = (interpolate_positions(flight, times), interpolate_positions(checked, times))
-            assert largest_distance(*paths) < 0.05
-        assert simulator.screen_batch([], [], matters) == []
-
-    def _screened(self) -> tuple[list[Agent], Scenario]:
-        agents = [tumbling_agent(), sphere_agent(CORE_RADIUS, 0.05), SPHEROID.agent()]
-        return agents, water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pipe=(2.0, 0.3))
-
-    def test_the_same_flight_twice_is_the_same_to_the_last_bit(self) -> None:
-        """Earlier flights have no effect, and a pickled copy in a worker process gives the same flight."""
-        scenario = water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pitch_deg=10.0, pipe=(9.0, 0.3))
-        simulator = self.plugin()
-        first = simulator.simulate(tumbling_agent(damped=True), scenario)
-        simulator.simulate(sphere_agent(CORE_RADIUS, 0.05), water_scenario(0.5))
-        assert_identical(first, simulator.simulate(tumbling_agent(damped=True), scenario))
-        copy = pickle.loads(pickle.dumps(simulator))
-        assert_identical(
-            first, copy.simulate(*pickle.loads(pickle.dumps((tumbling_agent(damped=True), scenario))))
-        )
 
     def _assert_flies_the_same(self, agent: Agent, other: Agent, offset: FloatArray) -> None:
         """Assert that two descriptions of one agent, with origins ``offset`` (m) apart in its body axes, fly the same."""

@@ -351,34 +351,43 @@ def _announce() -> None:
         print(text, file=sys.stderr, flush=True)
 
 
-def _borrow(_: Any, array: Any, start: Any, shape: Any) -> Any:
-    kind = array.copy(ndim=len(shape), layout="C")
+def borrow_as(
+    dtype: "np.dtype[Any] | None" = None,
+) -> Callable[[FloatArray, int, tuple[int, ...]], Any]:
+    """Return :data:`borrow`, which returns an array of this type: of records, for example."""
 
-    def generate(context: Any, builder: Any, __: Any, arguments: Any) -> Any:
-        model, length = context.data_model_manager[kind], context.get_constant(intp, 1)
-        given = context.data_model_manager[array].get(builder, arguments[0], "data")
-        sides = [builder.extract_value(arguments[2], axis) for axis in range(kind.ndim)]
-        size = context.get_constant(intp, context.get_abi_sizeof(given.type.pointee))
-        strides = [size]
-        for side in reversed(sides):
-            strides.insert(0, builder.mul(strides[0], side))
-            length = builder.mul(length, side)
-        fields = {
-            "nitems": length,
-            "itemsize": size,
-            "data": builder.gep(given, [arguments[1]]),
-            "shape": pack_array(builder, sides),  # type: ignore[no-untyped-call]
-            "strides": pack_array(builder, strides[1:]),  # type: ignore[no-untyped-call]
-        }
-        view = model.get_value_type()(None)
-        for name, field in fields.items():
-            view = model.set(builder, view, field, name)
-        return view
+    def borrow(_: Any, array: Any, start: Any, shape: Any) -> Any:
+        number = array.dtype if dtype is None else from_dtype(dtype)
+        kind = array.copy(dtype=number, ndim=len(shape), layout="C")
 
-    return kind(array, intp, shape), generate
+        def generate(context: Any, builder: Any, __: Any, arguments: Any) -> Any:
+            model, length = context.data_model_manager[kind], context.get_constant(intp, 1)
+            given = context.data_model_manager[array].get(builder, arguments[0], "data")
+            sides = [builder.extract_value(arguments[2], axis) for axis in range(kind.ndim)]
+            item = context.get_data_type(number)
+            size = context.get_constant(intp, context.get_abi_sizeof(item))
+            strides = [size]
+            for side in reversed(sides):
+                strides.insert(0, builder.mul(strides[0], side))
+                length = builder.mul(length, side)
+            fields = {
+                "nitems": length,
+                "itemsize": size,
+                "data": builder.bitcast(builder.gep(given, [arguments[1]]), item.as_pointer()),
+                "shape": pack_array(builder, sides),  # type: ignore[no-untyped-call]
+                "strides": pack_array(builder, strides[1:]),  # type: ignore[no-untyped-call]
+            }
+            view = model.get_value_type()(None)
+            for name, field in fields.items():
+                view = model.set(builder, view, field, name)
+            return view
+
+        return kind(array, intp, shape), generate
+
+    return cast(Callable[..., Any], cast(Any, intrinsic)(borrow))
 
 
-borrow: Callable[[FloatArray, int, tuple[int, ...]], FloatArray] = cast(Any, intrinsic)(_borrow)
+borrow: Callable[[FloatArray, int, tuple[int, ...]], FloatArray] = borrow_as()
 """In kernels: return the numbers from the index ``start`` on of an array (n,) as an array of this shape, in the same memory.
 
 No references are counted to it and to its slices. The caller of the kernel must keep the array alive.

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from driftform import StoredAgent
-from driftform.figures.intervals import intervals_svg
 from driftform.runs.agent_file import write_agent
 from driftform.types import FloatArray
 from driftform.util.files import make_directory, write_text
@@ -18,6 +17,7 @@ from driftform.util.notebook import show_picture, show_table
 from driftform.water import Calibration
 from driftform_calibration.camera import see_points
 from driftform_calibration.fit import FactorEstimate, Fit
+from driftform_calibration.interval_figure import intervals_svg
 from driftform_calibration.page import make_page
 from driftform_calibration.track_figure import TrackPanel, tracks_svg
 

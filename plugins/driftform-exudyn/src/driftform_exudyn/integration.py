@@ -13,7 +13,7 @@ import numpy as np
 
 from driftform.motion.coordinates import Motion
 from driftform.motion.flight import SAMPLE
-from driftform.motion.integrator import grow_tolerance
+from driftform.motion.loop import grow_tolerance
 from driftform.types import FloatArray
 from driftform.util.compiled import find_code
 from driftform_exudyn.headless import exudyn

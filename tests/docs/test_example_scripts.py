@@ -1,0 +1,92 @@
+"""The scripts of docs/examples: each runs in an empty folder and prints the number that it is about."""
+
+import ast
+import re
+import runpy
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
+SCRIPTS = ("evolve", "own_fitness", "own_grammar", "reach_map", "junction", "kit", "calibration", "network")
+
+pytestmark = [pytest.mark.long, pytest.mark.peers]
+
+
+@pytest.fixture
+def printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[[str, str], list[float]]:
+    """Run a script, and return the numbers of the groups of a pattern in its output, one for each match."""
+
+    def run(script: str, pattern: str) -> list[float]:
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+        runpy.run_path(str(EXAMPLES / f"{script}.py"), run_name="__main__")
+        return [float(number) for number in re.findall(pattern, capsys.readouterr().out)]
+
+    return run
+
+
+def test_nine_of_ten_flights_pass_within_two_decimetres(printed: Callable[[str, str], list[float]]) -> None:
+    promised = printed("evolve", r"by less than (\d+) mm")
+    assert len(promised) == 2 and min(promised) > 20 and max(promised) < 200
+
+
+def test_the_best_agent_sees_most_heights_of_the_pipe(printed: Callable[[str, str], list[float]]) -> None:
+    seen = printed("own_fitness", r"sees ([\d.]+) %")
+    assert seen == sorted(seen) and seen[-1] == pytest.approx(79, abs=2)
+
+
+def test_a_hundred_random_tails_include_one_that_almost_hits(
+    printed: Callable[[str, str], list[float]],
+) -> None:
+    [fitness] = printed("own_grammar", r"fitness ([\d.]+) %")
+    assert fitness == pytest.approx(98.9, abs=1)
+
+
+def test_five_hundred_flights_pass_most_points(printed: Callable[[str, str], list[float]]) -> None:
+    [near] = printed("reach_map", r"(\d+) of 12 points")
+    assert near >= 7
+
+
+def test_a_gram_and_a_half_of_core_decides_between_the_outlets(
+    printed: Callable[[str, str], list[float]],
+) -> None:
+    assert printed("junction", r"(\d+) % by riser") == pytest.approx([100, 5, 0], abs=10)
+
+
+def test_the_ballast_is_what_the_print_lacks(printed: Callable[[str, str], list[float]]) -> None:
+    assert printed("kit", r"ballast of ([\d.]+) g") == [2.0]
+
+
+def test_the_fit_finds_the_drag_of_the_settling_sphere(printed: Callable[[str, str], list[float]]) -> None:
+    assert printed("calibration", r"drag ([\d.]+) times") == pytest.approx([1.14], abs=0.02)
+
+
+def test_five_spheres_see_almost_half_of_net3(printed: Callable[[str, str], list[float]]) -> None:
+    assert printed("network", r"five spheres see ([\d.]+) %") == pytest.approx([45.4], abs=0.2)
+
+
+def test_examples_are_short_and_import_nothing_private() -> None:
+    assert sorted(path.stem for path in EXAMPLES.glob("*.py")) == sorted(SCRIPTS)
+    for script in SCRIPTS:
+        text = (EXAMPLES / f"{script}.py").read_text(encoding="utf-8")
+        assert len(text.splitlines()) <= 40, script
+        assert not re.search(r"^(from|import) .*\b_\w", text, re.MULTILINE), script
+
+
+def test_page_of_examples(docs: Path, up_to_date: Callable[[Path, str], None]) -> None:
+    lines = [
+        "# Examples",
+        "",
+        "Eight scripts to copy, from `docs/examples` of the repository; each runs as a test. [python.md](python.md) explains",
+        "what they call.",
+    ]
+    for script in SCRIPTS:
+        text = (EXAMPLES / f"{script}.py").read_text(encoding="utf-8")
+        lines += ["", f"## {script.replace('_', ' ').capitalize()}", ""]
+        lines += [(ast.get_docstring(ast.parse(text)) or "").split("\n\n")[0], ""]
+        lines += [f"```python file=examples/{script}.py", text.rstrip(), "```"]
+    up_to_date(docs / "examples.md", "\n".join(lines) + "\n")
