@@ -1,6 +1,7 @@
 from . import options as options
 from .formats import open_exported as open_exported
 from .output import print_json as print_json
+from .output import print_states as print_states
 from .output import print_table as print_table
 from .output import print_text as print_text
 
