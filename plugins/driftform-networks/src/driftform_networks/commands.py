@@ -1,5 +1,6 @@
 """``driftform network``: the commands, which call the functions of :mod:`driftform_networks.api`."""
 
+import os
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -104,10 +105,6 @@ Scenario: TypeAlias = Annotated[
         help="Study whose water and wall to use; by default those of water mains.",
     ),
 ]
-Settings: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Set an option of the study: KEY=VALUE."),
-]
 Map: TypeAlias = Annotated[
     Path | None,
     typer.Option(
@@ -167,8 +164,7 @@ def tracers(
     from driftform_networks.reading import open_network
     from driftform_networks.results import Outputs, present_passage
 
-    outputs = Outputs(map, tables, report)
-    outputs.check()
+    outputs = Outputs(map, tables, report).check()
     network = open_network(net, cache)
     passage = trace(network, release, hour=at, unsteady=unsteady, walks=walks, seed=seed)
     title = f"{network.name}: tracers from {release} at hour {at:g}"
@@ -187,7 +183,7 @@ def route(
     walks: Walks = 2000,
     seed: Seed = 0,
     scenario: Scenario = None,
-    settings: Settings = None,
+    settings: options.Settings = None,
     workers: options.Workers = None,
     map: Map = None,
     tables: Tables = None,
@@ -208,8 +204,7 @@ def route(
     from driftform_networks.results import Outputs, present_passage
     from driftform_networks.travelling import Travel
 
-    outputs = Outputs(map, tables, report)
-    outputs.check()
+    outputs = Outputs(map, tables, report).check()
     travel = Travel.parse(branch, service_bore)
     network = open_network(net, cache)
     network.find_node(release)
@@ -224,7 +219,7 @@ def route(
             walks=walks,
             seed=seed,
             travel=travel,
-            workers=_count(workers),
+            workers=workers or os.cpu_count() or 1,
             cache=cache,
             progress=shown,
             compare=True,
@@ -271,7 +266,7 @@ def fleet(
         int, typer.Option("--seed", metavar="N", min=0, max=2**63 - 1, help="Seed of the random agents.")
     ] = 0,
     scenario: Scenario = None,
-    settings: Settings = None,
+    settings: options.Settings = None,
     workers: options.Workers = None,
     map: Map = None,
     tables: Tables = None,
@@ -299,8 +294,7 @@ def fleet(
 
     if as_designed and buoyancy:
         raise InputError("--as-designed and --buoyancy say different things: leave out one of them")
-    outputs = Outputs(map, tables, report, agents)
-    outputs.check()
+    outputs = Outputs(map, tables, report, agents).check()
     travel = Travel.parse(branch, service_bore)
     network = open_network(net, cache)
     for name in release:
@@ -315,18 +309,12 @@ def fleet(
             size,
             hours=at or (0.0,),
             travel=travel,
-            workers=_count(workers),
+            workers=workers or os.cpu_count() or 1,
             cache=cache,
             progress=shown,
         )
     title = f"{network.name}: a fleet of {size} from {', '.join(dict.fromkeys(release))}"
     present_fleet(planned, title, outputs, json, travellers)
-
-
-def _count(workers: int | None) -> int:
-    import os
-
-    return workers or os.cpu_count() or 1
 
 
 app = typer.Typer(

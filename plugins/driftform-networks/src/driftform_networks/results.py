@@ -5,7 +5,7 @@ import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -49,8 +49,8 @@ class Outputs:
     report: Path | None = None
     agents: Path | None = None
 
-    def check(self) -> None:
-        """Refuse files that cannot be written, before work that takes time.
+    def check(self) -> Self:
+        """Return these files; refuse those that cannot be written, before work that takes time.
 
         Raises
         ------
@@ -66,6 +66,7 @@ class Outputs:
         for option, path in (("--tables", self.tables), ("--agents", self.agents)):
             if path is not None:
                 files.check_directory(path, option)
+        return self
 
     def write(
         self,

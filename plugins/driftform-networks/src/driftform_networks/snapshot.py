@@ -122,7 +122,7 @@ def divide_flow(snapshot: Snapshot, node: int, retained: bool = False) -> FloatA
             "choose a node upstream, or another hour"
         )
     first = np.zeros(len(snapshot.links))
-    whole = snapshot.departure[node] - (snapshot.exit[node] if retained else 0.0)
+    whole = snapshot.departure[node] - snapshot.exit[node] * retained
     first[outlets] = snapshot.flow[outlets] / whole
     return first
 
