@@ -12,9 +12,7 @@ from driftform.errors import InputError
 Net: TypeAlias = Annotated[
     str,
     typer.Argument(
-        metavar="NET",
-        help="An EPANET file (.inp), or the name of a network that WNTR ships, such as Net3.",
-        show_default=False,
+        metavar="NET", help="An EPANET file (.inp), or the name of a network that WNTR ships, such as Net3."
     ),
 ]
 Agent: TypeAlias = Annotated[
@@ -22,26 +20,21 @@ Agent: TypeAlias = Annotated[
     typer.Argument(
         metavar="AGENT",
         help="agent.json, RUN:TARGET or a genome, or a homogeneous sphere such as sphere:60mm.",
-        show_default=False,
     ),
 ]
 Release: TypeAlias = Annotated[
-    str,
-    typer.Option("--release", metavar="NODE", help="Node where bodies enter the water, such as a hydrant."),
+    str, typer.Option(metavar="NODE", help="Node where bodies enter the water, such as a hydrant.")
 ]
 Releases: TypeAlias = Annotated[
     list[str],
-    typer.Option(
-        "--release", metavar="NODE", help="Node where bodies may enter the water; may be given repeatedly."
-    ),
+    typer.Option(metavar="NODE", help="Node where bodies may enter the water; may be given repeatedly."),
 ]
 At: TypeAlias = Annotated[
-    float, typer.Option("--at", metavar="HOURS", min=0, max=1e6, help="Hour of the simulation.")
+    float, typer.Option(metavar="HOURS", min=0, max=1e6, help="Hour of the simulation.")
 ]
 Hours: TypeAlias = Annotated[
     list[float] | None,
     typer.Option(
-        "--at",
         metavar="HOURS",
         min=0,
         max=1e6,
@@ -58,39 +51,32 @@ Unsteady: TypeAlias = Annotated[
 Walks: TypeAlias = Annotated[
     int,
     typer.Option(
-        "--walks",
         metavar="N",
         min=0,
         max=10_000_000,
         help="Bodies that are followed one by one for the distribution of arrival times; 0 for none.",
     ),
 ]
-Seed: TypeAlias = Annotated[
-    int, typer.Option("--seed", metavar="N", min=0, max=2**63 - 1, help="Seed of these walks.")
-]
+Seed: TypeAlias = Annotated[int, typer.Option(metavar="N", min=0, max=2**63 - 1, help="Seed of these walks.")]
 Buoyancy: TypeAlias = Annotated[
     float | None,
     typer.Option(
-        "--buoyancy",
-        metavar="NEWTONS",
-        help="Net buoyancy to which the core trims the agent; by default as designed.",
+        metavar="NEWTONS", help="Net buoyancy to which the core trims the agent; by default as designed."
     ),
 ]
 Buoyancies: TypeAlias = Annotated[
     list[float] | None,
     typer.Option(
-        "--buoyancy",
         metavar="NEWTONS",
         help="Net buoyancy to which cores trim the agents; may be given repeatedly, by default 0, 0.001 and -0.001.",
     ),
 ]
 Branch: TypeAlias = Annotated[
-    str, typer.Option("--branch", metavar="SIDE", help="Where branches leave the pipes: top, side or bottom.")
+    str, typer.Option(metavar="SIDE", help="Where branches leave the pipes: top, side or bottom.")
 ]
 ServiceBore: TypeAlias = Annotated[
     float,
     typer.Option(
-        "--service-bore",
         metavar="METRES",
         min=0,
         max=10,
@@ -100,33 +86,25 @@ ServiceBore: TypeAlias = Annotated[
 Scenario: TypeAlias = Annotated[
     str | None,
     typer.Option(
-        "--scenario",
-        metavar="NAME|FILE",
-        help="Study whose water and wall to use; by default those of water mains.",
+        metavar="NAME|FILE", help="Study whose water and wall to use; by default those of water mains."
     ),
 ]
 Map: TypeAlias = Annotated[
     Path | None,
     typer.Option(
-        "--map",
-        metavar="FILE",
-        help="Map to draw, an SVG file; a PNG beside it if the extra png is installed.",
+        metavar="FILE", help="Map to draw, an SVG file; a PNG beside it if the extra png is installed."
     ),
 ]
 Tables: TypeAlias = Annotated[
-    Path | None, typer.Option("--tables", metavar="DIR", help="Directory for CSV tables, for pandas.")
+    Path | None, typer.Option(metavar="DIR", help="Directory for CSV tables, for pandas.")
 ]
 Report: TypeAlias = Annotated[
     Path | None,
-    typer.Option(
-        "--report", metavar="FILE", help="Page to write with map, tables and assumptions, an HTML file."
-    ),
+    typer.Option(metavar="FILE", help="Page to write with map, tables and assumptions, an HTML file."),
 ]
 Cache: TypeAlias = Annotated[
     Path | None,
-    typer.Option(
-        "--cache", metavar="DIR", help="Directory for results that are kept; by default the user's cache."
-    ),
+    typer.Option(metavar="DIR", help="Directory for results that are kept; by default the user's cache."),
 ]
 
 
@@ -231,23 +209,18 @@ def route(
 def fleet(
     net: Net,
     release: Releases,
-    size: Annotated[
-        int, typer.Option("--size", metavar="K", min=1, max=10_000, help="Number of bodies.")
-    ] = 10,
+    size: Annotated[int, typer.Option(metavar="K", min=1, max=10_000, help="Number of bodies.")] = 10,
     agent: Annotated[
         list[str] | None,
-        typer.Option(
-            "--agent", metavar="AGENT", help="Agent to choose from, as for route; may be given repeatedly."
-        ),
+        typer.Option(metavar="AGENT", help="Agent to choose from, as for route; may be given repeatedly."),
     ] = None,
     run: Annotated[
         Path | None,
-        typer.Option("--run", metavar="RUN", help="Run, such as one of atlas, whose agents to choose from."),
+        typer.Option(metavar="RUN", help="Run, such as one of atlas, whose agents to choose from."),
     ] = None,
     count: Annotated[
         int | None,
         typer.Option(
-            "--count",
             metavar="N",
             min=1,
             max=1000,
@@ -263,7 +236,7 @@ def fleet(
     branch: Branch = "side",
     service_bore: ServiceBore = 0.02,
     seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, max=2**63 - 1, help="Seed of the random agents.")
+        int, typer.Option(metavar="N", min=0, max=2**63 - 1, help="Seed of the random agents.")
     ] = 0,
     scenario: Scenario = None,
     settings: options.Settings = None,
@@ -273,9 +246,7 @@ def fleet(
     report: Report = None,
     agents: Annotated[
         Path | None,
-        typer.Option(
-            "--agents", metavar="DIR", help="Directory for the agent.json of each member, to be printed."
-        ),
+        typer.Option(metavar="DIR", help="Directory for the agent.json of each member, to be printed."),
     ] = None,
     cache: Cache = None,
     json: options.Json = False,
