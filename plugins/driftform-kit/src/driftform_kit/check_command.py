@@ -81,7 +81,7 @@ def check(
     import sys
 
     from driftform import open_agent
-    from driftform.cli import formats, print_json
+    from driftform.cli import formats, output
     from driftform.errors import InputError
     from driftform.interfaces import Printer
     from driftform.types import State
@@ -123,7 +123,7 @@ def check(
         )
     failed = any(finding.state is State.FAIL for finding in findings)
     if json:
-        print_json(
+        output.print_json(
             {
                 "subject": subject,
                 "printable": not failed,

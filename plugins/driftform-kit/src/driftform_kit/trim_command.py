@@ -68,7 +68,7 @@ def trim(
     json: options.Json = False,
 ) -> None:
     """Compute the ballast that makes a print fly as simulated, and show its path without it."""
-    from driftform.cli import formats, print_json
+    from driftform.cli import formats, output
     from driftform.errors import InputError
     from driftform_kit.trim import trim_design
 
@@ -82,7 +82,7 @@ def trim(
         design, printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density
     )
     if json:
-        print_json(facts)
+        output.print_json(facts)
         return
     exporter = design.study.make_exporter(names[0])
     kept = [setting for setting in settings or () if not setting.lstrip().startswith("exporter.")]
@@ -131,7 +131,7 @@ class _Command:
 
 
 def _print(facts: dict[str, Any], fitness: "Fitness[Any]", command: _Command) -> None:
-    from driftform.cli import print_table
+    from driftform.cli import output
 
     aft = facts["aft_end"]
 
@@ -147,7 +147,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", command: _Command) ->
         ("simulated", f"{1000 * facts['simulated_mass']:.3f} g", place(facts["simulated_cog"])),
         ("printed", f"{1000 * facts['printed_mass']:.3f} g", place(facts["printed_cog"]) + source),
     ]
-    print_table(("", "mass", "centre of gravity"), rows, right=(1,))
+    output.print_table(("", "mass", "centre of gravity"), rows, right=(1,))
     print()
     for line in _remedy(facts, place, command):
         print(line)
@@ -156,7 +156,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", command: _Command) ->
     # A failed flight costs its column, not the others.
     columns = {name: facts[name] or {} for name in names}
     targets = list(dict.fromkeys(target for column in columns.values() for target in column))
-    print_table(
+    output.print_table(
         ("target", *names),
         (
             (

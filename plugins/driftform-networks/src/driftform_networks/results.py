@@ -9,9 +9,9 @@ from typing import Any, Self
 
 import numpy as np
 
-from driftform.cli import print_json, print_table, print_text
+from driftform.cli import output
 from driftform.errors import InputError
-from driftform.figures import write_picture
+from driftform.figures import files as picture_files
 from driftform.util import files
 from driftform_networks.bodies import Traveller
 from driftform_networks.candidates import save_agents
@@ -91,7 +91,7 @@ class Outputs:
         """
         written: list[Path] = []
         if self.map is not None:
-            written += write_picture(self.map, figures["Map"]())
+            written += picture_files.write_picture(self.map, figures["Map"]())
         if self.report is not None:
             drawn = [(name, draw()) for name, draw in figures.items()]
             files.write_text(self.report, report_html(title, text, drawn, assumptions))
@@ -112,13 +112,13 @@ def present(
 ) -> None:
     """Print a JSON document, or lines and tables for people, with the files that were written."""
     if json:
-        print_json({**document, "files": [str(file) for file in written]})
+        output.print_json({**document, "files": [str(file) for file in written]})
         return
     for part in (*text, *(f"wrote {file}" for file in written)):
         if isinstance(part, str):
-            print_text(part)
+            output.print_text(part)
         else:
-            print_table(*part)
+            output.print_table(*part)
 
 
 def present_passage(

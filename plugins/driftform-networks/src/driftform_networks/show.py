@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.figures import write_picture
+from driftform.figures import files as picture_files
 from driftform_networks.chain import find_loops
 from driftform_networks.map import Mark, network_svg
 from driftform_networks.network import Network
@@ -44,7 +44,12 @@ def show_network(source: str, hour: float, map: Path | None, cache: Path | None,
     text += [f"  {name:10}  {value}" for name, value in rows]
     text += [TextTable(("water comes from", "kind", "litres/s"), supply, right=(2,))]
     text += [f"warning: EPANET: {line}" for line in network.hydraulics.warnings]
-    present(facts, text, () if map is None else write_picture(map, _draw(network, snapshot, hour)), json)
+    present(
+        facts,
+        text,
+        () if map is None else picture_files.write_picture(map, _draw(network, snapshot, hour)),
+        json,
+    )
 
 
 def _draw(network: Network, snapshot: Snapshot, hour: float) -> str:

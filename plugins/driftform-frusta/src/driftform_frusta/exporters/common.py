@@ -42,13 +42,13 @@ def write_sheet(name: str, job: ExportJob, options: "PartOptions", path: Path) -
     """
     if not options.kit:
         return ()
-    from driftform.figures import make_pdf
+    from driftform.figures import files as picture_files
     from driftform_frusta.kits import find_maker
 
     target = path.with_name(f"{path.stem}-assembly.svg")
     drawn = find_maker().draw_sheet(job, options, name)
     save(target, drawn)
-    printed = make_pdf(drawn)
+    printed = picture_files.make_pdf(drawn)
     if printed is None:
         return (WrittenFile(name, str(target)),)
     page = target.with_suffix(".pdf")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from driftform.agent import Mesh
-from driftform.figures import rasterise
+from driftform.figures import files as picture_files
 from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import WrittenFile
 from driftform_frusta.colours import colour_of
@@ -139,7 +139,7 @@ class ThreeMfExporter(Exporter[PartOptions]):
 
     def _picture(self, placed: Sequence[_Placed], width: float = 160.0, height: float = 120.0) -> bytes:
         shapes = [(p.mesh.translate((p.x, p.y, 0.0)), p.colour) for p in placed]
-        return rasterise(plate_svg(shapes, self._bed[:2], width, height)) or b""
+        return picture_files.rasterise(plate_svg(shapes, self._bed[:2], width, height)) or b""
 
     def _facts(self, job: ExportJob, placed: Sequence[_Placed]) -> dict[str, Any]:
         from driftform_frusta.kits import list_kit_facts
