@@ -217,17 +217,9 @@ class _Replacement(importlib.abc.MetaPathFinder):
 
 def prepare_parent() -> None:
     """Import what all children need, without any file of :data:`TARGETS`, and let kernels stay plain Python."""
-    import hypothesis.extra.numpy
     import numpy as np
-    import pytest
-    import scipy.integrate
-    import scipy.optimize
-    import scipy.sparse.linalg
-    import scipy.spatial.transform
-    import scipy.stats
-    import typer
 
-    import driftform.util.compiled as compiled
+    from driftform.util import compiled
 
     def keep(function: Any) -> Any:
         return function
