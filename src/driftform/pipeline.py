@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from driftform.agent import mass_properties
-from driftform.agent.mass_elements import load_ballast
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.plugins.faults import describe_fault
@@ -141,7 +140,7 @@ class Pipeline:
             drag = estimate_drag(body, fluid.viscosity, factor, options.drag_without)
             coefficients = replace(coefficients, drag=drag)
         coefficients = factors.scale_coefficients(coefficients)
-        return Agent(body, load_ballast(mass, scenario.release), coefficients, morphology, genome)
+        return Agent(body, scenario.release.load(mass), coefficients, morphology, genome)
 
     def find_obstacle(self, genome: Genome) -> str | None:
         """Return why a genome cannot be built or released, in one line; ``None`` if it can."""

@@ -8,20 +8,20 @@ a built-in scenario, contains only what differs from it. Built-in scenarios are 
 
 import reprlib
 import secrets
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from pydantic import ValidationError
 
-from driftform.errors import InputError, did_you_mean
-from driftform.interfaces import SEAMS, Checker, Exporter, Recorder, Renderer, SearchSpace, Strategy
+from driftform.errors import DriftformError, InputError, did_you_mean
+from driftform.interfaces import SEAMS, Checker, Exporter, PrintJob, Recorder, Renderer, SearchSpace, Strategy
 from driftform.options import MAX_SEED, Table, option
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
-from driftform.plugins.registry import registry
-from driftform.plugins.seams import check_grammar, check_wording
+from driftform.plugins.registry import Contribution, registry
+from driftform.plugins.seams import check_grammar, check_wording, require_findings
 from driftform.study.error_lines import format_errors
 from driftform.study.sources import (
     Source,
@@ -34,6 +34,7 @@ from driftform.study.sources import (
     read_sources,
 )
 from driftform.study.toml_positions import find_key_lines
+from driftform.types import Finding, State
 from driftform.water import Scenario
 
 T = TypeVar("T")
@@ -205,6 +206,28 @@ class Study:
     def make_checker(self, name: str) -> Checker[Any]:
         """Create a checker with the options of its table ``[checker.<name>]``, if there is one."""
         return cast("Checker[Any]", self._make_named("checker", name))
+
+    def check_print(self, name: str, job: PrintJob) -> Iterator[Finding]:
+        """Yield what a checker finds; one that fails, and not for a reason that it explains, gives a skipped finding.
+
+        Raises
+        ------
+        DriftformError
+            if the checker cannot read a file, or returns something else than findings.
+        """
+        checker = self.make_checker(name)
+        try:
+            yield from require_findings(checker.check(job), checker)
+        except DriftformError:
+            raise
+        except (Exception, SystemExit) as error:
+            # One checker that fails is no reason to keep back what the others find.
+            yield Finding(name, State.SKIPPED, describe_fault(error))
+
+    @staticmethod
+    def list_plugins(seam: str) -> list[Contribution]:
+        """Return what is installed for a seam such as ``checker``, by name: its class, or why that is unavailable."""
+        return registry().seam(seam)
 
     def __repr__(self) -> str:
         # The document would fill a screen.

@@ -7,7 +7,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from driftform.errors import did_you_mean
 from driftform.options import Table, describe, option
-from driftform.types import FloatArray
+from driftform.types import Body, FloatArray, MassProperties
 from driftform.util.latest import keep_latest
 from driftform.util.vectors import cross
 from driftform.water.factors import Calibration
@@ -78,6 +78,22 @@ class Release(Table):
     ballast_density: float = option(
         11_340.0, "density of the ballast; by default that of lead", "kg/m3", ge=100, le=30_000
     )
+
+    def load(self, mass: MassProperties) -> MassProperties:
+        """Return the mass properties with the ballast on the outside of the agent, in its water.
+
+        The ballast is a point on the axis. It displaces water of its own volume; its drag is neglected.
+        """
+        if self.ballast == 0.0:
+            return mass
+        volume, offset = self.ballast / self.ballast_density, np.array([self.ballast_x, 0.0, 0.0])
+        total, displaced = mass.mass + self.ballast, mass.volume + volume
+        cog = (mass.mass * mass.cog + self.ballast * offset) / total
+        cob = (mass.volume * mass.cob + volume * offset) / displaced
+        across = np.diag([0.0, 1.0, 1.0])
+        inertia = mass.inertia + mass.mass * (mass.cog[0] - cog[0]) ** 2 * across
+        inertia = inertia + self.ballast * (self.ballast_x - cog[0]) ** 2 * across
+        return MassProperties(total, cog, inertia, displaced, cob)
 
 
 class Contact(Table):
@@ -320,6 +336,12 @@ class Scenario(Table):
         c, s, cp, sp = self._frame_angles()
         frame = _turn_by(*_halve_angle(c, s), *_halve_angle(cp, sp))
         return _multiply(frame, given)
+
+    def find_misfit(self, body: Body) -> str | None:
+        """Return why a body cannot be released here, in one line with the two numbers; ``None`` if it can."""
+        from driftform.water.misfit import find_misfit
+
+        return find_misfit(body, self)
 
     @keep_latest
     def release_axis(self) -> FloatArray:

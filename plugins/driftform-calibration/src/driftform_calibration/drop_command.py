@@ -54,7 +54,7 @@ def drop(
     drop. Save the track of a film beside the file of its drop, for 'driftform calibrate'.
     """
     from driftform import open_agent
-    from driftform.cli import print_json
+    from driftform.cli import output
     from driftform.util import files, progress
     from driftform_calibration.designs import drop_design
     from driftform_calibration.protocol import default_directory
@@ -65,16 +65,16 @@ def drop(
         plan = drop_design(design, tank, drops=drops, fps=fps, noise=noise, progress=show)
     paths = plan.write(directory)
     if json:
-        print_json(plan.document(paths))
+        output.print_json(plan.document(paths))
     else:
         _print(plan, paths)
 
 
 def _print(plan: "DropPlan", paths: list[Path]) -> None:
-    from driftform.cli import print_table, print_text
+    from driftform.cli import output
 
     document = plan.document()
-    print_table(
+    output.print_table(
         ("drop", "pitch deg", "core below surface mm", "ballast g", "film s", "ends at", "bits"),
         (
             (
@@ -91,7 +91,7 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
         right=(0, 1, 2, 3, 4, 6),
     )
     print()
-    print_table(
+    output.print_table(
         ("factor", "expected 90 % interval", ""),
         (
             *(
@@ -106,7 +106,7 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
         ),
         right=(1,),
     )
-    print_text(
+    output.print_text(
         f"weigh the print with its core: {1000 * document['mass']:.2f} g as simulated; calibrate takes it as --printed-mass"
     )
     for path in paths:

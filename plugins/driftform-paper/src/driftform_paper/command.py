@@ -33,7 +33,7 @@ def reproduce(
     """
     import time
 
-    from driftform.cli import print_json
+    from driftform.cli import output
     from driftform.search import open_executor
     from driftform.util import files, progress
     from driftform_paper.repeats import STRATEGIES, load_repeat, read_results, search_all
@@ -61,7 +61,7 @@ def reproduce(
     markdown = results_markdown(first.scenario, found, again)
     files.write_text(out / "results.md", markdown)
     if json:
-        print_json(
+        output.print_json(
             {
                 **results_document(first.scenario, found, again),
                 "seconds": seconds,

@@ -5,9 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from driftform.agent import Mesh
 from driftform.types import FloatArray
 from driftform.water import Pipe, Segment, pipe_parts
-from driftform_robotics.models.meshes import Mesh, make_tube
+from driftform_robotics.models.meshes import make_tube
 from driftform_robotics.models.walls import make_parts_mesh
 
 PLANKS = 64

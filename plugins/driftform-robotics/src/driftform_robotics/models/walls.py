@@ -4,11 +4,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from driftform.agent.meshes import IntArray
+from driftform.agent import Mesh
 from driftform.types import FloatArray
 from driftform.water import Pipe, pipe_parts
-from driftform_robotics.models.meshes import SEGMENTS, Mesh
+from driftform_robotics.models.meshes import SEGMENTS
 
 STEP = math.pi / SEGMENTS
 """Angle between two rings of a bend, rad: half of that between two corners of a ring, as the bend's radius is larger."""
@@ -43,7 +44,7 @@ class Patch:
 def make_parts_mesh(pipe: Pipe, thickness: float) -> Mesh:
     """Return the walls of all parts, each a closed mesh, in the world frame; ``thickness`` in m."""
     vertices: list[FloatArray] = []
-    triangles: list[IntArray] = []
+    triangles: list[npt.NDArray[np.int64]] = []
     for placed in pipe.layout.parts:
         part = placed.part
         mesh = _make_part(
