@@ -49,7 +49,7 @@ def cells(html: str) -> list[list[str]]:
 
 
 def test_the_package_offers_what_it_names_and_nothing_else() -> None:
-    assert {"agent", "evolve", "load_study", "open_run"} <= set(dir(df))
+    assert {"open_agent", "evolve", "load_study", "open_run"} <= set(dir(df))
     assert all(getattr(df, name) is not None for name in df.__all__)
     with pytest.raises(AttributeError, match="evolv"):
         df.evolv  # noqa: B018

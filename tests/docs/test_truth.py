@@ -207,8 +207,8 @@ def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
 
 
 def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
-    from driftform import search as execution
     from driftform.runs import compression
+    from driftform.search import jobs as execution
 
     assert f"samples at least {compression.SAMPLE_GAP:g} s apart" in " ".join(pages["dataflow.md"].split())
     assert f"each of at most {execution.MAX_BATCH} genomes" in pages["dataflow.md"]

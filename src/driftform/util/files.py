@@ -41,6 +41,31 @@ def is_directory(path: Path) -> bool:
         return False
 
 
+def is_locked(path: Path) -> bool:
+    """Return whether a process holds a lock file; nothing is written."""
+    if not path.exists():
+        return False
+    if sys.platform == "win32":
+        from filelock import FileLock, Timeout
+
+        lock = FileLock(path)
+        try:
+            lock.acquire(timeout=0)
+        except Timeout:
+            return True
+        lock.release()
+        return False
+    import fcntl
+
+    # A shared lock, which many may hold at once, and which a file that may only be read allows.
+    with path.open("rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError:
+            return True
+    return False
+
+
 def make_directory(path: Path, option: str = "--out") -> Path:
     """Create a directory that an option names, with its parents if they do not exist, and return its path.
 

@@ -2,6 +2,7 @@
 
 import math
 import sys
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -54,10 +55,28 @@ class TeePotentials:
     branch: FloatArray
     leakage: FloatArray
 
-    def leakage_rms(self, share: float) -> float:
-        """Return the root mean square of the velocity through the wall if ``share`` of the water leaves by the branch."""
-        weights = np.array([1 - share, share])
-        return float(np.sqrt(weights @ self.leakage @ weights))
+    @classmethod
+    def of_levels(
+        cls, levels: Sequence[tuple[float, Sequence[int], FloatArray, FloatArray]], leakage: FloatArray
+    ) -> "TeePotentials":
+        """Return the potentials of a hierarchical spline.
+
+        Parameters
+        ----------
+        levels
+            of each level, the coarsest first: width of a cell, the cell with which its box begins along x, y and z (0
+            along y), and the coefficients of the two flows, (nx, ny, nz), NaN where no cell of the region needs them.
+        leakage
+            see :attr:`leakage`.
+        """
+        head = np.zeros(HEAD + LEVEL_SIZE * len(levels))
+        head[0], place = len(levels), len(head)
+        for row, (width, low, values, _) in zip(head[HEAD:].reshape(-1, LEVEL_SIZE), levels, strict=True):
+            row[:] = width, *low, *values.shape, place
+            place += values.size
+        through = np.concatenate([values.ravel() for _, _, values, _ in levels])
+        branch = np.concatenate([values.ravel() for _, _, _, values in levels])
+        return cls(head, through - np.nanmean(through), branch - np.nanmean(branch), leakage)
 
 
 @lru_cache(maxsize=8)

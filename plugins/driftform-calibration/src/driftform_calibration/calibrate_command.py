@@ -92,8 +92,8 @@ def calibrate(
     table [calibration] for any study, the calibrated agent, and pictures of the films against the flights.
     """
     from driftform import open_agent
-    from driftform.cli import print_json
-    from driftform.util.files import check_directory
+    from driftform.cli import output
+    from driftform.util import files
     from driftform_calibration.designs import calibrate_design
     from driftform_calibration.films import find_scenario
     from driftform_calibration.tracks import Reading
@@ -101,7 +101,7 @@ def calibrate(
     settings, use = settings or [], {"hydrodynamics": hydrodynamics}
     # An agent that does not remember how it was built, such as a word, is built as the study of its first film says.
     design = open_agent(agent, *settings, scenario=scenario or find_scenario(tracks[0]), use=use)
-    directory = check_directory(out or Path("calibrations") / design.name)
+    directory = files.check_directory(out or Path("calibrations") / design.name)
     reading = Reading(unit, scale, fps, y_down, target, _read_points(point or []))
     found = calibrate_design(
         design,
@@ -117,7 +117,7 @@ def calibrate(
     )
     paths = found.write(directory)
     if json:
-        print_json({**found.document(), "files": [str(path) for path in paths]})
+        output.print_json({**found.document(), "files": [str(path) for path in paths]})
     else:
         _print(found, paths)
 
@@ -142,20 +142,21 @@ def _read_points(texts: list[str]) -> dict[str, float]:
 def _print(found: "CalibrationResult", paths: list[Path]) -> None:
     from shlex import quote
 
-    from driftform.cli import print_table
-    from driftform.cli.output import print_text
+    from driftform.cli import output
     from driftform_calibration.result import describe_estimate
 
     rows = [
         (name.replace("_", " "), *describe_estimate(estimate)) for name, estimate in found.factors.items()
     ]
-    print_table(("factor", "value", "90 % interval", ""), rows, right=(1,))
+    output.print_table(("factor", "value", "90 % interval", ""), rows, right=(1,))
     hull = found.fit.estimates["hull_density"]
     if hull.low is not None and hull.high is not None and not hull.low < 1 < hull.high:
-        print_text(f"the hull weighs {hull.value:.4g} times what was simulated: that changes the net weight")
+        output.print_text(
+            f"the hull weighs {hull.value:.4g} times what was simulated: that changes the net weight"
+        )
     document = found.document()
     print()
-    print_table(
+    output.print_table(
         ("track", "points", "noise mm", "before mm", "after mm"),
         (
             (
@@ -169,12 +170,12 @@ def _print(found: "CalibrationResult", paths: list[Path]) -> None:
         ),
         right=range(1, 5),
     )
-    print_text(
+    output.print_text(
         f"root mean square distance of films and flights: {1000 * found.fit.before:.1f} mm before, "
         f"{1000 * found.residual:.1f} mm after"
     )
     for note in found.notes:
-        print_text(f"note: {note}")
+        output.print_text(f"note: {note}")
     for path in paths:
         print(f"wrote {path}")
     if found.fit.known:

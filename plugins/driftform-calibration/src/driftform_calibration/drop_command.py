@@ -54,29 +54,27 @@ def drop(
     drop. Save the track of a film beside the file of its drop, for 'driftform calibrate'.
     """
     from driftform import open_agent
-    from driftform.cli import print_json
-    from driftform.util.files import check_directory
-    from driftform.util.progress import count_progress
+    from driftform.cli import output
+    from driftform.util import files, progress
     from driftform_calibration.designs import drop_design
     from driftform_calibration.protocol import default_directory
 
     design = open_agent(agent, *(settings or ()), scenario=scenario, use={"hydrodynamics": hydrodynamics})
-    directory = check_directory(out or default_directory(design.name))
-    with count_progress("releases") as progress:
-        plan = drop_design(design, tank, drops=drops, fps=fps, noise=noise, progress=progress)
+    directory = files.check_directory(out or default_directory(design.name))
+    with progress.count_progress("releases") as show:
+        plan = drop_design(design, tank, drops=drops, fps=fps, noise=noise, progress=show)
     paths = plan.write(directory)
     if json:
-        print_json(plan.document(paths))
+        output.print_json(plan.document(paths))
     else:
         _print(plan, paths)
 
 
 def _print(plan: "DropPlan", paths: list[Path]) -> None:
-    from driftform.cli import print_table
-    from driftform.cli.output import print_text
+    from driftform.cli import output
 
     document = plan.document()
-    print_table(
+    output.print_table(
         ("drop", "pitch deg", "core below surface mm", "ballast g", "film s", "ends at", "bits"),
         (
             (
@@ -93,7 +91,7 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
         right=(0, 1, 2, 3, 4, 6),
     )
     print()
-    print_table(
+    output.print_table(
         ("factor", "expected 90 % interval", ""),
         (
             *(
@@ -108,7 +106,7 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
         ),
         right=(1,),
     )
-    print_text(
+    output.print_text(
         f"weigh the print with its core: {1000 * document['mass']:.2f} g as simulated; calibrate takes it as --printed-mass"
     )
     for path in paths:

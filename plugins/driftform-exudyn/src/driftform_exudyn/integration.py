@@ -11,14 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from driftform.motion.coordinates import Motion
-from driftform.motion.flight import SAMPLE
-from driftform.motion.loop import grow_tolerance
+from driftform.motion import Motion, grow_tolerance
 from driftform.types import FloatArray
 from driftform_exudyn.headless import exudyn
 from driftform_exudyn.headless import items as typed_items
 
 items: Any = typed_items  # the type hints of exudyn's items do not match their arguments
+
+SAMPLE = 14
+"""Numbers of a raw sample."""
 
 MAX_TRIES = 5_000
 """Evaluations within one step after which the flight fails.

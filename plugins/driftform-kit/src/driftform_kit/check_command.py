@@ -81,12 +81,11 @@ def check(
     import sys
 
     from driftform import open_agent
-    from driftform.cli import print_json
-    from driftform.cli.formats import parse_bed, parse_formats
+    from driftform.cli import formats, output
     from driftform.errors import InputError
     from driftform.interfaces import Printer
     from driftform.types import State
-    from driftform.util.files import is_file
+    from driftform.util import files
     from driftform_kit.check import check_design, check_file
 
     printer = None
@@ -95,13 +94,13 @@ def check(
             raise InputError(f"--nozzle {nozzle:g}: should be a diameter in mm, such as 0.4")
         printer = Printer(nozzle / MM_PER_M)
     if bed is not None:
-        printer = replace(printer or Printer(), bed=parse_bed(bed))
+        printer = replace(printer or Printer(), bed=formats.parse_bed(bed))
 
     def announce(program: str) -> None:
         print(f"running {program} ...", file=sys.stderr, flush=True)
 
     path = Path(subject)
-    if is_file(path) and path.suffix.lower() != ".json":
+    if files.is_file(path) and path.suffix.lower() != ".json":
         findings = check_file(
             path,
             agent,
@@ -117,14 +116,14 @@ def check(
     elif attached:
         raise InputError(f"--attached: goes with a FILE, and '{subject}' is not one")
     else:
-        [format] = parse_formats(format, "exporter", "stl")
+        [format] = formats.parse_formats(format, "exporter", "stl")
         design = open_agent(subject, *(settings or ()))
         findings = check_design(
             design, format, printer=printer, kit=kit, programs=programs, on_program=announce
         )
     failed = any(finding.state is State.FAIL for finding in findings)
     if json:
-        print_json(
+        output.print_json(
             {
                 "subject": subject,
                 "printable": not failed,
@@ -142,10 +141,10 @@ def check(
 def _print(findings: "Sequence[Finding]") -> None:
     from collections import Counter
 
-    from driftform.cli.output import print_states
+    from driftform.cli import output
     from driftform.types import State
 
-    print_states(
+    output.print_states(
         [(str(f.state), f"{f.check}, {f.part}" if f.part else f.check, f.detail) for f in findings], STYLES
     )
     counts = Counter(f.state for f in findings)
