@@ -19,35 +19,26 @@ def calibrate(
             metavar="TRACK...",
             help="Tracks of filmed flights: CSV with the columns t, x, y, and z or pitch if known, or an export of Tracker or DeepLabCut. "
             "NAME.toml beside NAME.csv is the scenario of that film.",
-            show_default=False,
         ),
     ],
     scenario: Annotated[
         str | None,
         typer.Option(
-            "--scenario",
-            metavar="NAME|FILE",
-            help="Scenario of all films, such as tank; by default the agent's own.",
+            metavar="NAME|FILE", help="Scenario of all films, such as tank; by default the agent's own."
         ),
     ] = None,
     unit: Annotated[
-        str | None, typer.Option("--unit", metavar="m|cm|mm", help="Unit of the coordinates; by default m.")
+        str | None, typer.Option(metavar="m|cm|mm", help="Unit of the coordinates; by default m.")
     ] = None,
     scale: Annotated[
-        float | None,
-        typer.Option("--scale", metavar="M", help="Metres of a pixel, if the coordinates are pixels."),
+        float | None, typer.Option(metavar="M", help="Metres of a pixel, if the coordinates are pixels.")
     ] = None,
     scale_error: Annotated[
-        float,
-        typer.Option(
-            "--scale-error", metavar="SHARE", help="Standard deviation of the film's scale, relative to it."
-        ),
+        float, typer.Option(metavar="SHARE", help="Standard deviation of the film's scale, relative to it.")
     ] = 0.005,
     fps: Annotated[
         float | None,
-        typer.Option(
-            "--fps", metavar="N", help="Frames for each second, if the file has frames and no times."
-        ),
+        typer.Option(metavar="N", help="Frames for each second, if the file has frames and no times."),
     ] = None,
     y_down: Annotated[
         bool | None,
@@ -55,14 +46,11 @@ def calibrate(
     ] = None,
     view: Annotated[
         str,
-        typer.Option(
-            "--view", metavar="side|top|front", help="Where the camera looks from, for tracks in a plane."
-        ),
+        typer.Option(metavar="side|top|front", help="Where the camera looks from, for tracks in a plane."),
     ] = "side",
     point: Annotated[
         list[str] | None,
         typer.Option(
-            "--point",
             metavar="NAME=X",
             help="Where on the axis a tracked point is, m from the core's centre, fore positive; repeatable.",
         ),
@@ -72,17 +60,16 @@ def calibrate(
     ] = None,
     fit: Annotated[
         list[str] | None,
-        typer.Option("--fit", metavar="FACTOR", help="Fit only this factor; repeatable. By default all."),
+        typer.Option(metavar="FACTOR", help="Fit only this factor; repeatable. By default all."),
     ] = None,
     printed_mass: Annotated[
-        float | None,
-        typer.Option("--printed-mass", metavar="KG", help="Mass of the print with its core, by scales, kg."),
+        float | None, typer.Option(metavar="KG", help="Mass of the print with its core, by scales, kg.")
     ] = None,
     hydrodynamics: options.Hydrodynamics = None,
     settings: options.Settings = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Directory for the files; by default calibrations/AGENT."),
+        typer.Option(metavar="DIR", help="Directory for the files; by default calibrations/AGENT."),
     ] = None,
     json: options.Json = False,
 ) -> None:

@@ -16,35 +16,24 @@ def drop(
     tank: Annotated[
         tuple[float, float, float],
         typer.Option(
-            "--tank",
             metavar="LENGTH WIDTH DEPTH",
             help="Inside of the tank: along the picture, across it, of water; m.",
         ),
     ] = (1.0, 0.5, 0.5),
-    drops: Annotated[
-        int, typer.Option("--drops", metavar="N", min=1, max=20, help="Number of drops to film.")
-    ] = 3,
+    drops: Annotated[int, typer.Option(metavar="N", min=1, max=20, help="Number of drops to film.")] = 3,
     fps: Annotated[
-        float,
-        typer.Option("--fps", metavar="N", min=1, max=10_000, help="Frames of the film for each second."),
+        float, typer.Option(metavar="N", min=1, max=10_000, help="Frames of the film for each second.")
     ] = 60.0,
     noise: Annotated[
-        float,
-        typer.Option(
-            "--noise", metavar="M", min=1e-6, max=1, help="Standard deviation of a tracked point, m."
-        ),
+        float, typer.Option(metavar="M", min=1e-6, max=1, help="Standard deviation of a tracked point, m.")
     ] = 0.002,
     scenario: Annotated[
-        str,
-        typer.Option(
-            "--scenario", metavar="NAME|FILE", help="Scenario with the water and the contact of the floor."
-        ),
+        str, typer.Option(metavar="NAME|FILE", help="Scenario with the water and the contact of the floor.")
     ] = "tank",
     hydrodynamics: options.Hydrodynamics = None,
     settings: options.Settings = None,
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Directory for the files; by default drops/AGENT."),
+        Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default drops/AGENT.")
     ] = None,
     json: options.Json = False,
 ) -> None:

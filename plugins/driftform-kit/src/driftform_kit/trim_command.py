@@ -26,7 +26,6 @@ def trim(
     printed_mass: Annotated[
         float | None,
         typer.Option(
-            "--printed-mass",
             metavar="KG",
             help="Mass of the print with its core and without ballast, kg; with --kit by default that of its parts.",
         ),
@@ -34,7 +33,6 @@ def trim(
     printed_cog: Annotated[
         float | None,
         typer.Option(
-            "--printed-cog",
             metavar="M",
             help="x of its centre of gravity from the core's centre, fore positive, m; by default that of the "
             "hull's material.",
@@ -48,15 +46,13 @@ def trim(
         ),
     ] = False,
     format: Annotated[
-        str,
-        typer.Option("--format", metavar="NAME[,NAME...]", help="Formats that the kit is exported to."),
+        str, typer.Option(metavar="NAME[,NAME...]", help="Formats that the kit is exported to.")
     ] = "stl",
     bed: options.Bed = None,
     option: options.ExporterOptions = None,
     ballast_density: Annotated[
         float | None,
         typer.Option(
-            "--ballast-density",
             metavar="KG/M3",
             help="Density of the ballast, kg/m3; by default that of the kit's options, or of lead, 11340.",
         ),

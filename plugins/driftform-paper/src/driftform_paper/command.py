@@ -11,18 +11,16 @@ from driftform.cli import options
 def reproduce(
     repeats: Annotated[
         int,
-        typer.Option(
-            "--repeats", metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed."
-        ),
+        typer.Option(metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed."),
     ] = 10,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first repeat.")] = 1,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the first repeat.")] = 1,
     workers: options.Workers = None,
     executor: options.ExecutorName = None,
     scheduler: options.Scheduler = None,
     simulator: options.Simulator = None,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Directory for runs, tables and figures.")
-    ] = Path("reproduction"),
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for runs, tables and figures.")] = Path(
+        "reproduction"
+    ),
     settings: options.Settings = None,
     json: options.Json = False,
 ) -> None:

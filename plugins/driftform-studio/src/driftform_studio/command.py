@@ -15,7 +15,6 @@ def studio(
     port: Annotated[
         int | None,
         typer.Option(
-            "--port",
             metavar="N",
             min=1,
             max=65535,
