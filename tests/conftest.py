@@ -304,12 +304,6 @@ def dask_cluster(
             other.terminate()
 
 
-@pytest.fixture
-def ideal_water(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make the paper's scenario the default in this process: its numbers have closed forms, and it takes less time."""
-    monkeypatch.setattr("driftform.study.study.DEFAULT", "paper")
-
-
 @pytest.fixture(scope="session")
 def finished_run(
     run: Callable[..., subprocess.CompletedProcess[str]], tmp_path_factory: pytest.TempPathFactory

@@ -204,3 +204,8 @@ def test_openscad_and_manifold_make_the_same_solid_of_a_tree_of_all_kinds(segmen
     solid = to_manifold(BRACKET, segments)
     assert mesh.volume == pytest.approx(solid.volume(), rel=1e-4)
     assert np.allclose(mesh.bounds.ravel(), solid.bounding_box(), atol=2e-3)
+
+
+def test_openscad_draws_the_same_letters(render):
+    tree = Text("R2-#8", 5.0, 1.5)
+    assert render(print_source(tree)).volume == pytest.approx(to_manifold(tree).volume(), rel=1e-4)

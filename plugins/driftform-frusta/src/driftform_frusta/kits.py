@@ -48,11 +48,6 @@ def find_maker() -> KitMaker:
     raise InputError("a kit needs a distribution that makes kits; run: pip install driftform-kit")
 
 
-def list_kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
-    """Return how the kit of an agent balances, as facts of its files; empty for a hull in one piece."""
-    return find_maker().list_facts(job, options) if options.kit else {}
-
-
 def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
     """Return the parts of a body: its sealed hull, or those of its kit, from aft to fore.
 

@@ -6,7 +6,7 @@ Format: Wavefront Technologies, "Object Files (.obj)", Advanced Visualizer manua
 from collections.abc import Mapping
 
 from driftform.agent import Mesh
-from driftform_frusta.exporters.meshes import JoinedFile
+from driftform_frusta.exporters.base import JoinedFile
 
 
 class ObjExporter(JoinedFile):
