@@ -98,19 +98,7 @@ def trim(
 
 @dataclass(frozen=True)
 class _Command:
-    """What the commands that are printed have in common.
-
-    Attributes
-    ----------
-    agent
-        with its settings.
-    formats
-        names of exporters.
-    options
-        of the first of them.
-    flight
-        arguments of the flight.
-    """
+    """What the commands that are printed have in common; the options are those of the first of the formats."""
 
     agent: str
     formats: Sequence[str]
