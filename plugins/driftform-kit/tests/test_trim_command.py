@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from driftform_kit.kit import KitReport
+
 pytestmark = pytest.mark.usefixtures("ideal_water")
 
 Call = Callable[..., Any]
