@@ -13,6 +13,7 @@ Children are forks of a process that has imported the large packages, so this ne
 import argparse
 import ast
 import copy
+import importlib
 import importlib.abc
 import importlib.util
 import math
@@ -33,6 +34,19 @@ ROOT = Path(__file__).parents[1]
 
 LIMIT_S = 300
 """Time limit of one mutant, s."""
+
+PACKAGES = (
+    "hypothesis.extra.numpy",
+    "numpy",
+    "pytest",
+    "scipy.integrate",
+    "scipy.optimize",
+    "scipy.sparse.linalg",
+    "scipy.spatial.transform",
+    "scipy.stats",
+    "typer",
+)
+"""What most tests import."""
 
 MARKS = "not slow and not installs"
 
@@ -217,17 +231,11 @@ class _Replacement(importlib.abc.MetaPathFinder):
 
 def prepare_parent() -> None:
     """Import what all children need, without any file of :data:`TARGETS`, and let kernels stay plain Python."""
-    import hypothesis.extra.numpy
+    for name in PACKAGES:
+        importlib.import_module(name)
     import numpy as np
-    import pytest
-    import scipy.integrate
-    import scipy.optimize
-    import scipy.sparse.linalg
-    import scipy.spatial.transform
-    import scipy.stats
-    import typer
 
-    import driftform.util.compiled as compiled
+    compiled = importlib.import_module("driftform.util.compiled")
 
     def keep(function: Any) -> Any:
         return function
@@ -244,7 +252,8 @@ def prepare_parent() -> None:
 
     for name in ("compiled", "allocating", "borrowing", "vectorized"):
         setattr(compiled, name, keep)
-    compiled.borrow_as, compiled.borrow = borrow_as, borrow_as()
+    compiled.borrow_as = borrow_as
+    compiled.borrow = borrow_as()
     from driftform.motion import fields
 
     # Kernels read n.gravity, which numba gives any record.
