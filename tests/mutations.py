@@ -72,6 +72,7 @@ class Target:
 
 
 AGENT, MOTION, PLUGINS = "src/driftform/agent", "src/driftform/motion", "plugins/driftform"
+FORMULAS = "tests/motion/test_drag_formulas.py"
 STRIPS = f"{PLUGINS}-striptheory/src/driftform_striptheory"
 NETWORKS = f"{PLUGINS}-networks/src/driftform_networks"
 
@@ -79,9 +80,9 @@ TARGETS = (
     Target(f"{AGENT}/solids.py", ("tests/agent/test_solids.py",)),
     Target(f"{AGENT}/mass.py", ("tests/agent/test_mass.py",)),
     Target(f"{AGENT}/mass_elements.py", ("tests/agent/test_mass_elements.py",)),
-    Target(f"{MOTION}/drag_coefficients.py", ("tests/motion/test_drag.py", "tests/motion/test_body_drag.py")),
-    Target(f"{MOTION}/body_drag.py", ("tests/motion/test_body_drag.py",)),
-    Target(f"{MOTION}/drag.py", ("tests/motion/test_drag.py",)),
+    Target(f"{MOTION}/drag_coefficients.py", (FORMULAS, "tests/motion/test_body_drag.py")),
+    Target(f"{MOTION}/body_drag.py", (FORMULAS, "tests/motion/test_body_drag.py")),
+    Target(f"{MOTION}/drag.py", (FORMULAS, "tests/motion/test_drag.py")),
     Target(f"{MOTION}/inertia.py", ("tests/motion/test_inertia.py",)),
     Target(f"{STRIPS}/coefficients.py", (f"{PLUGINS}-striptheory/tests/test_coefficients.py",)),
     Target(f"{STRIPS}/ellipsoid.py", (f"{PLUGINS}-striptheory/tests/test_ellipsoid.py",)),

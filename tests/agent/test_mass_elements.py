@@ -1,6 +1,6 @@
 """Masses along the axis against closed forms, and against the properties that a body has as simulated."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from driftform.agent.mass_elements import (
     combine,
     core_element,
     hull_element,
+    load_ballast,
     printed_hull_element,
     reweigh,
 )
@@ -76,3 +77,35 @@ def test_a_print_lighter_than_its_core_is_refused() -> None:
         reweigh(AGENT, BODY.core.mass)
     with pytest.raises(ValueError, match="mass above 0"):
         combine([MassElement(1.0, 0.0), MassElement(-1.0, 0.1)], replace(MASS))
+
+
+@dataclass(frozen=True)
+class Lump:
+    """What hangs on an agent."""
+
+    ballast: float
+    ballast_x: float
+    ballast_density: float
+
+
+def test_a_ballast_is_a_point_that_displaces_its_own_water() -> None:
+    load = Lump(0.03, 0.07, 11_000.0)
+    found = load_ballast(MASS, load)
+    point = combine(
+        [
+            MassElement(MASS.mass, float(MASS.cog[0]), MASS.inertia[0, 0], MASS.inertia[1, 1]),
+            MassElement(0.03, 0.07),
+        ],
+        MASS,
+    )
+    assert found.mass == pytest.approx(point.mass, rel=1e-12)
+    np.testing.assert_allclose(found.cog, point.cog, rtol=1e-12)
+    np.testing.assert_allclose(found.inertia, point.inertia, rtol=1e-9)
+    water = 0.03 / 11_000.0
+    assert found.volume == pytest.approx(MASS.volume + water, rel=1e-12)
+    moment = MASS.volume * MASS.cob[0] + water * 0.07
+    np.testing.assert_allclose(found.cob, [moment / (MASS.volume + water), 0.0, 0.0], rtol=1e-12)
+
+
+def test_without_ballast_nothing_changes() -> None:
+    assert load_ballast(MASS, Lump(0.0, 0.1, 1000.0)) is MASS
