@@ -53,12 +53,12 @@ MARKS = "not slow and not installs"
 
 @dataclass(frozen=True)
 class Target:
-    """A file of formulas, the tests that judge it, and its functions that are no formulas."""
+    """A file of formulas, the tests that judge it, and the functions that count as formulas."""
 
     path: str
     tests: tuple[str, ...]
     functions: tuple[str, ...] = ()
-    """Names of the functions to change; without any, the whole file."""
+    """Without any, the whole file."""
 
     @property
     def name(self) -> str:
@@ -105,7 +105,7 @@ TARGETS = (
         ),
     ),
     Target(f"{NETWORKS}/chain.py", (f"{PLUGINS}-networks/tests/test_chain.py",)),
-    Target(f"{NETWORKS}/dividing.py", (f"{PLUGINS}-networks/tests/test_junctions.py",)),
+    Target(f"{NETWORKS}/dividing.py", (f"{PLUGINS}-networks/tests/test_dividing.py",)),
 )
 
 EQUIVALENT: dict[str, str] = {}
@@ -201,11 +201,13 @@ def _put(parent: ast.AST, field: str, index: int | None, node: ast.AST) -> None:
 
 
 def sample_mutants(targets: Sequence[Target], count: int, seed: int) -> list[Mutant]:
-    """Return ``count`` mutants that are not known to be equivalent, as many of each file as there are."""
+    """Return ``count`` mutants that are not known to be equivalent, the same number of each file while it has any."""
     rng = random.Random(seed)
-    pools = [[m for m in list_mutants(target) if m.label not in EQUIVALENT] for target in targets]
-    for pool in pools:
-        rng.shuffle(pool)
+    pools = []
+    for target in targets:
+        found = list_mutants(target)
+        rng.shuffle(found)
+        pools.append([mutant for mutant in found if mutant.label not in EQUIVALENT])
     chosen: list[Mutant] = []
     while len(chosen) < count and any(pools):
         for pool in pools:
