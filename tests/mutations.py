@@ -7,7 +7,8 @@ stays as it is. The child runs the tests of that file. A test that fails, an err
 mutant; mutants that live are printed, and the exit code is 1. Kernels run as plain Python here, because each mutant would
 compile for tens of seconds: the tests of a file are therefore those that call its functions, and not whole flights.
 
-Children are forks of a process that has imported the large packages, so this needs Linux or macOS.
+Children are forks of a process that has imported the large packages, so this needs Linux or macOS; the tests of networks
+need `uv sync --all-groups`.
 """
 
 import argparse
