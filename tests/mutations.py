@@ -7,12 +7,14 @@ stays as it is. The child runs the tests of that file. A test that fails, an err
 mutant; mutants that live are printed, and the exit code is 1. Kernels run as plain Python here, because each mutant would
 compile for tens of seconds: the tests of a file are therefore those that call its functions, and not whole flights.
 
-Children are forks of a process that has imported the large packages, so this needs Linux or macOS.
+Children are forks of a process that has imported the large packages, so this needs Linux or macOS; the tests of networks
+need `uv sync --all-groups`.
 """
 
 import argparse
 import ast
 import copy
+import importlib
 import importlib.abc
 import importlib.util
 import math
@@ -34,17 +36,30 @@ ROOT = Path(__file__).parents[1]
 LIMIT_S = 300
 """Time limit of one mutant, s."""
 
+PACKAGES = (
+    "hypothesis.extra.numpy",
+    "numpy",
+    "pytest",
+    "scipy.integrate",
+    "scipy.optimize",
+    "scipy.sparse.linalg",
+    "scipy.spatial.transform",
+    "scipy.stats",
+    "typer",
+)
+"""What most tests import."""
+
 MARKS = "not slow and not installs"
 
 
 @dataclass(frozen=True)
 class Target:
-    """A file of formulas, the tests that judge it, and its functions that are no formulas."""
+    """A file of formulas, the tests that judge it, and the functions that count as formulas."""
 
     path: str
     tests: tuple[str, ...]
     functions: tuple[str, ...] = ()
-    """Names of the functions to change; without any, the whole file."""
+    """Without any, the whole file."""
 
     @property
     def name(self) -> str:
@@ -58,6 +73,7 @@ class Target:
 
 
 AGENT, MOTION, PLUGINS = "src/driftform/agent", "src/driftform/motion", "plugins/driftform"
+FORMULAS = "tests/motion/test_drag_formulas.py"
 STRIPS = f"{PLUGINS}-striptheory/src/driftform_striptheory"
 NETWORKS = f"{PLUGINS}-networks/src/driftform_networks"
 
@@ -65,9 +81,9 @@ TARGETS = (
     Target(f"{AGENT}/solids.py", ("tests/agent/test_solids.py",)),
     Target(f"{AGENT}/mass.py", ("tests/agent/test_mass.py",)),
     Target(f"{AGENT}/mass_elements.py", ("tests/agent/test_mass_elements.py",)),
-    Target(f"{MOTION}/drag_coefficients.py", ("tests/motion/test_drag.py", "tests/motion/test_body_drag.py")),
-    Target(f"{MOTION}/body_drag.py", ("tests/motion/test_body_drag.py",)),
-    Target(f"{MOTION}/drag.py", ("tests/motion/test_drag.py",)),
+    Target(f"{MOTION}/drag_coefficients.py", (FORMULAS, "tests/motion/test_body_drag.py")),
+    Target(f"{MOTION}/body_drag.py", (FORMULAS, "tests/motion/test_body_drag.py")),
+    Target(f"{MOTION}/drag.py", (FORMULAS, "tests/motion/test_drag.py")),
     Target(f"{MOTION}/inertia.py", ("tests/motion/test_inertia.py",)),
     Target(f"{STRIPS}/coefficients.py", (f"{PLUGINS}-striptheory/tests/test_coefficients.py",)),
     Target(f"{STRIPS}/ellipsoid.py", (f"{PLUGINS}-striptheory/tests/test_ellipsoid.py",)),
@@ -90,7 +106,7 @@ TARGETS = (
         ),
     ),
     Target(f"{NETWORKS}/chain.py", (f"{PLUGINS}-networks/tests/test_chain.py",)),
-    Target(f"{NETWORKS}/dividing.py", (f"{PLUGINS}-networks/tests/test_junctions.py",)),
+    Target(f"{NETWORKS}/dividing.py", (f"{PLUGINS}-networks/tests/test_dividing.py",)),
 )
 
 EQUIVALENT: dict[str, str] = {}
@@ -186,11 +202,13 @@ def _put(parent: ast.AST, field: str, index: int | None, node: ast.AST) -> None:
 
 
 def sample_mutants(targets: Sequence[Target], count: int, seed: int) -> list[Mutant]:
-    """Return ``count`` mutants that are not known to be equivalent, as many of each file as there are."""
+    """Return ``count`` mutants that are not known to be equivalent, the same number of each file while it has any."""
     rng = random.Random(seed)
-    pools = [[m for m in list_mutants(target) if m.label not in EQUIVALENT] for target in targets]
-    for pool in pools:
-        rng.shuffle(pool)
+    pools = []
+    for target in targets:
+        found = list_mutants(target)
+        rng.shuffle(found)
+        pools.append([mutant for mutant in found if mutant.label not in EQUIVALENT])
     chosen: list[Mutant] = []
     while len(chosen) < count and any(pools):
         for pool in pools:
@@ -217,9 +235,11 @@ class _Replacement(importlib.abc.MetaPathFinder):
 
 def prepare_parent() -> None:
     """Import what all children need, without any file of :data:`TARGETS`, and let kernels stay plain Python."""
+    for name in PACKAGES:
+        importlib.import_module(name)
     import numpy as np
 
-    from driftform.util import compiled
+    compiled = importlib.import_module("driftform.util.compiled")
 
     def keep(function: Any) -> Any:
         return function
@@ -236,7 +256,8 @@ def prepare_parent() -> None:
 
     for name in ("compiled", "allocating", "borrowing", "vectorized"):
         setattr(compiled, name, keep)
-    compiled.borrow_as, compiled.borrow = borrow_as, borrow_as()
+    compiled.borrow_as = borrow_as
+    compiled.borrow = borrow_as()
     from driftform.motion import fields
 
     # Kernels read n.gravity, which numba gives any record.
