@@ -314,13 +314,12 @@ def test_a_name_from_a_foreign_file_is_text_wherever_the_page_shows_it(run_with_
         study=replace(study, document={**study.document, "title": name, "grammar": {"use": name}}),
         entries=(replace(plain.entries[0], target=name), *plain.entries[1:]),
         figures={name: "<svg/>"},
-        sections=(),
     )
     study.scenario.targets[name] = study.scenario.targets[plain.entries[0].target]
     page = PageReader()
     page.feed(page_html(renamed))
     usual = PageReader()
-    usual.feed(page_html(replace(plain, figures={"": "<svg/>"}, sections=())))
+    usual.feed(page_html(replace(plain, figures={"": "<svg/>"})))
     assert page.tags == usual.tags
     # Title, heading, figure, row, button, genome, plugin; the study and the viewer's data hold more.
     assert "".join(page.text).count(name) >= 6
