@@ -90,10 +90,6 @@ TARGETS = (
     Target(f"{MOTION}/impact.py", ("tests/motion/test_impact.py",)),
     Target(f"{MOTION}/contact.py", ("tests/motion/test_contact.py", "tests/motion/test_friction.py")),
     Target(
-        "src/driftform/water/normal.py",
-        ("tests/water/test_disturbances.py::test_normal_quantiles_are_those_of_scipy",),
-    ),
-    Target(
         f"{PLUGINS}-calibration/src/driftform_calibration/solution.py",
         (f"{PLUGINS}-calibration/tests/test_solution.py",),
         (
