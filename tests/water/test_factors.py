@@ -75,7 +75,7 @@ def test_a_deviate_of_the_quantile_is_an_end_of_an_interval_that_is_not_symmetri
 
 def test_the_factors_that_are_correlated_share_their_deviates():
     table = Calibration.model_validate(
-        {name: (1.0, 0.5, 1.5) for name in ("axial_drag", "added_mass", "friction")}
+        dict.fromkeys(("axial_drag", "added_mass", "friction"), (1.0, 0.5, 1.5))
         | {"correlations": [("friction", "axial_drag", 0.6), ("added_mass", "added_mass", 0.2)]}
     )
     mixed = (table.draw_factors(np.eye(3)) - 1.0) * Calibration.quantile / 0.5
