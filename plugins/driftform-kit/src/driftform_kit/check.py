@@ -2,7 +2,7 @@
 
 import os
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -78,38 +78,35 @@ def extract_attachment(path: Path, ending: str, folder: Path) -> Path | None:
     return None
 
 
-def check_print_job(
+def list_findings(
     job: PrintJob, study: Study, programs: bool = True, on_program: Callable[[str], None] = lambda _: None
-) -> Iterator[Finding]:
-    """Yield what each installed checker finds, with the options of a study; those that need no program come first.
+) -> list[Finding]:
+    """Return what each installed checker finds, with the options of a study; those that need no program come first.
 
     ``programs`` and ``on_program`` are as for :func:`check_design`.
-    """
-    rows = [(getattr(row.cls, "program", ""), row) for row in Study.list_plugins("checker")]
-    for program, row in sorted(rows, key=lambda pair: bool(pair[0])):
-        if not row.available:
-            yield Finding(row.name, State.SKIPPED, row.state)
-        elif program and not programs:
-            yield Finding(row.name, State.SKIPPED, "not run, by --no-programs")
-        else:
-            if program:
-                on_program(program)
-            yield from study.check_print(row.name, job)
-
-
-def require_judgement(findings: Sequence[Finding]) -> None:
-    """Refuse findings that judge nothing.
 
     Raises
     ------
     WorkFailedError
         if every check was skipped; the message gives the reasons.
     """
-    if all(finding.state is State.SKIPPED for finding in findings):
-        reasons = dict.fromkeys(f"{finding.check}: {finding.detail}" for finding in findings)
+    found: list[Finding] = []
+    rows = [(getattr(row.cls, "program", ""), row) for row in Study.list_plugins("checker")]
+    for program, row in sorted(rows, key=lambda pair: bool(pair[0])):
+        if not row.available:
+            found.append(Finding(row.name, State.SKIPPED, row.state))
+        elif program and not programs:
+            found.append(Finding(row.name, State.SKIPPED, "not run, by --no-programs"))
+        else:
+            if program:
+                on_program(program)
+            found += study.check_print(row.name, job)
+    if all(finding.state is State.SKIPPED for finding in found):
+        reasons = dict.fromkeys(f"{finding.check}: {finding.detail}" for finding in found)
         raise WorkFailedError(
             "nothing could be checked: " + ("; ".join(reasons) or "no checker is installed")
         )
+    return found
 
 
 def check_design(
@@ -147,9 +144,7 @@ def check_design(
     made = design.under(*list_kit_settings(list_formats(format), printer)) if kit else design
     with TemporaryDirectory() as folder:
         print_job = write_print_job(made, format, Path(folder), printer, kit)
-        findings = list(check_print_job(print_job, made.study, programs, on_program))
-    require_judgement(findings)
-    return findings
+        return list_findings(print_job, made.study, programs, on_program)
 
 
 def check_file(
@@ -223,6 +218,4 @@ def check_file(
                 made = study.make_exporter(format).options
                 job = replace(job, printer=Printer(made.nozzle, made.bed))
             job = replace(job, export=design.export_job(), volume=volume)
-        findings = list(check_print_job(job, study, programs, on_program))
-    require_judgement(findings)
-    return findings
+        return list_findings(job, study, programs, on_program)

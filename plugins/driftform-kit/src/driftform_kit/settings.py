@@ -30,14 +30,7 @@ def list_kit_settings(names: Iterable[str], printer: Printer) -> list[str]:
 def read_kit_settings(path: Path, label: str, format: str) -> list[str]:
     """Return the settings that make an exporter write the kit whose options a file has, which may be a stranger's.
 
-    Parameters
-    ----------
-    path
-        of the file with the options.
-    label
-        names it in errors.
-    format
-        name of the exporter.
+    The label names the file in errors.
 
     Raises
     ------
