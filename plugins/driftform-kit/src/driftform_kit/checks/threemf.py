@@ -11,7 +11,6 @@ from trimesh.util import append_faces
 
 from driftform.agent import Mesh
 from driftform.types import FloatArray
-from driftform_kit.checks.parts import check_counts
 
 _UNITS = {
     "micron": 1e-3,
@@ -29,6 +28,27 @@ _LARGEST = 1 << 27
 
 _DEEPEST = 32
 """Components within components."""
+
+
+MOST_PIECES = 10_000
+"""Largest number of meshes in a file, each counted as often as it is placed."""
+
+MOST_ELEMENTS = 5_000_000
+"""Largest number of triangles, and of vertices, in a file, with those of all placed copies."""
+
+
+def check_counts(pieces: int, elements: int) -> None:
+    """Refuse a file that a few bytes could make larger than any memory, by placing copies of copies.
+
+    Raises
+    ------
+    ValueError
+        if it has more than :data:`MOST_PIECES` meshes or :data:`MOST_ELEMENTS` triangles or vertices.
+    """
+    if pieces > MOST_PIECES:
+        raise ValueError(f"places more than {MOST_PIECES} meshes")
+    if elements > MOST_ELEMENTS:
+        raise ValueError(f"has more than {MOST_ELEMENTS} triangles or vertices")
 
 
 def read_3mf(path: Path) -> tuple[Mesh, ...]:

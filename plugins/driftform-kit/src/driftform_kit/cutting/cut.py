@@ -52,7 +52,7 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
         place = (
             "at the core's equator"
             if not away
-            else f"{away:g} mm {_name_side_of(sleeve.z)} of the core's equator, where the core leaves room inside"
+            else f"{away:g} mm {_name_side(1 if sleeve.z > 0 else -1)} of the core's equator, where the core leaves room inside"
         )
         return CoreJoint(sleeve, f"a sleeve of {sleeve.plug:g} mm {place}")
     no_sleeve = (
@@ -277,7 +277,3 @@ def _take_best(hull: Hull, ways: Sequence[_Way], joint: Joint) -> _Way:
 
 def _name_side(side: int) -> str:
     return "fore" if side > 0 else "aft"
-
-
-def _name_side_of(z: float) -> str:
-    return _name_side(1 if z > 0 else -1)
