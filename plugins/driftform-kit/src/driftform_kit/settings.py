@@ -18,10 +18,7 @@ from driftform.interfaces import Printer, Table
 def list_kit_settings(names: Iterable[str], printer: Printer) -> list[str]:
     """Return the settings that make exporters write a kit that fits a printer.
 
-    Raises
-    ------
-    InputError
-        if an exporter writes no kits.
+    An InputError says which exporter writes no kits.
     """
     options = {"kit": "true", "nozzle": repr(printer.nozzle), "bed": repr(list(printer.bed))}
     return formats.list_exporter_settings(names, {key: (value, "--kit") for key, value in options.items()})

@@ -313,11 +313,7 @@ def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[s
             {
                 "mass": piece.element.mass,
                 "x": piece.element.x,
-                "start": piece.start,
-                "end": piece.end,
-                "diameter": piece.diameter,
-                "putty": piece.putty,
-                "ring": piece.ring,
+                **{key: value for key, value in vars(piece).items() if key != "element"},
             }
             for piece in plan.pieces
         ],

@@ -161,8 +161,7 @@ class MeshChecker(Checker[MeshOptions]):
         if density is not None:
             amount += f", {volume / MM3_PER_M3 * density * 1000:.3f} g at {density:g} kg/m3"
         if job.volume is None:
-            reason = "the agent is unknown: name it with --agent"
-            return State.SKIPPED, f"{amount}; {reason}"
+            return State.SKIPPED, f"{amount}; the agent is unknown: name it with --agent"
         difference = volume / (job.volume * MM3_PER_M3) - 1
         message = f"{amount}; {difference:+.1e} of the closed form"
         if abs(difference) <= self.options.tolerance:

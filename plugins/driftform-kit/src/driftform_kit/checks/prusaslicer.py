@@ -18,6 +18,9 @@ from driftform_kit.reading import provide_stl, read_meshes
 _FILAMENT = 1.75
 """Diameter of the filament, mm."""
 
+_FAULTS = "open_edges", "facets_reversed", "backwards_edges", "degenerate_facets", "facets_removed"
+"""Counts that it prints of a mesh that is not sound."""
+
 _SECONDS = {"d": 86400, "h": 3600, "m": 60, "s": 1}
 
 
@@ -76,22 +79,10 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
         facts = dict(re.findall(r"^(\w+) = +(\S+)", said, re.MULTILINE))
         if "manifold" not in facts:
             return f"{path.name}: {last_line(said)}"
-        wrong = [
-            f"{facts[key]} {key.replace('_', ' ')}"
-            for key in (
-                "open_edges",
-                "facets_reversed",
-                "backwards_edges",
-                "degenerate_facets",
-                "facets_removed",
-            )
-            if key in facts
-        ]
-        if facts["manifold"] != "yes" or wrong:
-            return f"{path.name}: {'manifold' if facts['manifold'] == 'yes' else 'not manifold'}" + "".join(
-                f", {fault}" for fault in wrong
-            )
-        return ""
+        wrong = "".join(f", {facts[key]} {key.replace('_', ' ')}" for key in _FAULTS if key in facts)
+        if facts["manifold"] == "yes":
+            return f"{path.name}: manifold{wrong}" if wrong else ""
+        return f"{path.name}: not manifold{wrong}"
 
     def _compare_filament(self, check: str, paths: list[Path], folder: Path, printer: Printer) -> Finding:
         volume = filament = seconds = 0.0

@@ -41,10 +41,7 @@ class CoreJoint:
 def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
     """Return the joint of the two shells: a sleeve as near to the core's equator as possible, or a rabbet at the equator.
 
-    Raises
-    ------
-    WorkFailedError
-        if the requested joint, or any joint, has no room; the message has the reason.
+    Fails if the requested joint, or any joint, has no room.
     """
     sleeve = None if options.joint == "rabbet" else _find_sleeve(hull, options)
     if sleeve is not None:
@@ -174,10 +171,7 @@ def _fill_depth(hull: Hull, joint: Joint) -> float:
 def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Joint, ...]:
     """Return the fewest joints beside that of the core that leave parts which fit the bed, from aft to fore.
 
-    Raises
-    ------
-    WorkFailedError
-        if a part is wider than the bed, or too high even if every joint of modules that takes a sleeve is cut.
+    Fails if a part is wider than the bed, or too high even if every joint of modules that takes a sleeve is cut.
     """
     width, depth, height = (MM * side for side in options.bed)
     if 2 * hull.widest > min(width, depth):

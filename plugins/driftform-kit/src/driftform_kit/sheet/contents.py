@@ -88,13 +88,7 @@ class Sheet:
 
 
 def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> Sheet:
-    """Return the contents of the sheet of a job's kit, which was written in a format.
-
-    Raises
-    ------
-    WorkFailedError
-        if no kit can be made of the body.
-    """
+    """Return the contents of the sheet of a job's kit, which was written in a format."""
     body = job.agent.body
     kit = make_kit(body, options)
     parts = _number_parts(kit, body.hull_density)
