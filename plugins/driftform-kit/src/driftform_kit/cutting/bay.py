@@ -8,7 +8,6 @@ degrees, so that it prints without support with the closed end of its part on th
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from manifold3d import CrossSection, OpType
@@ -88,19 +87,13 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
 
     if not meets(0.0, play):
         return False
-    places = _list_places(play)
+    places = np.linspace(0.0, play, _STEPS)
     # Elsewhere no edge is within the disc, so that it meets nothing.
     touched = distance_along(near, ball.z + side * places) <= circumradius(ball.radius)
     rest = next((along for along in places[touched].tolist() if meets(0.0, along)), play)
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
     return meets(play, rest - lift)
-
-
-@lru_cache(maxsize=16)
-def _list_places(play: float) -> FloatArray:
-    """Distances along the axis at which a ball is tried."""
-    return np.linspace(0.0, play, _STEPS)
 
 
 def _spans(section: CrossSection, low: float, high: float) -> bool:
