@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+import sys
 import tomllib
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
@@ -58,7 +59,17 @@ def test_platforms_and_extras_are_those_that_the_pages_name(
     wanted = {"": core} | {extra: [*core, f"driftform[{extra}]"] for extra in extras}
 
     def resolves(platform: str, version: str, needs: Iterable[str]) -> bool:
-        options = ("--python-platform", platform, "--python-version", version, "--exclude-newer", dated)
+        # With an interpreter given, uv looks for none of the version asked for.
+        running = ("--python", sys.executable)
+        options = (
+            *running,
+            "--python-platform",
+            platform,
+            "--python-version",
+            version,
+            "--exclude-newer",
+            dated,
+        )
         wheels = ("--only-binary", ":all:", "--find-links", dist)
         done = subprocess.run(
             [uv, "pip", "compile", "-", *options, *wheels],

@@ -23,25 +23,16 @@ def evolve(
         str, typer.Argument(metavar="STUDY", help="A study file, or the name of a built-in scenario.")
     ] = "pipe-inspection",
     target: Annotated[
-        list[str] | None, typer.Option("--target", metavar="NAME", help="Keep only this target; repeatable.")
+        list[str] | None, typer.Option(metavar="NAME", help="Keep only this target; repeatable.")
     ] = None,
-    strategy: Annotated[
-        str | None, typer.Option("--strategy", metavar="NAME", help="Search strategy to use.")
-    ] = None,
+    strategy: Annotated[str | None, typer.Option(metavar="NAME", help="Search strategy to use.")] = None,
     evaluations: Annotated[
         int | None,
-        typer.Option(
-            "--evaluations",
-            metavar="N",
-            min=1,
-            help="Total budget of flights; by default 50 for each target.",
-        ),
+        typer.Option(metavar="N", min=1, help="Total budget of flights; by default 50 for each target."),
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(
-            "--seed", metavar="N", min=0, help="Seed of all randomness; drawn and recorded by default."
-        ),
+        typer.Option(metavar="N", min=0, help="Seed of all randomness; drawn and recorded by default."),
     ] = None,
     robust: Robust = None,
     workers: Workers = None,
@@ -52,7 +43,6 @@ def evolve(
     calibration: Annotated[
         str | None,
         typer.Option(
-            "--calibration",
             metavar="FILE",
             help="What filmed flights have shown of the model: a calibration.toml of 'driftform calibrate'.",
         ),

@@ -11,7 +11,7 @@ from driftform.cli.options import Json, RunArgument
 def report(
     run: RunArgument,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="The page; by default report.html in RUN.")
+        Path | None, typer.Option(metavar="FILE", help="The page; by default report.html in RUN.")
     ] = None,
     json: Json = False,
 ) -> None:

@@ -12,10 +12,7 @@ def resume(
     evaluations: Annotated[
         int | None,
         typer.Option(
-            "--evaluations",
-            metavar="N",
-            min=1,
-            help="Total budget, including finished evaluations (default: unchanged).",
+            metavar="N", min=1, help="Total budget, including finished evaluations (default: unchanged)."
         ),
     ] = None,
     workers: Workers = None,

@@ -9,16 +9,11 @@ from driftform.cli.options import Json, Settings
 
 
 def sample(
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Directory for the agents.", show_default=False)
-    ],
-    count: Annotated[
-        int, typer.Option("--count", metavar="N", min=1, max=1_000_000, help="How many agents.")
-    ] = 10,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the randomness.")] = 0,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for the agents.")],
+    count: Annotated[int, typer.Option(metavar="N", min=1, max=1_000_000, help="How many agents.")] = 10,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the randomness.")] = 0,
     scenario: Annotated[
-        str | None,
-        typer.Option("--scenario", metavar="NAME|FILE", help="Study that says how agents are made."),
+        str | None, typer.Option(metavar="NAME|FILE", help="Study that says how agents are made.")
     ] = None,
     settings: Settings = None,
     json: Json = False,

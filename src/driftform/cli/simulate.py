@@ -43,7 +43,7 @@ def simulate(
     renderer: Renderer = "exudyn",
     robust: Robust = None,
     seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the disturbed conditions of --robust.")
+        int, typer.Option(metavar="N", min=0, help="Seed of the disturbed conditions of --robust.")
     ] = 0,
     settings: Settings = None,
     json: Json = False,

@@ -1,3 +1,4 @@
+from . import files as files
 from . import gallery as gallery
 from . import layout as layout
 from . import plot as plot
@@ -5,7 +6,4 @@ from . import scene as scene
 from . import style as style
 from . import svg as svg
 from . import trend as trend
-from .files import make_pdf as make_pdf
-from .files import rasterise as rasterise
-from .files import write_picture as write_picture
 from .section import section_svg as section_svg

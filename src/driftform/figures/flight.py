@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import WIDTH, shorten, write
+from driftform.figures.layout import WIDTH, resample_polyline, shorten, write
 from driftform.figures.plot import (
     Window,
     draw_cross,
@@ -15,7 +15,7 @@ from driftform.figures.plot import (
     pipe_ink,
     pipe_points,
 )
-from driftform.figures.projection import PLAN, SIDE, drawing_times, resample_polyline
+from driftform.figures.projection import PLAN, SIDE, drawing_times
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
 from driftform.motion.approach import Approach
 from driftform.motion.interpolation import interpolate_pose, interpolate_positions

@@ -7,9 +7,9 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.gallery import GalleryEntry, arrange_rows, draw_gallery, group_shared
-from driftform.figures.layout import WIDTH, start_page
+from driftform.figures.layout import WIDTH, resample_polyline, start_page
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
-from driftform.figures.projection import SIDE, drawing_times, resample_polyline
+from driftform.figures.projection import SIDE, drawing_times
 from driftform.figures.style import INK, MUTED, SERIES, tint
 from driftform.motion.interpolation import interpolate_positions
 from driftform.motion.way import find_target_approaches

@@ -13,12 +13,13 @@ from driftform.figures.layout import (
     floor_to_nice_number,
     format_signed,
     place_labels,
+    resample_polyline,
     shorten,
     text_width,
     tick_values,
     write,
 )
-from driftform.figures.projection import View, convex_hull, resample_polyline, silhouette, simplify_polyline
+from driftform.figures.projection import View, convex_hull, silhouette, simplify_polyline
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
 from driftform.motion.interpolation import Pose
 from driftform.types import Body, FloatArray

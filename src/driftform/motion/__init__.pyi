@@ -1,3 +1,6 @@
+from . import forces as forces
+from . import inertia as inertia
+from . import integrator as integrator
 from . import interpolation as interpolation
 from .approach import closest_approach as closest_approach
 from .body_drag import estimate_drag as estimate_drag
@@ -6,18 +9,6 @@ from .coordinates import describe_motion as describe_motion
 from .drag import still_water_wrench as still_water_wrench
 from .flight import finish_trajectory as finish_trajectory
 from .flight import release_state as release_state
-from .forces import acceleration_at as acceleration_at
-from .forces import accelerations_along as accelerations_along
-from .forces import net_wrench as net_wrench
-from .inertia import added_mass_at as added_mass_at
-from .inertia import largest_added_mass_ratio as largest_added_mass_ratio
-from .inertia import shift_origin as shift_origin
-from .integrator import Accuracy as Accuracy
-from .integrator import greatest_distance as greatest_distance
-from .integrator import integrate as integrate
-from .integrator import integrate_once as integrate_once
-from .interpolation import interpolate_attitudes as interpolate_attitudes
-from .interpolation import interpolate_positions as interpolate_positions
 from .loop import grow_tolerance as grow_tolerance
 from .model import FlightModel as FlightModel
 from .model import flight_model as flight_model

@@ -7,7 +7,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from driftform.errors import did_you_mean
 from driftform.options import Table, describe, option
-from driftform.types import FloatArray, MassProperties
+from driftform.types import Body, FloatArray, MassProperties
 from driftform.util.latest import keep_latest
 from driftform.util.vectors import cross
 from driftform.water.factors import Calibration
@@ -336,6 +336,12 @@ class Scenario(Table):
         c, s, cp, sp = self._frame_angles()
         frame = _turn_by(*_halve_angle(c, s), *_halve_angle(cp, sp))
         return _multiply(frame, given)
+
+    def find_misfit(self, body: Body) -> str | None:
+        """Return why a body cannot be released here, in one line with the two numbers; ``None`` if it can."""
+        from driftform.water.misfit import find_misfit
+
+        return find_misfit(body, self)
 
     @keep_latest
     def release_axis(self) -> FloatArray:

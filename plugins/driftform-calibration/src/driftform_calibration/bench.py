@@ -7,19 +7,12 @@ import numpy as np
 
 from driftform import Pipeline
 from driftform.agent import hull_mass, mass_properties
-from driftform.motion import (
-    Accuracy,
-    evaluate_path,
-    finish_trajectory,
-    flight_model,
-    integrate_once,
-    release_state,
-)
+from driftform.motion import evaluate_path, finish_trajectory, flight_model, integrator, release_state
 from driftform.types import Agent, Body, Coefficients, FloatArray, Morphology
 from driftform.util import rotations
 from driftform.water import Calibration, Factors, Scenario
 
-ACCURACY = Accuracy(tolerance=1e-7, max_step=0.03, step_limit=20_000)
+ACCURACY = integrator.Accuracy(tolerance=1e-7, max_step=0.03, step_limit=20_000)
 """Of the flights of a fit: smooth enough for finite differences, far finer than any track."""
 
 
@@ -116,7 +109,7 @@ class Bench:
         start = release_state(model, self._release(scenario, error))
         start[7:10] += error.velocity
         start[2] += error.rise
-        samples = integrate_once(model, start, max(until, 0.01), ACCURACY)
+        samples = integrator.integrate_once(model, start, max(until, 0.01), ACCURACY)
         samples = np.ascontiguousarray(samples[np.isfinite(samples).all(axis=1)])
         touched = finish_trajectory(samples, model, until, ACCURACY.step_limit).contact
         contact = np.inf if touched is None else touched

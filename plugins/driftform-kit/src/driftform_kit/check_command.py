@@ -23,33 +23,27 @@ def check(
             metavar="FILE|AGENT",
             help="A printable file (.stl, .3mf, .obj, .ply, .glb, .scad), or an agent, whose files are written and "
             f"checked. {options.AGENT_HELP}",
-            show_default=False,
         ),
     ],
     agent: Annotated[
         str | None,
         typer.Option(
-            "--agent",
             metavar="AGENT",
             help="Agent that a FILE was made of; by default the agent.json attached to it or beside it.",
         ),
     ] = None,
     nozzle: Annotated[
-        float | None,
-        typer.Option("--nozzle", metavar="MM", help="Diameter of the nozzle, mm; by default 0.4."),
+        float | None, typer.Option(metavar="MM", help="Diameter of the nozzle, mm; by default 0.4.")
     ] = None,
     bed: Annotated[
         str | None,
         typer.Option(
-            "--bed",
             metavar="X,Y,Z",
             help="Largest part that the printer can make, mm; by default 250,210,210. Without --nozzle and --bed a 3MF file "
             "of a kit is checked for the printer that it was made for.",
         ),
     ] = None,
-    format: Annotated[
-        str, typer.Option("--format", metavar="NAME", help="Format that an AGENT is exported to.")
-    ] = "stl",
+    format: Annotated[str, typer.Option(metavar="NAME", help="Format that an AGENT is exported to.")] = "stl",
     kit: Annotated[
         bool,
         typer.Option(
@@ -79,7 +73,7 @@ def check(
     import sys
 
     from driftform import open_agent
-    from driftform.cli import formats, print_json
+    from driftform.cli import formats, output
     from driftform.errors import InputError
     from driftform.interfaces import Printer
     from driftform.types import State
@@ -121,7 +115,7 @@ def check(
         )
     failed = any(finding.state is State.FAIL for finding in findings)
     if json:
-        print_json(
+        output.print_json(
             {
                 "subject": subject,
                 "printable": not failed,

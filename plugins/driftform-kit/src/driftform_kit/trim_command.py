@@ -18,7 +18,6 @@ def trim(
     printed_mass: Annotated[
         float | None,
         typer.Option(
-            "--printed-mass",
             metavar="KG",
             help="Mass of the print with its core and without ballast, kg; with --kit by default that of its parts.",
         ),
@@ -26,7 +25,6 @@ def trim(
     printed_cog: Annotated[
         float | None,
         typer.Option(
-            "--printed-cog",
             metavar="M",
             help="x of its centre of gravity from the core's centre, fore positive, m; by default that of the "
             "hull's material.",
@@ -40,15 +38,13 @@ def trim(
         ),
     ] = False,
     format: Annotated[
-        str,
-        typer.Option("--format", metavar="NAME[,NAME...]", help="Formats that the kit is exported to."),
+        str, typer.Option(metavar="NAME[,NAME...]", help="Formats that the kit is exported to.")
     ] = "stl",
     bed: options.Bed = None,
     option: options.ExporterOptions = None,
     ballast_density: Annotated[
         float | None,
         typer.Option(
-            "--ballast-density",
             metavar="KG/M3",
             help="Density of the ballast, kg/m3; by default that of the kit's options, or of lead, 11340.",
         ),
@@ -60,7 +56,7 @@ def trim(
     json: options.Json = False,
 ) -> None:
     """Compute the ballast that makes a print fly as simulated, and show its path without it."""
-    from driftform.cli import formats, print_json
+    from driftform.cli import formats, output
     from driftform.errors import InputError
     from driftform_kit.ballast import name_material
     from driftform_kit.settings import list_arguments
@@ -76,7 +72,7 @@ def trim(
         design, printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density
     )
     if json:
-        print_json(facts)
+        output.print_json(facts)
         return
     exporter = design.study.make_exporter(names[0])
     kept = [setting for setting in settings or () if not setting.lstrip().startswith("exporter.")]
@@ -98,7 +94,7 @@ def trim(
 
 
 def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: "Commands") -> None:
-    from driftform.cli import print_table
+    from driftform.cli import output
     from driftform_kit.trim_words import describe_place, describe_remedy
 
     aft = facts["aft_end"]
@@ -115,7 +111,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: "Commands")
             describe_place(facts["printed_cog"], aft) + source,
         ),
     ]
-    print_table(("", "mass", "centre of gravity"), rows, right=(1,))
+    output.print_table(("", "mass", "centre of gravity"), rows, right=(1,))
     print()
     for line in describe_remedy(facts, commands):
         print(line)
@@ -124,7 +120,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: "Commands")
     # A failed flight costs its column, not the others.
     columns = {name: facts[name] or {} for name in names}
     targets = list(dict.fromkeys(target for column in columns.values() for target in column))
-    print_table(
+    output.print_table(
         ("target", *names),
         (
             (

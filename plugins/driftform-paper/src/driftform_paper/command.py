@@ -11,18 +11,16 @@ from driftform.cli import options
 def reproduce(
     repeats: Annotated[
         int,
-        typer.Option(
-            "--repeats", metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed."
-        ),
+        typer.Option(metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed."),
     ] = 10,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first repeat.")] = 1,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the first repeat.")] = 1,
     workers: options.Workers = None,
     executor: options.ExecutorName = None,
     scheduler: options.Scheduler = None,
     simulator: options.Simulator = None,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Directory for runs, tables and figures.")
-    ] = Path("reproduction"),
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for runs, tables and figures.")] = Path(
+        "reproduction"
+    ),
     settings: options.Settings = None,
     json: options.Json = False,
 ) -> None:
@@ -33,7 +31,7 @@ def reproduce(
     """
     import time
 
-    from driftform.cli import print_json
+    from driftform.cli import output
     from driftform.search import open_executor
     from driftform.util import files, progress
     from driftform_paper.repeats import STRATEGIES, load_repeat, read_results, search_all
@@ -61,7 +59,7 @@ def reproduce(
     markdown = results_markdown(first.scenario, found, again)
     files.write_text(out / "results.md", markdown)
     if json:
-        print_json(
+        output.print_json(
             {
                 **results_document(first.scenario, found, again),
                 "seconds": seconds,

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from driftform import Study
-from driftform.figures import gallery, layout, svg, trend, write_picture
+from driftform.figures import files as picture_files
+from driftform.figures import gallery, layout, svg, trend
 from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_paper.repeats import (
@@ -171,7 +172,9 @@ def write_figures(
             f"{TIMES} flights each up to their closest approach, with their mean and standard deviation",
         ),
     }
-    return tuple(path for name, svg in pictures.items() for path in write_picture(directory / name, svg))
+    return tuple(
+        path for name, svg in pictures.items() for path in picture_files.write_picture(directory / name, svg)
+    )
 
 
 def trends(targets: Sequence[str], fitness: FloatArray, baseline: FloatArray) -> list[trend.Trend]:

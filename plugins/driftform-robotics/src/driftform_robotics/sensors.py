@@ -5,7 +5,7 @@ The sensors are at one ``point`` of the body (m, body frame). The readings have 
 
 import numpy as np
 
-from driftform.motion import acceleration_at
+from driftform.motion import forces
 from driftform.types import Body, FloatArray, Trajectory
 from driftform.util import rotations
 from driftform.water import Fluid, Pipe, Scenario
@@ -57,7 +57,9 @@ def specific_force(
     (:func:`driftform.motion.accelerations_along`), transferred to the point with the body's rotation.
     """
     up = rotations.matrix_from_quaternion(trajectory.quaternion)[:, 2]
-    return np.asarray(acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64)
+    return np.asarray(
+        forces.acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64
+    )
 
 
 def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from driftform.agent import Mesh
 from driftform.errors import WorkFailedError
-from driftform.figures import make_pdf
+from driftform.figures import files as picture_files
 from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import Body, FloatArray, WrittenFile
 from driftform.util import files
@@ -54,7 +54,7 @@ class PartExporter(Exporter[PartOptions]):
         if self.options.kit:
             sheet = path.with_name(f"{path.stem}-assembly.svg")
             drawn = find_maker().draw_sheet(job, self.options, self.name)
-            for target, page in ((sheet, drawn), (sheet.with_suffix(".pdf"), make_pdf(drawn))):
+            for target, page in ((sheet, drawn), (sheet.with_suffix(".pdf"), picture_files.make_pdf(drawn))):
                 if page is not None:
                     save(target, page)
                     written.append(WrittenFile(self.name, str(target)))

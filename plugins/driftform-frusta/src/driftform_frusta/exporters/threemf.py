@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from driftform.agent import Mesh
-from driftform.figures import rasterise
+from driftform.figures import files as picture_files
 from driftform.interfaces import ExportJob
 from driftform_frusta.colours import colour_of
 from driftform_frusta.exporters.base import File, PartExporter, list_facts
@@ -129,4 +129,4 @@ class ThreeMfExporter(PartExporter):
 
     def _picture(self, placed: Sequence[_Placed], width: float = 160.0, height: float = 120.0) -> bytes:
         shapes = [(p.mesh.translate((p.x, p.y, 0.0)), p.colour) for p in placed]
-        return rasterise(plate_svg(shapes, self._bed[:2], width, height)) or b""
+        return picture_files.rasterise(plate_svg(shapes, self._bed[:2], width, height)) or b""

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.motion import added_mass_at, largest_added_mass_ratio
+from driftform.motion import inertia
 from driftform.types import Body, FloatArray
-from driftform.util import rotations
 from driftform.water import Scenario
 from driftform_robotics.models.damping import linear_damping, quadratic_damping, reference_speed
 from driftform_robotics.models.meshes import folds_back
@@ -54,6 +53,8 @@ class Link:
     @property
     def rotation(self) -> FloatArray:
         """Attitude at the release, body to world, (3, 3)."""
+        from driftform.util import rotations
+
         return rotations.matrix_from_quaternion(self.quaternion)
 
     @property
@@ -66,6 +67,8 @@ class Link:
 
 def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
     """Return the link of a job, at its release."""
+    from driftform.util import rotations
+
     agent, scenario = job.agent, job.scenario
     mass = agent.mass
     speed = drag_speed or reference_speed(agent, scenario.fluid)
@@ -76,10 +79,10 @@ def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
         volume=mass.volume,
         buoyancy=mass.cob - mass.cog,
         core=-mass.cog,
-        added_mass=added_mass_at(agent.coefficients, mass.cog),
+        added_mass=inertia.added_mass_at(agent.coefficients, mass.cog),
         linear_damping=linear_damping(agent),
         quadratic_damping=quadratic_damping(agent, scenario.fluid, speed),
-        added_mass_ratio=largest_added_mass_ratio(mass, agent.coefficients),
+        added_mass_ratio=inertia.largest_added_mass_ratio(mass, agent.coefficients),
         drag_speed=speed if agent.coefficients.drag is not None else 0.0,
         position=scenario.release_position() + rotations.matrix_from_quaternion(quaternion) @ mass.cog,
         quaternion=quaternion,

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.motion import accelerations_along, net_wrench
+from driftform.motion import forces
 from driftform.types import FloatArray, Trajectory
 from driftform.util import rotations
 from driftform.water import wall_distance
@@ -77,7 +77,7 @@ class FlightTopics:
     @cached_property
     def accelerations(self) -> FloatArray:
         """Accelerations by the equations of motion, (k, 6)."""
-        return accelerations_along(self.trajectory, self.job.agent, self.job.scenario)
+        return forces.accelerations_along(self.trajectory, self.job.agent, self.job.scenario)
 
     @cached_property
     def sensor_positions(self) -> FloatArray:
@@ -172,7 +172,7 @@ class FlightTopics:
         yield self.stamps[0], self.ros.make("nav_msgs/Path", header=header, poses=poses)
 
     def _make_wrenches(self) -> Iterator[tuple[int, Any]]:
-        found = net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
+        found = forces.net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
         for stamp, values in zip(self.stamps, found, strict=True):
             wrench = self.ros.make(
                 "geometry_msgs/Wrench",

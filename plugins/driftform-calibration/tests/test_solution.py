@@ -1,0 +1,254 @@
+"""The covariance of a fit, against linear least squares in closed form and against the scatter of repeated films."""
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from driftform.types import FloatArray
+from driftform_calibration.problem import Parameter, Problem
+from driftform_calibration.solution import (
+    ROBUST,
+    Solution,
+    _spread,
+    correlation_time,
+    estimate_covariance,
+    merge_solutions,
+)
+
+
+class Lines:
+    """A problem whose films show u = a + b t, one coordinate each: least squares in closed form.
+
+    The unknowns are a and b; each film may have its own noise, by which residuals are divided.
+    """
+
+    def __init__(
+        self,
+        seen: Sequence[FloatArray],
+        noise: Sequence[float],
+        prior_rows: FloatArray | None = None,
+        t: FloatArray | None = None,
+    ) -> None:
+        self.noise, self.seen = tuple(noise), list(seen)
+        self.prior_rows = np.zeros((0, 2)) if prior_rows is None else prior_rows
+        times = [np.linspace(-1, 1, len(u)) if t is None else t for u in seen]
+        self.designs = [np.column_stack([np.ones_like(time), time]) for time in times]
+        self.films = [
+            SimpleNamespace(observed=u[None, :, None], track=SimpleNamespace(t=time))
+            for u, time in zip(seen, times, strict=True)
+        ]
+        self.counts = [int(np.isfinite(u).sum()) for u in seen]
+        self.parameters = [Parameter(-1, name, 0.0, -9.0, 9.0, np.inf) for name in "ab"]
+
+    def with_noise(self, noise: Sequence[float]) -> "Lines":
+        return Lines(self.seen, noise, self.prior_rows)
+
+    def paths(self, x: FloatArray) -> list[None]:
+        return [None] * len(self.films)
+
+    def see(self, x: FloatArray, number: int, path: None = None) -> tuple[FloatArray, None]:
+        return (self.designs[number] @ x)[None, :, None], None
+
+    def residuals(self, x: FloatArray) -> FloatArray:
+        parts = [
+            ((A @ x - u) / s)[np.isfinite(u)]
+            for A, u, s in zip(self.designs, self.seen, self.noise, strict=True)
+        ]
+        return np.concatenate([*parts, self.prior_rows @ x])
+
+    def jacobian(self, x: FloatArray) -> FloatArray:
+        parts = [A[np.isfinite(u)] / s for A, u, s in zip(self.designs, self.seen, self.noise, strict=True)]
+        return np.vstack([*parts, self.prior_rows])
+
+    def solve(self) -> FloatArray:
+        return np.linalg.lstsq(self.jacobian(np.zeros(2)), -self.residuals(np.zeros(2)), rcond=None)[0]
+
+
+def as_problem(lines: Lines) -> Problem:
+    return cast(Problem, lines)
+
+
+def draw_series(rng: np.random.Generator, count: int, rho: float, size: float = 1.0) -> FloatArray:
+    """Noise of an autoregression with the correlation ``rho`` of neighbours, from its stationary distribution."""
+    out = np.empty(count)
+    out[0] = rng.normal()
+    steps = np.sqrt(1 - rho**2) * rng.normal(size=count)
+    for k in range(1, count):
+        out[k] = rho * out[k - 1] + steps[k]
+    return size * out
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])
+def test_the_covariance_is_the_scatter_of_fits_to_films_whose_errors_are_correlated(rho: float) -> None:
+    """A point that errs as its neighbour does counts less: by (1 + rho) / (1 - rho) in the variance."""
+    rng, truth = np.random.default_rng(1), np.array([0.3, -0.2])
+    fits, covariances = [], []
+    for _ in range(150):
+        lines = Lines([np.zeros(1000)], [0.01])
+        lines = Lines([lines.designs[0] @ truth + draw_series(rng, 1000, rho, 0.01)], [0.01])
+        fits.append(lines.solve())
+        covariances.append(estimate_covariance(as_problem(lines), fits[-1]))
+    scatter, expected = np.cov(np.array(fits).T), np.mean(covariances, axis=0)
+    assert np.diag(expected) == pytest.approx(np.diag(scatter), rel=0.35)
+    white = 0.01**2 * np.linalg.inv(lines.designs[0].T @ lines.designs[0])
+    assert np.diag(expected) == pytest.approx(np.diag(white) * (1 + rho) / (1 - rho), rel=0.25)
+
+
+def test_the_covariance_of_white_residuals_is_that_of_the_normal_equations() -> None:
+    """s^2 (A' A)^-1 with s^2 from n - 2 degrees of freedom; the noise that was assumed cancels while all points count."""
+    rng = np.random.default_rng(2)
+    u = 0.02 * rng.choice([-1.0, 1.0], 400)
+    for assumed in (0.2, 2.0):
+        lines = Lines([u], [assumed])
+        x, A = lines.solve(), lines.designs[0]
+        assert correlation_time(as_problem(lines), x, 0) == 1.0
+        variance = float(((A @ x - u) ** 2).sum()) / 398
+        found = estimate_covariance(as_problem(lines), x)
+        assert found == pytest.approx(variance * np.linalg.inv(A.T @ A), rel=4e-3, abs=1e-12)
+
+
+def test_what_is_known_before_and_every_film_add_their_information() -> None:
+    rng = np.random.default_rng(3)
+    sizes, known = (0.003, 0.001), np.array([[1 / 2e-4, 0.0], [1 / 3e-4, 1 / 3e-4]])
+    seen = [size * rng.choice([-1.0, 1.0], count) for size, count in zip(sizes, (200, 300), strict=True)]
+    # Noise far above the residuals: every point counts fully.
+    lines = Lines(seen, [100 * size for size in sizes], known)
+    x = np.zeros(2)
+    information = known.T @ known
+    for A, size in zip(lines.designs, sizes, strict=True):
+        information = information + A.T @ A / size**2
+    found = estimate_covariance(as_problem(lines), x)
+    assert found == pytest.approx(np.linalg.inv(information), rel=0.03, abs=1e-12)
+    alone = estimate_covariance(as_problem(Lines(seen[:1], [0.3], known)), x)
+    assert np.all(np.diag(found) < np.diag(alone))
+
+
+@pytest.mark.parametrize("rho", [0.3, 0.5, 0.8])
+def test_the_correlation_time_of_an_autoregression_is_its_closed_form(rho: float) -> None:
+    lines = Lines([draw_series(np.random.default_rng(4), 20_000, rho)], [1.0])
+    found = correlation_time(as_problem(lines), np.zeros(2), 0)
+    # Points beyond 4.4 standard deviations of noise are cut, which changes little.
+    assert found == pytest.approx((1 + rho) / (1 - rho), rel=0.08)
+
+
+def test_the_correlation_time_of_a_short_pattern_is_the_sum_of_its_correlations() -> None:
+    """A step of equal halves, 1 and -1: lag k has the correlation (n - 3 k) / n."""
+    n = 60
+    lines = Lines([np.repeat([1.0, -1.0], n // 2)], [1.0])
+    expected, lag = 1.0, 1
+    while lag < n // 3 and (n - 3 * lag) / n >= 2 / np.sqrt(n):
+        expected, lag = expected + 2 * (n - 3 * lag) / n, lag + 1
+    assert lag == 15
+    assert correlation_time(as_problem(lines), np.zeros(2), 0) == pytest.approx(expected, rel=1e-12)
+
+
+def test_two_coordinates_share_one_correlation_time() -> None:
+    rng = np.random.default_rng(5)
+    a, b = draw_series(rng, 5000, 0.8), draw_series(rng, 5000, 0.0)
+    film = SimpleNamespace(
+        observed=np.stack([a, b], axis=1)[None], track=SimpleNamespace(t=np.arange(5000.0))
+    )
+    zero: Any = SimpleNamespace(
+        films=[film], see=lambda *_: (np.zeros((1, 5000, 2)), None), paths=lambda _: [None]
+    )
+    # Both have the variance 1, so that the correlations are means of 0.8^k and 0.
+    assert correlation_time(zero, np.zeros(2), 0) == pytest.approx(1 + 0.8 / 0.2, rel=0.15)
+
+
+@pytest.mark.parametrize("count", [7, 8])
+def test_a_series_of_fewer_than_eight_points_shows_no_correlation(count: int) -> None:
+    seen = np.full(40, np.nan)
+    seen[:count] = 1.0
+    found = correlation_time(as_problem(Lines([seen], [1.0])), np.zeros(2), 0)
+    assert (found > 1.0) == (count >= 8)
+
+
+def test_residuals_of_a_model_that_fits_exactly_have_no_correlation() -> None:
+    assert correlation_time(as_problem(Lines([np.zeros(50)], [1.0])), np.zeros(2), 0) == 1.0
+
+
+def test_a_wild_point_hardly_shortens_the_correlation_time() -> None:
+    series = draw_series(np.random.default_rng(6), 4000, 0.8)
+    series[2000] = 300.0
+    assert correlation_time(as_problem(Lines([series], [1.0])), np.zeros(2), 0) == pytest.approx(
+        9.0, rel=0.15
+    )
+
+
+def test_the_spread_of_normal_residuals_is_their_standard_deviation() -> None:
+    residuals = np.random.default_rng(7).normal(size=100_000)
+    # Of a soft loss, the spread is that of the estimate: the variance of its influence over the square of its slope.
+    assert _spread(residuals) == pytest.approx(1.0, abs=0.02)
+    assert _spread(0.01 * residuals) == pytest.approx(0.01, rel=0.01)
+
+
+def test_the_spread_of_small_residuals_counts_what_the_unknowns_used_up() -> None:
+    residuals = 1e-4 * np.tile([1.0, -1.0], 50)
+    assert _spread(residuals) == pytest.approx(1e-4, rel=1e-6)
+    assert _spread(residuals, 36.0) == pytest.approx(1e-4 * 10 / 8, rel=1e-6)
+    # No more residuals than unknowns: one degree of freedom is left.
+    assert _spread(residuals, 100.0) == pytest.approx(1e-3, rel=1e-6)
+
+
+def test_a_residual_of_several_times_the_noise_counts_as_its_influence() -> None:
+    # psi(r) = r / sqrt(1 + (r / c)^2) at r = c is c / sqrt(2), and psi' = 2^-1.5.
+    residuals = np.full(4, ROBUST)
+    assert _spread(residuals) == pytest.approx(ROBUST / np.sqrt(2) * 2**1.5, rel=1e-12)
+
+
+def test_unknowns_use_up_half_of_the_residuals_at_most() -> None:
+    """Two points fix a line; three leave one, so that a tenth of the noise would be claimed without a limit."""
+    lines = Lines([np.array([0.01, -0.02, 0.01])], [10.0])
+    found = estimate_covariance(as_problem(lines), np.zeros(2))
+    A = lines.designs[0]
+    assert found == pytest.approx(6e-4 / 1.5 * np.linalg.inv(A.T @ A), rel=1e-3, abs=1e-12)
+
+
+def test_a_solution_keeps_its_covariance_as_what_is_known_before_another_fit() -> None:
+    covariance = np.array([[4e-4, 1e-4], [1e-4, 9e-4]])
+    anchor = Solution(as_problem(Lines([np.zeros(9)], [1.0])), np.array([0.1, 0.2]), covariance).anchor()
+    assert list(anchor.keys) == [(-1, "a"), (-1, "b")]
+    assert anchor.centre == pytest.approx([0.1, 0.2])
+    assert np.linalg.inv(anchor.rows.T @ anchor.rows) == pytest.approx(covariance, rel=1e-9)
+
+
+def test_an_unknown_without_variance_is_held_with_a_finite_weight() -> None:
+    exact = Solution(as_problem(Lines([np.zeros(9)], [1.0])), np.zeros(2), np.diag([1.0, 0.0])).anchor()
+    assert sorted(np.linalg.norm(exact.rows, axis=1)) == pytest.approx([1.0, 1e9])
+
+
+def test_solutions_that_fit_as_well_widen_the_covariance_by_their_distance() -> None:
+    rng = np.random.default_rng(8)
+    lines = Lines([rng.choice([-1.0, 1.0], 200)], [1.0])
+    problem, own = as_problem(lines), np.diag([0.01, 0.02])
+    # Of opposite sign, they fit equally to first order; the better one is the sum's centre.
+    best = Solution(problem, lines.solve(), own)
+    away = np.array([0.02, 0.03])
+    other = Solution(problem, best.x + away, np.diag([9.0, 9.0]))
+    merged = merge_solutions([other, best])
+    assert merged.x is best.x
+    soft = [
+        2 * ROBUST**2 * (np.sqrt(1 + (lines.residuals(s.x) / ROBUST) ** 2) - 1).sum() for s in (best, other)
+    ]
+    weight = np.exp((soft[0] - soft[1]) / 2)
+    assert 0.1 < weight < 0.99
+    assert merged.covariance == pytest.approx(own + weight * np.outer(away, away), rel=1e-9)
+    assert best.covariance is own and own[0, 1] == 0.0, "the best one keeps its own"
+
+
+def test_a_solution_of_correlated_residuals_counts_less_beside_the_best() -> None:
+    """With the pattern of a step, whose correlation time is known, likelihoods count its root of them."""
+    lines = Lines([0.1 * np.repeat([1.0, -1.0], 30)], [0.1])
+    problem, away = as_problem(lines), np.array([0.0, -0.05])
+    best, other = (Solution(problem, np.zeros(2) + shift, np.zeros((2, 2))) for shift in (0 * away, -away))
+    time = correlation_time(problem, best.x, 0)
+    assert time > 5
+    costs = [
+        2 * ROBUST**2 * (np.sqrt(1 + (lines.residuals(s.x) / ROBUST) ** 2) - 1).sum() for s in (best, other)
+    ]
+    assert costs[0] < costs[1]
+    weight = np.exp((costs[0] - costs[1]) / (2 * time))
+    assert merge_solutions([best, other]).covariance == pytest.approx(weight * np.outer(away, away), rel=1e-9)

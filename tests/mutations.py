@@ -1,0 +1,352 @@
+"""Change one operator or constant of a core formula at a time, and list the changes that no test finds.
+
+    uv run python tests/mutations.py [--only NAME] [--count 60] [--seed 0]
+
+A mutant is a copy of one file in a temporary folder, which a child process imports in place of the file; the working tree
+stays as it is. The child runs the tests of that file. A test that fails, an error, or a run beyond the time limit kills the
+mutant; mutants that live are printed, and the exit code is 1. Kernels run as plain Python here, because each mutant would
+compile for tens of seconds: the tests of a file are therefore those that call its functions, and not whole flights.
+
+Children are forks of a process that has imported the large packages, so this needs Linux or macOS; the tests of networks
+need `uv sync --all-groups`.
+"""
+
+import argparse
+import ast
+import copy
+import importlib
+import importlib.abc
+import importlib.util
+import math
+import os
+import random
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+
+LIMIT_S = 300
+"""Time limit of one mutant, s."""
+
+PACKAGES = (
+    "hypothesis.extra.numpy",
+    "numpy",
+    "pytest",
+    "scipy.integrate",
+    "scipy.optimize",
+    "scipy.sparse.linalg",
+    "scipy.spatial.transform",
+    "scipy.stats",
+    "typer",
+)
+"""What most tests import."""
+
+MARKS = "not slow and not installs"
+
+
+@dataclass(frozen=True)
+class Target:
+    """A file of formulas, the tests that judge it, and the functions that count as formulas."""
+
+    path: str
+    tests: tuple[str, ...]
+    functions: tuple[str, ...] = ()
+    """Without any, the whole file."""
+
+    @property
+    def name(self) -> str:
+        """Name by which ``--only`` selects it."""
+        return Path(self.path).stem
+
+    @property
+    def module(self) -> str:
+        """Name of the module."""
+        return ".".join(Path(self.path.rpartition("src/")[2]).with_suffix("").parts)
+
+
+AGENT, MOTION, PLUGINS = "src/driftform/agent", "src/driftform/motion", "plugins/driftform"
+FORMULAS = "tests/motion/test_drag_formulas.py"
+STRIPS = f"{PLUGINS}-striptheory/src/driftform_striptheory"
+NETWORKS = f"{PLUGINS}-networks/src/driftform_networks"
+
+TARGETS = (
+    Target(f"{AGENT}/solids.py", ("tests/agent/test_solids.py",)),
+    Target(f"{AGENT}/mass.py", ("tests/agent/test_mass.py",)),
+    Target(f"{AGENT}/mass_elements.py", ("tests/agent/test_mass_elements.py",)),
+    Target(f"{MOTION}/drag_coefficients.py", (FORMULAS, "tests/motion/test_body_drag.py")),
+    Target(f"{MOTION}/body_drag.py", (FORMULAS, "tests/motion/test_body_drag.py")),
+    Target(f"{MOTION}/drag.py", (FORMULAS, "tests/motion/test_drag.py")),
+    Target(f"{MOTION}/inertia.py", ("tests/motion/test_inertia.py",)),
+    Target(f"{STRIPS}/coefficients.py", (f"{PLUGINS}-striptheory/tests/test_coefficients.py",)),
+    Target(f"{STRIPS}/ellipsoid.py", (f"{PLUGINS}-striptheory/tests/test_ellipsoid.py",)),
+    Target(f"{MOTION}/impact.py", ("tests/motion/test_impact.py",)),
+    Target(f"{MOTION}/contact.py", ("tests/motion/test_contact.py", "tests/motion/test_friction.py")),
+    Target(
+        "src/driftform/water/normal.py",
+        ("tests/water/test_disturbances.py::test_normal_quantiles_are_those_of_scipy",),
+    ),
+    Target(
+        f"{PLUGINS}-calibration/src/driftform_calibration/solution.py",
+        (f"{PLUGINS}-calibration/tests/test_solution.py",),
+        (
+            "anchor",
+            "merge_solutions",
+            "_spread",
+            "_list_residuals",
+            "estimate_covariance",
+            "correlation_time",
+        ),
+    ),
+    Target(f"{NETWORKS}/chain.py", (f"{PLUGINS}-networks/tests/test_chain.py",)),
+    Target(f"{NETWORKS}/dividing.py", (f"{PLUGINS}-networks/tests/test_dividing.py",)),
+)
+
+EQUIVALENT: dict[str, str] = {}
+"""Mutants that compute the same, or differ by less than the formula itself is known, with the reason."""
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A file with one change; ``label`` names the function, and what was there and what is there now."""
+
+    target: Target
+    line: int
+    label: str
+    source: str
+
+
+# The changes.
+
+_SWAPS: dict[type[ast.AST], type[ast.AST]] = {
+    **{ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult},
+    **{
+        ast.Lt: ast.GtE,
+        ast.GtE: ast.Lt,
+        ast.Gt: ast.LtE,
+        ast.LtE: ast.Gt,
+        ast.Eq: ast.NotEq,
+        ast.NotEq: ast.Eq,
+    },
+}
+_DIMENSIONLESS_KEYWORDS = {"axis", "keepdims", "maxsize", "copy", "dtype", "strict"}
+
+
+def change_node(node: ast.AST) -> Iterator[ast.AST]:
+    """Generate what may take the place of one node of the syntax tree."""
+    match node:
+        case ast.BinOp(left, op, right) if type(op) in _SWAPS:
+            yield ast.BinOp(left, _SWAPS[type(op)](), right)
+            yield left
+            if isinstance(op, (ast.Add, ast.Mult)):
+                yield right
+        case ast.AugAssign(place, op, value) if type(op) in _SWAPS:
+            yield ast.AugAssign(place, _SWAPS[type(op)](), value)
+        case ast.Compare(left, [op], rest) if type(op) in _SWAPS:
+            yield ast.Compare(left, [_SWAPS[type(op)]()], rest)
+        case ast.UnaryOp(ast.USub(), operand):
+            yield operand
+        case ast.Constant(value) if type(value) is int:
+            yield ast.Constant(value + 1)
+        case ast.Constant(value) if type(value) is float:
+            yield ast.Constant(float(f"{1.1 * value:.6g}") or 1.0)
+
+
+def list_places(tree: ast.AST, scope: str = "") -> Iterator[tuple[ast.AST, str, Any, str]]:
+    """Generate the fields of the syntax tree that hold a formula's nodes: parent, field, index in it or None, function."""
+    for field, value in ast.iter_fields(tree):
+        if field in ("annotation", "returns", "decorator_list", "slice", "exc", "msg"):
+            continue
+        if field == "value" and isinstance(value, (ast.JoinedStr, ast.FormattedValue)):
+            continue
+        for index, child in enumerate(value) if isinstance(value, list) else [(None, value)]:
+            if not isinstance(child, ast.AST) or isinstance(child, ast.JoinedStr):
+                continue
+            if isinstance(child, ast.keyword) and child.arg in _DIMENSIONLESS_KEYWORDS:
+                continue
+            yield tree, field, index, scope
+            inner = child.name if isinstance(child, ast.FunctionDef) and not scope else scope
+            yield from list_places(child, inner)
+
+
+def list_mutants(target: Target) -> list[Mutant]:
+    """Return all mutants of a file."""
+    tree = ast.parse((ROOT / target.path).read_text(encoding="utf-8"))
+    found = []
+    for parent, field, index, scope in list_places(tree):
+        if target.functions and scope not in target.functions:
+            continue
+        value = getattr(parent, field)
+        node = value if index is None else value[index]
+        for other in change_node(node):
+            _put(parent, field, index, ast.copy_location(copy.deepcopy(other), node))
+            source = ast.unparse(ast.fix_missing_locations(tree))
+            _put(parent, field, index, node)
+            label = f"{target.name}.{scope or '(module)'}: {ast.unparse(node)} -> {ast.unparse(other)}"
+            found.append(Mutant(target, node.lineno, label, source))  # type: ignore[attr-defined]
+    return found
+
+
+def _put(parent: ast.AST, field: str, index: int | None, node: ast.AST) -> None:
+    if index is None:
+        setattr(parent, field, node)
+    else:
+        getattr(parent, field)[index] = node
+
+
+def sample_mutants(targets: Sequence[Target], count: int, seed: int) -> list[Mutant]:
+    """Return ``count`` mutants that are not known to be equivalent, the same number of each file while it has any."""
+    rng = random.Random(seed)
+    pools = []
+    for target in targets:
+        found = list_mutants(target)
+        rng.shuffle(found)
+        pools.append([mutant for mutant in found if mutant.label not in EQUIVALENT])
+    chosen: list[Mutant] = []
+    while len(chosen) < count and any(pools):
+        for pool in pools:
+            if pool and len(chosen) < count:
+                chosen.append(pool.pop())
+    return chosen
+
+
+# One run.
+
+
+class _Replacement(importlib.abc.MetaPathFinder):
+    """Import one module from another file."""
+
+    def __init__(self, module: str, file: Path) -> None:
+        self.module, self.file = module, file
+
+    def find_spec(
+        self, name: str, path: object = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return where the module is."""
+        return importlib.util.spec_from_file_location(name, self.file) if name == self.module else None
+
+
+def prepare_parent() -> None:
+    """Import what all children need, without any file of :data:`TARGETS`, and let kernels stay plain Python."""
+    for name in PACKAGES:
+        importlib.import_module(name)
+    import numpy as np
+
+    compiled = importlib.import_module("driftform.util.compiled")
+
+    def keep(function: Any) -> Any:
+        return function
+
+    def borrow_as(dtype: Any = None) -> Any:
+        number = np.dtype(np.float64 if dtype is None else dtype)
+
+        def borrow(array: Any, start: int, shape: tuple[int, ...]) -> Any:
+            size = math.prod(shape) * number.itemsize // array.itemsize
+            view = array[start : start + size].view(number).reshape(shape)
+            return view.view(np.recarray) if number.names else view
+
+        return borrow
+
+    for name in ("compiled", "allocating", "borrowing", "vectorized"):
+        setattr(compiled, name, keep)
+    compiled.borrow_as = borrow_as
+    compiled.borrow = borrow_as()
+    from driftform.motion import fields
+
+    # Kernels read n.gravity, which numba gives any record.
+    for name in ("LAW", "PLANE", "NUMBERS"):
+        setattr(fields, name, np.dtype((np.record, getattr(fields, name))))
+    early = {target.module for target in TARGETS} & set(sys.modules)
+    assert not early, f"{early} are imported before they are changed"
+
+
+def start(target: Target, source: str | None, folder: Path, number: int) -> int:
+    """Run the tests of a file in a child, with another source of it; return the child's process number."""
+    log = folder / f"{number}.txt"
+    pid = os.fork()
+    if pid:
+        return pid
+    signal.alarm(LIMIT_S)
+    sys.dont_write_bytecode = True
+    stream = os.open(log, os.O_WRONLY | os.O_CREAT)
+    os.dup2(stream, 1)
+    os.dup2(stream, 2)
+    code = 3
+    try:
+        if source is not None:
+            file = folder / f"{number}.py"
+            file.write_text(source, encoding="utf-8")
+            sys.meta_path.insert(0, _Replacement(target.module, file))
+        import pytest
+
+        options = ("-x", "-q", "-n", "0", "-p", "no:cacheprovider", "-p", "no:warnings", "-m", MARKS)
+        code = int(pytest.main([*options, "--rootdir", str(ROOT), *target.tests]))
+    finally:
+        os._exit(code)
+
+
+def run_all(
+    jobs: Sequence[tuple[Target, str | None]], processes: int, folder: Path
+) -> Iterator[tuple[int, int]]:
+    """Generate the number of each job and its exit code, negative after a signal, as they end."""
+    waiting, running = list(enumerate(jobs)), {}
+    while waiting or running:
+        while waiting and len(running) < processes:
+            number, (target, source) = waiting.pop(0)
+            running[start(target, source, folder, number)] = number
+        pid, status = os.wait()
+        yield running.pop(pid), os.waitstatus_to_exitcode(status)
+
+
+def main() -> int:
+    """Run mutants and print those that live."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--only", help="name of one file, without .py", choices=[t.name for t in TARGETS])
+    parser.add_argument("--count", type=int, default=60, help="mutants to draw, the same number of each file")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--processes", type=int, default=1, choices=(1, 2))
+    parser.add_argument("--list", action="store_true", help="print the mutants without running them")
+    given = parser.parse_args()
+    os.chdir(ROOT)
+    targets = [target for target in TARGETS if given.only in (None, target.name)]
+    mutants = sample_mutants(targets, given.count, given.seed)
+    if given.list:
+        print(*(f"{m.target.path}:{m.line} {m.label}" for m in mutants), sep="\n")
+        return 0
+    prepare_parent()
+    begun = time.monotonic()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for number, code in run_all([(target, None) for target in targets], given.processes, folder):
+            print(
+                f"{time.monotonic() - begun:6.1f} s  {targets[number].name}: exit code {code} unchanged",
+                flush=True,
+            )
+            if code:
+                print((folder / f"{number}.txt").read_text(encoding="utf-8"))
+                return 2
+        alive = []
+        for number, code in run_all([(m.target, m.source) for m in mutants], given.processes, folder):
+            mutant = mutants[number]
+            word = {0: "LIVES", -signal.SIGALRM: "too slow"}.get(code, "killed")
+            print(
+                f"{time.monotonic() - begun:6.1f} s  {word:8} {mutant.target.path}:{mutant.line} {mutant.label}",
+                flush=True,
+            )
+            if code == 0:
+                alive.append(mutant)
+    print(f"{len(alive)} of {len(mutants)} mutants live; {time.monotonic() - begun:.0f} s")
+    for mutant in alive:
+        print(f"  {mutant.target.path}:{mutant.line} {mutant.label}")
+    return 1 if alive else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
