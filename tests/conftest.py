@@ -304,48 +304,6 @@ def dask_cluster(
             other.terminate()
 
 
-@pytest.fixture
-def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
-    """Call the program in this process, in an empty directory."""
-    from typer.testing import CliRunner
-
-    from driftform.cli.app import app
-
-    monkeypatch.chdir(tmp_path)
-    return lambda *args: CliRunner().invoke(app, [str(arg) for arg in args], prog_name="driftform")
-
-
-@pytest.fixture
-def ideal_water(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make the paper's scenario the default in this process: its numbers have closed forms, and it takes less time."""
-    monkeypatch.setattr("driftform.study.study.DEFAULT", "paper")
-
-
-@pytest.fixture
-def refused(call: Callable[..., Any], tmp_path: Path) -> Callable[..., str]:
-    """Call the program with bad input; it says so in one line and leaves nothing behind. Return the line."""
-
-    def line_of(*args: object) -> str:
-        before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*") if path.is_file()}
-        folders = {path for path in tmp_path.rglob("*") if path.is_dir()}
-        result = call(*args)
-        assert isinstance(result.exception, SystemExit), result.exception
-        assert result.exit_code == 2, result.stderr
-        assert result.stdout == ""
-        lines = result.stderr.splitlines()
-        assert len(lines) == 1, result.stderr
-        assert lines[0].startswith("error: ")
-        after = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*") if path.is_file()}
-        locks = {path for path in after if path.name == ".lock"}
-        assert {path: when for path, when in after.items() if path not in locks} == {
-            path: when for path, when in before.items() if path not in locks
-        }
-        assert {path for path in tmp_path.rglob("*") if path.is_dir()} == folders
-        return lines[0]
-
-    return line_of
-
-
 @pytest.fixture(scope="session")
 def finished_run(
     run: Callable[..., subprocess.CompletedProcess[str]], tmp_path_factory: pytest.TempPathFactory

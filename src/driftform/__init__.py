@@ -14,4 +14,4 @@ hookimpl = pluggy.HookimplMarker("driftform")
 """Marks a function of a plugin module as the implementation of a hook of :mod:`driftform.plugins.hookspecs`."""
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-__all__ += ["__version__", "hookimpl"]
+__all__ += ["hookimpl"]

@@ -7,7 +7,6 @@ from .api import load_study as load_study
 from .api import open_agent as open_agent
 from .api import open_run as open_run
 from .design.design import Design as Design
-from .design.flight import Flight as Flight
 from .pipeline import Pipeline as Pipeline
 from .runs.agent_file import StoredAgent as StoredAgent
 from .study.study import Study as Study

@@ -18,18 +18,23 @@ from driftform.design.design import Design
 from driftform.design.flight import Flight
 from driftform.design.opening import open_best
 from driftform.errors import InputError, did_you_mean
-from driftform.report.writing import write_report
+from driftform.report.page import write_report
+from driftform.runs.agent_file import StoredAgent
+from driftform.runs.coverage import CoverageMap
+from driftform.runs.misses import Misses
 from driftform.runs.run import Run as StoredRun
-from driftform.runs.run import check_study
 from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
 from driftform.runs.wording import list_cells, list_headings
-from driftform.search import LocalProcesses
-from driftform.search.advance import Observer, advance_run, list_best
+from driftform.search.advance import Observer, advance_run, find_best, list_best, search_run
+from driftform.search.finalists import find_winner
 from driftform.search.in_process import InProcess
-from driftform.search.picking import pick_agent
+from driftform.search.jobs import Executor
+from driftform.search.local import LocalProcesses
+from driftform.search.picking import pick_agent, write_pick
+from driftform.search.results import map_run
 from driftform.study import Study, load_study
-from driftform.study.advice import list_warnings
+from driftform.types import Trajectory
 from driftform.util.notebook import show_picture, show_table
 from driftform.util.progress import count_progress
 from driftform.water.currents import sample_current, warn_of_flow, write_current
@@ -77,6 +82,10 @@ class Run(StoredRun, Mapping[str, Design]):
     def __len__(self) -> int:
         return len(self.study.scenario.target_names)
 
+    def find_best(self, target: str) -> StoredAgent | None:
+        """Return the best agent for a target without building it; ``None`` while every evaluation has failed."""
+        return find_best(self, target)
+
     def pick(self, x: float, y: float, z: float) -> Design:
         """Return the agent whose flight passes closest to a point of the world, m; its ``result`` says how close.
 
@@ -86,6 +95,60 @@ class Run(StoredRun, Mapping[str, Design]):
             if no flight can pass the point, or every evaluation has failed so far.
         """
         return Design.build(pick_agent(self, (x, y, z)), f"{self.path}: {x:g} {y:g} {z:g}")
+
+    def write_pick(self, x: float, y: float, z: float, folder: Path | None = None) -> Path:
+        """Pick an agent as :meth:`pick` does, write it as ``agent.json``, and return its path.
+
+        The ``folder`` is by default ``picks/X_Y_Z`` of the run.
+        """
+        return write_pick(self, (x, y, z), folder)[1]
+
+    def misses(self, target: str) -> Misses | None:
+        """Return how far the disturbed flights of a target's best agent miss; ``None`` before they are flown."""
+        with self.read() as store:
+            winner = find_winner(self.study, store, target)
+        return None if winner is None else winner.misses
+
+    def map_coverage(self) -> CoverageMap:
+        """Return which cells of the pipe its flights cross.
+
+        Raises
+        ------
+        InputError
+            in open water.
+        """
+        with self.read() as store:
+            return map_run(self.study, store)
+
+    def read_flight(self, evaluation: int) -> Trajectory | None:
+        """Return the flight of an evaluation as it was stored; ``None`` if it failed, or there is none."""
+        with self.read() as store:
+            found = list(store.read_records(self.study.scenario.target_names, evaluation, 1))
+        return found[0].evaluation.trajectory if found else None
+
+    def search(self, executor: Executor, observer: Observer | None = None) -> None:
+        """Ask, evaluate and store until the budget is spent; for a run that is created, resumed or ensured.
+
+        Raises
+        ------
+        InputError
+            if the stored evaluations are not those that the study asks for.
+        """
+        search_run(self, executor, observer)
+
+    def advance(self, executor: Executor, observer: Observer | None = None) -> list[str]:
+        """Search as :meth:`search` does, fly the finalists, and write best agents and pictures.
+
+        Returns one line for each file that could not be written.
+
+        Raises
+        ------
+        InputError
+            if the stored evaluations are not those that the study asks for.
+        WorkFailedError
+            if every evaluation failed.
+        """
+        return [problem for best in advance_run(self, executor, observer) for problem in best.problems]
 
     def report(self, path: str | os.PathLike[str] | None = None) -> Path:
         """Write the run as one page that needs no network, and return its path.
@@ -218,12 +281,12 @@ def evolve(
     """
     if workers < 1:
         raise InputError(f"workers = {workers}: should be at least 1")
-    check_study(study)
-    for warning in list_warnings(study):
+    study.check_search()
+    for warning in study.list_warnings():
         warnings.warn(warning, stacklevel=2)
     with Run.ensure(Path(directory), study) as run, closing(_make_executor(study, workers)) as executor:
-        results = advance_run(run, executor, _Counter(study.evaluations) if progress else None)
-    for problem in (problem for best in results for problem in best.problems):
+        problems = run.advance(executor, _Counter(study.evaluations) if progress else None)
+    for problem in problems:
         warnings.warn(problem, stacklevel=2)
     return run
 

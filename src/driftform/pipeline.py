@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from driftform.agent import mass_properties
-from driftform.agent.mass_elements import load_ballast
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.plugins.faults import describe_fault
@@ -37,7 +36,6 @@ from driftform.water.disturbances import (
     disturb_fluid,
     disturb_scenario,
 )
-from driftform.water.factors import calibrate_body, calibrate_coefficients
 from driftform.water.misfit import ease_release, find_misfit
 
 MARGIN = 0.2
@@ -131,7 +129,7 @@ class Pipeline:
             body, fluid = disturb_body(condition, body), disturb_fluid(condition, fluid)
             calibration = disturb_calibration(condition, calibration)
         factors = calibration.factors
-        body = calibrate_body(factors, body)
+        body = factors.scale_body(body)
         mass = mass_properties(body)
         found = self.hydrodynamics.coefficients(body, fluid)
         coefficients = require_coefficients(found, body, self.hydrodynamics)
@@ -141,8 +139,8 @@ class Pipeline:
             factor = wake_factor(coefficients, fluid.density * mass.volume)
             drag = estimate_drag(body, fluid.viscosity, factor, options.drag_without)
             coefficients = replace(coefficients, drag=drag)
-        coefficients = calibrate_coefficients(factors, coefficients)
-        return Agent(body, load_ballast(mass, scenario.release), coefficients, morphology, genome)
+        coefficients = factors.scale_coefficients(coefficients)
+        return Agent(body, scenario.release.load(mass), coefficients, morphology, genome)
 
     def find_obstacle(self, genome: Genome) -> str | None:
         """Return why a genome cannot be built or released, in one line; ``None`` if it can."""

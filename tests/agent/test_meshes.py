@@ -1,31 +1,22 @@
 """Meshes of triangles against closed forms, and their files against the formats."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.agent import solid_of_revolution
-from driftform.agent.meshes import (
-    area_factor,
-    area_vectors,
-    is_closed,
-    merge_vertices,
-    obj_lines,
-    revolve,
-    signed_volume,
-    stl_bytes,
-    surface_area,
-)
+from driftform.agent import Mesh, solid_of_revolution
+from driftform.agent.meshes import area_factor
 
 
 def box_mesh():
     """A box of 1 x 2 x 3 with a corner at the origin."""
     vertices = np.array(list(itertools.product((0, 1), (0, 2), (0, 3))), dtype=np.float32)
     squares = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    return vertices, np.array([half for a, b, c, d in squares for half in ((a, b, c), (a, c, d))])
+    return Mesh(vertices, np.array([half for a, b, c, d in squares for half in ((a, b, c), (a, c, d))]))
 
 
 @pytest.mark.parametrize("segments", [3, 4, 7, 64])
@@ -40,51 +31,54 @@ def test_a_revolved_line_has_the_volume_and_the_centroid_of_the_closed_form(step
     z = np.cumsum([0.0, *(step for step, _ in steps)])
     r = [radius for _, radius in steps]
     line = np.array([(0, z[0]), *zip([*r, r[-1]], z, strict=True), (0, z[-1])])
-    vertices, triangles = revolve(line, segments)
+    mesh = Mesh.revolve(line, segments)
+    vertices, triangles = mesh.vertices, mesh.triangles
     expected = solid_of_revolution(line[:, ::-1])
-    assert is_closed(triangles)
+    assert mesh.is_closed
     assert len(np.unique(triangles)) == len(vertices) == segments * len(z) + 2
-    assert signed_volume(vertices, triangles) == pytest.approx(expected.volume, rel=1e-10)
+    assert mesh.volume == pytest.approx(expected.volume, rel=1e-10)
     # The centroid, by the divergence theorem: half the integral of z^2 over the surface's projection along z.
     a, b, c = vertices[triangles, 2].T
     square = (a * a + b * b + c * c + a * b + b * c + c * a) / 6
-    first = (square * area_vectors(vertices, triangles)[:, 2]).sum() / 2
+    first = (square * mesh.area_vectors[:, 2]).sum() / 2
     assert first == pytest.approx(expected.first, rel=1e-9)
 
 
 def test_a_closed_line_sweeps_a_ring_and_its_first_corner_is_on_the_x_axis():
-    vertices, triangles = revolve(np.array([(2.0, 0.0), (5.0, 0.0), (5.0, 7.0), (2.0, 7.0)]), 12, closed=True)
-    assert is_closed(triangles)
-    assert signed_volume(vertices, triangles) == pytest.approx(np.pi * (25 - 4) * 7, rel=1e-12)
-    assert vertices[0].tolist() == [2 * area_factor(12), 0, 0]
+    mesh = Mesh.revolve(np.array([(2.0, 0.0), (5.0, 0.0), (5.0, 7.0), (2.0, 7.0)]), 12, closed=True)
+    assert mesh.is_closed
+    assert mesh.volume == pytest.approx(np.pi * (25 - 4) * 7, rel=1e-12)
+    assert mesh.vertices[0].tolist() == [2 * area_factor(12), 0, 0]
 
 
 def test_area_vectors_point_outward_and_close():
-    vertices, triangles = box_mesh()
-    vectors = area_vectors(vertices, triangles)
+    box = box_mesh()
+    vectors = box.area_vectors
     assert vectors.shape == (12, 3)
     assert np.allclose(vectors.sum(axis=0), 0)
     assert sorted(np.linalg.norm(vectors, axis=1)) == pytest.approx([1] * 4 + [1.5] * 4 + [3] * 4)
-    assert (((vertices[triangles].mean(axis=1) - vertices.mean(axis=0)) * vectors).sum(axis=1) > 0).all()
+    assert (
+        ((box.vertices[box.triangles].mean(axis=1) - box.vertices.mean(axis=0)) * vectors).sum(axis=1) > 0
+    ).all()
 
 
 def test_an_obj_file_counts_its_vertices_from_the_number_given():
-    vertices, triangles = np.array([(0, -0.0, 1), (0.1, 2, 3), (4, 5, 6)]), np.array([(0, 1, 2)])
-    assert obj_lines(vertices, triangles) == "v 0 0 1\nv 0.1 2 3\nv 4 5 6\nf 1 2 3\n"
-    assert obj_lines(vertices, triangles, 9).endswith("f 9 10 11\n")
+    mesh = Mesh(np.array([(0, -0.0, 1), (0.1, 2, 3), (4, 5, 6)]), np.array([(0, 1, 2)]))
+    assert mesh.to_obj() == "v 0 0 1\nv 0.1 2 3\nv 4 5 6\nf 1 2 3\n"
+    assert mesh.to_obj(9).endswith("f 9 10 11\n")
 
 
 def test_merging_keeps_double_precision_and_drops_what_collapsed_before():
     vertices = np.array([(0, 0, 0), (1, 0, 0), (1, 1e-12, 0), (0, 1, 0)], dtype=float)
-    merged, triangles = merge_vertices(vertices, [(0, 1, 3), (0, 2, 2)])
-    assert merged.dtype == np.float64
-    assert (merged == vertices).all()
-    assert triangles.tolist() == [[0, 1, 3]]
+    merged = Mesh(vertices, np.array([(0, 1, 3), (0, 2, 2)])).merge_vertices()
+    assert merged.vertices.dtype == np.float64
+    assert (merged.vertices == vertices).all()
+    assert merged.triangles.tolist() == [[0, 1, 3]]
 
 
 def test_an_stl_file_is_laid_out_as_the_format_says():
-    vertices, triangles = box_mesh()
-    data = stl_bytes(vertices, triangles)
+    box = box_mesh()
+    data = box.to_stl()
     assert len(data) == 84 + 50 * 12
     assert not data.startswith(b"solid")
     assert b"driftform" in data[:80]
@@ -94,45 +88,43 @@ def test_an_stl_file_is_laid_out_as_the_format_says():
     assert int.from_bytes(data[80:84], "little") == 12
     facets = np.frombuffer(data[84:], dtype=[("v", "<f4", (4, 3)), ("attribute", "<u2")])
     normal, corners = facets["v"][:, 0], facets["v"][:, 1:]
-    assert (corners == vertices[triangles]).all()
+    assert (corners == box.vertices[box.triangles]).all()
     # A box's normals are unit vectors along the axes that point away from its middle.
     assert (np.sort(np.abs(normal), axis=1) == [0, 0, 1]).all()
     assert (np.einsum("ij,ij->i", normal, corners.mean(axis=1) - [0.5, 1, 1.5]) > 0).all()
 
 
 def test_coordinates_that_are_not_finite_are_never_written():
-    vertices, triangles = box_mesh()
-    vertices[0, 0] = np.nan
+    box = box_mesh()
+    box.vertices[0, 0] = np.nan
     with pytest.raises(ValueError, match="not finite"):
-        stl_bytes(vertices, triangles)
+        box.to_stl()
 
 
 def test_volume_and_surface_of_a_box_are_those_of_the_formulas():
-    vertices, triangles = box_mesh()
-    assert signed_volume(vertices, triangles) == pytest.approx(6, rel=1e-12)
-    assert signed_volume(vertices, triangles[:, ::-1]) == pytest.approx(-6, rel=1e-12)
-    assert signed_volume(vertices + 1000.0, triangles) == pytest.approx(6, rel=1e-9)
-    assert surface_area(vertices, triangles) == pytest.approx(22, rel=1e-12)
+    box = box_mesh()
+    assert box.volume == pytest.approx(6, rel=1e-12)
+    assert Mesh(box.vertices, box.triangles[:, ::-1]).volume == pytest.approx(-6, rel=1e-12)
+    assert Mesh(box.vertices + 1000.0, box.triangles).volume == pytest.approx(6, rel=1e-9)
+    assert box.area == pytest.approx(22, rel=1e-12)
 
 
 def test_a_mesh_is_closed_only_with_every_edge_once_in_each_direction():
-    _, triangles = box_mesh()
+    box = box_mesh()
+    triangles = box.triangles
     flipped = triangles.copy()
     flipped[0] = flipped[0, ::-1]
-    assert is_closed(triangles)
-    assert is_closed(triangles[:, ::-1])
-    assert not is_closed(triangles[1:])
-    assert not is_closed(flipped)
-    assert not is_closed(np.concatenate((triangles, triangles)))
-    assert not is_closed(triangles[:0])
+    assert box.is_closed
+    assert replace(box, triangles=triangles[:, ::-1]).is_closed
+    for broken in (triangles[1:], flipped, np.concatenate((triangles, triangles)), triangles[:0]):
+        assert not replace(box, triangles=broken).is_closed
 
 
 def test_merging_joins_equal_coordinates_and_drops_what_collapses():
     vertices = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (-0.0, 0, 0), (1, 1e-12, 0), (1, 1, 0)]
-    merged, triangles = merge_vertices(
-        np.array(vertices, dtype=np.float32), [(0, 1, 2), (3, 4, 5), (0, 3, 1)]
-    )
-    assert merged.dtype == np.float32
-    assert len(merged) == 5
-    assert len(triangles) == 2
-    assert not np.signbit(merged).any()
+    mesh = Mesh(np.array(vertices, dtype=np.float32), np.array([(0, 1, 2), (3, 4, 5), (0, 3, 1)]))
+    merged = mesh.merge_vertices()
+    assert merged.vertices.dtype == np.float32
+    assert len(merged.vertices) == 5
+    assert len(merged.triangles) == 2
+    assert not np.signbit(merged.vertices).any()

@@ -19,9 +19,9 @@ from driftform.motion.model import flight_model
 from driftform.pipeline import MARGIN
 from driftform.runs.compression import encode
 from driftform.runs.store import Store
-from driftform.search import LocalProcesses
 from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
+from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
 from driftform.study import load_study
 

@@ -23,10 +23,10 @@ import numpy as np
 import pytest
 
 from driftform.runs.store import Store
-from driftform.search import LocalProcesses
 from driftform.search.cluster import Cluster
 from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
+from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
 from driftform.search.pool import PoolExecutor
 from driftform.study import Study, load_study

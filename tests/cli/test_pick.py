@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from driftform.motion.approach import closest_approach
-from driftform.runs.agent_file import read_agent
+from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import lock_run
 from driftform.runs.store import Record, Store
 from driftform.types import Candidate, Evaluation, Genome
@@ -41,7 +41,10 @@ def test_at_a_target_it_finds_the_best_for_that_target(call, run_copy: Path, fin
     told = json.loads(finished_run[1].stdout)["targets"]["TP7"]
     picked = json.loads(call("pick", run_copy, "5.5", "0.0", "-0.4", "--json").stdout)
     assert picked["distance"] == pytest.approx(told["distance"], abs=1e-9)
-    assert read_agent(Path(picked["agent"])).genome == read_agent(run_copy / "best/TP7/agent.json").genome
+    assert (
+        StoredAgent.read(Path(picked["agent"])).genome
+        == StoredAgent.read(run_copy / "best/TP7/agent.json").genome
+    )
 
 
 def test_the_agent_serves_other_commands_and_flies_past_the_point_again(call, run_copy: Path) -> None:
@@ -59,7 +62,7 @@ def test_it_tells_the_flight_the_distance_and_the_file(call, run_copy: Path) -> 
     result = call("pick", run_copy, *ANYWHERE)
     assert result.exit_code == 0
     path = run_copy / "picks" / "4.2_0_-0.35" / "agent.json"
-    known = read_agent(path).result
+    known = StoredAgent.read(path).result
     first, second = result.stdout.splitlines()
     assert f"evaluation {known['evaluation']} passes closest to (4.2, 0, -0.35) m" in first
     assert f"{1000 * known['distance']:.1f} mm" in first

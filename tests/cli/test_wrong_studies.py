@@ -14,7 +14,6 @@ import pytest
 
 from driftform.errors import InputError
 from driftform.study import load_study
-from driftform.study.advice import list_warnings
 
 pytestmark = pytest.mark.usefixtures("ideal_water")
 
@@ -109,12 +108,12 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
 
 
 def load_and_list(settings: list[str]) -> list[str]:
-    return list_warnings(load_study("paper", settings=[*settings, "run.seed=1"]))
+    return load_study("paper", settings=[*settings, "run.seed=1"]).list_warnings()
 
 
 def test_the_built_in_scenarios_give_no_warning() -> None:
     for name in ("paper", "pipe-inspection"):
-        assert list_warnings(load_study(name)) == []
+        assert load_study(name).list_warnings() == []
 
 
 @pytest.mark.parametrize("name", WRONG)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from public import MODULES, find_homes
 
 import driftform
 from driftform import api
@@ -34,6 +35,82 @@ def shown(pages: dict[str, str]) -> dict[str, list[str]]:
         module: re.findall(r"^ +- (\w+)$", options, re.MULTILINE)
         for module, options in _SHOWN.findall(pages["reference.md"])
     }
+
+
+INTRODUCTION = """# Python reference
+
+The public interface: plugins and scripts import these modules, and nothing else of driftform. This page is made from the
+docstrings, which state shapes, units and frames. On GitHub it is a list of names: the source of each has the same text.
+[python.md](python.md) shows how to use the functions, and [dataflow.md](dataflow.md) how the values flow.
+"""
+
+TEST_WITH = """
+## Hooks
+
+::: driftform.plugins.hookspecs
+
+## Bodies, agents and flights to test with
+
+::: driftform.testing.bodies
+
+::: driftform.testing.agents
+    options:
+      members:
+        - Spheroid
+        - sphere_agent
+        - tumbling_agent
+
+::: driftform.testing.fitness
+    options:
+      members:
+        - PIPE
+        - straight_trajectory
+
+::: driftform.testing.simulator
+    options:
+      members:
+        - water_scenario
+
+::: driftform.testing.strategy
+    options:
+      members:
+        - search_space
+        - two_target_fitness
+
+::: driftform.testing.renderer
+    options:
+      members:
+        - Frames
+        - drifting_trajectory
+        - read_film
+
+::: driftform.testing.checker
+    options:
+      members:
+        - write_box
+"""
+
+
+def reference_page() -> str:
+    """The page: each public module with its names, grouped by the modules that define them."""
+    page = INTRODUCTION
+    for module in MODULES:
+        page += f"\n## {module}\n"
+        groups: dict[str, list[str]] = {}
+        for name, home in sorted(find_homes(module).items()):
+            if not name.startswith("__"):
+                groups.setdefault(home, []).append(name)
+        for home, names in sorted(groups.items()):
+            if names == [home.rpartition(".")[2]] and home.count(".") > 1:
+                page += f"\n::: {home}\n"
+            else:
+                members = "".join(f"        - {name}\n" for name in names)
+                page += f"\n::: {home}\n    options:\n      members:\n{members}"
+    return page + TEST_WITH
+
+
+def test_the_page_lists_the_public_interface(up_to_date: Any) -> None:
+    up_to_date(ROOT / "docs" / "reference.md", reference_page())
 
 
 def imports(code: str) -> Iterator[tuple[str, str]]:

@@ -4,8 +4,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.figures.layout import MINUS
-from driftform.figures.reach import BOUNDS, RAMP, reach_svg
-from driftform.runs.coverage import CoverageMap, PipeGrid, map_coverage
+from driftform.figures.reach import reach_svg
+from driftform.figures.style import RAMP
+from driftform.runs.coverage import BOUNDS, CoverageMap, PipeGrid, map_coverage
 from driftform.water import Pipe, Scenario, Segment
 
 

@@ -11,7 +11,8 @@ from driftform.motion.model import flight_model
 from driftform.motion.rates import fill_rate_in_space
 from driftform.study import load_study
 from driftform.util.rotations import quaternion_from_rotation_vector, rotation_vector_from_quaternion
-from driftform.water import Fluid, Pipe, Scenario, Segment, TurbulentFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import TurbulentFlow
 from driftform.water.scenario import Contact, Release
 
 PIPELINE = load_study("paper").make_pipeline()

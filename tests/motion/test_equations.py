@@ -15,8 +15,8 @@ from driftform.motion.model import flight_model
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform.types import Agent, Coefficients, Drag, MassProperties
-from driftform.water import Fluid, Pipe, Scenario, Segment, TurbulentFlow
-from driftform.water.flow import DevelopingFlow, LogLawFlow, PowerLawFlow, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import DevelopingFlow, LogLawFlow, PowerLawFlow, TurbulentFlow, UniformFlow
 from driftform.water.scenario import Contact
 from driftform.water.velocity import water_motion
 

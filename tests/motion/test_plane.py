@@ -15,8 +15,8 @@ from driftform.motion.rates import fill_rate_in_space
 from driftform.study import load_study
 from driftform.testing.agents import sphere_agent
 from driftform.types import Drag
-from driftform.water import Fluid, Pipe, Scenario, Segment, TurbulentFlow
-from driftform.water.flow import DevelopingFlow, LogLawFlow, PowerLawFlow, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import DevelopingFlow, LogLawFlow, PowerLawFlow, TurbulentFlow, UniformFlow
 from driftform.water.scenario import Contact, Release
 
 HORIZON = 9.0

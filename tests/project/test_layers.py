@@ -13,6 +13,9 @@ PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"
 HOOKS = "src/driftform/plugins/hookspecs.py"
 """It names the type of the command line's parser, for hints alone."""
 
+CONTRACT = "src/driftform/testing/commands.py"
+"""It calls the commands that a plugin adds."""
+
 LAYERS = (
     *("errors", "types", "options", "scenarios", "util", "agent", "water"),
     *("interfaces", "motion", "plugins", "pipeline", "study"),
@@ -123,4 +126,4 @@ def test_in_the_core_only_the_command_line_imports_its_parser() -> None:
         for name in list_imports(file.read_text("utf-8"))
         if name.split(".")[0] == "typer" or name.startswith("driftform.cli")
     }
-    assert users and all(user.startswith("src/driftform/cli/") for user in users - {HOOKS})
+    assert users and all(user.startswith("src/driftform/cli/") for user in users - {HOOKS, CONTRACT})

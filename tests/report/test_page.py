@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from driftform.report.contents import collect_contents
-from driftform.report.page import page_html
-from driftform.report.viewer import viewer_data
+from driftform.report.page import page_html, viewer_data
 from driftform.runs.run import Run
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water.flow import PowerLawFlow

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.report.streams import simplify_motion, spread_over_disc, trace_streams
+from driftform.figures.streams import simplify_motion, spread_over_disc, trace_streams
 from driftform.water import Pipe, Scenario
 from driftform.water.flow import UniformFlow
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.runs.dependence import MIN_FLIGHTS, REST, divide_spread
+from driftform.runs.dependence import MIN_FLIGHTS, REST
 from driftform.runs.misses import Misses
 from driftform.water.disturbances import draw_conditions
 from driftform.water.scenario import Robustness
@@ -19,7 +19,7 @@ def misses_of(flights, offset, noise=0.0, seed=1):
 
 
 def effects_of(misses):
-    found = divide_spread(misses, 0)
+    found = misses.list_effects(0)
     assert found is not None
     return {effect.name: effect.deviation for effect in found}
 
@@ -53,7 +53,7 @@ def test_the_squares_of_all_effects_add_up_to_the_variance():
 
 
 def test_the_largest_effect_comes_first_and_the_rest_last():
-    found = divide_spread(misses_of(100, lambda c: [c.drag, c.current, 0], noise=0.01), 0)
+    found = misses_of(100, lambda c: [c.drag, c.current, 0], noise=0.01).list_effects(0)
     assert found is not None
     assert [effect.name for effect in found[:2]] == ["drag", "current"]
     assert found[-1].name == REST
@@ -64,4 +64,4 @@ def test_failed_flights_are_left_out_and_few_flights_divide_nothing():
     misses.offsets[:2] = np.nan
     assert effects_of(misses)["drag"] > 0.1
     misses.offsets[:3] = np.nan
-    assert divide_spread(misses, 0) is None
+    assert misses.list_effects(0) is None

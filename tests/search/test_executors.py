@@ -19,10 +19,10 @@ import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform.search import LocalProcesses
 from driftform.search.cluster import Cluster
 from driftform.search.in_process import InProcess
 from driftform.search.jobs import ATTEMPTS, KILLS, FunctionDiedError, Job, Outcome, WorkersLostError
+from driftform.search.local import LocalProcesses
 from driftform.search.pool import PoolExecutor
 from driftform.study import Study, load_study
 from driftform.types import Evaluation

@@ -16,7 +16,7 @@ from driftform.motion.approach import closest_approach
 from driftform.plugins.registry import registry
 from driftform.runs.coverage import CoverageMap, PipeGrid
 from driftform.runs.store import Store
-from driftform.search import LocalProcesses
+from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
 from driftform.study import load_study
 

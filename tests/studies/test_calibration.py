@@ -24,7 +24,6 @@ from driftform.motion.approach import closest_approach
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
 from driftform.water import Calibration, Factors
-from driftform.water.factors import NAMES
 from driftform_calibration.films import weigh_prior
 from driftform_calibration.fit import fit_factors
 
@@ -85,7 +84,7 @@ def test_intervals_hold_the_truth(
         "|---|---|---|---|---|",
     ]
     shares = {}
-    for name in NAMES:
+    for name in Factors.names:
         known = [row for row in trials if row["found"][name][3]]
         held = [r["found"][name][1] <= r["world"][name] <= r["found"][name][2] for r in known]
         half = [(r["found"][name][2] - r["found"][name][1]) / 2 / r["found"][name][0] for r in known]
@@ -125,7 +124,7 @@ def evolve(folder: Path, name: str, calibration: Calibration) -> list[Design]:
 
 def make_study(calibration: Calibration) -> Study:
     settings = ["robustness.conditions=0"]
-    for name in NAMES:
+    for name in Factors.names:
         if (interval := getattr(calibration, name)) is not None:
             settings.append(f"calibration.{name}={list(interval)}")
     run = {"seed": 5, "evaluations": EVALUATIONS}

@@ -19,16 +19,14 @@ from driftform.motion.drag_coefficients import CROSSFLOW_PLATEAU
 from driftform.motion.way import find_offsets
 from driftform.runs.misses import PROMISED, estimate_quantile
 from driftform.runs.store import Store
-from driftform.search import LocalProcesses
 from driftform.search.finalists import find_winner, fly_finalists
 from driftform.search.jobs import Executor, Job
+from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
-from driftform.water import TurbulentFlow
 from driftform.water.disturbances import disturb_body, draw_conditions
-from driftform.water.flow import LogLawFlow
-from driftform.water.velocity import friction_factor
+from driftform.water.flow import LogLawFlow, TurbulentFlow, friction_factor
 
 pytestmark = pytest.mark.slow
 

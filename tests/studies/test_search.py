@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from driftform.runs.store import Store
-from driftform.search import LocalProcesses
 from driftform.search.jobs import Executor
+from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import FloatArray

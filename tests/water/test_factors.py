@@ -9,11 +9,6 @@ from driftform.testing.bodies import hollow_body
 from driftform.types import Coefficients
 from driftform.water import Calibration, Factors
 from driftform.water.disturbances import disturb_scenario, draw_conditions
-from driftform.water.factors import (
-    calibrate_body,
-    calibrate_coefficients,
-    calibrate_restitution,
-)
 from driftform.water.scenario import Robustness
 
 TABLE = Calibration.model_validate(
@@ -51,16 +46,15 @@ def test_what_is_no_calibration_is_refused(table):
 
 def test_factors_scale_what_they_name():
     body, added = hollow_body(), np.diag([1.0, 2.0, 2.0, 0.0, 3.0, 3.0])
-    assert calibrate_body(TABLE.factors, body).hull_density == pytest.approx(0.95 * body.hull_density)
-    assert calibrate_body(Factors(), body) is body
-    scaled = calibrate_coefficients(
-        Factors(axial_drag=2.0, cross_drag=3.0, added_mass=0.5),
-        Coefficients(added, quadratic_damping=np.eye(6)),
+    assert TABLE.factors.scale_body(body).hull_density == pytest.approx(0.95 * body.hull_density)
+    assert Factors().scale_body(body) is body
+    scaled = Factors(axial_drag=2.0, cross_drag=3.0, added_mass=0.5).scale_coefficients(
+        Coefficients(added, quadratic_damping=np.eye(6))
     )
     assert scaled.added_mass == pytest.approx(0.5 * added)
     assert np.diag(scaled.quadratic_damping) == pytest.approx([2, 3, 3, 2, 3, 3])
-    assert calibrate_restitution(TABLE.factors, 0.5) == pytest.approx(0.6)
-    assert calibrate_restitution(Factors(restitution=5.0), 0.5) == 1.0
+    assert TABLE.factors.scale_restitution(0.5) == pytest.approx(0.6)
+    assert Factors(restitution=5.0).scale_restitution(0.5) == 1.0
 
 
 def test_disturbed_flights_draw_a_factor_from_its_interval_as_correlated_as_the_table_says():

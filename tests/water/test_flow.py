@@ -9,8 +9,16 @@ from driftform.errors import InputError
 from driftform.study import load_study
 from driftform.study.error_lines import format_errors
 from driftform.study.sources import Source
-from driftform.water import Scenario, TurbulentFlow
-from driftform.water.flow import FLOWS, DevelopingFlow, GridFlow, LogLawFlow, PowerLawFlow, UniformFlow
+from driftform.water import Scenario
+from driftform.water.flow import (
+    FLOWS,
+    DevelopingFlow,
+    GridFlow,
+    LogLawFlow,
+    PowerLawFlow,
+    TurbulentFlow,
+    UniformFlow,
+)
 
 PIPE = {"segments": [{"start": [0, 0, 0], "end": [9.0, 0, 0], "radius": 1.0}]}
 

@@ -12,6 +12,7 @@ from driftform.search.advance import search_run
 from driftform.search.in_process import InProcess
 from driftform.study import load_study
 from driftform.util import preparation
+from driftform.util.files import CACHE_VARIABLE
 from driftform.water import tee_store as store
 from driftform.water.tee_store import is_stored, load_tee
 from driftform.water.tee_wall import Junction
@@ -22,7 +23,7 @@ SHAPE = Junction(0.4, math.radians(75), 0.08)
 @pytest.fixture
 def solved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[Junction]:
     """The shapes that are solved, each by the potentials of another one, in a cache that begins empty."""
-    monkeypatch.setenv(store.CACHE_VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setenv(CACHE_VARIABLE, str(tmp_path / "cache"))
     known, shapes = load_tee(store.JUNCTIONS[0]), []
 
     def compute(junction: Junction) -> store.TeePotentials:

@@ -18,14 +18,20 @@ from driftform.motion.model import flight_model
 from driftform.motion.terminal import terminal_speed_across
 from driftform.study import load_study
 from driftform.testing.agents import sphere_agent
-from driftform.water import Fluid, Pipe, Scenario, Segment, TurbulentFlow
-from driftform.water.flow import DevelopingFlow, LogLawFlow, PowerLawFlow, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import (
+    DevelopingFlow,
+    LogLawFlow,
+    PowerLawFlow,
+    TurbulentFlow,
+    UniformFlow,
+    friction_factor,
+)
 from driftform.water.profiles import MIN_WALL_DISTANCE
 from driftform.water.scenario import FlightLimits
 from driftform.water.velocity import (
     find_spline_slopes,
     flow_array,
-    friction_factor,
     gust_array,
     gust_memory,
     gust_shear,

@@ -12,7 +12,7 @@ import pytest
 
 from driftform.study import load_study
 
-TRACKS = Path(__file__).parents[2] / "docs" / "tracks"
+TRACKS = Path(__file__).parents[3] / "docs" / "tracks"
 FACTORS = {"axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", "friction"}
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 

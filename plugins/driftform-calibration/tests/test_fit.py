@@ -10,7 +10,6 @@ from made_films import Filming, draw_world, film_flight, place_drop
 from driftform.design.design import Design
 from driftform.study import load_study
 from driftform.water import Factors
-from driftform.water.factors import NAMES
 from driftform_calibration.bench import Bench
 from driftform_calibration.fit import Fit, fit_factors
 from driftform_calibration.problem import Filmed, factor_of, parameter_of
@@ -150,7 +149,7 @@ def test_a_release_that_was_placed_too_early_is_found_anew_with_what_the_other_f
         assert estimate.low <= getattr(world, name) <= estimate.high
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", Factors.names)
 @pytest.mark.parametrize("factor", [0.5, 1.0, 2.5])
 def test_factors_and_their_parameters_are_inverse(name: str, factor: float) -> None:
     assert factor_of(name, parameter_of(name, factor)) == pytest.approx(factor)

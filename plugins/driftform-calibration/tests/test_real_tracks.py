@@ -11,7 +11,7 @@ from driftform_calibration.result import CalibrationResult
 
 pytestmark = pytest.mark.long
 
-TRACKS = Path(__file__).parents[2] / "docs" / "tracks"
+TRACKS = Path(__file__).parents[3] / "docs" / "tracks"
 SETTLING, BOUNCING = TRACKS / "ten-cate-e4.csv", TRACKS / "gondret-152.csv"
 MASSES = {SETTLING: 0.0019792, BOUNCING: 0.00011027}
 """Density times volume of the spheres, kg."""

@@ -18,8 +18,7 @@ from driftform_exudyn import encoder
 from driftform_exudyn.film import ExudynRenderer, FilmOptions
 from driftform_exudyn.follow import FollowView
 from driftform_exudyn.headless import defer_interrupts
-from driftform_exudyn.motion import Pose, interpolate_poses
-from driftform_exudyn.scene import Scene
+from driftform_exudyn.scene import Pose, Scene, interpolate_poses
 from driftform_exudyn.shapes import make_ball, make_line
 from driftform_exudyn.side import SideView
 from driftform_exudyn.stage import Camera, Stage

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.figures.png import png_bytes
 from driftform.interfaces import Renderer
 from driftform.motion.interpolation import interpolate_attitudes
 from driftform.motion.resampling import even_times
@@ -16,6 +15,7 @@ from driftform.types import WrittenFile
 from driftform.util.files import write_whole
 from driftform.util.rotations import matrix_from_quaternion
 from driftform_exudyn.encoder import encode
+from driftform_exudyn.png import png_bytes
 
 pytestmark = pytest.mark.peers
 

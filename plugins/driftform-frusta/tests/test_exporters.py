@@ -9,10 +9,8 @@ import pytest
 import trimesh
 from pydantic import ValidationError
 
-from driftform.agent import hull_mass, hull_volume
-from driftform.agent.meshes import is_closed, merge_vertices, signed_volume
+from driftform.agent import Mesh, hull_mass, hull_volume
 from driftform.errors import WorkFailedError
-from driftform_frusta import mesh as meshes
 from driftform_frusta import printable
 from driftform_frusta.boundary import Solid
 from driftform_frusta.exporters.glb import GlbExporter
@@ -43,7 +41,7 @@ def write_stl(specimen_of, tmp_path):
 def shell_volumes(mesh):
     """Signed volume of each connected surface, without the repairs of trimesh's split."""
     labels = trimesh.graph.connected_component_labels(mesh.face_adjacency, node_count=len(mesh.faces))
-    return [signed_volume(mesh.vertices, mesh.faces[labels == i]) for i in range(labels.max() + 1)]
+    return [Mesh(mesh.vertices, mesh.faces[labels == i]).volume for i in range(labels.max() + 1)]
 
 
 def test_a_mesh_read_back_in_single_precision_is_watertight_and_has_the_volume(body, write_stl):
@@ -181,26 +179,31 @@ def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(
 
 
 def test_a_cavity_turned_inside_out_is_refused_though_its_mesh_is_closed(wavy_body, write_stl, monkeypatch):
-    def turn(vertices, triangles):
-        vertices, triangles = merge_vertices(vertices, triangles)
+    merge_vertices = Mesh.merge_vertices
+
+    def turn(mesh):
+        merged = merge_vertices(mesh)
+        vertices, triangles = merged.vertices, merged.triangles
         mesh = trimesh.Trimesh(vertices, triangles, process=False)
         labels = trimesh.graph.connected_component_labels(mesh.face_adjacency, node_count=len(triangles))
         inner = labels == labels[np.argmin(np.linalg.norm(vertices[triangles[:, 0], :2], axis=1))]
-        turned = np.where(inner[:, None], triangles[:, ::-1], triangles)
-        assert is_closed(turned)
-        return vertices, turned
+        turned = Mesh(vertices, np.where(inner[:, None], triangles[:, ::-1], triangles))
+        assert turned.is_closed
+        return turned
 
-    monkeypatch.setattr(meshes, "merge_vertices", turn)
+    monkeypatch.setattr(Mesh, "merge_vertices", turn)
     with pytest.raises(WorkFailedError, match="single precision"):
         write_stl(wavy_body)
 
 
 def test_a_mesh_that_single_precision_opens_is_refused(wavy_body, write_stl, monkeypatch):
-    def lose_one(vertices, triangles):
-        vertices, triangles = merge_vertices(vertices, triangles)
-        return vertices, triangles[1:]
+    merge_vertices = Mesh.merge_vertices
 
-    monkeypatch.setattr(meshes, "merge_vertices", lose_one)
+    def lose_one(mesh):
+        merged = merge_vertices(mesh)
+        return Mesh(merged.vertices, merged.triangles[1:])
+
+    monkeypatch.setattr(Mesh, "merge_vertices", lose_one)
     with pytest.raises(WorkFailedError, match="does not stay closed"):
         write_stl(wavy_body)
 

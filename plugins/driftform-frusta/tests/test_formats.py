@@ -12,8 +12,7 @@ import pytest
 import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
-from driftform.agent import hull_volume
-from driftform.agent.meshes import signed_volume
+from driftform.agent import Mesh, hull_volume
 from driftform.interfaces import ExportJob
 from driftform.study import load_study
 from driftform_frusta.exporters.glb import GlbExporter
@@ -98,7 +97,7 @@ def assert_sound(vertices, triangles, shells, volume):
     signs = [np.sign(shell.volume()) for shell in solid.decompose()]
     assert sorted(signs) == [-1] * (shells - 1) + [1]
     # manifold3d may turn what is inside out; the plain sum of tetrahedra does not.
-    assert signed_volume(vertices, triangles) == pytest.approx(volume, rel=1e-4)
+    assert Mesh(vertices, triangles).volume == pytest.approx(volume, rel=1e-4)
     assert solid.volume() == pytest.approx(volume, rel=1e-4)
 
 
@@ -110,13 +109,13 @@ def check_all_formats(job, folder, **options):
         found = reload(files)
         assert len(found) == len(parts), exporter.name
         # Sorted by volume, as not every reader keeps names.
-        found.sort(key=lambda part: signed_volume(*part[1:]))
+        found.sort(key=lambda part: Mesh(*part[1:]).volume)
         for (_, vertices, triangles), part in zip(
             found, sorted(parts, key=lambda p: p.solid.volume), strict=True
         ):
             assert_sound(vertices, triangles, len(part.solid.shells), part.solid.volume)
         if len(parts) == 1:
-            assert signed_volume(*found[0][1:]) == pytest.approx(1e9 * hull_volume(body), rel=1e-4)
+            assert Mesh(*found[0][1:]).volume == pytest.approx(1e9 * hull_volume(body), rel=1e-4)
 
 
 @pytest.mark.peers

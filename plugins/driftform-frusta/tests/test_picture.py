@@ -4,23 +4,27 @@ import io
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 from PIL import Image
 
+from driftform.agent import Mesh
 from driftform.figures.files import ZOOM, rasterise
-from driftform_frusta.csg import Box, Difference, Translate
+from driftform_frusta.boundary import Solid
 from driftform_frusta.mesh import make_mesh
-from driftform_frusta.picture import Shape, plate_svg
+from driftform_frusta.picture import plate_svg
 from driftform_frusta.revolution import revolve_profiles
-from driftform_frusta.solid import to_solid
 
 RED, BLUE = "#ff0000", "#0000ff"
 BED = (100.0, 100.0)
 
 
+def mesh_of(solid):
+    return make_mesh(Solid.from_manifold(solid))
+
+
 def shape(size, at, colour):
     corner = tuple(a - s / 2 for a, s in zip(at[:2], size[:2], strict=True))
-    mesh = make_mesh(to_solid(Translate((*corner, at[2]), Box(size))))
-    return Shape(mesh.vertices.astype(float), mesh.triangles, colour)
+    return mesh_of(Manifold.cube(size).translate((*corner, at[2]))), colour
 
 
 def is_of(picture, channel):
@@ -53,10 +57,9 @@ def test_what_is_nearer_hides_what_is_behind_it_whatever_the_order():
 
 
 def test_a_sealed_hollow_is_never_seen():
-    hollow = to_solid(Difference(Box((60, 60, 6)), (Translate((1, 1, 1), Box((58, 58, 4))),)))
-    mesh = make_mesh(hollow)
+    mesh = mesh_of(Manifold.cube((60, 60, 6)) - Manifold.cube((58, 58, 4)).translate((1, 1, 1)))
     full = draw([shape((60, 60, 6), (0, 0, 0), RED)], BED)
-    drawn = draw([Shape(mesh.vertices.astype(float) - (30, 30, 0), mesh.triangles, RED)], BED)
+    drawn = draw([(mesh.translate((-30, -30, 0)), RED)], BED)
     # The edges of other triangles differ by a shade.
     assert np.abs(drawn.astype(int) - full).max() < 16
 
@@ -64,7 +67,7 @@ def test_a_sealed_hollow_is_never_seen():
 def test_a_plate_with_many_triangles_is_drawn_with_few():
     angle = np.linspace(0, np.pi, 400)
     ball = revolve_profiles([30 * np.column_stack((np.sin(angle), 1 - np.cos(angle)))], 400)
-    text = plate_svg([Shape(ball.vertices, ball.triangles, RED)], BED)
+    text = plate_svg([(Mesh(ball.vertices, ball.triangles), RED)], BED)
     assert len(ball.triangles) > 300_000
     assert text.count("Z") < 30_000
 

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import CrossSection, FillRule
 
-from driftform.agent.meshes import area_factor, is_closed
+from driftform.agent import Mesh
+from driftform.agent.meshes import area_factor
 from driftform.errors import WorkFailedError
 from driftform_frusta.hull import build_hull
 from driftform_frusta.revolution import revolve_profiles
@@ -37,7 +38,7 @@ def ordered(vertices):
 @pytest.mark.parametrize("start", range(4))
 def test_a_mesh_is_closed_wherever_its_profile_begins(profile, start):
     solid = sweep(profile[start:] + profile[:start])
-    assert is_closed(solid.triangles)
+    assert Mesh(solid.vertices, solid.triangles).is_closed
     assert len(np.unique(solid.triangles)) == len(solid.vertices)
     assert solid.volume == pytest.approx(by_manifold([np.array(profile)], 16).volume(), rel=1e-6)
 
@@ -97,7 +98,7 @@ def test_manifold3d_finds_any_profile_closed_and_counts_the_same_shells(heights,
     if not line[:, 0].any():
         line[0, 0] = 1.0
     solid = revolve_profiles([np.concatenate((line, [(0.0, z[-1]), (0.0, 0.0)]))], 9)
-    assert is_closed(solid.triangles)
+    assert Mesh(solid.vertices, solid.triangles).is_closed
     again = solid.to_manifold()
     assert again.volume() == pytest.approx(solid.volume, rel=1e-9)
     assert sorted(shell.volume() for shell in again.decompose()) == pytest.approx(

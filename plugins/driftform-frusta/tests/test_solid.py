@@ -12,34 +12,44 @@ from driftform.agent import hull_volume
 from driftform.agent.meshes import area_factor
 from driftform.errors import WorkFailedError
 from driftform_frusta.csg import (
-    Box,
     Difference,
-    Frustum,
     Intersection,
     Named,
     Revolve,
     Rotate,
-    Sphere,
+    Text,
     Translate,
     Union,
 )
-from driftform_frusta.hull import build_hull, build_hull_of_frustums
-from driftform_frusta.scad import to_scad
-from driftform_frusta.solid import sphere_factor, to_manifold, to_solid
+from driftform_frusta.hull import build_hull
+from driftform_frusta.revolution import revolve_profiles
+from driftform_frusta.scad import write_definitions, write_module
+from driftform_frusta.solid import to_manifold, to_solid
 
 SEGMENTS = [3, 12, 13, 64, 1024]
+
+
+def frustum(height, r0, r1):
+    return Revolve(((0, 0), (r0, 0), (r1, height), (0, height)))
+
+
+BALL = Revolve(tuple((8 * math.sin(a), -8 * math.cos(a)) for a in np.linspace(0, math.pi, 33)))
 
 BRACKET = Union(
     (
         Named(
-            "plate\nwith a hole", Difference(Box((40, 30, 5)), (Translate((20, 15, -1), Frustum(7, 4, 6)),))
+            "plate\nwith a hole", Difference(frustum(5, 20, 20), (Translate((0, 0, -1), frustum(7, 4, 6)),))
         ),
-        Translate((20, 15, 20), Sphere(8)),
-        Translate((5, 5, 4), Rotate((20, -35, 50), Frustum(30, 3, 0))),
-        Translate((35, 5, 4), Intersection((Frustum(10, 4, 4), Sphere(6)))),
+        Translate((0, 0, 20), BALL),
+        Translate((5, 5, 4), Rotate((20, -35, 50), frustum(30, 3, 0))),
+        Translate((15, 5, 4), Intersection((frustum(10, 4, 4), BALL))),
         Translate((0, 0, -15), Revolve(((-2, 0), (6, 0), (6, 10), (-2, 10)), (((2, 2), (4, 2), (3, 6)),))),
     )
 )
+
+
+def print_source(tree, segments=64):
+    return f"{write_definitions([tree], segments)}{write_module('tree', tree)}tree();\n"
 
 
 def frustum_volume(height, r0, r1):
@@ -49,7 +59,7 @@ def frustum_volume(height, r0, r1):
 @pytest.mark.parametrize("segments", SEGMENTS)
 @pytest.mark.parametrize("radii", [(5, 5), (3, 5), (5, 3), (0, 5), (5, 0)])
 def test_a_frustum_has_exactly_the_volume_of_the_formula(radii, segments):
-    solid = to_manifold(Frustum(7, *radii), segments)
+    solid = to_manifold(frustum(7, *radii), segments)
     assert solid.volume() == pytest.approx(frustum_volume(7, *radii), rel=1e-12)
     assert solid.bounding_box()[2::3] == (0, 7)
 
@@ -57,22 +67,14 @@ def test_a_frustum_has_exactly_the_volume_of_the_formula(radii, segments):
 @settings(max_examples=50, deadline=None)
 @given(st.floats(0.01, 300), st.floats(0, 150), st.floats(0.01, 150))
 def test_any_frustum_has_exactly_the_volume_of_the_formula(height, r0, r1):
-    assert to_manifold(Frustum(height, r0, r1), 24).volume() == pytest.approx(
-        frustum_volume(height, r0, r1), rel=1e-9
-    )
-
-
-@pytest.mark.parametrize("segments", SEGMENTS)
-def test_a_sphere_has_exactly_the_volume_of_the_formula(segments):
-    solid = to_manifold(Sphere(10), segments)
-    assert solid.volume() == pytest.approx(4 / 3 * math.pi * 1000, rel=1e-12)
-    assert solid.genus() == 0
+    profile = np.array([(0, 0), (r0, 0), (r1, height), (0, height)])
+    solid = revolve_profiles([profile], 24)
+    assert solid.volume == pytest.approx(frustum_volume(height, r0, r1), rel=1e-9)
 
 
 def test_the_factors_on_radii_tend_to_one_with_the_square_of_the_segments():
-    for factor in (area_factor, sphere_factor):
-        assert (factor(64) - 1) / (factor(128) - 1) == pytest.approx(4, rel=1e-2)
-        assert 1 < factor(64) < 1.002
+    assert (area_factor(64) - 1) / (area_factor(128) - 1) == pytest.approx(4, rel=1e-2)
+    assert 1 < area_factor(64) < 1.002
 
 
 def test_a_revolved_section_has_the_volume_of_pappus_less_its_holes():
@@ -100,9 +102,6 @@ def test_the_mesh_of_a_hull_has_the_volume_of_the_closed_form(body):
     expected = hull_volume(body) * 1e9
     for segments in (12, 64):
         assert to_solid(build_hull(body), segments).volume == pytest.approx(expected, rel=1e-6)
-        assert to_manifold(build_hull_of_frustums(body), segments).volume() == pytest.approx(
-            expected, rel=1e-9
-        )
 
 
 def test_a_sealed_hull_has_an_outside_and_a_hollow_that_faces_inward(wavy_body):
@@ -112,21 +111,21 @@ def test_a_sealed_hull_has_an_outside_and_a_hollow_that_faces_inward(wavy_body):
 
 
 def test_labels_have_no_effect_on_the_solid():
-    plain, named = Sphere(3), Named("a ball", Sphere(3))
+    plain, named = BALL, Named("a ball", BALL)
     assert to_solid(plain).volume == to_solid(named).volume
 
 
 def test_angles_are_degrees_about_fixed_x_then_y_then_z():
-    turned = to_manifold(Rotate((90, 0, 90), Box((1, 2, 3))))
+    turned = to_manifold(Rotate((90, 0, 90), Translate((1, 2, 3), frustum(1, 1, 1)))).bounding_box()
     # x: (1, 2, 3) -> y along z, z along -y; z: -y along x.
-    assert np.allclose(turned.bounding_box(), (0, 0, 0, 3, 1, 2))
+    assert np.allclose(turned, (3, 0, 1, 4, 2, 3), atol=2e-3)
 
 
 @pytest.mark.parametrize(
     "nothing",
     [
-        Difference(Sphere(1), (Box((9, 9, 9)), Translate((-9, -9, -9), Box((18, 18, 18))))),
-        Intersection((Sphere(1), Translate((5, 0, 0), Sphere(1)))),
+        Difference(frustum(1, 1, 1), (Translate((0, 0, -1), frustum(3, 2, 2)),)),
+        Intersection((BALL, Translate((20, 0, 0), BALL))),
         Revolve(((1, 0), (2, 0), (1, 1)), (((0, -1), (9, -1), (9, 9), (0, 9)),)),
     ],
 )
@@ -135,42 +134,50 @@ def test_a_tree_without_a_solid_is_refused(nothing):
         to_solid(nothing)
 
 
-@pytest.mark.parametrize("interpret", [to_solid, to_manifold, to_scad])
+@pytest.mark.parametrize("interpret", [to_solid, to_manifold, print_source])
 def test_a_circle_of_fewer_than_three_segments_is_refused(interpret):
     with pytest.raises(ValueError, match="three segments"):
-        interpret(Sphere(1), segments=2)
+        interpret(BALL, segments=2)
 
 
 def test_source_is_readable():
-    tree = Named(
-        "a peg",
-        Difference(Frustum(10, 4, 2.5), (Translate((0, 0, -1e-9), Named("bore", Frustum(1 / 3, 1, 0))),)),
-    )
-    assert to_scad(tree, segments=32) == (
-        "// Written by driftform. Lengths in millimetres.\n"
+    peg, bore = frustum(10, 4, 2.5), frustum(1 / 3, 1, 0)
+    tree = Named("a peg", Difference(peg, (Translate((0, 0, -1e-9), Named("bore", bore)),)))
+    assert print_source(tree, segments=32) == (
         "$fn = 32;\n"
         "\n"
         "// A polygon has a smaller area than its circle: radii are scaled so that the two are equal.\n"
         "area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));\n"
-        "\n"
-        "// a peg\n"
-        "difference() {\n"
-        "    cylinder(h = 10, r1 = area_factor * 4, r2 = area_factor * 2.5);\n"
-        "    translate([0, 0, 0])\n"
-        "        // bore\n"
-        "        cylinder(h = 0.333333, r1 = area_factor * 1, r2 = 0);\n"
+        "module tree() {\n"
+        "    // a peg\n"
+        "    difference() {\n"
+        "        rotate_extrude(convexity = 10)\n"
+        "            scale([area_factor, 1])\n"
+        "                polygon([\n"
+        "                    [0, 0], [4, 0], [2.5, 10],\n"
+        "                    [0, 10],\n"
+        "                ]);\n"
+        "        translate([0, 0, 0])\n"
+        "            // bore\n"
+        "            rotate_extrude(convexity = 10)\n"
+        "                scale([area_factor, 1])\n"
+        "                    polygon([\n"
+        "                        [0, 0], [1, 0], [0, 0.333333],\n"
+        "                        [0, 0.333333],\n"
+        "                    ]);\n"
+        "    }\n"
         "}\n"
+        "tree();\n"
     )
 
 
 def test_source_says_only_what_a_tree_needs():
-    assert "area_factor" not in to_scad(Box((1, 2, 3)))
-    assert "module ball" not in to_scad(Frustum(1, 1, 1))
-    assert "module ball" in to_scad(Rotate((0, 0, 1), Sphere(1)))
+    assert "module letters" not in print_source(frustum(1, 1, 1))
+    assert "area_factor" not in print_source(Text("A", 5.0, 1.0))
 
 
 def test_source_of_a_hull_stays_on_one_side_of_the_axis_with_six_decimals(body):
-    source = to_scad(build_hull(body))
+    source = print_source(build_hull(body))
     assert source.count("polygon([") == 1 + (len(body.cavity) > 0)
     points = re.findall(r"\[(-?[\d.]+), (-?[\d.]+)\],", source)
     assert len(points) == len(body.outer) + len(body.cavity)
@@ -181,30 +188,24 @@ def test_source_of_a_hull_stays_on_one_side_of_the_axis_with_six_decimals(body):
 
 
 def test_a_label_cannot_leave_its_comment():
-    lines = to_scad(Named("one\n*/ cube(9); //\r\ntwo", Box((1, 1, 1)))).splitlines()
-    assert lines[-2:] == ["// one */ cube(9); // two", "cube([1, 1, 1]);"]
+    lines = print_source(Named("one\n*/ cube(9); //\r\ntwo", BALL)).splitlines()
+    assert "    // one */ cube(9); // two" in lines
 
 
 def test_openscad_renders_a_hull_to_the_volume_of_the_closed_form(body, render):
-    mesh = render(to_scad(build_hull(body)))
+    mesh = render(print_source(build_hull(body)))
     assert mesh.volume == pytest.approx(hull_volume(body) * 1e9, rel=1e-4)
     assert np.allclose(mesh.bounds.ravel(), to_manifold(build_hull(body)).bounding_box(), atol=2e-3)
 
 
-def test_openscad_renders_a_hull_of_frustums_to_the_volume_of_the_closed_form(make_chain, render):
-    body = make_chain([0.02, 0.03, 0.01], [0.01, 0.02, 0.015, 0.012])
-    mesh = render(to_scad(build_hull_of_frustums(body), segments=16))
-    assert mesh.volume == pytest.approx(hull_volume(body) * 1e9, rel=1e-4)
-
-
 @pytest.mark.parametrize("segments", [24, 64])
 def test_openscad_and_manifold_make_the_same_solid_of_a_tree_of_all_kinds(segments, render):
-    mesh = render(to_scad(BRACKET, segments))
+    mesh = render(print_source(BRACKET, segments))
     solid = to_manifold(BRACKET, segments)
     assert mesh.volume == pytest.approx(solid.volume(), rel=1e-4)
     assert np.allclose(mesh.bounds.ravel(), solid.bounding_box(), atol=2e-3)
 
 
-@pytest.mark.parametrize("segments", [13, 64])
-def test_openscad_renders_a_sphere_of_exactly_its_volume(segments, render):
-    assert render(to_scad(Sphere(10), segments)).volume == pytest.approx(4 / 3 * math.pi * 1000, rel=1e-5)
+def test_openscad_draws_the_same_letters(render):
+    tree = Text("R2-#8", 5.0, 1.5)
+    assert render(print_source(tree)).volume == pytest.approx(to_manifold(tree).volume(), rel=1e-4)

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from driftform.agent import mass_properties
-from driftform.agent.mass_elements import combine, core_element, printed_hull_element, reweigh
+from driftform.agent import MassElement, mass_properties, reweigh
 from driftform.types import Agent, Body, Coefficients, Core
 from driftform_kit.ballast import (
     MATERIALS,
@@ -58,12 +57,12 @@ def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[
 @settings(deadline=None)
 def test_print_and_ballast_weigh_and_balance_as_simulated(missing: float, x: float) -> None:
     mass = SIMULATED.mass - missing
-    printed = reweigh(AGENT, mass, x)
+    printed = reweigh(AGENT, MassElement.of_print(BODY, mass, x))
     wanted = required_ballast(SIMULATED, printed.mass)
     found = place_ballast(BODY, wanted, LEAD)
     assume(found)
-    elements = [printed_hull_element(BODY, mass, x), core_element(BODY), *(piece.element for piece in found)]
-    trimmed = combine(elements, SIMULATED)
+    elements = [*MassElement.of_print(BODY, mass, x), *(piece.element for piece in found)]
+    trimmed = reweigh(AGENT, elements).mass
     assert trimmed.mass == pytest.approx(SIMULATED.mass, rel=1e-9)
     assert trimmed.cog[0] == pytest.approx(SIMULATED.cog[0], abs=1e-7)
 
@@ -150,7 +149,7 @@ def test_nothing_missing_needs_no_place() -> None:
 
 
 def test_too_heavy_a_print_needs_buoyancy_where_its_excess_is() -> None:
-    heavier = reweigh(AGENT, SIMULATED.mass + 0.004)
+    heavier = reweigh(AGENT, MassElement.of_print(BODY, SIMULATED.mass + 0.004))
     wanted = required_ballast(SIMULATED, heavier.mass)
     assert wanted.mass == pytest.approx(-0.004)
     # The excess is spread as the hull's material: at its middle.

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from manifold3d import Manifold
 
 from driftform.errors import WorkFailedError
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.csg import Sphere
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import make_parts
-from driftform_frusta.solid import to_manifold
 from driftform_kit.cutting.accounting import kit_mass
 from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.cutting.upright import overhang_area
@@ -39,11 +38,11 @@ class Held:
         self.solids = [
             part.solid.to_manifold().translate((0.0, 0.0, lift)) for part in make_parts(body, self.options)
         ]
-        self.core = to_manifold(Sphere(1e3 * body.core.radius), 96)
+        self.core = Manifold.sphere(1e3 * body.core.radius, 96)
         self.mine = self.solids[self.held.part]
 
     def ball_at(self, z, shrink=1.0):
-        return to_manifold(Sphere(shrink * self.held.ball.radius), 96).translate((0.0, 0.0, z))
+        return Manifold.sphere(shrink * self.held.ball.radius, 96).translate((0.0, 0.0, z))
 
     def sweep(self, start, end):
         """The space that the ball passes on its way, a little less than its radius."""

@@ -9,7 +9,7 @@ import pytest
 
 from driftform.errors import InputError
 from driftform_kit.checks.programs import run_program
-from driftform_kit.checks.reading import read_parts
+from driftform_kit.reading import read_meshes
 
 RELATIONSHIPS = (
     '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship '
@@ -72,7 +72,7 @@ def test_a_3mf_that_grows_without_end_is_refused(
     assert path.stat().st_size < 1 << 20
     began = time.process_time()
     with pytest.raises(InputError, match=reason):
-        read_parts(path)
+        read_meshes(path)
     assert time.process_time() - began < 20
 
 

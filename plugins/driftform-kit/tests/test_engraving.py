@@ -12,7 +12,6 @@ from driftform_frusta.csg import Revolve, Text
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import make_parts
 from driftform_frusta.lettering import STROKE, draw_strokes, text_length
-from driftform_frusta.scad import to_scad
 from driftform_frusta.solid import to_manifold
 from driftform_kit.cutting.meridian import split_rings
 from driftform_kit.cutting.pieces import make_kit
@@ -70,11 +69,6 @@ def test_a_letter_that_is_not_there_is_refused():
         Text("é", 5.0, 1.0)
     with pytest.raises(ValidationError, match="cannot engrave '!é'"):
         PartOptions(engrave="a!é")
-
-
-def test_openscad_draws_the_same_letters(render):
-    node = Text("R2-#8", 5.0, 1.5)
-    assert render(to_scad(node)).volume == pytest.approx(to_manifold(node).volume(), rel=1e-4)
 
 
 @pytest.mark.parametrize("side", ["outside", "inside"])

@@ -10,13 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Error, Manifold, Mesh64
 
-from driftform.agent import hull_volume, solid_of_revolution
-from driftform.agent.meshes import area_factor, is_closed, merge_vertices, signed_volume
+from driftform.agent import Mesh, hull_volume, solid_of_revolution
+from driftform.agent.meshes import area_factor
 from driftform.errors import WorkFailedError
 from driftform.study import load_study
 from driftform.types import Body, Core, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.csg import Frustum, Revolve, Sphere, Translate
+from driftform_frusta.csg import Revolve
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import make_parts
 from driftform_frusta.solid import to_manifold
@@ -63,10 +63,10 @@ def agent(fore="", aft=""):
 
 def reread(solid):
     """The solid of the mesh that a file in single precision holds."""
-    vertices, triangles = merge_vertices(solid.vertices.astype(np.float32), solid.triangles)
-    assert is_closed(triangles)
-    assert signed_volume(vertices, triangles) > 0
-    again = Manifold(Mesh64(vertices.astype(np.float64), triangles.astype(np.uint64)))
+    mesh = Mesh(solid.vertices.astype(np.float32), solid.triangles).merge_vertices()
+    assert mesh.is_closed
+    assert mesh.volume > 0
+    again = Manifold(Mesh64(mesh.vertices.astype(np.float64), mesh.triangles.astype(np.uint64)))
     assert again.status() == Error.NoError
     return again
 
@@ -74,7 +74,7 @@ def reread(solid):
 @cache
 def ball(radius):
     # So many corners that its facets are within a hundredth of a millimetre of the sphere.
-    return to_manifold(Sphere(radius), 96)
+    return Manifold.sphere(radius, 96)
 
 
 class Assembled:
@@ -155,7 +155,7 @@ def test_the_core_goes_in_through_the_mouth_and_the_shells_close_over_it(body):
     joint, index = made.kit.core_joint.joint, made.kit.joints.index(made.kit.core_joint.joint)
     socket, plug = (index, index + 1) if joint.side > 0 else (index + 1, index)
     way = 3 * made.radius + abs(joint.z)
-    path = to_manifold(Frustum(way, made.radius, made.radius), 96)
+    path = Manifold.cylinder(way, made.radius, made.radius, 96)
     if joint.side < 0:
         path = path.translate((0.0, 0.0, -way))
     assert (made.solids[socket] ^ path.translate((0.0, 0.0, made.lift))).volume() < NOTHING
@@ -386,7 +386,7 @@ def test_the_socket_of_an_o_ring_is_a_cylinder_even_in_a_cone():
 def test_holes_on_the_axis_go_through_both_ends():
     closed = make_parts(agent("ss", "ss"), PartOptions(kit=True))
     made = Assembled(agent("ss", "ss"), drain=0.003)
-    needle = to_manifold(Translate((0.0, 0.0, -1.0), Frustum(200.0, 1.45, 1.45)))
+    needle = Manifold.cylinder(200.0, 1.45, 1.45, 64).translate((0.0, 0.0, -1.0))
     assert sum((part.solid.to_manifold() ^ needle).volume() for part in closed) > 1
     assert sum((solid ^ needle).volume() for solid in made.solids) < NOTHING
     for part, drained in zip(closed, made.solids, strict=True):

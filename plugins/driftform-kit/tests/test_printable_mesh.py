@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import subprocess
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 import trimesh
 from typer.testing import CliRunner
 
-from driftform.cli import app
+from driftform.cli.app import app
 
 FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 BOTH_SIDES = (
@@ -23,18 +22,6 @@ def run_json(*arguments):
     result = CliRunner().invoke(app, [*arguments, "--json"])
     assert result.exit_code == 0, result.stderr
     return json.loads(result.stdout)
-
-
-@pytest.fixture
-def requires_program():
-    """Name of a program; without it the test is skipped."""
-
-    def find(name):
-        if shutil.which(name) is None:
-            pytest.skip(f"{name} is not installed")
-        return name
-
-    return find
 
 
 def output_of(*command):

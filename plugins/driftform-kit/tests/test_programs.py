@@ -11,8 +11,8 @@ from driftform.interfaces import Checker, PrintJob
 from driftform.types import State
 from driftform_kit.checks.admesh import AdmeshChecker, AdmeshOptions
 from driftform_kit.checks.programs import explain_missing, last_line, run_program
-from driftform_kit.checks.reading import read_parts
 from driftform_kit.checks.slicing import provide_stl
+from driftform_kit.reading import read_meshes
 
 
 def prints(data: bytes) -> list[str]:
@@ -61,6 +61,6 @@ def test_the_header_of_a_copied_part_ends_with_a_nul(sound: Path, tmp_path: Path
     data = copy.read_bytes()
     assert not data.startswith(b"solid")
     assert data[79] == 0
-    assert [len(part.triangles) for part in read_parts(copy)] == [
-        len(part.triangles) for part in read_parts(sound)
+    assert [len(part.triangles) for part in read_meshes(copy)] == [
+        len(part.triangles) for part in read_meshes(sound)
     ]

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from driftform.agent import Mesh
 from driftform.errors import InputError, WorkFailedError
-from driftform_kit.checks.parts import Part
-from driftform_kit.checks.reading import read_parts
+from driftform_kit.reading import read_meshes
 
 MODEL = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 RELATIONSHIPS = "http://schemas.openxmlformats.org/package/2006/relationships"
@@ -43,7 +43,7 @@ def mesh_of(block: trimesh.Trimesh, scale: float = 1.0) -> str:
     return f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh>"
 
 
-def same(part: Part, block: trimesh.Trimesh, offset: tuple[float, float, float] = (0, 0, 0)) -> bool:
+def same(part: Mesh, block: trimesh.Trimesh, offset: tuple[float, float, float] = (0, 0, 0)) -> bool:
     found = {tuple(np.round(v, 4)) for v in part.vertices}
     volume = part.volume
     return found == {tuple(np.round(v + offset, 4)) for v in block.vertices} and np.isclose(
@@ -56,7 +56,7 @@ def test_formats_without_a_unit_are_in_millimetres(block: trimesh.Trimesh, tmp_p
     path = tmp_path / name
     kind = "stl_ascii" if name == "text.stl" else path.suffix[1:].lower()
     block.export(path, file_type=kind)
-    [part] = read_parts(path)
+    [part] = read_meshes(path)
     assert part.name == path.stem
     assert same(part, block)
 
@@ -65,7 +65,7 @@ def test_glb_is_in_metres_with_y_up(block: trimesh.Trimesh, tmp_path: Path) -> N
     # What points up here points along y there, and what comes towards the viewer there is -y here.
     x, y, z = 0.001 * block.vertices.T
     trimesh.Trimesh(np.column_stack((x, z, -y)), block.faces, process=False).export(tmp_path / "block.glb")
-    [part] = read_parts(tmp_path / "block.glb")
+    [part] = read_meshes(tmp_path / "block.glb")
     assert same(part, block)
 
 
@@ -75,7 +75,7 @@ def test_a_scene_s_parts_are_where_their_nodes_put_them(block: trimesh.Trimesh, 
         place = trimesh.transformations.translation_matrix((shift, 0, 0))
         scene.add_geometry(trimesh.creation.box((0.01,) * 3), geom_name=f"part {number}", transform=place)
     scene.export(tmp_path / "two.glb")
-    parts = read_parts(tmp_path / "two.glb")
+    parts = read_meshes(tmp_path / "two.glb")
     assert sorted(part.name for part in parts) == ["part 0", "part 1"]
     assert sorted(round(float(part.bounds[0, 0]), 3) for part in parts) == [-5, 45]
 
@@ -85,14 +85,14 @@ def test_3mf_places_each_item_of_the_build(block: trimesh.Trimesh, tmp_path: Pat
         f'<object id="1" name="fore shell">{mesh_of(block)}</object><object id="2">{mesh_of(block)}</object>'
     )
     build = '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 40 50 0"/><item objectid="2" partnumber="aft"/>'
-    fore, aft = read_parts(write_3mf(tmp_path / "two.3mf", resources, build))
+    fore, aft = read_meshes(write_3mf(tmp_path / "two.3mf", resources, build))
     assert (fore.name, aft.name) == ("fore shell", "aft")
     assert same(fore, block, (40, 50, 0)) and same(aft, block)
 
 
 def test_an_object_that_is_not_built_is_no_part(block: trimesh.Trimesh, tmp_path: Path) -> None:
     resources = f'<object id="1">{mesh_of(block)}</object><object id="2">{mesh_of(block)}</object>'
-    assert len(read_parts(write_3mf(tmp_path / "one.3mf", resources, '<item objectid="2"/>'))) == 1
+    assert len(read_meshes(write_3mf(tmp_path / "one.3mf", resources, '<item objectid="2"/>'))) == 1
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_an_object_that_is_not_built_is_no_part(block: trimesh.Trimesh, tmp_path
 )
 def test_3mf_tells_its_unit(block: trimesh.Trimesh, tmp_path: Path, unit: str, millimetres: float) -> None:
     resources = f'<object id="1">{mesh_of(block, 1 / millimetres)}</object>'
-    [part] = read_parts(write_3mf(tmp_path / "block.3mf", resources, '<item objectid="1"/>', unit))
+    [part] = read_meshes(write_3mf(tmp_path / "block.3mf", resources, '<item objectid="1"/>', unit))
     assert same(part, block)
 
 
@@ -117,7 +117,7 @@ def test_components_are_placed_within_their_object(block: trimesh.Trimesh, tmp_p
     resources = f"""<object id="1">{mesh_of(block)}</object><object id="2" name="whole"><components>
         <component objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 5"/></components></object>"""
     build = '<item objectid="2" transform="0 1 0 -1 0 0 0 0 1 100 0 0"/>'
-    [part] = read_parts(write_3mf(tmp_path / "whole.3mf", resources, build))
+    [part] = read_meshes(write_3mf(tmp_path / "whole.3mf", resources, build))
     x, y, z = block.vertices.T
     assert {tuple(v) for v in part.vertices} == {tuple(v) for v in np.column_stack((100 - y, -x, z + 5))}
     # A mirror does not turn a part inside out.
@@ -149,7 +149,7 @@ def test_a_3mf_that_is_wrong_is_told_in_one_line(
 ) -> None:
     path = write_3mf(tmp_path / "wrong.3mf", resources, build)
     with pytest.raises(InputError, match=told) as caught:
-        read_parts(path)
+        read_meshes(path)
     assert str(path) in str(caught.value) and "\n" not in str(caught.value)
 
 
@@ -159,7 +159,7 @@ def test_what_is_no_such_file_is_told_in_one_line(tmp_path: Path, suffix: str, c
     path = tmp_path / f"wrong{suffix}"
     path.write_bytes(content)
     with pytest.raises(InputError, match="wrong") as caught:
-        read_parts(path)
+        read_meshes(path)
     assert "\n" not in str(caught.value)
 
 
@@ -167,21 +167,21 @@ def test_an_unknown_suffix_names_those_that_are_known(tmp_path: Path) -> None:
     path = tmp_path / "hull.step"
     path.write_text("ISO-10303-21;")
     with pytest.raises(InputError, match=r"\.3mf.*\.stl"):
-        read_parts(path)
+        read_meshes(path)
 
 
 def test_a_file_that_changes_is_read_anew(block: trimesh.Trimesh, tmp_path: Path) -> None:
     path = tmp_path / "block.stl"
     block.export(path)
-    assert len(read_parts(path)[0].triangles) == 4
+    assert len(read_meshes(path)[0].triangles) == 4
     trimesh.creation.box((5, 5, 5)).export(path)
-    assert len(read_parts(path)[0].triangles) == 12
+    assert len(read_meshes(path)[0].triangles) == 12
 
 
 def test_names_from_files_cannot_steer_a_terminal(block: trimesh.Trimesh, tmp_path: Path) -> None:
     name = json.dumps("evil\x9b2J" + 100 * "x")[1:-1].replace("\\u009b", "&#155;")
     resources = f'<object id="1" name="{name}">{mesh_of(block)}</object>'
-    [part] = read_parts(write_3mf(tmp_path / "evil.3mf", resources, '<item objectid="1"/>'))
+    [part] = read_meshes(write_3mf(tmp_path / "evil.3mf", resources, '<item objectid="1"/>'))
     assert part.name.isprintable() and len(part.name) <= 40 and part.name.startswith("evil")
 
 
@@ -189,7 +189,7 @@ def test_openscad_source_is_rendered(tmp_path: Path, requires_program: Callable[
     requires_program("openscad")
     path = tmp_path / "cube.scad"
     path.write_text("translate([1, 2, 3]) cube([10, 20, 30]);")
-    [part] = read_parts(path)
+    [part] = read_meshes(path)
     assert part.name == "cube" and part.size == pytest.approx([10, 20, 30])
     assert part.bounds[0] == pytest.approx([1, 2, 3])
     for source, told in (
@@ -199,7 +199,7 @@ def test_openscad_source_is_rendered(tmp_path: Path, requires_program: Callable[
     ):
         path.write_text(source)
         with pytest.raises(InputError, match=f"(?i)OpenSCAD: .*({told}|empty|object)"):
-            read_parts(path)
+            read_meshes(path)
 
 
 def test_openscad_source_without_openscad(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -208,4 +208,4 @@ def test_openscad_source_without_openscad(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setenv("PATH", str(tmp_path))
     assert shutil.which("openscad") is None
     with pytest.raises(WorkFailedError, match="openscad is not on PATH"):
-        read_parts(path)
+        read_meshes(path)

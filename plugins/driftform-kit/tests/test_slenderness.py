@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from manifold3d import CrossSection
 
-from driftform.agent.meshes import stl_bytes
+from driftform.agent import Mesh
 from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, State
 from driftform_kit.checks.mesh import MeshChecker, MeshOptions
@@ -20,7 +20,7 @@ E, YIELD, BED = 2e9, 33e6, 1e5
 
 
 def measure(mesh: trimesh.Trimesh) -> Slenderness:
-    found = measure_slenderness(np.asarray(mesh.vertices), np.asarray(mesh.faces), E, YIELD, BED)
+    found = measure_slenderness(Mesh(mesh.vertices, mesh.faces), E, YIELD, BED)
     assert found is not None
     return found
 
@@ -76,12 +76,12 @@ def test_the_neck_is_found_where_it_is() -> None:
 
 def test_what_is_no_higher_than_a_layer_is_not_measured() -> None:
     flat = trimesh.creation.box((20, 20, 0.15))
-    assert measure_slenderness(np.asarray(flat.vertices), np.asarray(flat.faces), E, YIELD, BED) is None
+    assert measure_slenderness(Mesh(flat.vertices, flat.faces), E, YIELD, BED) is None
 
 
 def check(mesh: trimesh.Trimesh, folder: Path, **options: float) -> Finding:
     path = folder / "part.stl"
-    path.write_bytes(stl_bytes(np.asarray(mesh.vertices), np.asarray(mesh.faces)))
+    path.write_bytes(Mesh(mesh.vertices, mesh.faces).to_stl())
     found = MeshChecker(MeshOptions(**options)).check(PrintJob((path,), Printer()))
     [line] = [finding for finding in found if finding.check == "slender"]
     return line
@@ -141,7 +141,7 @@ def test_parts_of_a_kit_are_not_advised_to_be_made_a_kit(tmp_path: Path) -> None
     paths = []
     for index in range(2):
         paths.append(tmp_path / f"part-{index}.stl")
-        paths[-1].write_bytes(stl_bytes(np.asarray(rod.vertices), np.asarray(rod.faces)))
+        paths[-1].write_bytes(Mesh(rod.vertices, rod.faces).to_stl())
     found = MeshChecker(MeshOptions()).check(PrintJob(tuple(paths), Printer()))
     lines = [finding.detail for finding in found if finding.check == "slender"]
     assert len(lines) == 2 and all("in shorter parts (--bed)" in line for line in lines)

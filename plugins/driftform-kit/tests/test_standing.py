@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 import trimesh
 
+from driftform.agent import Mesh
 from driftform_kit.checks.overhangs import Orientation, choose_orientation, list_orientations
 
 BED = np.array([250.0, 210.0, 210.0])
 
 
 def ways(mesh: trimesh.Trimesh, hollow: int = 0) -> dict[str, Orientation]:
-    return {
-        way.name: way for way in list_orientations(np.asarray(mesh.vertices), np.asarray(mesh.faces), hollow)
-    }
+    return {way.name: way for way in list_orientations(Mesh(mesh.vertices, mesh.faces), hollow)}
 
 
 def frustum(bottom: float, top: float, height: float) -> trimesh.Trimesh:

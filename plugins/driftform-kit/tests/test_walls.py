@@ -6,11 +6,12 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from driftform.agent import Mesh
 from driftform_kit.checks.walls import REACH, find_thinnest_wall
 
 
 def wall_of(mesh: trimesh.Trimesh) -> float | None:
-    found = find_thinnest_wall(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    found = find_thinnest_wall(Mesh(mesh.vertices, mesh.faces))
     return None if found is None else found.thickness
 
 
@@ -49,7 +50,8 @@ def test_a_wall_that_tapers_is_as_thin_as_its_thin_end() -> None:
 def test_the_place_is_told() -> None:
     box, hollow = trimesh.creation.box((20, 20, 20)), trimesh.creation.box((16, 16, 16))
     hollow.apply_translation((1.5, 0, 0))
-    found = find_thinnest_wall(*_arrays(shell_of(box, hollow)))
+    shell = shell_of(box, hollow)
+    found = find_thinnest_wall(Mesh(shell.vertices, shell.faces))
     assert found is not None
     assert found.thickness == pytest.approx(0.5, rel=1e-6)
     assert 9.5 - 1e-6 <= found.where[0] <= 10 + 1e-6
@@ -73,7 +75,3 @@ def test_sharp_edges_are_no_walls(angle_deg: float) -> None:
 
 def test_a_thick_solid_has_no_thin_wall() -> None:
     assert wall_of(trimesh.creation.box((2 * REACH,) * 3)) is None
-
-
-def _arrays(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray]:
-    return np.asarray(mesh.vertices), np.asarray(mesh.faces)

@@ -7,7 +7,8 @@ from driftform.motion.approach import closest_approach
 from driftform.pipeline import Pipeline
 from driftform.study import load_study
 from driftform.types import Agent
-from driftform.water import Scenario, TurbulentFlow
+from driftform.water import Scenario
+from driftform.water.flow import TurbulentFlow
 from driftform_native.simulator import GUST_RATIO, NativeOptions, NativeSimulator
 
 

@@ -16,11 +16,10 @@ from driftform_networks.dividing import divide_bodies
 from driftform_networks.epanet import run_epanet
 from driftform_networks.fits import find_obstacle, longest_rod
 from driftform_networks.flights import StraightFlights, StraightTask
-from driftform_networks.junctions import Geometry
+from driftform_networks.junctions import describe_junction, find_bends
 from driftform_networks.network import Network
 from driftform_networks.passage import find_reachable
 from driftform_networks.reading import open_network
-from driftform_networks.scale import is_to_scale
 from driftform_networks.snapshot import take_snapshot
 from driftform_networks.streamtubes import divide_bore, smallest_share
 from driftform_networks.travelling import repeat_cells
@@ -75,19 +74,17 @@ def test_a_body_that_is_as_long_as_the_corner_allows_passes_and_a_longer_one_doe
 def test_the_fork_is_a_tee_with_a_branch_at_the_right(side: float, fork_file: Path) -> None:
     """Also where a side of 200 m is drawn with 100, so that the map says nothing about angles."""
     network = draw_fork(fork_file, side)
-    assert is_to_scale(network) == (pytest.approx(1) if side == 100 else None)
+    assert network.scale == (pytest.approx(1) if side == 100 else None)
     snapshot = take_snapshot(network)
     main = network.links.index("main")
-    junction = Geometry(network, "side").describe(snapshot, main)
+    junction = describe_junction(snapshot, main, "side")
     assert junction.bore == pytest.approx(0.3)
     assert junction.bores == pytest.approx([0.3, 0.3])
     assert junction.shares == pytest.approx([2 / 3, 1 / 3])
     assert junction.exit == 0
     assert junction.turns == pytest.approx([0, np.pi / 2])
     assert junction.directions == pytest.approx(np.array([[0, 0], [1, 0]]))
-    top, bottom = (
-        Geometry(network, side).describe(snapshot, main).directions[1] for side in ("top", "bottom")
-    )
+    top, bottom = (describe_junction(snapshot, main, side).directions[1] for side in ("top", "bottom"))
     assert top == pytest.approx([0, 1])
     assert bottom == pytest.approx([0, -1])
 
@@ -98,11 +95,11 @@ def test_the_bends_of_a_pipe_are_the_angles_between_its_parts(fork_file: Path) -
     points = np.array([[50.0, 50.0], [100.0, 0.0]])
     length = np.array([100 * np.sqrt(2) + 100, 200, 100])
     bent = replace(network, vertices=(points, *network.vertices[1:]), length=length)
-    assert np.rad2deg(Geometry(bent, "side").find_bends(0)) == pytest.approx([90, 45])
-    assert len(Geometry(bent, "side").find_bends(1)) == 0
+    assert np.rad2deg(find_bends(bent, 0)) == pytest.approx([90, 45])
+    assert len(find_bends(bent, 1)) == 0
     # A map that is not to scale says nothing about bends.
     unknown = replace(bent, length=10 * length * [1, 5, 9])
-    assert len(Geometry(unknown, "side").find_bends(0)) == 0
+    assert len(find_bends(unknown, 0)) == 0
 
 
 @pytest.mark.parametrize(("reverse", "side"), [(False, 1), (True, -1)])
@@ -115,7 +112,7 @@ def test_right_and_left_are_those_of_the_way_of_the_water(reverse: bool, side: i
     snapshot = take_snapshot(network)
     inlet = int(np.flatnonzero(snapshot.head == network.find_node("fork"))[0])
     outlets = snapshot.links[snapshot.outlets[network.find_node("fork")]]
-    directions = Geometry(network, "side").describe(snapshot, inlet).directions
+    directions = describe_junction(snapshot, inlet, "side").directions
     assert directions[outlets == network.links.index("side")] == pytest.approx(np.array([[side, 0]]))
 
 
@@ -135,7 +132,7 @@ def test_bodies_in_one_band_take_the_outlet_on_its_side_and_keep_their_band(
 ) -> None:
     network = run_epanet(fork_file)
     snapshot = take_snapshot(network)
-    junction = Geometry(network, "top").describe(snapshot, network.links.index("main"))
+    junction = describe_junction(snapshot, network.links.index("main"), "top")
     points = np.array([[1, 0.0, 0.75], [5, 0.0, -0.75]])
     table = divide_bodies(sphere, junction, points, 0.02)
     assert table.choice[1] == pytest.approx([0, 1])
@@ -151,7 +148,7 @@ def test_only_a_body_that_fits_leaves_with_its_share_of_the_demand(
     bore: float, leaves: float, fork_file: Path, sphere: Traveller
 ) -> None:
     network = run_epanet(fork_file)
-    junction = Geometry(network, "side").describe(take_snapshot(network), network.links.index("main"))
+    junction = describe_junction(take_snapshot(network), network.links.index("main"), "side")
     table = divide_bodies(sphere, replace(junction, exit=0.4), None, bore)
     assert table.leaves == pytest.approx(leaves)
     assert table.choice.sum(axis=1) == pytest.approx(1 - leaves)

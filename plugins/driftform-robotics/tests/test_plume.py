@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.water import Fluid, Pipe, Scenario, Segment
-from driftform.water.flow import LogLawFlow, UniformFlow
-from driftform.water.velocity import friction_factor
+from driftform.water.flow import LogLawFlow, UniformFlow, friction_factor
 from driftform_robotics.plume import (
     MAX_NEAR_TAU,
     eddy_diffusivity,

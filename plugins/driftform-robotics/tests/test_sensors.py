@@ -11,7 +11,7 @@ from driftform.testing.bodies import cylinder_body, hollow_body
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Agent, Coefficients, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water import Fluid, Pipe, Scenario, Segment, wall_distance
 from driftform.water.flow import UniformFlow
 from driftform_robotics import sensors
 
@@ -89,11 +89,6 @@ def test_the_surface_is_the_water_level_or_the_top_of_the_pipe() -> None:
     assert sensors.surface_height(Scenario(pipe=Pipe(segments=(steep,)))) == pytest.approx(0.6)
 
 
-def test_distance_is_that_of_the_nearest_point_of_the_wall() -> None:
-    points = np.array([[1.0, 0.0, 0.0], [2.0, 0.0, -0.9], [3.0, 0.6, 0.8], [4.0, 0.0, 1.1]])
-    assert sensors.wall_distance(points, PIPE) == pytest.approx([1.0, 0.1, 0.0, -0.1])
-
-
 def test_clearance_of_a_cylinder_along_the_pipe_and_across_it() -> None:
     cylinder = cylinder_body(0.4, 0.1)
     along = sensors.clearance(at((1.0, 0.0, -0.5)), cylinder, PIPE)
@@ -116,7 +111,7 @@ def test_clearance_is_that_of_the_nearest_of_many_points_on_the_rims() -> None:
     rim = np.column_stack([0 * around, 0.15 * np.cos(around), 0.15 * np.sin(around)])
     points = np.concatenate([rim + offset, rim - offset])
     nearest = [
-        sensors.wall_distance(place + points @ R.T, PIPE).min()
+        wall_distance(place + points @ R.T, Scenario(pipe=PIPE)).min()
         for place, R in zip(position, matrix_from_quaternion(turned), strict=True)
     ]
     assert sensors.clearance(flight, cylinder, PIPE) == pytest.approx(nearest, abs=1e-6)

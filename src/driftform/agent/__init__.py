@@ -1,4 +1,4 @@
-"""Exact geometry of bodies of revolution: from contours to volumes, centroids and inertia."""
+"""What an agent is: exact volumes, masses and inertia of bodies of revolution, and their meshes."""
 
 import lazy_loader
 

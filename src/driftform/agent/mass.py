@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from driftform.agent.solids import solid_of_revolution
-from driftform.types import Body, Core, MassProperties, Moments
+from driftform.types import Body, MassProperties, Moments
 
 
 def hull_volume(body: Body) -> float:
@@ -38,24 +38,28 @@ def displaced_moments(body: Body) -> Moments:
     return solid_of_revolution(body.outer)
 
 
-def mass_properties(body: Body) -> MassProperties:
+def mass_properties(body: Body, parts: Moments | None = None) -> MassProperties:
     """Return the mass properties of a body with its core, and the volume that it displaces.
 
     The hull is outer minus cavity, and its fittings, at the hull's density (eq. 17, 18, 24). The core is a homogeneous
     sphere at the origin and enters eq. 20 with its mass and the inertia with 2/5 m R^2. Buoyancy acts on the outer
     contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses.
+
+    Parameters
+    ----------
+    body
+        the body.
+    parts
+        volume integrals of the material of its parts, in place of the hull with its fittings.
     """
-    displaced = displaced_moments(body) + body.fittings.displaced
-    return assemble(hull_moments(body), displaced, body.hull_density, body.core)
-
-
-def assemble(hull: Moments, displaced: Moments, hull_density: float, core: Core) -> MassProperties:
-    """Return the mass properties of a hull of that density (kg/m3) with its core, and the volume that it displaces."""
-    core_inertia = 0.4 * core.mass * core.radius**2
-    mass = hull.volume * hull_density + core.mass
-    cog = hull.first * hull_density / mass
-    axial = hull.polar * hull_density + core_inertia
-    transverse = hull.transverse * hull_density + core_inertia - mass * cog**2
+    hull, displaced = parts, displaced_moments(body)
+    if hull is None:
+        hull, displaced = hull_moments(body), displaced + body.fittings.displaced
+    core_inertia = 0.4 * body.core.mass * body.core.radius**2
+    mass = hull.volume * body.hull_density + body.core.mass
+    cog = hull.first * body.hull_density / mass
+    axial = hull.polar * body.hull_density + core_inertia
+    transverse = hull.transverse * body.hull_density + core_inertia - mass * cog**2
     return MassProperties(
         mass=mass,
         cog=np.array([cog, 0.0, 0.0]),

@@ -1,9 +1,5 @@
+from . import formats as formats
 from . import options as options
-from .formats import open_exported as open_exported
-from .output import CommandResult as CommandResult
-from .output import TextTable as TextTable
-from .output import print_json as print_json
-from .output import print_result as print_result
-from .output import print_table as print_table
+from . import output as output
 
 def main() -> None: ...

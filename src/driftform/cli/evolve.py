@@ -23,25 +23,16 @@ def evolve(
         str, typer.Argument(metavar="STUDY", help="A study file, or the name of a built-in scenario.")
     ] = "pipe-inspection",
     target: Annotated[
-        list[str] | None, typer.Option("--target", metavar="NAME", help="Keep only this target; repeatable.")
+        list[str] | None, typer.Option(metavar="NAME", help="Keep only this target; repeatable.")
     ] = None,
-    strategy: Annotated[
-        str | None, typer.Option("--strategy", metavar="NAME", help="Search strategy to use.")
-    ] = None,
+    strategy: Annotated[str | None, typer.Option(metavar="NAME", help="Search strategy to use.")] = None,
     evaluations: Annotated[
         int | None,
-        typer.Option(
-            "--evaluations",
-            metavar="N",
-            min=1,
-            help="Total budget of flights; by default 50 for each target.",
-        ),
+        typer.Option(metavar="N", min=1, help="Total budget of flights; by default 50 for each target."),
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(
-            "--seed", metavar="N", min=0, help="Seed of all randomness; drawn and recorded by default."
-        ),
+        typer.Option(metavar="N", min=0, help="Seed of all randomness; drawn and recorded by default."),
     ] = None,
     robust: Robust = None,
     workers: Workers = None,
@@ -52,7 +43,6 @@ def evolve(
     calibration: Annotated[
         str | None,
         typer.Option(
-            "--calibration",
             metavar="FILE",
             help="What filmed flights have shown of the model: a calibration.toml of 'driftform calibrate'.",
         ),
@@ -71,7 +61,6 @@ def evolve(
     then flown under fresh conditions, which show the miss that 9 of 10 flights stay within. --robust 0 leaves this out.
     """
     from driftform.study import load_study
-    from driftform.study.advice import list_warnings
 
     disturbed = () if robust is None else (f"robustness.conditions={robust}",)
     checked = load_study(
@@ -83,17 +72,17 @@ def evolve(
         calibration=calibration,
     )
     # What runs a study takes a second to import. A wrong study is refused before, and its workers import meanwhile.
-    from driftform.cli.executors import open_executor
+    from driftform.search.executors import open_executor
 
     with open_executor(checked, executor, scheduler, workers) as place:
         from driftform.cli.running import advance_run
         from driftform.runs.directory import check_new
-        from driftform.runs.run import Run, check_study
+        from driftform.runs.run import Run
 
-        check_study(checked)
+        checked.check_search()
         if out is not None:
             check_new(out)
-        warnings = list_warnings(checked)
+        warnings = checked.list_warnings()
         for warning in warnings:
             typer.echo(f"warning: {warning}", err=True)
         with Run.create(out or _next_directory(study), checked) as run:

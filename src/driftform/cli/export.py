@@ -11,14 +11,11 @@ from driftform.cli.options import Agent, Bed, ExporterOptions, Json, Settings
 def export(
     agent: Agent,
     format: Annotated[
-        str, typer.Option("--format", metavar="NAME[,NAME...]", help="Formats, see 'driftform plugins'.")
+        str, typer.Option(metavar="NAME[,NAME...]", help="Formats, see 'driftform plugins'.")
     ] = "stl",
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the files.")] = Path(
-        "parts"
-    ),
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for the files.")] = Path("parts"),
     kit: Annotated[
-        bool,
-        typer.Option("--kit", help="Cut the hull into parts that take the core and are joined again."),
+        bool, typer.Option("--kit", help="Cut the hull into parts that take the core and are joined again.")
     ] = False,
     bed: Bed = None,
     option: ExporterOptions = None,

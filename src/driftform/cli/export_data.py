@@ -10,16 +10,12 @@ from driftform.cli.options import Json, RunArgument
 
 def export_data(
     run: RunArgument,
-    format: Annotated[
-        str, typer.Option("--format", metavar="NAME", help="csv, or parquet (needs pyarrow).")
-    ] = "csv",
+    format: Annotated[str, typer.Option(metavar="NAME", help="csv, or parquet (needs pyarrow).")] = "csv",
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="New directory for the files; by default RUN/data."),
+        Path | None, typer.Option(metavar="DIR", help="New directory for the files; by default RUN/data.")
     ] = None,
     trajectories: Annotated[
-        bool,
-        typer.Option("--trajectories", help="Write the samples of all flights too, hundreds for each."),
+        bool, typer.Option("--trajectories", help="Write the samples of all flights too, hundreds for each.")
     ] = False,
     json: Json = False,
 ) -> None:

@@ -11,7 +11,7 @@ from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Se
 def export_flight(
     agent: Agent,
     format: Annotated[
-        str, typer.Option("--format", metavar="NAME[,NAME...]", help="Recorders, see 'driftform plugins'.")
+        str, typer.Option(metavar="NAME[,NAME...]", help="Recorders, see 'driftform plugins'.")
     ] = "csv",
     scenario: ScenarioOption = None,
     simulator: Simulator = None,
@@ -19,14 +19,11 @@ def export_flight(
     rate_hz: Annotated[
         float,
         typer.Option(
-            "--rate-hz",
-            metavar="HZ",
-            help="Samples for each second of the flight; 0 for those of the simulator.",
+            metavar="HZ", help="Samples for each second of the flight; 0 for those of the simulator."
         ),
     ] = 100.0,
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Directory for the files; by default flights/AGENT."),
+        Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default flights/AGENT.")
     ] = None,
     settings: Settings = None,
     json: Json = False,

@@ -10,18 +10,14 @@ from driftform.cli.options import Json, Settings
 
 def export_flow(
     study: Annotated[
-        str,
-        typer.Argument(
-            metavar="STUDY", help="Study file, or the name of a built-in scenario.", show_default=False
-        ),
+        str, typer.Argument(metavar="STUDY", help="Study file, or the name of a built-in scenario.")
     ],
     out: Annotated[
-        Path, typer.Option("--out", metavar="FILE", help="File to write, .csv; an older one is replaced.")
+        Path, typer.Option(metavar="FILE", help="File to write, .csv; an older one is replaced.")
     ] = Path("currents.csv"),
     spacing: Annotated[
         float | None,
         typer.Option(
-            "--spacing",
             metavar="M",
             help="Distance of the nodes, m; by default a twentieth of the narrowest bore, or more in a long pipe.",
         ),

@@ -1,6 +1,6 @@
 """``--format``, ``--bed`` and ``--option``: names of plugins, a printer's bed as slicers give it, options of exporters."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -71,13 +71,46 @@ def open_exported(
     """
     from driftform.design.opening import open_agent
     from driftform.errors import InputError
-    from driftform.study.exporter_settings import list_exporter_settings
 
     asked = _list_options(kit, bed, options)
     try:
         return open_agent(agent, scenario, [*settings, *list_exporter_settings(formats, asked)], use)
     except InputError as error:
         raise InputError(*(_name_option(line, formats, asked) for line in error.args)) from None
+
+
+def list_exporter_settings(formats: Iterable[str], options: Mapping[str, tuple[str, str]]) -> list[str]:
+    """Return the settings that give each exporter the same options.
+
+    Parameters
+    ----------
+    formats
+        names of exporters that are installed.
+    options
+        for each key its value as a setting has it, and how the user asked for it.
+
+    Raises
+    ------
+    InputError
+        if an exporter has no such option; the message names those that have it.
+    """
+    from driftform.errors import InputError, did_you_mean
+    from driftform.plugins.registry import registry
+
+    settings = []
+    for name in formats:
+        fields = registry().find("exporter", name).Options.model_fields
+        for key, (value, asked) in options.items():
+            if key not in fields:
+                having = [
+                    row.name
+                    for row in registry().seam("exporter")
+                    if row.cls is not None and key in row.cls.Options.model_fields
+                ]
+                known = did_you_mean(key, fields) or (f"; {', '.join(having)} have it" if having else "")
+                raise InputError(f"{asked}: exporter '{name}' has no option '{key}'{known}")
+            settings.append(f"exporter.{name}.{key}={value}")
+    return settings
 
 
 def _list_options(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tuple[str, str]]:

@@ -68,16 +68,9 @@ class Command(TyperCommand):
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write arguments and options, each with its help."""
-        rows: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": []}
-        for parameter in self.get_params(ctx):
-            record = parameter.get_help_record(ctx)
-            if record is None:
-                continue
-            if parameter.param_type_name == "argument":
-                rows["Arguments"].append((record[0].partition(" <")[0], record[1]))
-            else:
-                rows["Options"].append(record)
-        for title, records in rows.items():
+        for title, kind in (("Arguments", "argument"), ("Options", "option")):
+            shown = (one for one in self.get_params(ctx) if one.param_type_name == kind)
+            records = [record for one in shown if (record := one.get_help_record(ctx)) is not None]
             if records:
                 with formatter.section(title):
-                    formatter.write_dl(records)
+                    formatter.write_dl([(name.partition(" <")[0], text) for name, text in records])

@@ -10,10 +10,8 @@ AGENT_HELP = (
     '"addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB".'
 )
 
-Agent: TypeAlias = Annotated[str, typer.Argument(metavar="AGENT", help=AGENT_HELP, show_default=False)]
-RunArgument: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="RUN", help="A run directory.", show_default=False)
-]
+Agent: TypeAlias = Annotated[str, typer.Argument(metavar="AGENT", help=AGENT_HELP)]
+RunArgument: TypeAlias = Annotated[Path, typer.Argument(metavar="RUN", help="A run directory.")]
 Json: TypeAlias = Annotated[
     bool, typer.Option("--json", help="Print one JSON document, and nothing else, on stdout.")
 ]
@@ -24,33 +22,25 @@ Settings: TypeAlias = Annotated[
     ),
 ]
 ScenarioOption: TypeAlias = Annotated[
-    str | None,
-    typer.Option("--scenario", metavar="NAME|FILE", help="Scenario to fly in, in place of the agent's own."),
+    str | None, typer.Option(metavar="NAME|FILE", help="Scenario to fly in, in place of the agent's own.")
 ]
-Simulator: TypeAlias = Annotated[
-    str | None, typer.Option("--simulator", metavar="NAME", help="Simulator to use.")
-]
+Simulator: TypeAlias = Annotated[str | None, typer.Option(metavar="NAME", help="Simulator to use.")]
 Hydrodynamics: TypeAlias = Annotated[
-    str | None, typer.Option("--hydrodynamics", metavar="NAME", help="Hydrodynamic model to use.")
+    str | None, typer.Option(metavar="NAME", help="Hydrodynamic model to use.")
 ]
 Bed: TypeAlias = Annotated[
     str | None,
-    typer.Option(
-        "--bed", metavar="X,Y,Z", help="Largest part that the printer can make, mm; longer ones are cut."
-    ),
+    typer.Option(metavar="X,Y,Z", help="Largest part that the printer can make, mm; longer ones are cut."),
 ]
 ExporterOptions: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
-        "--option",
-        metavar="KEY=VALUE",
-        help="Set an option of every format at once, such as joint=rabbet; repeatable.",
+        metavar="KEY=VALUE", help="Set an option of every format at once, such as joint=rabbet; repeatable."
     ),
 ]
 Film: TypeAlias = Annotated[
     Path | None,
     typer.Option(
-        "--film",
         metavar="FILE",
         help="Film of the flight to make; its suffix, such as .mp4 or .gif, decides the format.",
     ),
@@ -58,7 +48,6 @@ Film: TypeAlias = Annotated[
 Still: TypeAlias = Annotated[
     Path | None,
     typer.Option(
-        "--still",
         metavar="FILE",
         help="Picture of the flight to make, as a film has it; its suffix, such as .png, decides the format.",
     ),
@@ -66,18 +55,16 @@ Still: TypeAlias = Annotated[
 StillAt: TypeAlias = Annotated[
     float | None,
     typer.Option(
-        "--still-at",
         metavar="SECONDS",
         help="Moment of the still, from the release; by default that of the closest approach to any target.",
     ),
 ]
 Renderer: TypeAlias = Annotated[
-    str, typer.Option("--renderer", metavar="NAME", help="Renderer to make the film or the still.")
+    str, typer.Option(metavar="NAME", help="Renderer to make the film or the still.")
 ]
 Robust: TypeAlias = Annotated[
     int | None,
     typer.Option(
-        "--robust",
         metavar="N",
         min=0,
         max=10_000,
@@ -90,17 +77,12 @@ MAX_WORKERS = 1024
 Workers: TypeAlias = Annotated[
     int | None,
     typer.Option(
-        "--workers",
-        metavar="N",
-        min=1,
-        max=MAX_WORKERS,
-        help="Worker processes; by default one for each processor.",
+        metavar="N", min=1, max=MAX_WORKERS, help="Worker processes; by default one for each processor."
     ),
 ]
 ExecutorName: TypeAlias = Annotated[
     str | None,
     typer.Option(
-        "--executor",
         metavar="NAME",
         help="Where evaluations run: local, in processes on this machine (the default), or dask, on a Dask cluster.",
     ),
@@ -108,14 +90,11 @@ ExecutorName: TypeAlias = Annotated[
 Scheduler: TypeAlias = Annotated[
     str | None,
     typer.Option(
-        "--scheduler",
         metavar="ADDRESS",
         help="Dask scheduler to join, such as tcp://host:8786; without it a cluster is started on this machine.",
     ),
 ]
 OutDirectory: TypeAlias = Annotated[
     Path | None,
-    typer.Option(
-        "--out", metavar="DIR", help="Directory for the files; by default runs/STUDY-N, or flights/AGENT."
-    ),
+    typer.Option(metavar="DIR", help="Directory for the files; by default runs/STUDY-N, or flights/AGENT."),
 ]

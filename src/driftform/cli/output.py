@@ -6,17 +6,9 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
-from dataclasses import dataclass
-from textwrap import wrap
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 from driftform.errors import escape_controls
-
-if TYPE_CHECKING:
-    from rich.table import Table
-
-MEASURED = 10_000
-"""Columns in which every table finds room, to measure how many it needs."""
 
 _reserved: list[TextIO] = []
 
@@ -54,23 +46,12 @@ def print_json(document: Mapping[str, Any]) -> None:
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:
     """Print a table on stdout; the columns ``right`` are flush right.
 
-    On a terminal it is drawn by rich and fits the width: headings are folded first, then text, never a number.
+    On a terminal it is drawn by rich and fits the width: headings and text are folded, never a number of ``right``.
     Elsewhere the columns are padded, and nothing is folded.
     """
     rows = [[escape_controls(cell) for cell in row] for row in rows]
     if sys.stdout.isatty():
-        from rich.console import Console
-        from rich.measure import Measurement
-
-        console = Console(highlight=False)
-        table, titles = _draw_table(header, rows, right), list(header)
-        measuring = console.options.update(width=MEASURED)
-        for i in sorted(right, key=lambda i: -len(header[i])):
-            if Measurement.get(console, measuring, table).maximum <= console.width:
-                break
-            titles[i] = _fold_heading(header[i], max((len(row[i]) for row in rows), default=0))
-            table = _draw_table(titles, rows, right)
-        console.print(table)
+        _draw_table(header, rows, right)
         return
     widths = [max(len(row[i]) for row in [list(header), *rows]) for i in range(len(header))]
     for row in [list(header), *rows]:
@@ -80,34 +61,21 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Seq
         print("  ".join(cells).rstrip())
 
 
-def _draw_table(header: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[int]) -> "Table":
+def _draw_table(header: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[int]) -> None:
     from rich import box
+    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
-    depth = max(title.count("\n") for title in header)
     for number, title in enumerate(header):
-        is_number = number in right
+        whole = max((len(row[number]) for row in rows), default=0) if number in right else None
         table.add_column(
-            Text("\n" * (depth - title.count("\n")) + title),
-            justify="right" if is_number else "left",
-            no_wrap=is_number,
-            overflow="fold",
+            Text(title), justify="left" if whole is None else "right", min_width=whole, overflow="fold"
         )
     for row in rows:
         table.add_row(*map(Text, row))
-    return table
-
-
-def _fold_heading(title: str, width: int) -> str:
-    """Return a heading in at most two lines, as narrow as they can be but no narrower than ``width``."""
-    narrowest = max(width, *(len(word) for word in title.split()), 1)
-    return next(
-        "\n".join(lines)
-        for columns in range(narrowest, narrowest + len(title) + 1)
-        if len(lines := wrap(title, columns)) <= 2
-    )
+    Console(highlight=False).print(table)
 
 
 def format_miss(metres: float | None) -> str:
@@ -171,40 +139,3 @@ def _to_plain(value: Any) -> Any:
             return [_to_plain(item) for item in value]
         case _:
             return value if value is None or isinstance(value, bool | int | str) else str(value)
-
-
-@dataclass(frozen=True)
-class TextTable:
-    """A table for people: a header, rows of text, and the columns that are flush right."""
-
-    header: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    right: Sequence[int] = ()
-
-
-@dataclass(frozen=True)
-class CommandResult:
-    """What a command prints.
-
-    Attributes
-    ----------
-    document
-        content of the JSON document that ``--json`` prints.
-    text
-        lines and tables for people, printed without ``--json``.
-    """
-
-    document: Mapping[str, Any]
-    text: Sequence[str | TextTable] = ()
-
-
-def print_result(result: CommandResult, json: bool) -> None:
-    """Print the document of a result, or its text."""
-    if json:
-        print_json(result.document)
-        return
-    for part in result.text:
-        if isinstance(part, str):
-            print_text(part)
-        else:
-            print_table(part.header, part.rows, part.right)

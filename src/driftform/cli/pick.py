@@ -13,14 +13,11 @@ NUMBERS = {"ignore_unknown_options": True}
 
 def pick(
     run: RunArgument,
-    x: Annotated[
-        float, typer.Argument(metavar="X", help="World coordinates of the point, m.", show_default=False)
-    ],
-    y: Annotated[float, typer.Argument(metavar="Y", help="Its second coordinate.", show_default=False)],
-    z: Annotated[float, typer.Argument(metavar="Z", help="Its third coordinate.", show_default=False)],
+    x: Annotated[float, typer.Argument(metavar="X", help="World coordinates of the point, m.")],
+    y: Annotated[float, typer.Argument(metavar="Y", help="Its second coordinate.")],
+    z: Annotated[float, typer.Argument(metavar="Z", help="Its third coordinate.")],
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Directory for the agent; by default RUN/picks/X_Y_Z."),
+        Path | None, typer.Option(metavar="DIR", help="Directory for the agent; by default RUN/picks/X_Y_Z.")
     ] = None,
     json: Json = False,
 ) -> None:

@@ -27,7 +27,7 @@ app = make_group("List the installed plugins, show their options, and create a n
 
 @app.command("show", cls=Command)
 def show(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin.", show_default=False)],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin.")],
     json: Json = False,
 ) -> None:
     """Show what a plugin does, and its options with type, bounds, default and unit."""
@@ -71,23 +71,13 @@ def show(
 @app.command("new", cls=Command)
 def new(
     name: Annotated[
-        str,
-        typer.Argument(
-            metavar="NAME", help="Name of the distribution, such as driftform-dwell.", show_default=False
-        ),
+        str, typer.Argument(metavar="NAME", help="Name of the distribution, such as driftform-dwell.")
     ],
     seam: Annotated[
-        list[str],
-        typer.Option(
-            "--seam",
-            metavar="SEAM",
-            help="What it is to bring, such as fitness; repeatable.",
-            show_default=False,
-        ),
+        list[str], typer.Option(metavar="SEAM", help="What it is to bring, such as fitness; repeatable.")
     ],
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Directory for the files; by default NAME."),
+        Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default NAME.")
     ] = None,
     json: Json = False,
 ) -> None:

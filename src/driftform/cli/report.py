@@ -11,7 +11,7 @@ from driftform.cli.options import Json, RunArgument
 def report(
     run: RunArgument,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="The page; by default report.html in RUN.")
+        Path | None, typer.Option(metavar="FILE", help="The page; by default report.html in RUN.")
     ] = None,
     json: Json = False,
 ) -> None:
@@ -20,7 +20,7 @@ def report(
     The page is one file that needs no network. It shows the state of the run at the moment it is written.
     """
     from driftform.cli.output import print_json
-    from driftform.report.writing import write_report
+    from driftform.report.page import write_report
     from driftform.runs.run import Run
 
     contents, path = write_report(Run.open(run), out)

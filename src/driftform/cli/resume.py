@@ -12,10 +12,7 @@ def resume(
     evaluations: Annotated[
         int | None,
         typer.Option(
-            "--evaluations",
-            metavar="N",
-            min=1,
-            help="Total budget, including finished evaluations (default: unchanged).",
+            metavar="N", min=1, help="Total budget, including finished evaluations (default: unchanged)."
         ),
     ] = None,
     workers: Workers = None,
@@ -27,9 +24,9 @@ def resume(
 
     With a larger budget a complete run continues too: the result is that of a run that had it from the start.
     """
-    from driftform.cli.executors import open_executor
     from driftform.cli.running import advance_run
     from driftform.runs.run import Run
+    from driftform.search.executors import open_executor
 
     with (
         Run.resume(run, evaluations) as resumed,

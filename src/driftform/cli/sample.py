@@ -9,16 +9,11 @@ from driftform.cli.options import Json, Settings
 
 
 def sample(
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Directory for the agents.", show_default=False)
-    ],
-    count: Annotated[
-        int, typer.Option("--count", metavar="N", min=1, max=1_000_000, help="How many agents.")
-    ] = 10,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the randomness.")] = 0,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for the agents.")],
+    count: Annotated[int, typer.Option(metavar="N", min=1, max=1_000_000, help="How many agents.")] = 10,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the randomness.")] = 0,
     scenario: Annotated[
-        str | None,
-        typer.Option("--scenario", metavar="NAME|FILE", help="Study that says how agents are made."),
+        str | None, typer.Option(metavar="NAME|FILE", help="Study that says how agents are made.")
     ] = None,
     settings: Settings = None,
     json: Json = False,
@@ -28,7 +23,7 @@ def sample(
 
     from driftform.cli.output import print_json
     from driftform.errors import InputError, find_commonest
-    from driftform.runs.agent_file import StoredAgent, write_agent
+    from driftform.runs.agent_file import StoredAgent
     from driftform.study import load_study
     from driftform.util.files import make_directory
 
@@ -46,7 +41,7 @@ def sample(
     for number in range(1, count + 1):
         name = f"agent-{number:0{width}d}"
         genome = grammar.random(rng)
-        write_agent(out / f"{name}.json", StoredAgent(name, genome, environment, {"seed": seed}))
+        StoredAgent(name, genome, environment, {"seed": seed}).write(out / f"{name}.json")
         paths.append(str(out / f"{name}.json"))
         if (reason := pipeline.find_obstacle(genome)) is not None:
             reasons.append(reason)

@@ -35,9 +35,7 @@ app = make_group("List and show the built-in scenarios as TOML to copy, and chec
 
 @app.command("show", cls=Command)
 def show(
-    name: Annotated[
-        str, typer.Argument(metavar="NAME", help="Name of a built-in scenario.", show_default=False)
-    ],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a built-in scenario.")],
     json: Json = False,
 ) -> None:
     """Print a built-in scenario: copy it, or start a study of your own with base = "NAME"."""
@@ -59,14 +57,10 @@ def show(
 @app.command("check", cls=Command)
 def check(
     file: Annotated[
-        str,
-        typer.Argument(
-            metavar="FILE", help="Study file, or the name of a built-in scenario.", show_default=False
-        ),
+        str, typer.Argument(metavar="FILE", help="Study file, or the name of a built-in scenario.")
     ],
     picture: Annotated[
-        Path | None,
-        typer.Option("--picture", metavar="FILE", help="Draw the pipe with its targets to an SVG file."),
+        Path | None, typer.Option(metavar="FILE", help="Draw the pipe with its targets to an SVG file.")
     ] = None,
     settings: Settings = None,
     json: Json = False,
@@ -75,11 +69,10 @@ def check(
     from driftform.cli.output import print_json, print_text
     from driftform.errors import escape_controls
     from driftform.study import NAMED, SELECTED, load_study
-    from driftform.study.advice import list_warnings
     from driftform.util.files import check_directory, write_text
 
     study = load_study(file, settings or ())
-    warnings = list_warnings(study)
+    warnings = study.list_warnings()
     if study.scenario.targets:
         study.make_strategy()
     document, scenario = study.document, study.scenario

@@ -43,7 +43,7 @@ def simulate(
     renderer: Renderer = "exudyn",
     robust: Robust = None,
     seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the disturbed conditions of --robust.")
+        int, typer.Option(metavar="N", min=0, help="Seed of the disturbed conditions of --robust.")
     ] = 0,
     settings: Settings = None,
     json: Json = False,
@@ -175,14 +175,12 @@ def _print(design: "Design", flight: "Flight", misses: "DisturbedFlights | None"
 
 def _document(misses: "DisturbedFlights", targets: "Sequence[str]") -> dict[str, Any]:
     """Return for each target the distances of all flights, their median and 90 % quantile, and the causes of the spread."""
-    from driftform.runs.dependence import divide_spread
-
     return {
         name: {
             "distances": misses.distances[:, number],
             "median": misses.median[number],
             "p90": misses.promised[number],
-            "causes": {effect.name: effect.deviation for effect in divide_spread(misses, number) or ()},
+            "causes": {effect.name: effect.deviation for effect in misses.list_effects(number) or ()},
         }
         for number, name in enumerate(targets)
     }
@@ -191,7 +189,6 @@ def _document(misses: "DisturbedFlights", targets: "Sequence[str]") -> dict[str,
 def _print_misses(misses: "DisturbedFlights", flight: "Flight") -> None:
     """Print the misses for every target, and what the miss of the target that the agent comes closest to depends on."""
     from driftform.cli.output import format_miss, print_table
-    from driftform.runs.dependence import divide_spread
 
     names = flight.scenario.target_names
     failed = f", {misses.failed} of them failed" if misses.failed else ""
@@ -215,7 +212,7 @@ def _print_misses(misses: "DisturbedFlights", flight: "Flight") -> None:
     if not names:
         return
     nearest = int(misses.promised.argmin())
-    effects = divide_spread(misses, nearest)
+    effects = misses.list_effects(nearest)
     if effects is None:
         return
     print(f"the miss of {names[nearest]} depends on (standard deviation, mm):")

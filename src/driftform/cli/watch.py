@@ -15,7 +15,7 @@ def watch(
     run: RunArgument,
     once: Annotated[bool, typer.Option("--once", help="Print the state of the run now, and end.")] = False,
     interval: Annotated[
-        float, typer.Option("--interval", metavar="S", min=0.1, help="Time between two readings, s.")
+        float, typer.Option(metavar="S", min=0.1, help="Time between two readings, s.")
     ] = 1.0,
     json: Json = False,
 ) -> None:

@@ -1,1 +1,1 @@
-"""Agents opened by name: what they are, and how sensitive their flights are."""
+"""A design: an agent opened by name, and what can be done with it."""

@@ -13,6 +13,7 @@ from driftform.agent import hull_mass
 from driftform.design.departures import list_departures
 from driftform.design.flight import DisturbedFlights, Flight
 from driftform.design.inspection import compare_added_mass, inspect_agent
+from driftform.design.limits import list_limits
 from driftform.errors import InputError, WorkFailedError
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Renderer
@@ -22,7 +23,7 @@ from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
 from driftform.plugins.registry import registry
 from driftform.plugins.seams import require_facts, require_file, require_files
-from driftform.runs.agent_file import StoredAgent, agent_document
+from driftform.runs.agent_file import StoredAgent
 from driftform.study import Document, Study, load_study
 from driftform.types import (
     Agent,
@@ -157,7 +158,11 @@ class Design:
 
     def export_job(self) -> ExportJob:
         """Return the agent as exporters and recorders receive it."""
-        return ExportJob(self.name, self.agent, self.scenario, agent_document(self.stored), self.opened_as)
+        return ExportJob(self.name, self.agent, self.scenario, self.stored.document(), self.opened_as)
+
+    def list_limits(self) -> list[str]:
+        """Return in what it is outside of what the model of the water was tested with, one line each."""
+        return list_limits(self.agent, self.scenario)
 
     def list_departures(self) -> list[str]:
         """Return in what water, pipe, wall and weight depart from those that a run evolved it for, one line each."""

@@ -18,7 +18,7 @@ from driftform.pipeline import Pipeline
 from driftform.plugins.registry import registry
 from driftform.types import Agent, FloatArray
 from driftform.water import Calibration, Fluid, Scenario
-from driftform.water.factors import NAMES
+from driftform.water.factors import Factors
 
 LEAD = 11_340.0
 """Density of lead, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
@@ -92,7 +92,7 @@ def describe_calibration(calibration: Calibration) -> dict[str, dict[str, float 
     """Return value, low and high of the factors that are not 1 or have an interval; ``None`` without an interval."""
     intervals = calibration.intervals
     found: dict[str, dict[str, float | None]] = {}
-    for name in NAMES:
+    for name in Factors.names:
         value = float(getattr(calibration.factors, name))
         if name in intervals:
             _, low, high = intervals[name]

@@ -9,7 +9,7 @@ from pathlib import Path
 from driftform.design.design import Design
 from driftform.errors import DriftformError, InputError, did_you_mean
 from driftform.plugins.seams import require_genome
-from driftform.runs.agent_file import StoredAgent, read_agent
+from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import DATABASE
 from driftform.runs.run import Run
 from driftform.search.advance import find_best
@@ -65,7 +65,7 @@ def _find(
 ) -> StoredAgent:
     path = Path(text)
     if is_file(path):
-        return read_agent(path)
+        return StoredAgent.read(path)
     left, colon, right = text.rpartition(":")
     # The rules of a genotype have colons too, and so have some directories.
     if colon and (is_directory(Path(left)) or not any(c in text for c in " |")):

@@ -1,9 +1,9 @@
+from . import files as files
+from . import gallery as gallery
 from . import layout as layout
 from . import plot as plot
+from . import scene as scene
 from . import style as style
 from . import svg as svg
-from .files import make_pdf as make_pdf
-from .files import rasterise as rasterise
-from .files import write_picture as write_picture
-from .png import png_bytes as png_bytes
+from . import trend as trend
 from .section import section_svg as section_svg

@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import WIDTH, shorten, write
+from driftform.figures.layout import WIDTH, resample_polyline, shorten, write
 from driftform.figures.plot import (
     Window,
     draw_cross,
@@ -15,7 +15,7 @@ from driftform.figures.plot import (
     pipe_ink,
     pipe_points,
 )
-from driftform.figures.projection import PLAN, SIDE, drawing_times, resample_polyline
+from driftform.figures.projection import PLAN, SIDE, drawing_times
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
 from driftform.motion.approach import Approach
 from driftform.motion.interpolation import interpolate_pose, interpolate_positions
@@ -51,7 +51,8 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     line = interpolate_positions(trajectory, drawing_times(trajectory))
     targets = scenario.target_array()
     approaches = find_target_approaches(trajectory, scenario)
-    nearest = int(np.argmin([a.distance for a in approaches])) if approaches else None
+    # Number of the target, and the approach to it.
+    nearest = min(enumerate(approaches), key=lambda pair: pair[1].distance, default=None)
 
     sideways = float(np.ptp(line[:, 1])) > _SIDEWAYS
     views = (SIDE, PLAN) if sideways else (SIDE,)
@@ -78,7 +79,7 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
         windows.append(Window.around(view, shown, _LEFT, top, width, _TALLEST, max(26.0, reach + 3)))
         top = windows[-1].box.bottom + 74
 
-    captions = _write_captions(trajectory, scenario, body, magnification, approaches, nearest)
+    captions = _write_captions(trajectory, scenario, body, magnification, nearest)
     height = windows[-1].box.bottom + 52 + 17 * len(captions) + 6
     root = svg.start_document(WIDTH, height, title or "Flight of an agent", " ".join(captions))
     width = WIDTH - _LEFT - _RIGHT
@@ -86,7 +87,7 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     headings = {SIDE: "Side view", PLAN: "Plan view, from above"}
     for window in windows:
         write(root, _LEFT, window.box.top - 10, headings[window.view], 12, MUTED)
-        _draw_view(root, window, trajectory, scenario, body, magnification, approaches, nearest)
+        _draw_view(root, window, trajectory, scenario, body, magnification, nearest)
     for row, caption in enumerate(captions):
         y = windows[-1].box.bottom + 56 + 17 * row
         write(root, _LEFT, y, shorten(caption, 12, width), 12, MUTED, class_="caption")
@@ -105,15 +106,13 @@ def _write_captions(
     scenario: Scenario,
     body: Body | None,
     magnification: int,
-    approaches: list[Approach],
-    nearest: int | None,
+    nearest: tuple[int, Approach] | None,
 ) -> list[str]:
     captions = [f"Ends after {trajectory.t[-1]:.2f} s: {_ENDS[trajectory.end.value]}."]
     if nearest is not None:
-        approach, name = approaches[nearest], scenario.target_names[nearest]
-        captions.insert(
-            0, f"Closest to {name}: {_format_distance(approach.distance)} away after {approach.t:.2f} s."
-        )
+        number, approach = nearest
+        closest = f"Closest to {scenario.target_names[number]}: {_format_distance(approach.distance)} away"
+        captions.insert(0, f"{closest} after {approach.t:.2f} s.")
     if body is not None:
         scale = "to scale" if magnification == 1 else f"magnified {magnification} times about the core"
         # A magnified body that slides along the wall looks as if it were stuck in the wall.
@@ -144,8 +143,7 @@ def _draw_view(
     scenario: Scenario,
     body: Body | None,
     magnification: int,
-    approaches: list[Approach],
-    nearest: int | None,
+    nearest: tuple[int, Approach] | None,
 ) -> None:
     line = interpolate_positions(trajectory, drawing_times(trajectory))
     seen = window.to_page(line)
@@ -162,14 +160,17 @@ def _draw_view(
             )
             ink.append(resample_polyline(corners, 4))
     x, y = seen[0]
-    svg.add(root, "circle", class_="start", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=BLUE, stroke_width=2)
+    svg.add_circle(root, x, y, 4.5, "#ffffff", BLUE, 2, class_="start")
 
     anchors = np.vstack([seen[:1], window.to_page(scenario.target_array())])
-    for i, (x, y) in enumerate(anchors[1:]):
-        draw_cross(root, x, y, 6, VERMILLION if i == nearest else INK)
+    colours = [INK] * len(scenario.targets)
     if nearest is not None:
-        foot = window.to_page(approaches[nearest].position[None])[0]
-        target = anchors[1 + nearest]
+        colours[nearest[0]] = VERMILLION
+    for (x, y), colour in zip(anchors[1:], colours, strict=True):
+        draw_cross(root, x, y, 6, colour)
+    if nearest is not None:
+        number, approach = nearest
+        foot, target = window.to_page(approach.position[None])[0], anchors[1 + number]
         svg.add(
             root,
             "path",
@@ -178,22 +179,10 @@ def _draw_view(
             stroke_width=1.2,
             stroke_dasharray="3 2",
         )
-        svg.add(
-            root,
-            "circle",
-            class_="closest",
-            cx=foot[0],
-            cy=foot[1],
-            r=3.5,
-            fill="#ffffff",
-            stroke=VERMILLION,
-            stroke_width=1.8,
-        )
+        svg.add_circle(root, foot[0], foot[1], 3.5, "#ffffff", VERMILLION, 1.8, class_="closest")
         ink.append(resample_polyline(np.array([foot, target]), 3))
     names = [("start", MUTED, False)]
-    names += [
-        (name, VERMILLION if i == nearest else INK, True) for i, name in enumerate(scenario.target_names)
-    ]
+    names += [(name, colour, True) for name, colour in zip(scenario.target_names, colours, strict=True)]
     label_points(root, window, anchors, names, ink, keep=9)
 
 

@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading
-from driftform.figures.layout import MARGIN, WIDTH, draw_scale_bar, shorten, start_page, text_width, write
+from driftform.figures.layout import MARGIN, WIDTH, draw_scale_bar, shorten, text_width, write
 from driftform.figures.style import GRID, INK, MUTED, SERIES, tint
 from driftform.types import Agent, Body, Trajectory
 
@@ -24,21 +24,6 @@ class GalleryEntry:
     trajectory: Trajectory
     value: float
     unit: str = "%"
-
-
-def gallery_svg(flights: Sequence[GalleryEntry], title: str, subtitle: str) -> str:
-    """Return the bodies of flights as SVG, at one scale, fore end to the right."""
-    rows, px_per_m = arrange_rows(flights)
-    top = 130.0
-    names = ", ".join(flight.name for flight in flights) or "none"
-    root = start_page(
-        top + sum(row.height for row in rows) + 2,
-        title,
-        subtitle,
-        f"Bodies of revolution at one scale: {names}. {subtitle}",
-    )
-    draw_gallery(root, rows, px_per_m, top)
-    return svg.render(root)
 
 
 def group_shared(flights: Sequence[GalleryEntry]) -> list[list[GalleryEntry]]:
@@ -92,7 +77,7 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float)
     """Draw the rows from ``top`` (px) down, below a line of text with a scale bar."""
     if not rows:
         return
-    svg.add(root, "line", x1=MARGIN, y1=top - 38, x2=WIDTH - MARGIN, y2=top - 38, stroke=GRID)
+    svg.add_segment(root, MARGIN, top - 38, WIDTH - MARGIN, top - 38, GRID)
     write(root, MARGIN, top - 14, "The bodies, to one scale, fore end to the right", 12, MUTED)
     draw_scale_bar(root, WIDTH - MARGIN, top - 12, px_per_m, 110, MUTED)
 
@@ -113,16 +98,8 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float)
             name = shorten(", ".join(flight.name for flight in group), 13, cell - 40 - beside, bold=True)
             parts = [20.0, text_width(name, 13, bold=True) + 4, beside]
             left = x - sum(parts) / 2
-            svg.add(
-                root,
-                "line",
-                x1=left,
-                y1=base - 4.5,
-                x2=left + 12,
-                y2=base - 4.5,
-                stroke=colour,
-                stroke_width=3.5,
-                stroke_linecap="round",
+            svg.add_segment(
+                root, left, base - 4.5, left + 12, base - 4.5, colour, 3.5, stroke_linecap="round"
             )
             write(root, left + parts[0], base, name, 13, INK, bold=True)
             if single:
@@ -139,4 +116,4 @@ def _draw_body(root: ET.Element, body: Body, colour: str, place: Placement) -> N
     outline = svg.path_data(place.to_page(closed_outline(body.outer)), closed=True)
     svg.add_line(root, outline, colour, 1.1, "outline", stroke_linejoin="round")
     radius = max(1.5, body.core.radius * place.px_per_m)
-    svg.add(root, "circle", class_="core", cx=place.x, cy=place.y, r=radius, fill=colour)
+    svg.add_circle(root, place.x, place.y, radius, colour, class_="core")

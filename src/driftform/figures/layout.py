@@ -66,25 +66,18 @@ def write(
 
     The halo is a text of its own below the other: many readers of SVG do not know ``paint-order``.
     """
-    attributes: dict[str, str | float] = {"x": x, "y": y, "font_size": size}
-    if bold:
-        attributes["font_weight"] = "600"
-    if anchor != "start":
-        attributes["text_anchor"] = anchor
+    attributes: dict[str, str | float] = {
+        "x": x,
+        "y": y,
+        "font_size": size,
+        "font_weight": "600" if bold else "",
+        "text_anchor": "" if anchor == "start" else anchor,
+    }
     if halo:
         outline: dict[str, str | float] = {"stroke": "#ffffff", "stroke_width": 3, "stroke_linejoin": "round"}
-        svg.add(
-            parent,
-            "text",
-            content,
-            class_="halo",
-            aria_hidden="true",
-            fill="#ffffff",
-            **attributes,
-            **outline,
-        )
-    named: dict[str, str | float] = {"class_": class_} if class_ else {}
-    svg.add(parent, "text", content, **named, fill=fill, **attributes)
+        hidden: dict[str, str | float] = {"class_": "halo", "aria_hidden": "true", "fill": "#ffffff"}
+        svg.add(parent, "text", content, **hidden, **attributes, **outline)
+    svg.add(parent, "text", content, class_=class_, fill=fill, **attributes)
 
 
 def start_page(height: float, title: str, subtitle: str, description: str) -> ET.Element:
@@ -124,12 +117,6 @@ class Box:
     def around(cls, x: float, y: float, width: float, height: float) -> "Box":
         """Return the box of that size centred on a point."""
         return cls(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
-
-    def overlap_area(self, other: "Box") -> float:
-        """Return the area that two boxes share, px2."""
-        w = min(self.right, other.right) - max(self.left, other.left)
-        h = min(self.bottom, other.bottom) - max(self.top, other.top)
-        return max(w, 0.0) * max(h, 0.0)
 
 
 def place_labels(
@@ -206,6 +193,15 @@ _GAPS = (1, 7, 14, 24)
 
 # To the right and above first, where readers look for a name.
 _DIRECTIONS = ((1, 0), (0, -1), (0, 1), (-1, 0), (0.8, -0.9), (0.8, 0.9), (-0.8, -0.9), (-0.8, 0.9))
+
+
+def resample_polyline(points: FloatArray, spacing: float) -> FloatArray:
+    """Return points along a polyline, (n, 2), about ``spacing`` apart, both ends included."""
+    if len(points) < 2:
+        return points
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    at = np.linspace(0, s[-1], max(2, int(s[-1] / spacing) + 1))
+    return np.column_stack([np.interp(at, s, points[:, 0]), np.interp(at, s, points[:, 1])])
 
 
 def floor_to_nice_number(value: float) -> float:

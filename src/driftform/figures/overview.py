@@ -7,9 +7,9 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.gallery import GalleryEntry, arrange_rows, draw_gallery, group_shared
-from driftform.figures.layout import WIDTH, start_page
+from driftform.figures.layout import WIDTH, resample_polyline, start_page
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
-from driftform.figures.projection import SIDE, drawing_times, resample_polyline
+from driftform.figures.projection import SIDE, drawing_times
 from driftform.figures.style import INK, MUTED, SERIES, tint
 from driftform.motion.interpolation import interpolate_positions
 from driftform.motion.way import find_target_approaches
@@ -97,9 +97,7 @@ def _draw_flights(
     # Faint lines count for less: a label may cross one if there is no free place.
     ink += [resample_polyline(window.to_page(line), 9) for line in lines]
     start = window.to_page(scenario.release_position()[None])
-    svg.add(
-        root, "circle", cx=start[0, 0], cy=start[0, 1], r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6
-    )
+    svg.add_circle(root, start[0, 0], start[0, 1], 4.5, "#ffffff", INK, 1.6)
 
     names = list(scenario.target_names)
     anchors = window.to_page(scenario.target_array())

@@ -30,9 +30,7 @@ def pipe_svg(scenario: Scenario, title: str) -> str:
         )
         draw_scene(root, window, scenario)
         release, *targets = window.to_page(places)
-        svg.add(
-            root, "circle", cx=release[0], cy=release[1], r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6
-        )
+        svg.add_circle(root, release[0], release[1], 4.5, "#ffffff", INK, 1.6)
         for x, y in targets:
             draw_cross(root, x, y, 5.5)
         labels = [("release", MUTED, False), *((name, INK, True) for name in scenario.target_names)]

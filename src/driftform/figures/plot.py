@@ -13,12 +13,13 @@ from driftform.figures.layout import (
     floor_to_nice_number,
     format_signed,
     place_labels,
+    resample_polyline,
     shorten,
     text_width,
     tick_values,
     write,
 )
-from driftform.figures.projection import View, convex_hull, resample_polyline, silhouette, simplify_polyline
+from driftform.figures.projection import View, convex_hull, silhouette, simplify_polyline
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
 from driftform.motion.interpolation import Pose
 from driftform.types import Body, FloatArray
@@ -109,15 +110,11 @@ def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = 
             label = format_signed(value, digits)
             if axis == 0:
                 x = box.left + offset
-                svg.add(
-                    root, "line", class_="tick-right", x1=x, y1=box.top, x2=x, y2=box.bottom + 4, stroke=GRID
-                )
+                svg.add_segment(root, x, box.top, x, box.bottom + 4, GRID, class_="tick-right")
                 write(root, x, box.bottom + 17, label, 11, MUTED, "middle", class_="tick-right-label")
             else:
                 y = box.bottom - offset
-                svg.add(
-                    root, "line", class_="tick-up", x1=box.left - 4, y1=y, x2=box.right, y2=y, stroke=GRID
-                )
+                svg.add_segment(root, box.left - 4, y, box.right, y, GRID, class_="tick-up")
                 write(root, box.left - 8, y + 4, label, 11, MUTED, "end", class_="tick-up-label")
     right, up = names or (_NAMES[i] for i in window.view)
     write(root, box.right, box.bottom + 32, f"{right} (m)", 11, MUTED, "end")
@@ -321,5 +318,5 @@ def draw_silhouette(
     # The filling covers the inner strokes, so that only the outline of the union remains.
     svg.add_line(root, data, edge, 1.6, stroke_linejoin="round")
     svg.add(root, "path", class_="silhouette", d=data, fill=fill, stroke=fill, stroke_width=0.2)
-    svg.add(root, "circle", cx=centre[0], cy=centre[1], r=2.5, fill=dot)
+    svg.add_circle(root, centre[0], centre[1], 2.5, dot)
     return np.vstack([centre[None], *polygons])

@@ -95,12 +95,3 @@ def simplify_polyline(points: FloatArray, tolerance: float) -> FloatArray:
             keep[split] = True
             stack += [(first, split), (split, last)]
     return points[keep]
-
-
-def resample_polyline(points: FloatArray, spacing: float) -> FloatArray:
-    """Return points along a polyline, (n, 2), about ``spacing`` apart, both ends included."""
-    if len(points) < 2:
-        return points
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    at = np.linspace(0, s[-1], max(2, int(s[-1] / spacing) + 1))
-    return np.column_stack([np.interp(at, s, points[:, 0]), np.interp(at, s, points[:, 1])])

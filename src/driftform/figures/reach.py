@@ -17,19 +17,13 @@ from driftform.figures.plot import (
     pipe_points,
 )
 from driftform.figures.projection import SIDE
-from driftform.figures.style import GRID, INK, MUTED
-from driftform.runs.coverage import CoverageMap, PipeGrid
+from driftform.figures.style import GRID, INK, MUTED, RAMP
+from driftform.runs.coverage import BOUNDS, CoverageMap, PipeGrid
 from driftform.types import FloatArray
 from driftform.water import Pipe, Scenario, Segment
 
 _LEFT, _RIGHT = 58.0, 22.0
 _SWATCH, _STEP = (34.0, 14.0), 74.0
-
-BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05)
-"""Distances at which the colour changes, m."""
-
-RAMP = ("#440154", "#443983", "#31688e", "#21918c", "#35b779", "#90d743", "#fde725")
-"""Viridis, whose steps differ in lightness for any colour vision; closer is darker."""
 
 
 def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
@@ -88,8 +82,7 @@ def _describe(reach: CoverageMap) -> str:
 
 def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: FloatArray) -> None:
     columns, rows = reach.cells.shape
-    classes = np.searchsorted(BOUNDS, reach.distance, side="right").reshape(columns, rows)
-    classes[~reach.reached.reshape(columns, rows)] = -1
+    classes = reach.classes.reshape(columns, rows)
     low = reach.cells.centres().reshape(columns, rows, 2) - reach.cells.size[:2] / 2 + shift
     width, height = reach.cells.size[:2]
     # Equal neighbours along the pipe are drawn as one rectangle.
@@ -132,7 +125,7 @@ def _draw_points(
     """Draw the release point, and the targets with their names."""
     release = cells.to_map(scenario.release_position()[None])[:, :2] + shift
     [(x, y)] = window.to_page(release)
-    svg.add(root, "circle", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6)
+    svg.add_circle(root, x, y, 4.5, "#ffffff", INK, 1.6)
     anchors = window.to_page(cells.to_map(scenario.target_array())[:, :2] + shift)
     for x, y in anchors:
         draw_cross(root, x, y, 5.5, INK, 2.4)
@@ -143,7 +136,7 @@ def _draw_points(
 def _draw_legend(root: ET.Element, top: float) -> None:
     """Draw the colours with the distances between them, and the hatching of cells that no flight crosses."""
     width, height = _SWATCH
-    svg.add(root, "line", x1=MARGIN, y1=top - 16, x2=WIDTH - MARGIN, y2=top - 16, stroke=GRID)
+    svg.add_segment(root, MARGIN, top - 16, WIDTH - MARGIN, top - 16, GRID)
     write(root, MARGIN, top + 11, "Closest approach to the middle of the cell (mm)", 12, MUTED)
     x = WIDTH - MARGIN - len(RAMP) * width - 150
     for number, colour in enumerate(RAMP):

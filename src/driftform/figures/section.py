@@ -173,7 +173,7 @@ def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
     if len(cavity):
         svg.add_line(root, svg.path_data(cavity), INK, 0.9, "cavity", stroke_linejoin="round")
     radius = body.core.radius * place.px_per_m
-    svg.add(root, "circle", class_="core", cx=place.x, cy=place.y, r=radius, fill=ORANGE)
+    svg.add_circle(root, place.x, place.y, radius, ORANGE, class_="core")
     # Above the axis the core is behind the wall: lighter, with a dashed (hidden) edge.
     r, y = svg.format_number(radius), svg.format_number(place.y)
     upper = (
@@ -210,17 +210,8 @@ def hatch(polygons: list[FloatArray], spacing: float) -> FloatArray:
 
 def _draw_axis(root: ET.Element, body: Body, place: Placement) -> None:
     left, right = (place.x + place.px_per_m * float(x) for x in body.outer[[0, -1], 0])
-    svg.add(
-        root,
-        "line",
-        class_="axis",
-        x1=left - 14,
-        y1=place.y,
-        x2=right + 14,
-        y2=place.y,
-        stroke=INK,
-        stroke_width=0.8,
-        stroke_dasharray="12 3 2 3",
+    svg.add_segment(
+        root, left - 14, place.y, right + 14, place.y, INK, 0.8, class_="axis", stroke_dasharray="12 3 2 3"
     )
     write(root, right + 20, place.y + 4, "fore", 11, MUTED)
 
@@ -351,7 +342,7 @@ def _format_number(value: float) -> str:
 
 
 def _draw_thin(root: ET.Element, x1: float, y1: float, x2: float, y2: float) -> None:
-    svg.add(root, "line", x1=x1, y1=y1, x2=x2, y2=y2, stroke=MUTED, stroke_width=0.8)
+    svg.add_segment(root, x1, y1, x2, y2, MUTED, 0.8)
 
 
 def _draw_arrow(root: ET.Element, x1: float, y1: float, x2: float, y2: float) -> None:
@@ -408,7 +399,7 @@ def _space_labels(wanted: list[float], widths: list[float], low: float, high: fl
 
 
 def _draw_gravity(root: ET.Element, x: float, y: float, r: float) -> None:
-    svg.add(root, "circle", class_="cog", cx=x, cy=y, r=r, fill="#ffffff", stroke=INK, stroke_width=1.2)
+    svg.add_circle(root, x, y, r, "#ffffff", INK, 1.2, class_="cog")
     n = svg.format_number
     quarters = "".join(
         f"M{n(x)} {n(y)}L{n(x + a * r)} {n(y)}A{n(r)} {n(r)} 0 0 0 {n(x)} {n(y - a * r)}Z" for a in (1, -1)
@@ -417,8 +408,8 @@ def _draw_gravity(root: ET.Element, x: float, y: float, r: float) -> None:
 
 
 def _draw_buoyancy(root: ET.Element, x: float, y: float, r: float) -> None:
-    svg.add(root, "circle", cx=x, cy=y, r=r, fill="none", stroke="#ffffff", stroke_width=4.5)
-    svg.add(root, "circle", class_="cob", cx=x, cy=y, r=r, fill="none", stroke=BLUE, stroke_width=2.2)
+    svg.add_circle(root, x, y, r, "none", "#ffffff", 4.5)
+    svg.add_circle(root, x, y, r, "none", BLUE, 2.2, class_="cob")
 
 
 def _draw_scale(root: ET.Element, ratio: Ratio, px_per_m: float, width: float, base: float) -> None:

@@ -55,7 +55,7 @@ def strip_svg(strips: Sequence[Strip], title: str, subtitle: str) -> str:
 
     for power in np.arange(low, high + 1):
         x = x_of(10.0**power)
-        svg.add(root, "line", x1=x, y1=TOP - 10, x2=x, y2=bottom, stroke=GRID)
+        svg.add_segment(root, x, TOP - 10, x, bottom, GRID)
         write(root, x, bottom + 16, f"{1000 * 10.0**power:g}", 11, MUTED, "middle")
     write(root, WIDTH - RIGHT, bottom + 34, "miss (mm)", 11, MUTED, "end")
     write(root, WIDTH - MARGIN, TOP - 18, "90 %", 11, MUTED, "end")
@@ -64,14 +64,12 @@ def strip_svg(strips: Sequence[Strip], title: str, subtitle: str) -> str:
         write(
             root, LEFT - 14, y + 4, shorten(strip.name, 12, LEFT - 30, bold=True), 12, INK, "end", bold=True
         )
-        svg.add(root, "line", x1=LEFT, y1=y, x2=WIDTH - RIGHT, y2=y, stroke=GRID)
+        svg.add_segment(root, LEFT, y, WIDTH - RIGHT, y, GRID)
         for miss in strip.misses[np.isfinite(strip.misses)].tolist():
             _draw_dot(root, x_of(miss), y, class_="disturbed")
         if np.isfinite(strip.promised):
             x = x_of(strip.promised)
-            svg.add(
-                root, "line", class_="promised", x1=x, y1=y - 9, x2=x, y2=y + 9, stroke=INK, stroke_width=2
-            )
+            svg.add_segment(root, x, y - 9, x, y + 9, INK, 2, class_="promised")
         _draw_diamond(root, x_of(strip.nominal), y, class_="nominal")
         text = f"{1000 * strip.promised:.0f} mm" if np.isfinite(strip.promised) else "unknown"
         write(root, WIDTH - MARGIN, y + 4, text, 12, INK, "end")
@@ -87,12 +85,12 @@ def _draw_legend(root: ET.Element, y: float) -> None:
     _draw_dot(root, x, y - 4)
     write(root, x + 14, y, "disturbed", 12, INK)
     x = MARGIN + 300
-    svg.add(root, "line", x1=x, y1=y - 13, x2=x, y2=y + 5, stroke=INK, stroke_width=2)
+    svg.add_segment(root, x, y - 13, x, y + 5, INK, 2)
     write(root, x + 14, y, "9 of 10 stay within", 12, INK)
 
 
 def _draw_dot(root: ET.Element, x: float, y: float, **class_: str) -> None:
-    svg.add(root, "circle", **class_, cx=x, cy=y, r=4, fill=tint(BLUE, 0.6), stroke=BLUE, stroke_width=0.6)
+    svg.add_circle(root, x, y, 4, tint(BLUE, 0.6), BLUE, 0.6, **class_)
 
 
 def _draw_diamond(root: ET.Element, x: float, y: float, **class_: str) -> None:

@@ -28,6 +28,9 @@ SERIES = (
 )
 """Seven of Okabe and Ito (yellow is too pale on white), then wine, olive and grey."""
 
+RAMP = ("#440154", "#443983", "#31688e", "#21918c", "#35b779", "#90d743", "#fde725")
+"""Viridis, whose steps differ in lightness for any colour vision; closer is darker."""
+
 
 def tint(colour: str, strength: float) -> str:
     """Return ``colour`` mixed into white: 1 is the colour itself, 0 is white."""

@@ -56,9 +56,11 @@ def start_document(
 
 
 def add(parent: ET.Element, tag: str, content: str = "", **attributes: str | float) -> ET.Element:
-    """Append an element; ``stroke_width`` becomes ``stroke-width``, ``class_`` becomes ``class``."""
+    """Append an element; ``stroke_width`` becomes ``stroke-width``, ``class_`` becomes ``class``, empty texts are left out."""
     element = ET.SubElement(parent, tag)
     for key, value in attributes.items():
+        if value == "":
+            continue
         name = key.rstrip("_").replace("_", "-")
         element.set(name, _replace_illegal(value) if isinstance(value, str) else format_number(value))
     if content:
@@ -70,8 +72,51 @@ def add_line(
     parent: ET.Element, data: str, stroke: str, width: float, class_: str = "", **attributes: str | float
 ) -> None:
     """Append an unfilled line ``width`` px wide; ``data`` is as from :func:`path_data`."""
-    named = {"class_": class_} if class_ else {}
-    add(parent, "path", "", **named, d=data, fill="none", stroke=stroke, stroke_width=width, **attributes)
+    add(
+        parent,
+        "path",
+        "",
+        class_=class_,
+        d=data,
+        fill="none",
+        stroke=stroke,
+        stroke_width=width,
+        **attributes,
+    )
+
+
+def add_segment(
+    parent: ET.Element,
+    x1: float,
+    y1: float,
+    x2: float,
+    y2: float,
+    stroke: str,
+    width: float | None = None,
+    class_: str = "",
+    **attributes: str | float,
+) -> None:
+    """Append a straight line between two points, ``width`` px wide, 1 px by default."""
+    wide = "" if width is None else width
+    ends: dict[str, str | float] = {"x1": x1, "y1": y1, "x2": x2, "y2": y2}
+    add(parent, "line", "", class_=class_, **ends, stroke=stroke, stroke_width=wide, **attributes)
+
+
+def add_circle(
+    parent: ET.Element,
+    x: float,
+    y: float,
+    radius: float,
+    fill: str,
+    stroke: str = "",
+    width: float = 1,
+    class_: str = "",
+) -> None:
+    """Append a circle about a point; without ``stroke`` it has no edge, otherwise one ``width`` px wide."""
+    wide = width if stroke else ""
+    add(
+        parent, "circle", "", class_=class_, cx=x, cy=y, r=radius, fill=fill, stroke=stroke, stroke_width=wide
+    )
 
 
 def path_data(points: npt.ArrayLike, closed: bool = False) -> str:

@@ -99,11 +99,11 @@ def _draw_panel(root: ET.Element, trend: Trend, box: Box, low: float) -> None:
 
     for value in tick_values(low, 100.0, floor_to_nice_number((100 - low) / 3)):
         y = place(np.zeros(1), np.array([value]))[0, 1]
-        svg.add(root, "line", x1=box.left - 4, y1=y, x2=box.right, y2=y, stroke=GRID)
+        svg.add_segment(root, box.left - 4, y, box.right, y, GRID)
         write(root, box.left - 7, y + 4, f"{value:g}", 11, MUTED, "end")
     for value in tick_values(0.0, last, floor_to_nice_number(last / 2)):
         x = place(np.array([value]), np.array([low]))[0, 0]
-        svg.add(root, "line", x1=x, y1=box.bottom, x2=x, y2=box.bottom + 4, stroke=MUTED)
+        svg.add_segment(root, x, box.bottom, x, box.bottom + 4, MUTED)
         write(root, x, box.bottom + 17, format_signed(value, 0), 11, MUTED, "middle")
     write(root, box.right, box.bottom + 31, "flights", 11, MUTED, "end")
     write(root, box.left - 7, box.top - 8, "%", 11, MUTED, "end")
@@ -127,25 +127,15 @@ def _draw_panel(root: ET.Element, trend: Trend, box: Box, low: float) -> None:
     # Many dots would hide the line.
     if len(points) <= 12:
         for x, y in points:
-            svg.add(root, "circle", cx=x, cy=y, r=2.6, fill=BLUE)
+            svg.add_circle(root, x, y, 2.6, BLUE)
 
 
 def _draw_legend(root: ET.Element, strategy: str, baseline: str) -> None:
     x, y = MARGIN, 78.0
-    svg.add(root, "line", x1=x, y1=y - 4, x2=x + 22, y2=y - 4, stroke=BLUE, stroke_width=2.2)
+    svg.add_segment(root, x, y - 4, x + 22, y - 4, BLUE, 2.2)
     write(root, x + 28, y, strategy, 12, INK)
     if baseline:
         x += 250
         svg.add(root, "rect", x=x, y=y - 10, width=22, height=12, fill=tint(BASELINE, 0.3))
-        svg.add(
-            root,
-            "line",
-            x1=x,
-            y1=y - 4,
-            x2=x + 22,
-            y2=y - 4,
-            stroke=BASELINE,
-            stroke_width=1.4,
-            stroke_dasharray="4 3",
-        )
+        svg.add_segment(root, x, y - 4, x + 22, y - 4, BASELINE, 1.4, stroke_dasharray="4 3")
         write(root, x + 28, y, baseline, 12, INK)

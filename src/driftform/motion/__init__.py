@@ -1,4 +1,4 @@
-"""Motion of a rigid body in moving water: compiled kernels on plain arrays, shared by every simulator."""
+"""Motion of a rigid body in moving water: drag, contact, equations, solvers, and the trajectories that they give."""
 
 import lazy_loader
 

@@ -16,8 +16,9 @@ from driftform.motion.terminal import terminal_speed_across
 from driftform.types import Agent, Body, Drag, FloatArray
 from driftform.util.compiled import borrow, borrow_as, borrowing, compiled
 from driftform.util.latest import keep_latest
-from driftform.water import Scenario, TurbulentFlow
+from driftform.water import Scenario
 from driftform.water.fittings import fitting_array, greatest_curvature, rim_spacing
+from driftform.water.flow import TurbulentFlow
 from driftform.water.profiles import UNIFORM
 from driftform.water.scenario import Contact
 from driftform.water.velocity import flow_array, gust_array, pipe_rows
@@ -90,9 +91,9 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     n["mass"], n["inverse"] = total, inverse
     n["linear"], n["quadratic"] = coefficients.linear_damping, coefficients.quadratic_damping
     n["damping_point"] = coefficients.origin
-    n["is_damped"] = n["linear"].any() or n["quadratic"].any()
+    n["is_damped"] = coefficients.linear_damping.any() or coefficients.quadratic_damping.any()
     n["cog"], n["cob"] = mass.cog, mass.cob
-    n["is_axisymmetric"] = _is_axisymmetric(n)
+    n["is_axisymmetric"] = _is_axisymmetric(numbers)
     n["body_mass"], n["displaced_mass"] = mass.mass, fluid.density * mass.volume
     n["gravity"], n["density"], n["viscosity"] = fluid.gravity, fluid.density, fluid.viscosity
     n["water_level"] = np.inf if fluid.water_level is None else fluid.water_level
@@ -169,8 +170,9 @@ def _borrow_fittings(fittings: FloatArray | None) -> FloatArray | None:
 
 
 @compiled
-def _is_axisymmetric(n: np.record) -> bool:
+def _is_axisymmetric(numbers: Records) -> bool:
     """Return True if mass, damping and all centres are the same after a roll."""
+    n = numbers[0]
     for point in (n.cog, n.cob, n.damping_point):
         if point[1] != 0.0 or point[2] != 0.0:
             return False

@@ -7,7 +7,6 @@ import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import util
 from typing import Any
 
 import pluggy
@@ -195,18 +194,6 @@ class Registry:
 def registry() -> Registry:
     """Return the registry of this process, which is created once."""
     return Registry()
-
-
-def require_module(module: str) -> None:
-    """Check that a module is installed which a plugin imports later, so that the plugin is unavailable without it.
-
-    Raises
-    ------
-    ModuleNotFoundError
-        if the module is not installed.
-    """
-    if util.find_spec(module) is None:
-        raise ModuleNotFoundError(f"No module named '{module}'", name=module)
 
 
 def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plugin[Any]]]:

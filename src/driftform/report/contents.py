@@ -1,32 +1,25 @@
 """A run -> the contents of its page: the best agents, their flights, and the pictures."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.figures.dependence import dependence_svg
-from driftform.figures.gallery import GalleryEntry
-from driftform.figures.overview import overview_svg
 from driftform.figures.reach import reach_svg
-from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.trend import Trend, trend_svg
 from driftform.interfaces import Flown, ReportJob
 from driftform.motion.way import approach_targets
 from driftform.plugins.seams import require
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.coverage import PipeGrid, map_coverage
-from driftform.runs.dependence import divide_spread
 from driftform.runs.misses import Misses
 from driftform.runs.run import Run
 from driftform.runs.store import Store
-from driftform.runs.wording import describe_worst
-from driftform.search.finalists import describe_best, find_winner
+from driftform.search.results import draw_overview, map_run, read_best
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
-from driftform.util.progress import track_progress
 from driftform.water import Scenario
 
 TREND_POINTS = 60
@@ -56,9 +49,9 @@ class Contents:
     """Contents of the page of a run.
 
     ``commonest_failure`` is the first of the commonest kind of failure, and how many there are. ``seconds`` is the total
-    time of all evaluations on the machines that made them. There is one of the ``sections`` for each of the
-    :attr:`agents`; ``causes`` has a picture for each target of what the miss depends on. ``added`` are the sections of
-    reporters by their headings, and ``problems`` what was wrong with any of them.
+    time of all evaluations on the machines that made them. ``causes`` has a picture for each target of what the miss
+    depends on. ``added`` are the sections of reporters by their headings, and ``problems`` what was wrong with any of
+    them.
     """
 
     name: str
@@ -69,7 +62,6 @@ class Contents:
     seconds: float
     entries: tuple[Entry, ...]
     figures: Mapping[str, str]
-    sections: Sequence[str]
     causes: Mapping[str, str]
     added: Mapping[str, str]
     problems: Sequence[str]
@@ -98,55 +90,34 @@ def collect_contents(run: Run) -> Contents:
     WorkFailedError
         if no evaluation succeeded yet.
     """
-    study = run.study
+    study, scenario = run.study, run.study.scenario
+    grammar, targets = study.make_plugin("grammar"), scenario.target_names
     with run.read() as store:
-        targets = study.scenario.target_names
-        pipeline = study.make_pipeline()
-        entries: list[Entry] = []
-        flown: dict[int, tuple[Agent, Trajectory]] = {}
-        promises: dict[str, Misses] = {}
-        for target in targets:
-            winner = find_winner(study, store, target)
-            if winner is not None and winner.misses is not None:
-                promises[target] = winner.misses
-            stored = describe_best(study, store, target, winner)
-            if stored is None:
-                raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
-            index = stored.result["evaluation"]
-            if index not in flown:
-                trajectory = store.read_record(index, targets).evaluation.trajectory
-                assert trajectory is not None
-                flown[index] = pipeline.make_agent(stored.genome), trajectory
-            agent, flight = flown[index]
-            distances, times = approach_targets(flight, study.scenario)
-            place = study.scenario.target_names.index(target)
+        if not store.count_sound():
+            raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
+        best, entries = read_best(run, store), []
+        for number, (target, one) in enumerate(zip(targets, best, strict=True)):
+            distances, times = approach_targets(one.trajectory, scenario)
             entries.append(
                 Entry(
                     target,
-                    index,
-                    stored.result["fitness"],
-                    float(distances[place]),
-                    float(times[place]),
-                    stored,
-                    pipeline.grammar.to_text(stored.genome),
-                    agent,
-                    flight,
+                    one.stored.result["evaluation"],
+                    one.stored.result["fitness"],
+                    float(distances[number]),
+                    float(times[number]),
+                    one.stored,
+                    grammar.to_text(one.stored.genome),
+                    one.agent,
+                    one.trajectory,
                 )
             )
-        title = str(study.document.get("title", ""))
-        fitness = pipeline.fitness
-        flights = [
-            GalleryEntry(e.target, e.agent, e.trajectory, fitness.measure(e.fitness), fitness.unit)
-            for e in entries
-        ]
-        worst = describe_worst(fitness, {entry.target: entry.fitness for entry in entries})
-        seen = track_progress(store.read_trajectories(), store.count_sound(), "flights")
+        promises = {
+            target: one.misses for target, one in zip(targets, best, strict=True) if one.misses is not None
+        }
         figures = {
-            "Flights and bodies": overview_svg(flights, study.scenario, title, worst),
+            "Flights and bodies": draw_overview(study, best),
             "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study)),
-            "Reach": reach_svg(
-                map_coverage(seen, PipeGrid.of_scenario(study.scenario)), study.scenario, title
-            ),
+            "Reach": reach_svg(map_run(study, store), scenario, study.title),
         }
         strips = [
             Strip(e.target, e.distance, misses.distances[:, 0], float(misses.promised[0]))
@@ -159,7 +130,7 @@ def collect_contents(run: Run) -> Contents:
                 f"{count} flights of each best agent under disturbed conditions that the choice never saw."
             )
             figures["Robustness"] = strip_svg(strips, "Misses under disturbed conditions", subtitle)
-        contents = Contents(
+        return Contents(
             run.name,
             study,
             store.count(),
@@ -168,15 +139,9 @@ def collect_contents(run: Run) -> Contents:
             store.total_seconds(),
             tuple(entries),
             figures,
-            (),
             _draw_causes(promises),
             *_ask_reporters(run.name, study, entries),
         )
-        sections = [
-            section_svg(group[0].agent, ", ".join(entry.target for entry in group), study.scenario)
-            for group in contents.agents
-        ]
-        return replace(contents, sections=sections)
 
 
 def _ask_reporters(name: str, study: Study, entries: Sequence[Entry]) -> tuple[dict[str, str], list[str]]:
@@ -192,7 +157,7 @@ def _draw_causes(promises: Mapping[str, Misses]) -> dict[str, str]:
     return {
         target: dependence_svg(effects, f"What the miss of {target} depends on")
         for target, misses in promises.items()
-        if (effects := divide_spread(misses, 0)) is not None
+        if (effects := misses.list_effects(0)) is not None
     }
 
 

@@ -6,21 +6,42 @@ strangers, and no line of Python has to remember to escape one. It is imported o
 """
 
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from driftform.agent import hull_mass
 from driftform.design.limits import list_limits
+from driftform.figures import scene, style
+from driftform.figures.section import section_svg
 from driftform.interfaces import Fitness
-from driftform.report.contents import Contents
-from driftform.report.viewer import viewer_data
+from driftform.report.contents import Contents, collect_contents
+from driftform.runs.run import Run
 from driftform.runs.wording import summarise
 from driftform.types import Verdict
+from driftform.util.files import make_directory, write_text
 
 STYLES = {Verdict.REACHED: "good", Verdict.NEAR: "fair", Verdict.MISSED: "poor"}
 """The style class of each verdict of the fitness."""
 
 SEAMS = ("grammar", "builder", "hydrodynamics", "simulator", "fitness", "strategy")
 """Tables of a study whose plugins the page lists."""
+
+
+def write_report(run: Run, path: Path | None = None) -> tuple[Contents, Path]:
+    """Write the page of a run, by default ``report.html`` in it; return what it holds, and its path.
+
+    Raises
+    ------
+    InputError
+        if the run is damaged.
+    WorkFailedError
+        if no evaluation succeeded yet.
+    """
+    contents = collect_contents(run)
+    path = path or run.path / "report.html"
+    make_directory(path.parent)
+    write_text(path, page_html(contents))
+    return contents, path
 
 
 def page_html(contents: Contents) -> str:
@@ -39,7 +60,7 @@ def page_html(contents: Contents) -> str:
         contents=contents,
         title=str(study.get("title", "")) or contents.name,
         style=_read("page.css"),
-        script=_read("viewer.js"),
+        script=scene.read_viewer(),
         data=viewer_data(contents),
         lead=_summarise(contents, fitness),
         fitness=fitness,
@@ -48,6 +69,10 @@ def page_html(contents: Contents) -> str:
         has_spread=any("robust" in entry.stored.result for entry in contents.entries),
         plugins={seam: study[seam]["use"] for seam in SEAMS if seam in study},
         study=tomli_w.dumps(dict(study)),
+        sections=[
+            section_svg(group[0].agent, ", ".join(entry.target for entry in group), contents.scenario)
+            for group in contents.agents
+        ],
         limits=[
             (", ".join(entry.target for entry in group), line)
             for group in contents.agents
@@ -55,6 +80,30 @@ def page_html(contents: Contents) -> str:
         ],
         hull_mass=hull_mass,
     )
+
+
+def viewer_data(contents: Contents) -> dict[str, Any]:
+    """Return the data of the page's viewer: agents, flights, pipe and targets; SI units, rounded to what is visible."""
+    around = scene.scene_data(contents.scenario, [entry.trajectory.position for entry in contents.entries])
+    longest = max(entry.agent.body.length for entry in contents.entries)
+    return {
+        "agents": [
+            {
+                "targets": [entry.target for entry in group],
+                **scene.agent_data(
+                    group[0].agent,
+                    group[0].trajectory,
+                    [entry.t for entry in group],
+                    style.SERIES[i % len(style.SERIES)],
+                ),
+            }
+            for i, group in enumerate(contents.agents)
+        ],
+        **around,
+        "longest": round(longest, 4),
+        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
+        "magnification": max(1.0, round(around["size"] / longest, 1)),
+    }
 
 
 def _read(name: str) -> str:

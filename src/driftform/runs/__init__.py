@@ -1,1 +1,1 @@
-"""Runs on disk: search, store, finalists, best agents, tables."""
+"""Runs on disk: directory, store, agent files, tables, and what the flights of a run reach."""

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from driftform.errors import InputError
 from driftform.types import Genome
@@ -27,66 +27,68 @@ class StoredAgent:
     environment: Mapping[str, Any]
     result: Mapping[str, Any]
 
+    def document(self) -> dict[str, Any]:
+        """Return what the file of the agent holds."""
+        return {
+            "format": FORMAT,
+            "version": VERSION,
+            "name": self.name,
+            "genome": {"grammar": self.genome.grammar, "symbols": list(self.genome.symbols)},
+            "result": dict(self.result),
+            "environment": dict(self.environment),
+        }
 
-def agent_document(agent: StoredAgent) -> dict[str, Any]:
-    """What the file of an agent holds."""
-    return {
-        "format": FORMAT,
-        "version": VERSION,
-        "name": agent.name,
-        "genome": {"grammar": agent.genome.grammar, "symbols": list(agent.genome.symbols)},
-        "result": dict(agent.result),
-        "environment": dict(agent.environment),
-    }
+    def to_text(self) -> str:
+        """Return the text of the agent's file."""
+        return json.dumps(self.document(), indent=1) + "\n"
 
+    def write(self, path: Path) -> None:
+        """Write an agent file."""
+        write_text(path, self.to_text())
 
-def write_agent(path: Path, agent: StoredAgent) -> None:
-    """Write an agent file."""
-    write_text(path, json.dumps(agent_document(agent), indent=1) + "\n")
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Read an agent file.
 
-
-def read_agent(path: Path) -> StoredAgent:
-    """Read an agent file.
-
-    Raises
-    ------
-    InputError
-        where it is not one; the message names the file and what is missing.
-    """
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except RecursionError:
-        raise InputError(f"{path}: is not an agent file: nested too deeply") from None
-    except ValueError as error:
-        raise InputError(f"{path}: is not an agent file, which is JSON in UTF-8: {error}") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
-        raise InputError(f'{path}: is not an agent file: it lacks "format": "{FORMAT}"')
-    if document.get("version") != VERSION:
-        raise InputError(
-            f"{path}: is an agent file of version {document.get('version')!r}, this driftform reads version "
-            f"{VERSION}; use the driftform that wrote it"
+        Raises
+        ------
+        InputError
+            where it is not one; the message names the file and what is missing.
+        """
+        try:
+            document = json.loads(path.read_text(encoding="utf-8"))
+        except RecursionError:
+            raise InputError(f"{path}: is not an agent file: nested too deeply") from None
+        except ValueError as error:
+            raise InputError(f"{path}: is not an agent file, which is JSON in UTF-8: {error}") from None
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        if not isinstance(document, dict) or document.get("format") != FORMAT:
+            raise InputError(f'{path}: is not an agent file: it lacks "format": "{FORMAT}"')
+        if document.get("version") != VERSION:
+            raise InputError(
+                f"{path}: is an agent file of version {document.get('version')!r}, this driftform reads version "
+                f"{VERSION}; use the driftform that wrote it"
+            )
+        genome, environment = document.get("genome"), document.get("environment")
+        symbols = genome.get("symbols") if isinstance(genome, dict) else None
+        if (
+            not isinstance(genome, dict)
+            or not isinstance(genome.get("grammar"), str)
+            or not isinstance(symbols, list)
+            or not all(isinstance(symbol, str) for symbol in symbols)
+        ):
+            raise InputError(
+                f'{path}: its "genome" must hold "grammar", a name, and "symbols", a list of strings'
+            )
+        if not isinstance(environment, dict):
+            raise InputError(
+                f'{path}: its "environment" is missing: the tables that say how the agent is built and flies'
+            )
+        name, result = document.get("name"), document.get("result")
+        return cls(
+            name if isinstance(name, str) else path.stem,
+            Genome(genome["grammar"], tuple(symbols)),
+            environment,
+            result if isinstance(result, dict) else {},
         )
-    genome, environment = document.get("genome"), document.get("environment")
-    symbols = genome.get("symbols") if isinstance(genome, dict) else None
-    if (
-        not isinstance(genome, dict)
-        or not isinstance(genome.get("grammar"), str)
-        or not isinstance(symbols, list)
-        or not all(isinstance(symbol, str) for symbol in symbols)
-    ):
-        raise InputError(
-            f'{path}: its "genome" must hold "grammar", a name, and "symbols", a list of strings'
-        )
-    if not isinstance(environment, dict):
-        raise InputError(
-            f'{path}: its "environment" is missing: the tables that say how the agent is built and flies'
-        )
-    name, result = document.get("name"), document.get("result")
-    return StoredAgent(
-        name if isinstance(name, str) else path.stem,
-        Genome(genome["grammar"], tuple(symbols)),
-        environment,
-        result if isinstance(result, dict) else {},
-    )

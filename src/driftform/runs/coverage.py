@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +21,9 @@ _ROWS, _COLUMNS = 20, 1000
 
 _APART = 0.2
 """Distance between the run and a branch on a map of a pipe with parts, m."""
+
+BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05)
+"""Distances between the classes of cells, m."""
 
 _ROUNDING = 1e-9
 """Distance (m) by which a point of the map may lie beyond the end of a part by rounding."""
@@ -296,6 +300,8 @@ class CoverageMap:
         number of flights that were added, and of those among them without an estimate of their error.
     """
 
+    bounds: ClassVar = BOUNDS
+
     def __init__(self, cells: PipeGrid) -> None:
         self.cells = cells
         self.distance = np.full(cells.cell_count, np.inf)
@@ -319,6 +325,11 @@ class CoverageMap:
     def reached(self) -> BoolArray:
         """True for the cells that a flight has crossed, (cells,)."""
         return self.visits > 0
+
+    @property
+    def classes(self) -> IntArray:
+        """How many of :data:`BOUNDS` the distance of each cell reaches, -1 for those that no flight crosses, (cells,)."""
+        return np.where(self.reached, np.searchsorted(self.bounds, self.distance, side="right"), -1)
 
 
 def map_coverage(flights: Iterable[tuple[int, Trajectory]], cells: PipeGrid) -> CoverageMap:

@@ -1,11 +1,10 @@
 """What a miss depends on: the spread of disturbed flights, divided among the quantities that were disturbed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.runs.misses import Misses
 from driftform.types import FloatArray
 from driftform.water.disturbances import Condition
 
@@ -82,7 +81,7 @@ class Effect:
     advice: str
 
 
-def divide_spread(misses: Misses, target: int) -> list[Effect] | None:
+def divide_spread(conditions: Sequence[Condition], offsets: FloatArray) -> list[Effect] | None:
     """Return the effect of each disturbed quantity on the closest approach to a target, the largest first.
 
     The offsets of the flights are fitted as linear functions of the deviations (least squares). The effect of a
@@ -94,27 +93,25 @@ def divide_spread(misses: Misses, target: int) -> list[Effect] | None:
 
     Parameters
     ----------
-    misses
-        the disturbed flights.
-    target
-        number of the target.
+    conditions
+        of each flight.
+    offsets
+        vector from the target to the closest approach of each flight, m, (flights, 3); NaN for a failed flight.
     """
-    sound = ~np.isnan(misses.offsets[:, target, 0])
+    sound = ~np.isnan(offsets[:, 0])
     if sound.sum() < MIN_FLIGHTS:
         return None
-    count = len(misses.conditions)
     columns = [
-        np.array([quantity.read(c) for c in misses.conditions]).reshape(count, -1)[sound]
+        np.array([quantity.read(c) for c in conditions]).reshape(len(conditions), -1)[sound]
         for quantity in QUANTITIES
     ]
-    offsets = misses.offsets[sound, target]
-    offsets = offsets - offsets.mean(axis=0)
+    offsets = offsets[sound] - offsets[sound].mean(axis=0)
     deviations = np.hstack(columns)
     deviations -= deviations.mean(axis=0)
     scale = deviations.std(axis=0)
     used = scale > 0
     design = np.where(used, deviations / np.where(used, scale, 1.0), 0.0)
-    slopes, *_ = np.linalg.lstsq(design, offsets, rcond=None)
+    slopes = np.asarray(np.linalg.lstsq(design, offsets, rcond=None)[0], dtype=np.float64)
     residual = offsets - design @ slopes
     freedom = max(1, len(offsets) - 1 - int(used.sum()))
     rest = (residual**2).sum(axis=0) / freedom
@@ -124,9 +121,8 @@ def divide_spread(misses: Misses, target: int) -> list[Effect] | None:
         first = rows.stop
         if not column.shape[1]:
             continue
-        effects.append(
-            Effect(quantity.name, _sum_effect(slopes[rows], rest / len(offsets), used[rows]), quantity.advice)
-        )
+        deviation = _sum_effect(slopes[rows], rest / len(offsets), used[rows])
+        effects.append(Effect(quantity.name, deviation, quantity.advice))
     effects.sort(key=lambda effect: -effect.deviation)
     return [*effects, Effect(REST, float(np.sqrt(rest.sum())), "nothing: these are the water's own")]
 

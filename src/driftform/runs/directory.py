@@ -22,7 +22,7 @@ from driftform import __version__
 from driftform.errors import InputError
 from driftform.plugins.registry import registry
 from driftform.study import Study
-from driftform.util.files import write_text
+from driftform.util.files import is_locked, write_text
 
 DATABASE = "run.db"
 """Name of the file with all that a run has found."""
@@ -70,29 +70,6 @@ def lock_run(directory: Path) -> Iterator[None]:
 def is_worked_on(directory: Path) -> bool:
     """Return whether a process holds the run; nothing is written, and another process may begin."""
     return is_locked(directory / _LOCK)
-
-
-def is_locked(path: Path) -> bool:
-    """Return whether a process holds a lock file; nothing is written."""
-    if not path.exists():
-        return False
-    if sys.platform == "win32":
-        lock = FileLock(path)
-        try:
-            lock.acquire(timeout=0)
-        except Timeout:
-            return True
-        lock.release()
-        return False
-    import fcntl
-
-    # A shared lock, which many may hold at once, and which a file that may only be read allows.
-    with path.open("rb") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except OSError:
-            return True
-    return False
 
 
 def check_new(directory: Path) -> None:

@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from driftform.runs.dependence import Effect, divide_spread
 from driftform.types import FloatArray
 from driftform.water.disturbances import Condition
 
@@ -73,6 +75,19 @@ class Misses:
     def promised(self) -> FloatArray:
         """Miss that 9 of 10 flights stay within, m, (targets,)."""
         return estimate_quantile(self.distances, PROMISED)
+
+    def describe(self, target: int) -> dict[str, Any]:
+        """Return numbers of flights and failures, and median and promised miss of a target (m), ``None`` if infinite."""
+        return {
+            "flights": self.count,
+            "failed": self.failed,
+            "median": finite_or_none(self.median[target]),
+            "p90": finite_or_none(self.promised[target]),
+        }
+
+    def list_effects(self, target: int) -> list[Effect] | None:
+        """Return what the miss of a target depends on, the largest part first; ``None`` if too few flights succeeded."""
+        return divide_spread(self.conditions, self.offsets[:, target])
 
 
 def finite_or_none(value: float) -> float | None:

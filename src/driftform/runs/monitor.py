@@ -52,7 +52,7 @@ class RunMonitor:
         # Asked first: a process that has released the run has written all that is read below.
         held = is_worked_on(self.directory)
         with Store.open(self._database, read_only=True, check=False) as store:
-            targets, budget = self._read_aims(store.read_study())
+            targets, budget = read_aims(self._database, store.read_study())
             begins = not self.status.targets
             if begins:
                 self.status = RunStatus(targets, budget)
@@ -120,11 +120,10 @@ class RunMonitor:
         reason, count = self.status.commonest_failure
         return {"reason": reason, "count": count} if count else None
 
-    def _read_aims(self, document: dict[str, Any]) -> tuple[list[str], int]:
-        """Targets and budget; the study need not be one that could be carried out here."""
-        try:
-            return list(document["targets"].keys()), int(document["run"]["evaluations"])
-        except (KeyError, TypeError, AttributeError, ValueError, OverflowError):
-            raise InputError(
-                f"{self._database}: is damaged: its study has no targets, or no budget"
-            ) from None
+
+def read_aims(database: Path, document: dict[str, Any]) -> tuple[list[str], int]:
+    """Return the targets and the budget of a stored study, which need not be one that could be carried out here."""
+    try:
+        return list(document["targets"].keys()), int(document["run"]["evaluations"])
+    except (KeyError, TypeError, AttributeError, ValueError, OverflowError):
+        raise InputError(f"{database}: is damaged: its study has no targets, or no budget") from None

@@ -12,12 +12,14 @@ from driftform.runs.directory import (
     check_new,
     check_run,
     check_unbegun,
+    is_worked_on,
     lock_run,
     remove_leftovers,
     resume_command,
     write_inputs,
     write_resolved,
 )
+from driftform.runs.monitor import RunMonitor, read_aims
 from driftform.runs.store import Store
 from driftform.study import Document, Study, load_study
 from driftform.util.files import make_directory
@@ -64,7 +66,7 @@ class Run:
         InputError
             if the study has no targets, or the directory holds something else.
         """
-        check_study(study)
+        study.check_search()
         check_new(directory)
         make_directory(directory)
         with lock_run(directory):
@@ -166,6 +168,39 @@ class Run:
         """The command that continues it."""
         return resume_command(self.path)
 
+    @property
+    def is_worked_on(self) -> bool:
+        """Whether a process searches it now."""
+        return is_worked_on(self.path)
+
+    @staticmethod
+    def glance(directory: Path) -> dict[str, Any]:
+        """Return a few facts of a run, also of one whose study cannot be carried out here.
+
+        Its ``title``, the number of ``targets``, evaluations ``done`` and their ``budget``, and whether it
+        ``is_worked_on``.
+
+        Raises
+        ------
+        InputError
+            if the directory is not a run, or the run is damaged.
+        """
+        database = check_run(directory)
+        with Store.open(database, read_only=True, check=False) as store:
+            document, done = store.read_study(), store.count()
+        targets, budget = read_aims(database, document)
+        return {
+            "title": str(document.get("title", "")),
+            "targets": len(targets),
+            "done": done,
+            "budget": budget,
+            "is_worked_on": is_worked_on(directory),
+        }
+
+    def monitor(self) -> RunMonitor:
+        """Return a monitor of it, to follow what other processes write; call its ``poll`` first."""
+        return RunMonitor(self.path)
+
     def read(self, *, check: bool = False) -> Store:
         """Open its store for reading; a context manager that closes it."""
         return Store.open(self.path / DATABASE, read_only=True, check=check)
@@ -199,16 +234,3 @@ class Run:
         return InputError(
             f"{self.path} has no evaluation yet that did not fail; wait, or resume it with: {self.resume_command}"
         )
-
-
-def check_study(study: Study) -> None:
-    """Refuse a study that cannot be run, before anything is written.
-
-    Raises
-    ------
-    InputError
-        if it has no targets, with the line to add, or if its strategy does not accept it.
-    """
-    if not study.scenario.targets:
-        raise InputError(f"{study.name}: has no [targets]; add at least one, such as leak = [4.0, 0.0, -0.9]")
-    study.make_strategy()

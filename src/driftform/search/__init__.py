@@ -1,4 +1,4 @@
-"""Evaluations in this process, in local processes, or on a Dask cluster; a crash costs only the genome to blame."""
+"""The search: strategies, the ask/tell loop, finalists, and where evaluations run."""
 
 import lazy_loader
 

@@ -1,5 +1,5 @@
 from .advance import Observer as Observer
-from .advance import advance_run as advance_run
-from .advance import search_run as search_run
-from .local import LocalProcesses as LocalProcesses
+from .executors import open_executor as open_executor
+from .jobs import Executor as Executor
+from .strategies import PipeGrid as PipeGrid
 from .strategies.breeding import breed as breed

@@ -63,7 +63,7 @@ def advance_run(run: Run, executor: Executor, observer: Observer | None = None) 
             fly_finalists(run.study, store, executor, progress)
         store.check_place()
         try:
-            return write_results(run.path, run.study, executor)
+            return write_results(Run(run.path, run.study), executor)
         except DriftformError:
             store.check_place()
             raise

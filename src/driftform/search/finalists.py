@@ -180,13 +180,13 @@ class Winner:
         """Return what an agent file and a JSON document hold of it: flights, failures, share that reach the target, score; misses in m."""
         if self.misses is None:
             return {"score": self.score}
+        promise = self.misses.describe(0)
         return {
             "score": self.score,
-            "flights": self.misses.count,
-            "failed": self.misses.failed,
+            "flights": promise.pop("flights"),
+            "failed": promise.pop("failed"),
             "reached": self.reached,
-            "median": finite_or_none(self.misses.median[0]),
-            "p90": finite_or_none(self.misses.promised[0]),
+            **promise,
         }
 
 

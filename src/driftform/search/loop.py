@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -29,6 +29,31 @@ A disk takes milliseconds to keep what is written, as long as some evaluations t
 """
 
 
+@dataclass(frozen=True, eq=False)
+class _Batch:
+    """Candidates that a strategy asked for together, from evaluation ``first`` on, and their outcomes so far."""
+
+    first: int
+    candidates: Sequence[Candidate]
+    seeds: Sequence[int]
+    outcomes: dict[int, Evaluation] = field(default_factory=dict)
+
+    def record(self, index: int, evaluation: Evaluation) -> Record:
+        """Return what is stored of the outcome of one of the candidates."""
+        number = index - self.first
+        return Record(index, self.candidates[number], evaluation, self.seeds[number])
+
+    @property
+    def is_complete(self) -> bool:
+        return len(self.outcomes) == len(self.candidates)
+
+    @property
+    def ordered(self) -> list[Evaluation]:
+        """The outcomes in the order of the candidates."""
+        return [self.outcomes[index] for index in range(self.first, self.first + len(self.candidates))]
+
+
+@report_faults()
 def run_search(
     study: Study,
     store: Store,
@@ -55,41 +80,6 @@ def run_search(
     WorkFailedError
         where the strategy fails.
     """
-    with report_faults():
-        _search(study, store, executor, on_record, on_generation)
-
-
-@dataclass(frozen=True, eq=False)
-class _Batch:
-    """Candidates that a strategy asked for together, from evaluation ``first`` on, and their outcomes so far."""
-
-    first: int
-    candidates: Sequence[Candidate]
-    seeds: Sequence[int]
-    outcomes: dict[int, Evaluation] = field(default_factory=dict)
-
-    def record(self, index: int, evaluation: Evaluation) -> Record:
-        """Return what is stored of the outcome of one of the candidates."""
-        number = index - self.first
-        return Record(index, self.candidates[number], evaluation, self.seeds[number])
-
-    @property
-    def is_complete(self) -> bool:
-        return len(self.outcomes) == len(self.candidates)
-
-    @property
-    def ordered(self) -> list[Evaluation]:
-        """The outcomes in the order of the candidates."""
-        return [self.outcomes[index] for index in range(self.first, self.first + len(self.candidates))]
-
-
-def _search(
-    study: Study,
-    store: Store,
-    executor: Executor,
-    on_record: Callable[[Record], None],
-    on_generation: Callable[[int], None],
-) -> None:
     strategy, targets = study.make_strategy(), study.scenario.target_names
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
     waiting: deque[Job] = deque()
@@ -98,7 +88,10 @@ def _search(
     asked = told = 0
     # Nobody else writes meanwhile: beyond what is stored now there is nothing to read.
     stored = store.last_index() + 1
-    with _keep_journal(store, targets, on_record) as journal:
+    journal = _Journal(store, targets, on_record)
+    with ExitStack() as at_end:
+        # Also where the search is interrupted.
+        at_end.callback(journal.write)
         while told < study.evaluations:
             # The order of these calls depends on no time: with any workers, and after an interruption, it is the same.
             while asked < study.evaluations and (
@@ -154,18 +147,6 @@ class _Journal:
             self._store.add(records, self._targets)
         for record in records:
             self._on_record(record)
-
-
-@contextmanager
-def _keep_journal(
-    store: Store, targets: Sequence[str], on_record: Callable[[Record], None]
-) -> Iterator[_Journal]:
-    """Give a journal, and write what is left in it, also where the search is interrupted."""
-    journal = _Journal(store, targets, on_record)
-    try:
-        yield journal
-    finally:
-        journal.write()
 
 
 def _evaluate_forever(executor: Executor, waiting: deque[Job]) -> Iterator[Sequence[Outcome]]:

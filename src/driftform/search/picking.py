@@ -7,7 +7,7 @@ from pathlib import Path
 
 from driftform.errors import InputError
 from driftform.pipeline import Pipeline
-from driftform.runs.agent_file import StoredAgent, write_agent
+from driftform.runs.agent_file import StoredAgent
 from driftform.runs.compression import compress_evaluation
 from driftform.runs.coverage import ClosestPass, find_passes
 from driftform.runs.run import Run
@@ -71,7 +71,7 @@ def write_pick(run: Run, point: Vector, folder: Path | None = None) -> tuple[Sto
     """Pick an agent, and write it as ``agent.json`` into a folder, by default ``picks/X_Y_Z`` of the run."""
     stored = pick_agent(run, point)
     path = make_directory(folder or run.path / "picks" / name_point(point)) / "agent.json"
-    write_agent(path, stored)
+    stored.write(path)
     return stored, path
 
 

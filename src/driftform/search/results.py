@@ -11,11 +11,13 @@ from driftform.errors import DriftformError, InputError, WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform.plugins.faults import report_faults
 from driftform.plugins.seams import require_files
-from driftform.runs.agent_file import StoredAgent, agent_document, write_agent
-from driftform.runs.directory import DATABASE
+from driftform.runs.agent_file import StoredAgent
+from driftform.runs.coverage import CoverageMap, PipeGrid, map_coverage
+from driftform.runs.misses import Misses
+from driftform.runs.run import Run
 from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
-from driftform.search.finalists import find_best_agent
+from driftform.search.finalists import Winner, describe_best, find_winner
 from driftform.search.jobs import Executor, FunctionDiedError
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
@@ -72,8 +74,8 @@ class Best:
         return 100 - self.fitness
 
 
-def write_results(directory: Path, study: Study, executor: Executor) -> list[Best]:
-    """Write the best agent of each target, the overview and the map of a run's directory; return the best agents.
+def write_results(run: Run, executor: Executor) -> list[Best]:
+    """Write the best agent of each target, the overview and the map of a run; return the best agents.
 
     The executor writes them at the same time, each file completely or not at all.
 
@@ -84,75 +86,77 @@ def write_results(directory: Path, study: Study, executor: Executor) -> list[Bes
     InputError
         where a stored evaluation is damaged.
     """
-    groups = _group_targets(directory, study)
+    with run.read() as store:
+        groups = _group_targets(run.study, store)
     # What takes longest first.
-    pieces: list[Callable[[Path, Study, Store], Any]] = [_write_overview, _write_reach]
+    pieces: list[Callable[[Run, Store], Any]] = [_write_overview, _write_reach]
     pieces += [partial(_write_agents, stored=group) for group in groups]
     try:
-        _, _, *results = executor.call(
-            [partial(_call_with_store, write, directory, study) for write in pieces]
-        )
+        _, _, *results = executor.call([partial(_call_with_store, write, run) for write in pieces])
         found = {best.target: best for group, _ in results for best in group}
-        if study.run.formats:
-            _export_all(directory, study, executor, groups, [agent for _, agent in results], found)
+        if run.study.run.formats:
+            _export_all(run, executor, groups, [agent for _, agent in results], found)
     except BaseException:
         for folder in ("best", "figures"):
-            remove_parts(directory / folder)
+            remove_parts(run.path / folder)
         raise
-    return [found[target] for target in study.scenario.targets]
+    return [found[target] for target in run.study.scenario.targets]
 
 
-def _group_targets(directory: Path, study: Study) -> list[Sequence[StoredAgent]]:
-    """The best agents by the evaluation that they share: their flight is read and drawn once."""
+def _call_with_store(write: Callable[[Run, Store], T], run: Run) -> T:
+    with run.read() as store:
+        return write(run, store)
+
+
+def _group_targets(study: Study, store: Store) -> list[list[StoredAgent]]:
+    """Return the best agents by the evaluation that they share: their flight is read and drawn once."""
     groups: dict[int, list[StoredAgent]] = {}
-    with Store.open(directory / DATABASE, read_only=True, check=False) as store:
-        for target in study.scenario.targets:
-            stored = _find_best(study, store, target)
-            groups.setdefault(stored.result["evaluation"], []).append(stored)
+    for target in study.scenario.targets:
+        stored = _require_best(study, store, target, find_winner(study, store, target))
+        groups.setdefault(stored.result["evaluation"], []).append(stored)
     return list(groups.values())
 
 
-def _call_with_store(write: Callable[[Path, Study, Store], T], directory: Path, study: Study) -> T:
-    with Store.open(directory / DATABASE, read_only=True, check=False) as store:
-        return write(directory, study, store)
-
-
-def _find_best(study: Study, store: Store, target: str) -> StoredAgent:
-    stored = find_best_agent(study, store, target)
+def _require_best(study: Study, store: Store, target: str, winner: Winner | None) -> StoredAgent:
+    stored = describe_best(study, store, target, winner)
     if stored is None:
         reason, count = store.find_commonest_failure()
         raise WorkFailedError(f"all {store.count()} evaluations failed, {count} of them like this: {reason}")
     return stored
 
 
-def _read_flight(directory: Path, study: Study, store: Store, stored: StoredAgent) -> Trajectory:
-    index = stored.result["evaluation"]
-    flight = store.read_record(index, study.scenario.target_names).evaluation.trajectory
+def read_flight(run: Run, store: Store, index: int) -> Trajectory:
+    """Return the stored flight of an evaluation that did not fail.
+
+    Raises
+    ------
+    InputError
+        if it is missing.
+    """
+    flight = store.read_record(index, run.study.scenario.target_names).evaluation.trajectory
     if flight is None:
-        raise InputError(f"{directory}: is damaged: the flight of evaluation {index} is missing")
+        raise InputError(f"{run.path}: is damaged: the flight of evaluation {index} is missing")
     return flight
 
 
-def _write_agents(
-    directory: Path, study: Study, store: Store, stored: Sequence[StoredAgent]
-) -> tuple[list[Best], Agent]:
+def _write_agents(run: Run, store: Store, stored: Sequence[StoredAgent]) -> tuple[list[Best], Agent]:
     """Write ``best/<target>/`` of targets that share an agent, without the files of exporters; return it for these."""
     from driftform.figures.section import section_svg
     from driftform.runs.table_files import write_trajectory
 
-    flight = _read_flight(directory, study, store, stored[0])
-    agent = study.make_pipeline().make_agent(stored[0].genome)
+    flight = read_flight(run, store, stored[0].result["evaluation"])
+    agent = run.study.make_pipeline().make_agent(stored[0].genome)
     names = ("agent.json", "trajectory.csv", "section.svg")
     found: list[Best] = []
     for best in stored:
         target, result = best.result["target"], best.result
-        document, samples, picture = files = [directory / "best" / target / name for name in names]
-        write_agent(document, best)
+        document, samples, picture = files = [run.path / "best" / target / name for name in names]
+        best.write(document)
         if found:
             write_whole(samples, partial(shutil.copyfile, found[0].files[1]))
         else:
             write_trajectory(samples, flight)
-        write_text(picture, section_svg(agent, target, study.scenario))
+        write_text(picture, section_svg(agent, target, run.study.scenario))
         found.append(
             Best(
                 target,
@@ -174,8 +178,7 @@ Exports = dict[str, tuple[list[Path], list[str]]]
 
 
 def _export_all(
-    directory: Path,
-    study: Study,
+    run: Run,
     executor: Executor,
     groups: Sequence[Sequence[StoredAgent]],
     agents: Sequence[Agent],
@@ -187,17 +190,14 @@ def _export_all(
     """
     try:
         exported = executor.call(
-            [
-                partial(_export_agent, directory, study, agent, group)
-                for agent, group in zip(agents, groups, strict=True)
-            ]
+            [partial(_export_agent, run, agent, group) for agent, group in zip(agents, groups, strict=True)]
         )
     except FunctionDiedError as error:
         target = groups[error.index][0].result["target"]
-        formats = ",".join(study.run.formats)
+        formats = ",".join(run.study.run.formats)
         problem = (
-            f"{directory / 'best' / target}: not all of {formats} was written: {error}; write what is missing with: "
-            f"driftform export {directory}:{target} --format {formats}"
+            f"{run.path / 'best' / target}: not all of {formats} was written: {error}; write what is missing with: "
+            f"driftform export {run.path}:{target} --format {formats}"
         )
         found[target] = replace(found[target], problems=(problem,))
         return
@@ -207,15 +207,15 @@ def _export_all(
             found[target] = replace(best, files=(*best.files, *files), problems=tuple(problems))
 
 
-def _export_agent(directory: Path, study: Study, agent: Agent, stored: Sequence[StoredAgent]) -> Exports:
+def _export_agent(run: Run, agent: Agent, stored: Sequence[StoredAgent]) -> Exports:
     """Write the formats of the run into ``best/<target>/`` of targets that share an agent."""
-    exporters = [study.make_exporter(name) for name in study.run.formats]
+    exporters = [run.study.make_exporter(name) for name in run.study.run.formats]
     exported: Exports = {}
     for best in stored:
-        job = ExportJob("agent", agent, study.scenario, agent_document(best))
+        job = ExportJob("agent", agent, run.study.scenario, best.document())
         files, problems = exported.setdefault(best.result["target"], ([], []))
         for exporter in exporters:
-            path = directory / "best" / best.result["target"] / f"agent{exporter.suffix}"
+            path = run.path / "best" / best.result["target"] / f"agent{exporter.suffix}"
             try:
                 with report_faults():
                     written = require_files(exporter.write(job, path), exporter)
@@ -227,36 +227,68 @@ def _export_agent(directory: Path, study: Study, agent: Agent, stored: Sequence[
     return exported
 
 
-def _write_overview(directory: Path, study: Study, store: Store) -> None:
+@dataclass(frozen=True, eq=False)
+class BestFlight:
+    """The best agent for a target with its flight, and the misses of its disturbed flights if it was chosen by them."""
+
+    stored: StoredAgent
+    agent: Agent
+    trajectory: Trajectory
+    misses: Misses | None
+
+
+def read_best(run: Run, store: Store) -> list[BestFlight]:
+    """Return the best agent for each target of a run; targets that share an agent share its objects.
+
+    Raises
+    ------
+    WorkFailedError
+        where not one evaluation succeeded.
+    """
+    pipeline, found = run.study.make_pipeline(), []
+    flown: dict[int, tuple[Agent, Trajectory]] = {}
+    for target in run.study.scenario.targets:
+        winner = find_winner(run.study, store, target)
+        stored = _require_best(run.study, store, target, winner)
+        index = stored.result["evaluation"]
+        if index not in flown:
+            flown[index] = pipeline.make_agent(stored.genome), read_flight(run, store, index)
+        found.append(BestFlight(stored, *flown[index], None if winner is None else winner.misses))
+    return found
+
+
+def draw_overview(study: Study, best: Sequence[BestFlight]) -> str:
+    """Return the picture of the best flights and bodies."""
     from driftform.figures.gallery import GalleryEntry
     from driftform.figures.overview import overview_svg
 
-    pipeline = study.make_pipeline()
-    fitness = pipeline.fitness
-    values: dict[str, float] = {}
-    flights: list[GalleryEntry] = []
-    flown: dict[int, tuple[Agent, Trajectory]] = {}
-    for target in study.scenario.targets:
-        stored = _find_best(study, store, target)
-        index = stored.result["evaluation"]
-        # Targets that share an agent share its flight, and are drawn once.
-        if index not in flown:
-            flown[index] = pipeline.make_agent(stored.genome), _read_flight(directory, study, store, stored)
-        agent, flight = flown[index]
-        values[target] = stored.result["fitness"]
-        flights.append(GalleryEntry(target, agent, flight, fitness.measure(values[target]), fitness.unit))
-    title = str(study.document.get("title", ""))
-    picture = overview_svg(flights, study.scenario, title, describe_worst(fitness, values))
-    write_text(directory / "figures" / "overview.svg", picture)
+    fitness = study.make_plugin("fitness")
+    values = {one.stored.result["target"]: one.stored.result["fitness"] for one in best}
+    flights = [
+        GalleryEntry(target, one.agent, one.trajectory, fitness.measure(value), fitness.unit)
+        for one, (target, value) in zip(best, values.items(), strict=True)
+    ]
+    return overview_svg(flights, study.scenario, study.title, describe_worst(fitness, values))
 
 
-def _write_reach(directory: Path, study: Study, store: Store) -> None:
+def _write_overview(run: Run, store: Store) -> None:
+    write_text(run.path / "figures" / "overview.svg", draw_overview(run.study, read_best(run, store)))
+
+
+def _write_reach(run: Run, store: Store) -> None:
     from driftform.figures.reach import reach_svg
-    from driftform.runs.coverage import PipeGrid, map_coverage
 
-    reach = map_coverage(
-        track_progress(store.read_trajectories(), store.count_sound(), "flights"),
-        PipeGrid.of_scenario(study.scenario),
-    )
-    title = str(study.document.get("title", ""))
-    write_text(directory / "figures" / "reach.svg", reach_svg(reach, study.scenario, title))
+    picture = reach_svg(map_run(run.study, store), run.study.scenario, run.study.title)
+    write_text(run.path / "figures" / "reach.svg", picture)
+
+
+def map_run(study: Study, store: Store) -> CoverageMap:
+    """Return the coverage of all flights of a run that did not fail.
+
+    Raises
+    ------
+    InputError
+        in open water.
+    """
+    flights = track_progress(store.read_trajectories(), store.count_sound(), "flights")
+    return map_coverage(flights, PipeGrid.of_scenario(study.scenario))

@@ -11,11 +11,10 @@ import numpy as np
 
 from driftform.errors import InputError, find_commonest
 from driftform.pipeline import Pipeline
-from driftform.study.study import Study
 from driftform.types import Body, FloatArray, Morphology
-from driftform.water import Scenario, TurbulentFlow
+from driftform.water import Scenario
 from driftform.water.factors import DRAGS
-from driftform.water.flow import PowerLawFlow, UniformFlow
+from driftform.water.flow import PowerLawFlow, TurbulentFlow, UniformFlow
 from driftform.water.misfit import find_misfit, show_length
 
 NEGLIGIBLE = 1e-3
@@ -47,27 +46,27 @@ DENSEST = 22_600.0
 """Density of osmium, the densest material there is, kg/m3 (CRC Handbook of Chemistry and Physics)."""
 
 
-def list_warnings(study: Study) -> list[str]:
-    """Return what is likely to be wrong with a study, one line each.
+def list_warnings(name: str, pipeline: Pipeline) -> list[str]:
+    """Return what is likely to be wrong with the study of a pipeline, one line each; ``name`` is what errors call it.
 
     Raises
     ------
     InputError
         if not even the smallest body of the builder can be released.
     """
-    return _Advice(study, study.make_pipeline()).collect()
+    return _Advice(name, pipeline).collect()
 
 
 class _Advice:
-    def __init__(self, study: Study, pipeline: Pipeline) -> None:
-        self.study, self.pipeline = study, pipeline
+    def __init__(self, name: str, pipeline: Pipeline) -> None:
+        self.name, self.pipeline = name, pipeline
         self.scenario: Scenario = pipeline.scenario
 
     def collect(self) -> list[str]:
         bare = self._build_bare()
         if bare is not None and (misfit := find_misfit(bare, self.scenario)) is not None:
             raise InputError(
-                f"{self.study.name}: no agent can be released: the bare core in its hull, the smallest body of builder "
+                f"{self.name}: no agent can be released: the bare core in its hull, the smallest body of builder "
                 f"'{self.pipeline.builder.name}': {misfit}"
             )
         found = [*self._check_units(), *self._check_water()]

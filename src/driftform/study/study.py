@@ -8,29 +8,33 @@ a built-in scenario, contains only what differs from it. Built-in scenarios are 
 
 import reprlib
 import secrets
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from pydantic import ValidationError
 
-from driftform.errors import InputError, did_you_mean
-from driftform.interfaces import SEAMS, Checker, Exporter, Recorder, Renderer, SearchSpace, Strategy
+from driftform.errors import DriftformError, InputError, did_you_mean
+from driftform.interfaces import SEAMS, Checker, Exporter, PrintJob, Recorder, Renderer, SearchSpace, Strategy
 from driftform.options import MAX_SEED, Table, option
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
-from driftform.plugins.registry import registry
-from driftform.plugins.seams import check_grammar, check_wording
+from driftform.plugins.registry import Contribution, registry
+from driftform.plugins.seams import check_grammar, check_wording, require_findings
 from driftform.study.error_lines import format_errors
 from driftform.study.sources import (
     Source,
+    join_path,
     locate_key,
     merge_source,
     parse_setting,
     read_calibration,
+    read_scenarios,
     read_sources,
 )
+from driftform.study.toml_positions import find_key_lines
+from driftform.types import Finding, State
 from driftform.water import Scenario
 
 T = TypeVar("T")
@@ -107,6 +111,11 @@ class Study:
     given: str = ""
 
     @property
+    def title(self) -> str:
+        """The title that its file gives it, or nothing."""
+        return str(self.document.get("title", ""))
+
+    @property
     def seed(self) -> int:
         """The seed of all randomness."""
         assert self.run.seed is not None
@@ -133,10 +142,8 @@ class Study:
         """Create a strategy in its initial state, with a random generator from the seed."""
         rng = np.random.default_rng(self.seed)
         space = SearchSpace(self.make_plugin("grammar"), self.scenario.target_names, rng, self.scenario)
-        strategy: Strategy[Any] = registry().create(
-            "strategy", *_split_selection(self.document, "strategy"), space=space
-        )
-        return strategy
+        made = registry().create("strategy", *_split_selection(self.document, "strategy"), space=space)
+        return cast("Strategy[Any]", made)
 
     def check_formats(self) -> None:
         """Check that the formats of a run's files can be written, as :func:`load_study` does for files.
@@ -148,25 +155,79 @@ class Study:
         """
         _check_formats(self.run.formats, [Source(self.name, self.document)])
 
+    def check_search(self) -> None:
+        """Refuse a study that cannot be searched, before anything is written.
+
+        Raises
+        ------
+        InputError
+            if it has no targets, with the line to add, or if its strategy does not accept it.
+        """
+        if not self.scenario.targets:
+            raise InputError(
+                f"{self.name}: has no [targets]; add at least one, such as leak = [4.0, 0.0, -0.9]"
+            )
+        self.make_strategy()
+
+    def list_warnings(self) -> list[str]:
+        """Return what is likely to be wrong with it, one line each; nothing flies.
+
+        Raises
+        ------
+        InputError
+            if not even the smallest body of the builder can be released.
+        """
+        from driftform.study.advice import list_warnings
+
+        return list_warnings(self.name, self.make_pipeline())
+
+    @staticmethod
+    def list_scenarios() -> Mapping[str, str]:
+        """Return the text of each built-in scenario, by the name that :func:`load_study` takes."""
+        return read_scenarios()
+
+    @staticmethod
+    def find_lines(text: str) -> dict[str, int]:
+        """Return the line of each key in the text of a study file, such as ``{"pipe.segments[0].radius": 4}``."""
+        return {join_path(path): line for path, line in find_key_lines(text).items()}
+
     def make_exporter(self, name: str) -> Exporter[Any]:
         """Create an exporter with the options of its table ``[exporter.<name>]``, if there is one."""
-        exporter: Exporter[Any] = self._make_named("exporter", name)
-        return exporter
+        return cast("Exporter[Any]", self._make_named("exporter", name))
 
     def make_recorder(self, name: str) -> Recorder[Any]:
         """Create a recorder with the options of its table ``[recorder.<name>]``, if there is one."""
-        recorder: Recorder[Any] = self._make_named("recorder", name)
-        return recorder
+        return cast("Recorder[Any]", self._make_named("recorder", name))
 
     def make_renderer(self, name: str) -> Renderer[Any]:
         """Create a renderer with the options of its table ``[renderer.<name>]``, if there is one."""
-        renderer: Renderer[Any] = self._make_named("renderer", name)
-        return renderer
+        return cast("Renderer[Any]", self._make_named("renderer", name))
 
     def make_checker(self, name: str) -> Checker[Any]:
         """Create a checker with the options of its table ``[checker.<name>]``, if there is one."""
-        checker: Checker[Any] = self._make_named("checker", name)
-        return checker
+        return cast("Checker[Any]", self._make_named("checker", name))
+
+    def check_print(self, name: str, job: PrintJob) -> Iterator[Finding]:
+        """Yield what a checker finds; one that fails, and not for a reason that it explains, gives a skipped finding.
+
+        Raises
+        ------
+        DriftformError
+            if the checker cannot read a file, or returns something else than findings.
+        """
+        checker = self.make_checker(name)
+        try:
+            yield from require_findings(checker.check(job), checker)
+        except DriftformError:
+            raise
+        except (Exception, SystemExit) as error:
+            # One checker that fails is no reason to keep back what the others find.
+            yield Finding(name, State.SKIPPED, describe_fault(error))
+
+    @staticmethod
+    def list_plugins(seam: str) -> list[Contribution]:
+        """Return what is installed for a seam such as ``checker``, by name: its class, or why that is unavailable."""
+        return registry().seam(seam)
 
     def __repr__(self) -> str:
         # The document would fill a screen.

@@ -28,8 +28,8 @@ from driftform.testing.bodies import spheroid_body
 from driftform.testing.contract import Contract
 from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Fluid, Pipe, Scenario, Segment, TurbulentFlow
-from driftform.water.flow import PowerLawFlow, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import PowerLawFlow, TurbulentFlow, UniformFlow
 from driftform.water.pipe import Vector
 from driftform.water.scenario import Contact, FlightLimits, Release
 

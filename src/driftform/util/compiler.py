@@ -1,42 +1,54 @@
-"""numba's compiler without what kernels do not need: it takes less than half the time.
+"""numba's compiler without what kernels do not need: it takes a third of the time, and flights half of theirs.
 
-A program for the processor is made of an entry, which Python calls, and its parts, the kernels that it calls. numba
-optimizes and translates each function with all that it calls, and then optimizes and translates all of that again for
+A kernel that is called from Python is an entry: it has a Python wrapper, and its machine code is cached, with that of
+all kernels that it calls. A kernel that is called from another kernel is a part of it, and has neither: wrappers and
+files for all parts took a third of the compilation.
+
+numba optimizes and translates each function with all that it calls, and then optimizes and translates all of that again for
 its caller. Here, a part and what numba itself adds (such as ``numpy.zeros``) stay apart until an entry links all of
 them, optimizes them and translates them, once.
 """
 
-import operator
+import hashlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar, cast
 
-from llvmlite import ir as llvm
-from llvmlite.binding import Linkage, create_pass_builder, create_pipeline_tuning_options, parse_assembly
-from numba.core import base, ir, typed_passes, types, untyped_passes
+import numpy as np
+from llvmlite.binding import (
+    Linkage,
+    add_symbol,
+    create_pass_builder,
+    create_pipeline_tuning_options,
+    parse_assembly,
+)
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.cgutils import pack_array
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
-from numba.core.compiler_machinery import PassManager, register_pass
-from numba.core.imputils import user_function
-from numba.core.ir_utils import get_definition, guard
-from numba.core.lowering import Lower
-from numba.core.typed_passes import NativeLowering
+from numba.core.registry import CPUDispatcher
+from numba.core.runtime._nrt_python import c_helpers
+from numba.core.types import Dispatcher, intp, unliteral
+from numba.extending import intrinsic
+from numba.np.numpy_support import from_dtype
 
-_UNUSED = {
-    untyped_passes.WithLifting,
-    untyped_passes.InlineClosureLikes,
-    untyped_passes.RewriteDynamicRaises,
-    untyped_passes.MakeFunctionToJitFunction,
-    untyped_passes.InlineInlinables,
-    untyped_passes.FindLiterallyCalls,
-    untyped_passes.LiteralUnroll,
-    untyped_passes.LiteralPropagationSubPipelinePass,
-    typed_passes.InlineOverloads,
-    typed_passes.NopythonRewrites,
-    typed_passes.DumpParforDiagnostics,
-}
-"""Passes of numba for what no kernel has: closures, contexts, literals that unroll loops, expressions of whole arrays."""
+from driftform.types import FloatArray
+from driftform.util.kernel_cache import announce, find_folder, lock, use_folder
+from driftform.util.preparation import preparing
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+COMPILATION_S = 15
+"""Typical duration of the compilation for flights in the vertical plane, s."""
+
+FOLDER = find_folder("linked")
+"""The folder of the machine code."""
+
+_OPTIONS = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 class _PartLibrary(JITCodeLibrary):
@@ -45,17 +57,11 @@ class _PartLibrary(JITCodeLibrary):
     def __init__(self, codegen: Any, name: str) -> None:
         super().__init__(codegen, name)
         self._environments: dict[str, object] = {}
-        self.raises = True
 
     def add_ir_module(self, ir_module: Any) -> None:
-        """Add the function, and note whether it can return another status than 0, that of success."""
-        if ir_module.name == "cfunc_wrapper":
-            # A wrapper for callers in C, which numba writes for functions of its own.
-            return
-        ends = (block.terminator for function in ir_module.functions for block in function.blocks)
-        statuses = [end.return_value for end in ends if isinstance(end, llvm.Ret)]
-        self.raises = any(getattr(status, "constant", None) != 0 for status in statuses)
-        super().add_ir_module(ir_module)
+        """Add the function, and no wrapper for callers in C, which numba writes for functions of its own."""
+        if ir_module.name != "cfunc_wrapper":
+            super().add_ir_module(ir_module)
 
     @property
     def codegen(self) -> "_PartLibrary":
@@ -146,211 +152,20 @@ class _EntryLibrary(JITCodeLibrary):
         return self.name, "object", (self._get_compiled_object(), stubs.as_bitcode())
 
 
-def _write_calls(fndesc: Any, libraries: Any) -> Any:
-    """Return what writes the calls of a function, without a look at the status of a part that cannot raise an exception.
-
-    numba writes 25 instructions around a call to pass exceptions on. Most functions raise none.
-    """
-    [library] = libraries
-    if not isinstance(library, _PartLibrary) or library.raises:
-        return user_function(fndesc, libraries)
-
-    def write(context: Any, builder: Any, _: Any, arguments: Any) -> Any:
-        function = context.declare_function(builder.module, fndesc)
-        result, exception = function.args[:2]
-        with builder.goto_entry_block():
-            room = builder.alloca(result.type.pointee)
-        flat = context.get_arg_packer(fndesc.argtypes).as_arguments(builder, arguments)
-        builder.call(function, [room, exception.type(None), *flat])
-        return context.get_returned_value(builder, fndesc.restype, builder.load(room))
-
-    write.signature, write.libs = fndesc.argtypes, (library,)  # type: ignore[attr-defined]
-    return write
-
-
-class _KernelLower(Lower):
-    """Writes the instructions of a kernel.
-
-    numba clears variables when they are first and last used, calls a function for each access to an element of an array, and
-    in it copies the array's description and corrects a negative index. Whatever changes nothing is not written here:
-    most of the compilation is spent on moving these instructions, and then on removing them.
-    """
-
-    @property
-    def _clears(self) -> bool:
-        """True if variables must be cleared: references are counted, or a debugger sees them."""
-        return bool(self.context.enable_nrt or self._disable_sroa_like_opt)
-
-    def alloca_lltype(self, name: str, lltype: Any, datamodel: Any = None) -> Any:
-        if self._clears:
-            return super().alloca_lltype(name, lltype, datamodel)
-        with self.builder.goto_entry_block():
-            return self.builder.alloca(lltype, name=name)
-
-    def storevar(self, value: Any, name: str, argidx: int | None = None) -> None:
-        if self._clears:
-            super().storevar(value, name, argidx)
-        elif name in self._singly_assigned_vars:
-            self._blk_local_varmap[name] = value
-        else:
-            self.builder.store(value, self.getvar(name))
-
-    def delvar(self, name: str) -> None:
-        if self._clears:
-            super().delvar(name)
-        elif name not in self._blk_local_varmap:
-            self._singly_assigned_vars.discard(name)
-
-    def lower_assign(self, ty: Any, inst: Any) -> Any:
-        if isinstance(ty, types.Dispatcher) and isinstance(inst.value, ir.Global | ir.FreeVar):
-            # Its type says which kernel is called; numba would also write and load the address of its object.
-            return self.context.get_dummy_value()
-        return super().lower_assign(ty, inst)
-
-    def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
-        if op not in (operator.pow, operator.ipow):
-            # Only powers have instructions of their own for constants; numba would try three of them for each operator.
-            expr.static_lhs = expr.static_rhs = ir.UNDEFINED
-        return super().lower_binop(resty, expr, op)
-
-    def lower_expr(self, resty: Any, expr: Any) -> Any:
-        if expr.op in ("getiter", "iternext") and self._counts_up(expr.value):
-            value = self.loadvar(expr.value.name)
-            return self._begin_count(value, resty) if expr.op == "getiter" else self._count(value, resty)
-        return super().lower_expr(resty, expr)
-
-    def _counts_up(self, value: Any) -> bool:
-        """Return True for a range in steps of one, and for its iterator."""
-        definition = guard(get_definition, self.func_ir, value)
-        if getattr(definition, "op", "") == "getiter":
-            definition = guard(get_definition, self.func_ir, definition.value)
-        return (
-            getattr(definition, "op", "") == "call"
-            and len(definition.args) < 3
-            and getattr(self.typeof(definition.func.name), "typing_key", None) is range
-        )
-
-    def _begin_count(self, value: Any, kind: Any) -> Any:
-        """Return the iterator of such a range; numba would divide by its step, and look whether that is zero."""
-        builder = self.builder
-        start, stop, step = (builder.extract_value(value, k) for k in range(3))
-        with builder.goto_entry_block():
-            place, count = builder.alloca(start.type), builder.alloca(start.type)
-        builder.store(start, place)
-        builder.store(builder.sub(stop, start), count)
-        iterator = llvm.Constant(self.context.get_value_type(kind), llvm.Undefined)
-        for index, field in enumerate((place, stop, step, count)):
-            iterator = builder.insert_value(iterator, field, index)
-        return iterator
-
-    def _count(self, value: Any, kind: Any) -> Any:
-        """Return the next number, and whether it is in the range; numba would count what remains of the range as well."""
-        builder = self.builder
-        place, stop = builder.extract_value(value, 0), builder.extract_value(value, 1)
-        number = builder.load(place)
-        builder.store(builder.add(number, number.type(1)), place)
-        pair = llvm.Constant(self.context.get_value_type(kind), llvm.Undefined)
-        pair = builder.insert_value(pair, number, 0)
-        return builder.insert_value(pair, builder.icmp_signed("<", number, stop), 1)
-
-    def lower_getitem(self, resty: Any, expr: Any, value: Any, index: Any, signature: Any) -> Any:
-        if not self._is_element(value, index):
-            return super().lower_getitem(resty, expr, value, index, signature)
-        kind = self.typeof(value.name).dtype
-        item = self.context.unpack_value(self.builder, kind, self._point_to_element(value, index))
-        return self.context.cast(self.builder, item, kind, resty)
-
-    def lower_setitem(self, target: Any, index: Any, value: Any, signature: Any) -> Any:
-        given = self.typeof(value.name)
-        if not (isinstance(given, types.Number) and self._is_element(target, index)):
-            return super().lower_setitem(target, index, value, signature)
-        kind = self.typeof(target.name).dtype
-        item = self.context.cast(self.builder, self.loadvar(value.name), given, kind)
-        return self.context.pack_value(self.builder, kind, item, self._point_to_element(target, index))
-
-    def _is_element(self, array: Any, index: Any) -> bool:
-        """Return True if an index means one number of a contiguous array."""
-        kind, places = self.typeof(array.name), self._list_places(index)
-        return (
-            isinstance(kind, types.Array)
-            and isinstance(kind.dtype, types.Number)
-            and (kind.layout, kind.aligned, kind.ndim) == ("C", True, len(places))
-            and all(getattr(place, "signed", False) for place in places)
-            and not self.context.enable_boundscheck
-        )
-
-    def _list_places(self, index: Any) -> tuple[Any, ...]:
-        """Return the types of an index in each dimension."""
-        kind = self.typeof(index.name)
-        return tuple(getattr(kind, "types", (kind,)))
-
-    def _point_to_element(self, array: Any, index: Any) -> Any:
-        builder, places = self.builder, self._list_places(index)
-        model = self.context.data_model_manager[self.typeof(array.name)]
-        view, value = self.loadvar(array.name), self.loadvar(index.name)
-        shape, data = map(model.get_field_position, ("shape", "data"))
-        constants, offset = self._find_constants(index), None
-        for axis, place in enumerate(places):
-            number = (
-                value
-                if value.type == self.context.get_value_type(place)
-                else builder.extract_value(value, axis)
-            )
-            number = self.context.cast(builder, number, place, types.intp)
-            constant = constants[axis] if constants else getattr(place, "literal_value", -1)
-            if constant >= 0:
-                number = number.type(constant)
-            else:
-                end = builder.add(number, builder.extract_value(view, [shape, axis]))
-                number = builder.select(builder.icmp_signed("<", number, number.type(0)), end, number)
-            if offset is not None:
-                number = builder.add(builder.mul(offset, builder.extract_value(view, [shape, axis])), number)
-            offset = number
-        return builder.gep(builder.extract_value(view, data), [offset])
-
-    def _find_constants(self, index: Any) -> tuple[int, ...] | None:
-        """Return an index that is a number or tuple of the source, or of its module; ``None`` for a computed one."""
-        definition = guard(get_definition, self.func_ir, index)
-        if not isinstance(definition, ir.Const | ir.Global | ir.FreeVar):
-            return None
-        return definition.value if isinstance(definition.value, tuple) else (definition.value,)
-
-
-@register_pass(mutates_CFG=True, analysis_only=False)
-class _KernelLowering(NativeLowering):
-    _name = "kernel_lowering"
-
-    @property
-    def lowering_class(self) -> type[Lower]:
-        return _KernelLower
-
-
-class _KernelCompiler(Compiler):
-    def define_pipelines(self) -> list[PassManager]:
-        [manager] = super().define_pipelines()
-        manager.passes = [
-            (_KernelLowering if step is NativeLowering else step, description)
-            for step, description in manager.passes
-            if step not in _UNUSED
-        ]
-        manager.finalize()
-        return [manager]
-
-
-class PartCompiler(_KernelCompiler):
-    """Compiles a part."""
-
-    def __init__(self, typing: Any, target: Any, _: None, *rest: Any) -> None:
-        super().__init__(typing, target, _PartLibrary(target.codegen(), "part"), *rest)
-
-
 class _VectorizedLibrary(_EntryLibrary):
     """The code of an entry whose loops use instructions for several numbers at once."""
 
     _speed_level = 3
 
 
-class EntryCompiler(_KernelCompiler):
+class _PartCompiler(Compiler):
+    """Compiles a part."""
+
+    def __init__(self, typing: Any, target: Any, _: None, *rest: Any) -> None:
+        super().__init__(typing, target, _PartLibrary(target.codegen(), "part"), *rest)
+
+
+class _EntryCompiler(Compiler):
     """Compiles an entry, and its parts with it."""
 
     _library: type[_EntryLibrary] = _EntryLibrary
@@ -366,7 +181,7 @@ class EntryCompiler(_KernelCompiler):
             return super().compile_extra(func)
 
 
-class VectorizingCompiler(EntryCompiler):
+class _VectorizingCompiler(_EntryCompiler):
     """Compiles an entry whose loops use instructions for several numbers at once."""
 
     _library = _VectorizedLibrary
@@ -375,12 +190,207 @@ class VectorizingCompiler(EntryCompiler):
 @contextmanager
 def _make_parts(codegen: Any) -> Iterator[None]:
     """Let numba compile its own functions as parts; functions that are no kernels wait meanwhile."""
-    context: Any = base
     with global_compiler_lock:
         codegen._library_class = _PartLibrary
-        context.user_function = _write_calls
         try:
             yield
         finally:
             del codegen._library_class
-            context.user_function = user_function
+
+
+@cache
+def _publish_runtime() -> None:
+    """Give machine code that was loaded the addresses of numba's runtime.
+
+    numba does this too before it compiles, and then compiles what counts references, of which that code has its own copy.
+    """
+    for name, address in c_helpers.items():
+        add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
+
+
+class _Contents(CompileResultCacheImpl):
+    """What the files of a cache hold: all but the environments of numba's own functions.
+
+    Code needs its environment to print and to use Python's objects. Loading one imports its module: numba's for arrays
+    imports those for texts, hashes and random numbers, which took a third of the time of loading all kernels.
+    """
+
+    def reduce(self, result: Any) -> Any:
+        """Return what is written of a compiled kernel."""
+        *parts, environments = super().reduce(result)
+        return *parts, tuple(e for e in environments if e.consts or not _is_of_numba(e))
+
+
+def _is_of_numba(environment: Any) -> bool:
+    return bool(environment.globals["__name__"].startswith("numba."))
+
+
+class _Cache(FunctionCache):
+    """A cache whose files are valid for one state of all sources."""
+
+    _impl_class = _Contents
+
+    def load_overload(self, sig: Any, context: Any) -> Any:
+        """Load machine code, if there is any; numba's own method also prepares the compiler, for 0.8 s."""
+        _publish_runtime()
+        found = None
+        try:
+            found = self._load_overload(sig, context)
+        except Exception:
+            # A cache that cannot be read, such as one cut short by a power failure, is begun anew.
+            with suppress(Exception):
+                self.flush()
+        if found is None:
+            announce(COMPILATION_S)
+        return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Save machine code; a disk that refuses it, or an index that cannot be read, is no error."""
+        # Processes that compile the kernel for other types of arguments write the same index.
+        with suppress(Exception), lock(Path(self.cache_path) / f"{self._py_func.__qualname__}.lock"):
+            super().save_overload(sig, data)
+
+
+class _Part(CPUDispatcher):
+    """A kernel as other kernels call it."""
+
+    def __init__(self, function: Callable[..., Any], allocates: bool, borrows: bool) -> None:
+        # numba's runtime counts the references; a part without this option would do as its caller does.
+        options = {**_OPTIONS, "no_cpython_wrapper": True, "_nrt": allocates}
+        super().__init__(function, targetoptions=options, pipeline_class=_PartCompiler)
+        self.borrows = borrows
+
+    def add_overload(self, overload: Any) -> None:
+        """Keep what was compiled for some types of arguments; refuse it if it would lose an array, or free it too early."""
+        if not self.targetoptions["_nrt"]:
+            _require_no_arrays(overload, self.borrows)
+        super().add_overload(overload)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Take a literal for any number of its type: numba would compile the part for both."""
+        return super().get_call_template(tuple(map(unliteral, args)), kws)
+
+
+def _require_no_arrays(overload: Any, borrows: bool) -> None:
+    """Raise TypeError if a kernel that counts no references returns arrays of its own, or calls a kernel that does."""
+    types = overload.target_context.data_model_manager
+    calls, typemap = overload.type_annotation.calltypes, overload.type_annotation.typemap
+    returned = [] if borrows else [overload.signature.return_type]
+    for call, signature in calls.items():
+        kernel = typemap[call.func.name] if getattr(call, "op", "") == "call" else None
+        if isinstance(kernel, Dispatcher) and not getattr(kernel.dispatcher, "borrows", False):
+            returned.append(signature.return_type)
+    if any(types[kind].contains_nrt_meminfo() for kind in returned):
+        raise TypeError(
+            f"{overload.fndesc.qualname}: a kernel that returns or receives new arrays must be @allocating"
+        )
+
+
+class _Entry(CPUDispatcher):
+    """A kernel as Python calls it; kernels that call it are compiled with its part."""
+
+    def __init__(
+        self, function: Callable[..., Any], allocates: bool, borrows: bool, vectorizes: bool
+    ) -> None:
+        super().__init__(
+            function,
+            targetoptions={**_OPTIONS, "_nrt": allocates},
+            pipeline_class=_VectorizingCompiler if vectorizes else _EntryCompiler,
+        )
+        self._allocates, self._borrows = allocates, borrows
+
+    def add_overload(self, overload: Any) -> None:
+        """Keep what was compiled or loaded for some types of arguments; see :meth:`_Part.add_overload`."""
+        if not self._allocates and hasattr(overload.type_annotation, "calltypes"):
+            _require_no_arrays(overload, borrows=False)
+        super().add_overload(overload)
+
+    # Most kernels of a process are never called from Python, and their machine code is loaded with that of others: part
+    # and cache are made when they are needed.
+
+    @cached_property
+    def _part(self) -> Any:
+        return _Part(self.py_func, self._allocates, self._borrows)
+
+    @cached_property
+    def _has_cache(self) -> bool:
+        """Open the cache; false if its folder cannot be written to."""
+        with suppress(RuntimeError), use_folder(FOLDER):
+            self._cache = _Cache(self.py_func)
+            return True
+        return False
+
+    def _lock(self, sig: Any) -> AbstractContextManager[object]:
+        if not self._has_cache:
+            return nullcontext()
+        types = hashlib.sha256(str(sig).encode()).hexdigest()[:16]
+        return lock(Path(self._cache.cache_path) / f"{self.py_func.__qualname__}-{types}.lock")
+
+    @property
+    def _numba_type_(self) -> Any:
+        return self._part._numba_type_
+
+    def _compilation_chain_init_hook(self) -> None:
+        """Load none of the extensions of numba that other packages bring: no kernel uses them."""
+
+    def compile(self, sig: Any) -> Any:
+        """Load or compile the kernel for some types of arguments, one process at a time.
+
+        Others that need it wait, and load what that one compiled.
+        """
+        with preparing(), self._lock(sig):
+            entry_point = super().compile(sig)
+            for overload in cast(Any, self.overloads).values():
+                for environment in overload._find_referenced_environments():
+                    overload.library.codegen.set_env(environment.env_name, environment)
+            return entry_point
+
+
+def compile_kernel(
+    function: Callable[P, R], *, allocates: bool = False, borrows: bool = False, vectorizes: bool = False
+) -> Callable[P, R]:
+    """Compile a kernel; see the decorators in :mod:`driftform.util.compiled`."""
+    return cast(Callable[P, R], _Entry(function, allocates, borrows, vectorizes))
+
+
+def borrow_as(
+    dtype: "np.dtype[Any] | None" = None,
+) -> Callable[[FloatArray, int, tuple[int, ...]], Any]:
+    """Return :data:`borrow`, which returns an array of this type: of records, for example."""
+
+    def borrow(_: Any, array: Any, start: Any, shape: Any) -> Any:
+        number = array.dtype if dtype is None else from_dtype(dtype)
+        kind = array.copy(dtype=number, ndim=len(shape), layout="C")
+
+        def generate(context: Any, builder: Any, __: Any, arguments: Any) -> Any:
+            model, length = context.data_model_manager[kind], context.get_constant(intp, 1)
+            given = context.data_model_manager[array].get(builder, arguments[0], "data")
+            sides = [builder.extract_value(arguments[2], axis) for axis in range(kind.ndim)]
+            item = context.get_data_type(number)
+            size = context.get_constant(intp, context.get_abi_sizeof(item))
+            strides = [size]
+            for side in reversed(sides):
+                strides.insert(0, builder.mul(strides[0], side))
+                length = builder.mul(length, side)
+            fields = {
+                "nitems": length,
+                "itemsize": size,
+                "data": builder.bitcast(builder.gep(given, [arguments[1]]), item.as_pointer()),
+                "shape": pack_array(builder, sides),
+                "strides": pack_array(builder, strides[1:]),
+            }
+            view = model.get_value_type()(None)
+            for name, field in fields.items():
+                view = model.set(builder, view, field, name)
+            return view
+
+        return kind(array, intp, shape), generate
+
+    return cast(Callable[..., Any], cast(Any, intrinsic)(borrow))
+
+
+borrow: Callable[[FloatArray, int, tuple[int, ...]], FloatArray] = borrow_as()
+"""In kernels: return the numbers from the index ``start`` on of an array (n,) as an array of this shape, in the same memory.
+
+No references are counted to it and to its slices. The caller of the kernel must keep the array alive.
+"""

@@ -3,6 +3,7 @@
 import os
 import secrets
 import shutil
+import sys
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +11,18 @@ from pathlib import Path
 from driftform.errors import InputError
 
 _MAX_STEM_LENGTH = 60
+
+CACHE_VARIABLE = "DRIFTFORM_CACHE"
+"""Environment variable that names the folder of the cache."""
+
+
+def cache_folder() -> Path:
+    """Return the folder of the user's cache: that of the variable DRIFTFORM_CACHE, or the system's."""
+    if CACHE_VARIABLE in os.environ:
+        return Path(os.environ[CACHE_VARIABLE])
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "driftform" / "cache"
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "driftform"
 
 
 def is_file(path: Path) -> bool:
@@ -26,6 +39,31 @@ def is_directory(path: Path) -> bool:
         return path.is_dir()
     except (OSError, ValueError):
         return False
+
+
+def is_locked(path: Path) -> bool:
+    """Return whether a process holds a lock file; nothing is written."""
+    if not path.exists():
+        return False
+    if sys.platform == "win32":
+        from filelock import FileLock, Timeout
+
+        lock = FileLock(path)
+        try:
+            lock.acquire(timeout=0)
+        except Timeout:
+            return True
+        lock.release()
+        return False
+    import fcntl
+
+    # A shared lock, which many may hold at once, and which a file that may only be read allows.
+    with path.open("rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError:
+            return True
+    return False
 
 
 def make_directory(path: Path, option: str = "--out") -> Path:

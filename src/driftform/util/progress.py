@@ -15,6 +15,9 @@ REFRESH = 4.0
 FIRST_LINE_S = 2.0
 """Time before the progress is shown, s."""
 
+FIRST_SHOWN_S = 0.3
+"""Time before it is shown by a program, s."""
+
 _shown: ContextVar[Callable[[str, int, int], None] | None] = ContextVar("shown", default=None)
 
 
@@ -56,12 +59,16 @@ def _print_tenths(done: int, total: int, what: str) -> None:
         print(f"{done}/{total} {what}", file=sys.stderr, flush=True)
 
 
-def track_progress(items: Iterable[T], total: int, what: str, delay: float = FIRST_LINE_S) -> Iterator[T]:
+def track_progress(items: Iterable[T], total: int, what: str, delay: float | None = None) -> Iterator[T]:
     """Yield ``items``, and show the progress by :func:`count_progress` if it takes longer than ``delay``, s.
+
+    By default that is :data:`FIRST_LINE_S`, or :data:`FIRST_SHOWN_S` inside :func:`show_progress`.
 
     The time of the first item does not count, because kernels may be compiled for it.
     """
     began, show = time.monotonic(), None
+    if delay is None:
+        delay = FIRST_LINE_S if _shown.get() is None else FIRST_SHOWN_S
     with ExitStack() as shown:
         for done, item in enumerate(items, start=1):
             yield item

@@ -1,4 +1,4 @@
-"""The environment as data: pipe, flow, fluid, release, contact, targets, and their disturbances."""
+"""The water and its bounds, as data and as kernels: pipe, flow, fluid, release, targets, and their disturbances."""
 
 import lazy_loader
 

@@ -8,8 +8,8 @@ import numpy as np
 from driftform.errors import InputError
 from driftform.types import FloatArray
 from driftform.util.files import write_whole
-from driftform.water import Scenario, TurbulentFlow
-from driftform.water.flow import UniformFlow
+from driftform.water import Scenario
+from driftform.water.flow import TurbulentFlow, UniformFlow
 from driftform.water.grid_files import VelocityGrid
 
 COLUMNS = ("timestamp", "x", "y", "z", "u", "v", "w")
@@ -112,26 +112,14 @@ def _count_nodes(low: FloatArray, high: FloatArray, spacing: float) -> tuple[int
 def _fill_grid(grid: VelocityGrid, scenario: Scenario) -> VelocityGrid:
     from scipy.ndimage import binary_dilation
 
-    from driftform.water.fitting_walls import wall_gaps
-    from driftform.water.fittings import fitting_array, wall_array
+    from driftform.water.field import wall_distance, water_velocity
     from driftform.water.grid_flow import fill_nodes
-    from driftform.water.profiles import AT_A_POINT
-    from driftform.water.velocity import flow_array, pipe_rows, water_motion
 
-    walls, fittings = wall_array(scenario.pipe), fitting_array(scenario)
-    pipe, flow, no_gusts = pipe_rows(scenario), flow_array(scenario), np.empty((0, 12))
-    nodes, velocity = grid.nodes(), grid.velocity.copy()
-    known = np.zeros(grid.shape, dtype=bool)
-    for i, plane in enumerate(nodes):
-        points = plane.reshape(-1, 3)
-        wet = wall_gaps(points, walls)[0] >= 0
-        found = np.full(points.shape, np.nan)
-        if wet.any():
-            found[wet] = [
-                water_motion((x, y, z), 0.0, pipe, flow, no_gusts, AT_A_POINT, fittings)[0]
-                for x, y, z in points[wet].tolist()
-            ]
-        known[i], velocity[i] = wet.reshape(known[i].shape), found.reshape(velocity[i].shape)
+    flow = scenario.flow
+    steady = flow.model_copy(update={"acceleration": 0.0}) if isinstance(flow, UniformFlow) else flow
+    known = (wall_distance(grid.nodes(), scenario) >= 0).reshape(grid.shape)
+    velocity = grid.velocity.copy()
+    velocity[known] = water_velocity(grid.nodes()[known], 0.0, scenario.model_copy(update={"flow": steady}))
     beside = binary_dilation(known, np.ones((3, 3, 3), dtype=bool))
     filled = fill_nodes(velocity, known)
     return VelocityGrid(grid.origin, grid.spacing, np.where(beside[..., None], filled, np.nan))

@@ -11,10 +11,9 @@ import numpy as np
 
 from driftform.types import Body, FloatArray
 from driftform.util.vectors import cross
-from driftform.water import Calibration, Fluid, Scenario, TurbulentFlow
+from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import DRAGS
-from driftform.water.flow import LogLawFlow
-from driftform.water.normal import normal_quantile
+from driftform.water.flow import LogLawFlow, TurbulentFlow
 from driftform.water.scenario import Robustness
 
 MAX_DEVIATION = 3.0
@@ -71,6 +70,8 @@ def draw_conditions(
 
     They are a Latin hypercube. All distributions are normal, truncated at :data:`MAX_DEVIATION` standard deviations.
     """
+    from scipy.special import ndtri
+
     if not count:
         return ()
     deviations = [
@@ -82,7 +83,7 @@ def draw_conditions(
     calibration = calibration or Calibration()
     shares = draw_latin_hypercube(rng.spawn(1)[0], count, len(deviations) + len(calibration.intervals))
     shares = BEYOND + (1 - 2 * BEYOND) * shares
-    deviates = np.array([[normal_quantile(share) for share in row] for row in shares.tolist()])
+    deviates = ndtri(shares)
     drawn = deviates[:, : len(deviations)] * deviations
     factors = calibration.draw_factors(deviates[:, len(deviations) :]).tolist()
     gusts: list[int | None] = [None] * count

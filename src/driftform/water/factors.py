@@ -2,22 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, ClassVar, TypeAlias
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from driftform.options import Table, option
 from driftform.types import Body, Coefficients, FloatArray
-
-QUANTILE = 1.6448536269514722
-"""Standard deviations within which 90 % of a normal distribution lie."""
-
-LEAST, MOST = 0.01, 100.0
-"""Bounds of a factor."""
-
-WEAKEST, STRONGEST = 0.1, 1.0
-"""Bounds of the coefficient of restitution after calibration: those of ``contact.restitution``."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +29,12 @@ class Factors:
         of the coefficients of the contact with walls.
     """
 
+    least: ClassVar[float] = 0.01
+    most: ClassVar[float] = 100.0
+    """Bounds of a factor."""
+    names: ClassVar[tuple[str, ...]]
+    """The factors by name."""
+
     axial_drag: float = 1.0
     cross_drag: float = 1.0
     added_mass: float = 1.0
@@ -45,9 +42,25 @@ class Factors:
     restitution: float = 1.0
     friction: float = 1.0
 
+    def scale_body(self, body: Body) -> Body:
+        """Return the body with the hull's density that was found."""
+        if self.hull_density == 1.0:
+            return body
+        return replace(body, hull_density=body.hull_density * self.hull_density)
 
-NAMES = tuple(field.name for field in fields(Factors))
-"""The factors by name."""
+    def scale_coefficients(self, coefficients: Coefficients) -> Coefficients:
+        """Return the coefficients with the drag and the added mass that were found."""
+        if self.axial_drag == self.cross_drag == self.added_mass == 1.0:
+            return coefficients
+        scaled = coefficients.scale_damping(self.axial_drag, self.cross_drag)
+        return replace(scaled, added_mass=self.added_mass * scaled.added_mass)
+
+    def scale_restitution(self, restitution: float) -> float:
+        """Return the coefficient of restitution that was found, within the bounds of ``contact.restitution``."""
+        return restitution if self.restitution == 1.0 else min(1.0, max(0.1, self.restitution * restitution))
+
+
+Factors.names = tuple(field.name for field in fields(Factors))
 
 DRAGS = ("axial_drag", "cross_drag")
 """The factors that ``robustness.drag`` is about, unless they are known better."""
@@ -66,7 +79,7 @@ def _check_order(values: tuple[float, float, float]) -> tuple[float, float, floa
     return values
 
 
-_Number: TypeAlias = Annotated[float, Field(strict=True, ge=LEAST, le=MOST)]
+_Number: TypeAlias = Annotated[float, Field(strict=True, ge=Factors.least, le=Factors.most)]
 
 Interval: TypeAlias = Annotated[
     tuple[_Number, _Number, _Number], BeforeValidator(_spread), AfterValidator(_check_order)
@@ -80,6 +93,9 @@ class Calibration(Table):
     Every flight has the values. Disturbed flights draw a factor from its interval. ``robustness.drag`` is about the drags
     that have no interval.
     """
+
+    quantile: ClassVar[float] = 1.6448536269514722
+    """Standard deviations within which 90 % of a normal distribution lie."""
 
     axial_drag: Interval | None = option(
         None, "on drag along the axis: friction, nose and base; [value, low, high] or a value"
@@ -104,20 +120,22 @@ class Calibration(Table):
     def _check_names(self) -> "Calibration":
         for first, second, _ in self.correlations:
             for name in (first, second):
-                if name not in NAMES:
-                    raise ValueError(f"correlations name '{name}'; the factors are {', '.join(NAMES)}")
+                if name not in Factors.names:
+                    raise ValueError(
+                        f"correlations name '{name}'; the factors are {', '.join(Factors.names)}"
+                    )
         return self
 
     @property
     def intervals(self) -> Mapping[str, tuple[float, float, float]]:
         """Value, low and high of the factors that have an interval."""
-        found = {name: getattr(self, name) for name in NAMES}
+        found = {name: getattr(self, name) for name in Factors.names}
         return {name: v for name, v in found.items() if v is not None and v[1] < v[2]}
 
     @property
     def factors(self) -> Factors:
         """The values."""
-        found = {name: getattr(self, name) for name in NAMES}
+        found = {name: getattr(self, name) for name in Factors.names}
         return Factors(**{name: v[0] for name, v in found.items() if v is not None})
 
     @property
@@ -127,7 +145,7 @@ class Calibration(Table):
 
     def with_factors(self, factors: Factors) -> "Calibration":
         """Return these values without intervals."""
-        values = {name: getattr(factors, name) for name in NAMES}
+        values = {name: getattr(factors, name) for name in Factors.names}
         return Calibration().model_copy(update={name: (v, v, v) for name, v in values.items()})
 
     def draw_factors(self, deviates: FloatArray) -> FloatArray:
@@ -138,8 +156,8 @@ class Calibration(Table):
         """
         value, low, high = np.array(list(self.intervals.values())).reshape(-1, 3).T
         z = np.asarray(deviates) @ self._mixing().T
-        drawn = value + z / QUANTILE * np.where(z > 0, high - value, value - low)
-        return np.asarray(np.clip(drawn, LEAST, MOST), dtype=np.float64)
+        drawn = value + z / self.quantile * np.where(z > 0, high - value, value - low)
+        return np.asarray(np.clip(drawn, Factors.least, Factors.most), dtype=np.float64)
 
     def _mixing(self) -> FloatArray:
         """Return the matrix (k, k) that turns independent deviates into correlated ones of variance 1."""
@@ -153,25 +171,3 @@ class Calibration(Table):
         values, vectors = np.linalg.eigh(matrix)
         root = vectors * np.sqrt(np.maximum(values, 0.0))
         return np.asarray(root / np.linalg.norm(root, axis=1, keepdims=True))
-
-
-def calibrate_body(factors: Factors, body: Body) -> Body:
-    """Return the body with the hull's density that was found."""
-    if factors.hull_density == 1.0:
-        return body
-    return replace(body, hull_density=body.hull_density * factors.hull_density)
-
-
-def calibrate_coefficients(factors: Factors, coefficients: Coefficients) -> Coefficients:
-    """Return the coefficients with the drag and the added mass that were found."""
-    if factors.axial_drag == factors.cross_drag == factors.added_mass == 1.0:
-        return coefficients
-    scaled = coefficients.scale_damping(factors.axial_drag, factors.cross_drag)
-    return replace(scaled, added_mass=factors.added_mass * scaled.added_mass)
-
-
-def calibrate_restitution(factors: Factors, restitution: float) -> float:
-    """Return the coefficient of restitution that was found, within its bounds."""
-    if factors.restitution == 1.0:
-        return restitution
-    return min(STRONGEST, max(WEAKEST, factors.restitution * restitution))

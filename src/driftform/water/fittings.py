@@ -9,56 +9,13 @@ import numpy as np
 
 from driftform.errors import InputError
 from driftform.types import FloatArray
-from driftform.water import Pipe, Scenario
-from driftform.water.fitting_flow import (
-    AMPLITUDE,
-    AROUND,
-    DEVELOPED,
-    FINISH,
-    LONG,
-    PARAMETER,
-    SPEED,
-    START,
-    STRENGTH,
-    TOWARD_Y,
-    TOWARD_Z,
-)
-from driftform.water.fitting_walls import (
-    ANGLE,
-    AXES,
-    BEND,
-    CENTRE,
-    COSINE,
-    CURVE,
-    DOWNSTREAM,
-    EDGE,
-    EDGE_POINTS,
-    END_RADIUS,
-    EXIT,
-    EXTENT,
-    FIELD,
-    FIELD_SIZE,
-    FILLET,
-    HEAD,
-    INNER,
-    KIND,
-    LENGTH,
-    NARROWEST,
-    ORIGIN,
-    OUTSIDE,
-    PART,
-    RADIUS,
-    REDUCER,
-    SIDE,
-    SINE,
-    STRAIGHT,
-    TEE,
-    UPSTREAM,
-    edge_point,
-)
+from driftform.util.latest import keep_latest
+from driftform.water import fitting_flow as stream
+from driftform.water import fitting_walls as wall
 from driftform.water.flow import Flow, GridFlow
 from driftform.water.grid_flow import load_grid
 from driftform.water.layout import BEYOND, Layout, Placed
+from driftform.water.pipe import Pipe
 from driftform.water.pipe_parts import (
     Bend,
     Opening,
@@ -69,6 +26,7 @@ from driftform.water.pipe_parts import (
     exact_cosine,
     exact_sine,
 )
+from driftform.water.scenario import Scenario
 from driftform.water.tee_flow import tee_field
 from driftform.water.velocity import profile_parameter
 
@@ -115,15 +73,17 @@ def _make_array(pipe: Pipe, flow: Flow, viscosity: float) -> FloatArray:
     return values
 
 
+@keep_latest
+@lru_cache(maxsize=16)
 def wall_array(pipe: Pipe) -> FloatArray:
-    """Return the array of a pipe without its flow; of open water, that of a bore without end."""
+    """Return the array of a pipe without its flow, read-only; of open water, that of a bore without end."""
     rows = wall_rows(pipe.layout) if not pipe.is_open else np.array([_row_of_open_water()])
     return np.concatenate([[float(len(rows))], rows.ravel()])
 
 
 def _row_of_open_water() -> FloatArray:
     centre = np.array([-_OPEN_WATER, 0.0, 0.0])
-    return _row_beyond(Opening(centre, np.eye(3), _OPEN_WATER), INNER)
+    return _row_beyond(Opening(centre, np.eye(3), _OPEN_WATER), wall.INNER)
 
 
 def wall_rows(layout: Layout) -> FloatArray:
@@ -131,85 +91,67 @@ def wall_rows(layout: Layout) -> FloatArray:
     rows = [_row_of_part(placed.part) for placed in layout.parts]
     inlet = layout.inlet
     before = inlet.centre - BEYOND * inlet.radius * inlet.axes[0]
-    rows.append(_row_beyond(Opening(before, inlet.axes, inlet.radius), OUTSIDE))
+    rows.append(_row_beyond(Opening(before, inlet.axes, inlet.radius), wall.OUTSIDE))
     rows += [_row_beyond(outlet.opening, float(k)) for k, outlet in enumerate(layout.outlets)]
     return np.stack(rows)
 
 
 def _row_of_part(part: PipePart) -> FloatArray:
-    row = np.zeros(PART)
-    row[ORIGIN : ORIGIN + 3], row[AXES : AXES + 9] = part.origin, part.axes.ravel()
-    row[RADIUS], row[END_RADIUS], row[LENGTH] = part.radius, part.end_radius, part.length
-    row[NARROWEST], row[EXIT] = min(part.radius, part.end_radius), INNER
+    row = np.zeros(wall.PART)
+    row[wall.ORIGIN : wall.ORIGIN + 3], row[wall.AXES : wall.AXES + 9] = part.origin, part.axes.ravel()
+    row[wall.RADIUS], row[wall.END_RADIUS], row[wall.LENGTH] = part.radius, part.end_radius, part.length
+    row[wall.NARROWEST], row[wall.EXIT] = part.narrowest, wall.INNER
     match part:
         case Straight():
-            row[KIND] = STRAIGHT
+            row[wall.KIND] = wall.STRAIGHT
         case Bend():
-            row[KIND], row[CURVE], row[ANGLE] = BEND, part.bend_radius, part.angle
+            row[wall.KIND], row[wall.CURVE], row[wall.ANGLE] = wall.BEND, part.bend_radius, part.angle
         case Reducer():
-            row[KIND], row[CURVE] = REDUCER, part.arc_radius
+            row[wall.KIND], row[wall.CURVE] = wall.REDUCER, part.arc_radius
         case Tee():
-            row[KIND], row[END_RADIUS], row[FILLET] = TEE, part.branch_radius, part.fillet
-            row[NARROWEST] = min(part.radius, part.branch_radius)
-            row[COSINE], row[SINE] = exact_cosine(part.angle), exact_sine(part.angle)
-            row[UPSTREAM], row[DOWNSTREAM], row[SIDE] = part.legs
-            flat = np.concatenate([np.zeros(HEAD), row])
-            for k, phi in enumerate(np.linspace(0, math.pi, EDGE_POINTS)):
-                row[EDGE + 3 * k : EDGE + 3 * k + 3] = edge_point(float(phi), flat, HEAD)[0]
+            row[wall.KIND], row[wall.END_RADIUS], row[wall.FILLET] = wall.TEE, part.branch_radius, part.fillet
+            row[wall.COSINE], row[wall.SINE] = exact_cosine(part.angle), exact_sine(part.angle)
+            row[wall.UPSTREAM], row[wall.DOWNSTREAM], row[wall.SIDE] = part.legs
+            flat = np.concatenate([np.zeros(wall.HEAD), row])
+            for k, phi in enumerate(np.linspace(0, math.pi, wall.EDGE_POINTS)):
+                row[wall.EDGE + 3 * k : wall.EDGE + 3 * k + 3] = wall.edge_point(float(phi), flat, wall.HEAD)[
+                    0
+                ]
     axes = part.list_axes(0.1 * part.radius)
     points = np.concatenate([axis.points for axis in axes])
     widest = max(float(axis.radii.max()) for axis in axes)
     low, high = points.min(axis=0), points.max(axis=0)
-    row[CENTRE : CENTRE + 3] = 0.5 * (low + high)
-    farthest = float(np.linalg.norm(points - row[CENTRE : CENTRE + 3], axis=1).max())
-    row[EXTENT] = math.hypot(farthest, 0.1 * widest) + (1 + _WALL) * widest
+    row[wall.CENTRE : wall.CENTRE + 3] = 0.5 * (low + high)
+    farthest = float(np.linalg.norm(points - row[wall.CENTRE : wall.CENTRE + 3], axis=1).max())
+    row[wall.EXTENT] = math.hypot(farthest, 0.1 * widest) + (1 + _WALL) * widest
     return row
 
 
 def _row_beyond(opening: Opening, exit_: float) -> FloatArray:
     """Return the row of the bore beyond an opening."""
-    row = np.zeros(PART)
-    row[KIND], row[EXIT] = STRAIGHT, exit_
-    row[ORIGIN : ORIGIN + 3], row[AXES : AXES + 9] = opening.centre, opening.axes.ravel()
-    row[RADIUS] = row[END_RADIUS] = row[NARROWEST] = opening.radius
-    row[LENGTH] = BEYOND * opening.radius
-    row[CENTRE : CENTRE + 3] = opening.centre + 0.5 * row[LENGTH] * opening.axes[0]
-    row[EXTENT] = 0.5 * row[LENGTH] + (1 + _WALL) * opening.radius
+    row = np.zeros(wall.PART)
+    row[wall.KIND], row[wall.EXIT] = wall.STRAIGHT, exit_
+    row[wall.ORIGIN : wall.ORIGIN + 3], row[wall.AXES : wall.AXES + 9] = opening.centre, opening.axes.ravel()
+    row[wall.RADIUS] = row[wall.END_RADIUS] = row[wall.NARROWEST] = opening.radius
+    row[wall.LENGTH] = BEYOND * opening.radius
+    row[wall.CENTRE : wall.CENTRE + 3] = opening.centre + 0.5 * row[wall.LENGTH] * opening.axes[0]
+    row[wall.EXTENT] = 0.5 * row[wall.LENGTH] + (1 + _WALL) * opening.radius
     return row
 
 
 def greatest_curvature(layout: Layout) -> float:
     """Return by how much the curvatures of a wall across and along the pipe differ at most, 1/m.
 
-    Along a bend or a reducer the wall bulges by the radius of the bend's inside, and of the reducer's arcs. The rounded edge of a
-    tee is left out: bodies do not lie on it with a flat end.
+    The rounded edge of a tee is left out: bodies do not lie on it with a flat end.
     """
-    return max(_curvature(placed.part) for placed in layout.parts)
-
-
-def _curvature(part: PipePart) -> float:
-    match part:
-        case Bend():
-            return 1 / part.radius + 1 / (part.bend_radius - part.radius)
-        case Reducer():
-            return 1 / min(part.radius, part.end_radius) + 1 / part.arc_radius
-        case Tee():
-            return 1 / min(part.radius, part.branch_radius)
-    return 1 / part.radius
+    parts = [placed.part for placed in layout.parts]
+    return max(1 / part.narrowest + (0.0 if isinstance(part, Tee) else 1 / part.bulge) for part in parts)
 
 
 def rim_spacing(layout: Layout) -> float:
     """Return the greatest distance (m) between the rims of a body: a wall of the radius rho rises by s^2 / (8 rho) between two."""
-    bulges = [math.inf]
-    for placed in layout.parts:
-        match placed.part:
-            case Bend():
-                bulges.append(placed.part.bend_radius - placed.part.radius)
-            case Reducer():
-                bulges.append(placed.part.arc_radius)
-            case Tee():
-                bulges.append(placed.part.fillet)
-    return max(FINEST_RIMS, math.sqrt(8 * UNSEEN_DEPTH * min(bulges)))
+    bulge = min((placed.part.bulge for placed in layout.parts), default=math.inf)
+    return max(FINEST_RIMS, math.sqrt(8 * UNSEEN_DEPTH * bulge))
 
 
 @dataclass(frozen=True)
@@ -224,7 +166,7 @@ class _Joint:
 def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -> list[FloatArray]:
     """Write the flow of all parts to their rows; return the fields of the tees, which follow the rows."""
     fields: list[FloatArray] = []
-    place = HEAD + rows.size
+    place = wall.HEAD + rows.size
     parts = [placed.part for placed in layout.parts]
     ahead: dict[int, int] = {
         p.upstream: k for k, p in enumerate(layout.parts) if p.upstream is not None and not p.by_branch
@@ -232,11 +174,11 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
     shares = [_vortex_share(layout, ahead, k) for k in range(len(parts))]
     for k, (placed, row) in enumerate(zip(layout.parts, rows, strict=False)):
         speed = flow.speed * placed.flow * (parts[0].radius / placed.part.radius) ** 2
-        row[SPEED] = speed
+        row[stream.SPEED] = speed
         match placed.part:
             case Tee():
                 field = _make_field(placed, speed)
-                row[FIELD], row[FIELD_SIZE] = place, len(field)
+                row[wall.FIELD], row[wall.FIELD_SIZE] = place, len(field)
                 fields.append(field)
                 place += len(field)
             case Straight():
@@ -245,24 +187,29 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
                     row, placed.part, speed, flow, viscosity, [_joint(parts, shares, end) for end in ends]
                 )
             case Bend():
-                row[STRENGTH] = shares[k]
-                for start, end in zip((START, FINISH), _neighbours(layout, ahead, k), strict=True):
+                row[stream.STRENGTH] = shares[k]
+                for start, end in zip(
+                    (stream.START, stream.FINISH), _neighbours(layout, ahead, k), strict=True
+                ):
                     if end is None or not _joins_smoothly(placed.part, parts[end]):
-                        row[start + LONG] = min(
+                        row[start + stream.LONG] = min(
                             CHANGE * placed.part.radius / placed.part.bend_radius, 0.5 * placed.part.angle
                         )
     beyond, nothing = len(parts), _joint(parts, shares, None)
     straight = Straight(
-        rows[beyond, ORIGIN : ORIGIN + 3], layout.inlet.axes, layout.inlet.radius, rows[beyond, LENGTH]
+        rows[beyond, wall.ORIGIN : wall.ORIGIN + 3],
+        layout.inlet.axes,
+        layout.inlet.radius,
+        rows[beyond, wall.LENGTH],
     )
     _fill_straight(rows[beyond], straight, flow.speed, flow, viscosity, [nothing, _joint(parts, shares, 0)])
     for number, outlet in enumerate(layout.outlets):
         row, part = rows[beyond + 1 + number], parts[outlet.part]
-        speed = rows[outlet.part, SPEED] * (part.radius / part.end_radius) ** 2
+        speed = rows[outlet.part, stream.SPEED] * (part.radius / part.end_radius) ** 2
         if isinstance(part, Tee):
             speed *= 1 - part.share
         opening = outlet.opening
-        straight = Straight(opening.centre, opening.axes, opening.radius, row[LENGTH])
+        straight = Straight(opening.centre, opening.axes, opening.radius, row[wall.LENGTH])
         _fill_straight(row, straight, speed, flow, viscosity, [_joint(parts, shares, outlet.part), nothing])
     return fields
 
@@ -318,19 +265,25 @@ def _joint(parts: Sequence[PipePart], shares: Sequence[float], end: int | None) 
 def _fill_straight(
     row: FloatArray, part: Straight, speed: float, flow: Flow, viscosity: float, joints: Sequence[_Joint]
 ) -> None:
-    row[SPEED] = speed
+    row[stream.SPEED] = speed
     if not _carries_profile(part):
         return
-    row[DEVELOPED], row[PARAMETER] = 1.0, profile_parameter(flow, part.radius, abs(speed), viscosity)
-    for start, joint in zip((START, FINISH), joints, strict=True):
+    row[stream.DEVELOPED], row[stream.PARAMETER] = (
+        1.0,
+        profile_parameter(flow, part.radius, abs(speed), viscosity),
+    )
+    for start, joint in zip((stream.START, stream.FINISH), joints, strict=True):
         if joint.is_plug:
-            row[start + LONG] = min(CHANGE * part.radius, 0.5 * part.straight)
+            row[start + stream.LONG] = min(CHANGE * part.radius, 0.5 * part.straight)
         if joint.vortex is not None:
             # At either end of a bend, its centre lies in the direction of its own z there.
             bend = joint.vortex
             at_entry = np.allclose(
-                bend.origin, part.origin + (part.straight if start == FINISH else 0.0) * part.axes[0]
+                bend.origin, part.origin + (part.straight if start == stream.FINISH else 0.0) * part.axes[0]
             )
             inward = bend.axes[2] if at_entry else bend.list_exits()[0].axes[2]
-            row[start + AMPLITUDE], row[start + AROUND] = joint.share, bend.bend_radius
-            row[start + TOWARD_Y], row[start + TOWARD_Z] = part.axes[1] @ inward, part.axes[2] @ inward
+            row[start + stream.AMPLITUDE], row[start + stream.AROUND] = joint.share, bend.bend_radius
+            row[start + stream.TOWARD_Y], row[start + stream.TOWARD_Z] = (
+                part.axes[1] @ inward,
+                part.axes[2] @ inward,
+            )

@@ -1,5 +1,6 @@
 """The velocity profiles of the current."""
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -117,3 +118,35 @@ Flow: TypeAlias = Annotated[
     Discriminator(_read_kind),
 ]
 """The velocity of the water: one of :data:`FLOWS`, by its ``kind``."""
+
+KARMAN = 0.4
+"""Von Karman's constant kappa."""
+
+
+def friction_factor(reynolds: float, roughness: float = 0.0) -> float:
+    """Return the Darcy friction factor of turbulent pipe flow (Colebrook 1939).
+
+    1/sqrt(f) = -2 log10(roughness / 3.7 + 2.51 / (Re sqrt(f))); for a smooth wall this is Prandtl's law.
+
+    Parameters
+    ----------
+    reynolds
+        on diameter and bulk velocity, from 4e3 to 1e8.
+    roughness
+        equivalent sand roughness over diameter, up to 0.05.
+
+    >>> round(friction_factor(1.9e6), 5)
+    0.01046
+    """
+    inverse_root = 8.0
+    for _ in range(50):
+        inverse_root = -2 * math.log10(roughness / 3.7 + 2.51 * inverse_root / reynolds)
+    return inverse_root**-2
+
+
+def friction_velocity(flow: Flow, radius: float, speed: float, viscosity: float) -> float:
+    """Return u* = U sqrt(f / 8), m/s, in a bore of ``radius`` (m) at the mean ``speed`` U, m/s."""
+    # Below 4000 the flow would be laminar; all profiles here are turbulent.
+    reynolds = max(4e3, 2 * radius * speed / viscosity)
+    roughness = flow.roughness if isinstance(flow, LogLawFlow | TurbulentFlow) else 0.0
+    return speed * math.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)

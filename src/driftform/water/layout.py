@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -101,10 +101,7 @@ class Layout:
     @property
     def narrowest(self) -> float:
         """Radius of the narrowest bore, m."""
-        return min(
-            min(placed.part.radius, *(opening.radius for opening in placed.part.list_exits()))
-            for placed in self.parts
-        )
+        return min(placed.part.narrowest for placed in self.parts)
 
     @cached_property
     def depths(self) -> FloatArray:
@@ -239,7 +236,7 @@ class _Builder:
             self.parts.append(Placed(self._name(table, here), here, part, upstream, by_branch, flow))
             exits = part.list_exits()
             if last:
-                self.parts[index] = _with_outlet(self.parts[index], len(self.outlets))
+                self.parts[index] = replace(self.parts[index], outlet=len(self.outlets))
                 self.outlets.append(Outlet(table.outlet, index, exits[0]))
             elif table.outlet:
                 raise LayoutError(
@@ -351,12 +348,6 @@ def _place(table: AnyPart, start: Opening, key: str) -> PipePart:
     return Tee(start.centre + tee.legs[0] * axes[0], axes, radius, r, angle, fillet, table.share)
 
 
-def _with_outlet(placed: Placed, outlet: int) -> Placed:
-    return Placed(
-        placed.name, placed.key, placed.part, placed.upstream, placed.by_branch, placed.flow, outlet
-    )
-
-
 def _plain(key: str) -> str:
     """Return the name of a table in TOML: a key without its numbers."""
     return "".join(part.split("]")[-1] for part in key.split("["))
@@ -409,8 +400,9 @@ def _boxes_meet(a: _Samples, b: _Samples) -> bool:
 def _sample_axes(layout: Layout) -> Iterator[_Samples]:
     for index, placed in enumerate(layout.parts):
         part = placed.part
-        step = 0.25 * min(part.radius, *(opening.radius for opening in part.list_exits()))
-        for number, axis in enumerate(part.list_axes(max(step, part.length / _MOST_SAMPLES))):
+        for number, axis in enumerate(
+            part.list_axes(max(0.25 * part.narrowest, part.length / _MOST_SAMPLES))
+        ):
             begin = part.legs[0] if isinstance(part, Tee) and number == 1 else 0.0
             steps = np.linalg.norm(np.diff(axis.points, axis=0), axis=1)
             lengths = begin + np.concatenate([[0.0], np.cumsum(steps)])

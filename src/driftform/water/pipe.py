@@ -1,16 +1,16 @@
 """The pipe: one straight segment, or parts laid end to end."""
 
 from functools import lru_cache
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from driftform.options import Table, option
+from driftform.options import Table, describe, option
 from driftform.types import FloatArray
 from driftform.util.latest import keep_latest
 from driftform.water.layout import Layout, lay_out
-from driftform.water.part_tables import PartTable, StraightPart
+from driftform.water.part_tables import PARTS, PartTable, StraightPart
 
 Number: TypeAlias = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
 """A number; text such as "1.0" is not accepted."""
@@ -49,6 +49,11 @@ class Pipe(Table):
         None, "direction downstream at the inlet of a pipe with parts; by default along x"
     )
     parts: tuple[PartTable, ...] = option((), "parts from the inlet on, laid end to end")
+
+    @staticmethod
+    def describe_parts() -> dict[str, list[dict[str, Any]]]:
+        """Return the options of each kind of part: rows ``{option, type, bounds, default, unit, help}``."""
+        return {kind: describe(model) for kind, model in PARTS.items()}
 
     @model_validator(mode="after")
     def _check_parts(self) -> "Pipe":

@@ -59,22 +59,37 @@ class PipePart(ABC):
     radius: float
 
     @property
-    @abstractmethod
     def end_radius(self) -> float:
         """Radius of the bore at the end of the run, m."""
+        return self.radius
+
+    @property
+    def narrowest(self) -> float:
+        """Radius of the narrowest bore, m."""
+        return min(self.radius, self.end_radius)
+
+    @property
+    def bulge(self) -> float:
+        """Least radius of curvature with which the wall bulges into the water along the pipe, m; infinite without any."""
+        return math.inf
 
     @property
     @abstractmethod
     def length(self) -> float:
         """Length of the run along its axis, m."""
 
-    @abstractmethod
+    def bore_radii(self, x: FloatArray) -> FloatArray:
+        """Return the radius of the bore at ``x`` (m) from the entry, m, (n,)."""
+        return np.full(len(x), self.radius)
+
     def list_exits(self) -> tuple[Opening, ...]:
         """Return the downstream end of the run, and then that of the branch, if there is one."""
+        return (Opening(self.origin + self.length * self.axes[0], self.axes, self.end_radius),)
 
-    @abstractmethod
     def list_axes(self, step: float) -> tuple[Axis, ...]:
         """Return the axis of the run, and then that of the branch, in points at most ``step`` (m) apart."""
+        x = _divide(0.0, self.length, step)
+        return (Axis(self.to_world(_along_x(x)), self.bore_radii(x)),)
 
     @abstractmethod
     def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
@@ -101,23 +116,9 @@ class Straight(PipePart):
     straight: float
 
     @property
-    def end_radius(self) -> float:
-        """Radius of the bore, m."""
-        return self.radius
-
-    @property
     def length(self) -> float:
         """Length, m."""
         return self.straight
-
-    def list_exits(self) -> tuple[Opening, ...]:
-        """Return the downstream end."""
-        return (Opening(self.origin + self.straight * self.axes[0], self.axes, self.radius),)
-
-    def list_axes(self, step: float) -> tuple[Axis, ...]:
-        """Return the axis."""
-        x = _divide(0.0, self.straight, step)
-        return (Axis(self.to_world(_along_x(x)), np.full(len(x), self.radius)),)
 
     def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
         """Return whether points of the local frame lie inside, (n,)."""
@@ -133,9 +134,9 @@ class Bend(PipePart):
     angle: float
 
     @property
-    def end_radius(self) -> float:
-        """Radius of the bore, m."""
-        return self.radius
+    def bulge(self) -> float:
+        """Radius of the inside of the bend, m."""
+        return self.bend_radius - self.radius
 
     @property
     def length(self) -> float:
@@ -191,6 +192,11 @@ class Reducer(PipePart):
         change = abs(self.narrow - self.radius)
         return (self.taper**2 + change**2) / (4 * change)
 
+    @property
+    def bulge(self) -> float:
+        """Radius of the arcs, m."""
+        return self.arc_radius
+
     def bore_radii(self, x: FloatArray) -> FloatArray:
         """Return the radius of the bore at ``x`` (m) from the entry, m, (n,)."""
         x = np.clip(x, 0.0, self.taper)
@@ -200,15 +206,6 @@ class Reducer(PipePart):
             self.arc_radius - np.sqrt(self.arc_radius**2 - near**2)
         )
         return np.asarray(np.where(2 * x < self.taper, self.radius + rise, self.narrow - rise))
-
-    def list_exits(self) -> tuple[Opening, ...]:
-        """Return the downstream end."""
-        return (Opening(self.origin + self.taper * self.axes[0], self.axes, self.narrow),)
-
-    def list_axes(self, step: float) -> tuple[Axis, ...]:
-        """Return the axis."""
-        x = _divide(0.0, self.taper, step)
-        return (Axis(self.to_world(_along_x(x)), self.bore_radii(x)),)
 
     def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
         """Return whether points of the local frame lie inside, (n,)."""
@@ -232,9 +229,14 @@ class Tee(PipePart):
     share: float
 
     @property
-    def end_radius(self) -> float:
-        """Radius of the run, m."""
-        return self.radius
+    def narrowest(self) -> float:
+        """Radius of the narrower bore, m."""
+        return min(self.radius, self.branch_radius)
+
+    @property
+    def bulge(self) -> float:
+        """Radius of the rounded edge, m."""
+        return self.fillet
 
     @property
     def length(self) -> float:

@@ -1,23 +1,25 @@
 """The tables of a scenario: pipe, flow, fluid, release, contact, targets. Validated here, read by kernels as arrays."""
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from driftform.errors import did_you_mean
-from driftform.options import Table, option
-from driftform.types import FloatArray
+from driftform.options import Table, describe, option
+from driftform.types import Body, FloatArray, MassProperties
 from driftform.util.latest import keep_latest
 from driftform.util.vectors import cross
-from driftform.water.factors import Calibration, calibrate_restitution
+from driftform.water.factors import Calibration
 from driftform.water.flow import (
+    FLOWS,
     DevelopingFlow,
     Flow,
     LogLawFlow,
     PipeFlow,
     TurbulentFlow,
     UniformFlow,
+    friction_velocity,
 )
 from driftform.water.pipe import Pipe, Vector
 
@@ -76,6 +78,22 @@ class Release(Table):
     ballast_density: float = option(
         11_340.0, "density of the ballast; by default that of lead", "kg/m3", ge=100, le=30_000
     )
+
+    def load(self, mass: MassProperties) -> MassProperties:
+        """Return the mass properties with the ballast on the outside of the agent, in its water.
+
+        The ballast is a point on the axis. It displaces water of its own volume; its drag is neglected.
+        """
+        if self.ballast == 0.0:
+            return mass
+        volume, offset = self.ballast / self.ballast_density, np.array([self.ballast_x, 0.0, 0.0])
+        total, displaced = mass.mass + self.ballast, mass.volume + volume
+        cog = (mass.mass * mass.cog + self.ballast * offset) / total
+        cob = (mass.volume * mass.cob + volume * offset) / displaced
+        across = np.diag([0.0, 1.0, 1.0])
+        inertia = mass.inertia + mass.mass * (mass.cog[0] - cog[0]) ** 2 * across
+        inertia = inertia + self.ballast * (self.ballast_x - cog[0]) ** 2 * across
+        return MassProperties(total, cog, inertia, displaced, cob)
 
 
 class Contact(Table):
@@ -188,6 +206,11 @@ class Scenario(Table):
         json_schema_extra={"unit": "m"},
     )
 
+    @staticmethod
+    def describe_flows() -> dict[str, list[dict[str, Any]]]:
+        """Return the options of each kind of current: rows ``{option, type, bounds, default, unit, help}``."""
+        return {kind: describe(model) for kind, model in FLOWS.items()}
+
     @model_validator(mode="after")
     def _check_together(self) -> "Scenario":
         if self.targets and self.pipe.is_open:
@@ -264,6 +287,11 @@ class Scenario(Table):
         """Return the mean velocity of the water at the inlet, in the world frame, m/s, (3,)."""
         return self.flow.speed * self.direction()
 
+    def friction_velocity(self) -> float:
+        """Return the friction velocity u* = U sqrt(f / 8) of the pipe's wall at the inlet, m/s."""
+        radius, viscosity = self.pipe.layout.inlet.radius, self.fluid.viscosity
+        return friction_velocity(self.flow, radius, abs(self.flow.speed), viscosity)
+
     def calibrated_contact(self) -> Contact:
         """Return the contact with the coefficients that filmed flights have shown."""
         factors = self.calibration.factors
@@ -271,7 +299,7 @@ class Scenario(Table):
             return self.contact
         return self.contact.model_copy(
             update={
-                "restitution": calibrate_restitution(factors, self.contact.restitution),
+                "restitution": factors.scale_restitution(self.contact.restitution),
                 "friction": factors.friction * self.contact.friction,
             }
         )
@@ -308,6 +336,12 @@ class Scenario(Table):
         c, s, cp, sp = self._frame_angles()
         frame = _turn_by(*_halve_angle(c, s), *_halve_angle(cp, sp))
         return _multiply(frame, given)
+
+    def find_misfit(self, body: Body) -> str | None:
+        """Return why a body cannot be released here, in one line with the two numbers; ``None`` if it can."""
+        from driftform.water.misfit import find_misfit
+
+        return find_misfit(body, self)
 
     @keep_latest
     def release_axis(self) -> FloatArray:

@@ -63,17 +63,6 @@ def tee_field(radius: float, branch: float, angle: float, fillet: float, Q2: flo
     return field
 
 
-def tee_leakage(radius: float, branch: float, angle: float, fillet: float, share: float) -> float:
-    """Return the root mean square of the velocity through the wall of a tee over the mean speed at its inlet.
-
-    ``share`` of the water leaves by the branch; see :func:`tee_field` for the other arguments.
-    """
-    junction, mirrored = _find_junction(radius, branch, angle, fillet)
-    tee = load_tee(junction)
-    weights = np.array([-1.0 if mirrored else 1 - share, share])
-    return float(np.sqrt(weights @ tee.leakage @ weights))
-
-
 def is_tee_solved(radius: float, branch: float, angle: float, fillet: float) -> bool:
     """Return whether the flow in a tee can be had at once; not where :func:`tee_field` refuses the shape."""
     try:

@@ -1,8 +1,8 @@
 """Solved tees on disk: those in the package, and the user's cache for other shapes."""
 
 import math
-import os
 import sys
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,7 +14,7 @@ from filelock import FileLock
 
 from driftform.errors import InputError
 from driftform.types import FloatArray
-from driftform.util.files import write_whole
+from driftform.util.files import cache_folder, write_whole
 from driftform.util.preparation import preparing
 from driftform.water.tee_spline import HEAD, LEVEL_SIZE
 from driftform.water.tee_wall import Junction
@@ -34,9 +34,6 @@ JUNCTIONS = tuple(
 
 STEP = 5e-7
 """Step of the stored coefficients: it changes velocities by less than 1e-4 of the mean speed."""
-
-CACHE_VARIABLE = "DRIFTFORM_CACHE"
-"""Environment variable that names the folder of the cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,10 +55,28 @@ class TeePotentials:
     branch: FloatArray
     leakage: FloatArray
 
-    def leakage_rms(self, share: float) -> float:
-        """Return the root mean square of the velocity through the wall if ``share`` of the water leaves by the branch."""
-        weights = np.array([1 - share, share])
-        return float(np.sqrt(weights @ self.leakage @ weights))
+    @classmethod
+    def of_levels(
+        cls, levels: Sequence[tuple[float, Sequence[int], FloatArray, FloatArray]], leakage: FloatArray
+    ) -> "TeePotentials":
+        """Return the potentials of a hierarchical spline.
+
+        Parameters
+        ----------
+        levels
+            of each level, the coarsest first: width of a cell, the cell with which its box begins along x, y and z (0
+            along y), and the coefficients of the two flows, (nx, ny, nz), NaN where no cell of the region needs them.
+        leakage
+            see :attr:`leakage`.
+        """
+        head = np.zeros(HEAD + LEVEL_SIZE * len(levels))
+        head[0], place = len(levels), len(head)
+        for row, (width, low, values, _) in zip(head[HEAD:].reshape(-1, LEVEL_SIZE), levels, strict=True):
+            row[:] = width, *low, *values.shape, place
+            place += values.size
+        through = np.concatenate([values.ravel() for _, _, values, _ in levels])
+        branch = np.concatenate([values.ravel() for _, _, _, values in levels])
+        return cls(head, through - np.nanmean(through), branch - np.nanmean(branch), leakage)
 
 
 @lru_cache(maxsize=8)
@@ -139,15 +154,6 @@ def _compute(junction: Junction) -> TeePotentials:
     )
     solved: TeePotentials = solvers[0].load()(junction)
     return solved
-
-
-def cache_folder() -> Path:
-    """Return the folder of the user's cache: that of the variable DRIFTFORM_CACHE, or the system's."""
-    if CACHE_VARIABLE in os.environ:
-        return Path(os.environ[CACHE_VARIABLE])
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "driftform" / "cache"
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "driftform"
 
 
 def file_name(junction: Junction) -> str:

@@ -44,10 +44,14 @@ class Junction:
     fillet: float
 
     @property
+    def finest(self) -> float:
+        """Width of the finest cells."""
+        return self.fillet / CELLS
+
+    @property
     def width(self) -> float:
         """Width of the coarsest cells, 0.2 to 0.4: a power of two times that of the finest. The ends are at multiples of it."""
-        finest = self.fillet / CELLS
-        return finest * 2.0 ** math.floor(math.log2(0.4 / finest))
+        return self.finest * 2.0 ** math.floor(math.log2(0.4 / self.finest))
 
     def array(self) -> FloatArray:
         """Return the wall as the kernels read it, (7,)."""
@@ -75,7 +79,7 @@ def wall_level(x: float, y: float, z: float, wall: FloatArray) -> tuple[float, P
         b += 2.0 * t * t / wall[BRANCH]
     f = wall[FILLET]
     if min(a, b) > -f and max(a, b) < 2.0 * f:
-        cx, cy, cz = _nearest_centre(x, abs(y), z, math.atan2(abs(y), across), wall)
+        cx, cy, cz = nearest_centre(x, abs(y), z, math.atan2(abs(y), across), wall)
         vx, vy, vz = x - cx, abs(y) - cy, z - cz
         distance = math.sqrt(vx * vx + vy * vy + vz * vz)
         if _is_faced(cx, cy, cz, vx, vy, vz, distance, wall):
@@ -88,14 +92,6 @@ def wall_level(x: float, y: float, z: float, wall: FloatArray) -> tuple[float, P
         return a, (0.0, y / (a + 1.0), z / (a + 1.0))
     r = math.sqrt(across * across + y * y)
     return b, (wall[SINE] * across / r, y / r, -wall[COSINE] * across / r)
-
-
-@compiled
-def distance_from_ball(x: float, y: float, z: float, wall: FloatArray) -> float:
-    """Return the distance of a point from the space through which the ball rolls; negative in it."""
-    across = x * wall[SINE] - z * wall[COSINE]
-    cx, cy, cz = _nearest_centre(x, abs(y), z, math.atan2(abs(y), across), wall)
-    return float(math.sqrt((x - cx) ** 2 + (abs(y) - cy) ** 2 + (z - cz) ** 2) - wall[FILLET])
 
 
 @compiled
@@ -120,7 +116,7 @@ def _is_faced(
 
 
 @compiled
-def _nearest_centre(x: float, y: float, z: float, phi: float, wall: FloatArray) -> Point:
+def nearest_centre(x: float, y: float, z: float, phi: float, wall: FloatArray) -> Point:
     """Return the centre of the ball that is nearest to the point, by Newton's method in a bracket about ``phi``."""
     rho, c, s, bore = wall[BRANCH] + wall[FILLET], wall[COSINE], wall[SINE], 1.0 + wall[FILLET]
     t, across = x * c + z * s, x * s - z * c
@@ -146,18 +142,3 @@ def _nearest_centre(x: float, y: float, z: float, phi: float, wall: FloatArray) 
             break
         phi = new
     return ball_centre(phi, wall)
-
-
-@compiled
-def distance_beyond_ends(x: float, y: float, z: float, wall: FloatArray) -> float:
-    """Return how far a point lies beyond the nearest end, negative between the ends."""
-    along = max(wall[INLET] - x, x - wall[OUTLET])
-    if y * y + z * z <= 1.0:
-        return float(along)
-    return float(max(along, x * wall[COSINE] + z * wall[SINE] - wall[END]))
-
-
-@compiled
-def water_level(x: float, y: float, z: float, wall: FloatArray) -> float:
-    """Return a number that is negative in the water between the ends, and 0 on its boundary."""
-    return max(wall_level(x, y, z, wall)[0], distance_beyond_ends(x, y, z, wall))

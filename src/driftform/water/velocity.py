@@ -12,9 +12,18 @@ from driftform.types import FloatArray
 from driftform.util.compiled import allocating, compiled
 from driftform.util.cubic import cubic_between, cubic_point, cubic_slope
 from driftform.util.small_vectors import ZERO, Rotation, Vector, add, dot, scale, subtract
-from driftform.water import Scenario, TurbulentFlow
 from driftform.water.fitting_flow import fitting_flow
-from driftform.water.flow import DevelopingFlow, Flow, GridFlow, LogLawFlow, PowerLawFlow, UniformFlow
+from driftform.water.flow import (
+    KARMAN,
+    DevelopingFlow,
+    Flow,
+    GridFlow,
+    LogLawFlow,
+    PowerLawFlow,
+    TurbulentFlow,
+    UniformFlow,
+    friction_velocity,
+)
 from driftform.water.grid_flow import grid_motion
 from driftform.water.profiles import (
     AT_A_POINT,
@@ -27,36 +36,13 @@ from driftform.water.profiles import (
     spread_across,
     spread_profile,
 )
+from driftform.water.scenario import Scenario
 
 KIND, SPEED, PARAMETER, GUST_STEP = 0, 1, 2, 3
 """Indices in the array of a flow; the parameter is 1/n (power law), u* / (kappa U) (log law) or nu / U (developing).
 
 Of a grid it is the factor on the velocities of the file.
 """
-
-KARMAN = 0.4
-"""Von Karman's constant kappa."""
-
-
-def friction_factor(reynolds: float, roughness: float = 0.0) -> float:
-    """Return the Darcy friction factor of turbulent pipe flow (Colebrook 1939).
-
-    1/sqrt(f) = -2 log10(roughness / 3.7 + 2.51 / (Re sqrt(f))); for a smooth wall this is Prandtl's law.
-
-    Parameters
-    ----------
-    reynolds
-        on diameter and bulk velocity, from 4e3 to 1e8.
-    roughness
-        equivalent sand roughness over diameter, up to 0.05.
-
-    >>> round(friction_factor(1.9e6), 5)
-    0.01046
-    """
-    inverse_root = 8.0
-    for _ in range(50):
-        inverse_root = -2 * math.log10(roughness / 3.7 + 2.51 * inverse_root / reynolds)
-    return inverse_root**-2
 
 
 def flow_array(scenario: Scenario) -> FloatArray:
@@ -94,14 +80,6 @@ def profile_parameter(flow: Flow, radius: float, speed: float, viscosity: float)
     return 0.0
 
 
-def friction_velocity(flow: Flow, radius: float, speed: float, viscosity: float) -> float:
-    """Return u* = U sqrt(f / 8), m/s, in a bore of ``radius`` (m) at the mean ``speed`` U, m/s."""
-    # Below 4000 the flow would be laminar; all profiles here are turbulent.
-    reynolds = max(4e3, 2 * radius * speed / viscosity)
-    roughness = flow.roughness if isinstance(flow, LogLawFlow | TurbulentFlow) else 0.0
-    return speed * math.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
-
-
 def gust_array(scenario: Scenario, slip: float = 0.0, length: float = 0.0) -> FloatArray:
     """Return gusts at equal steps of time, (k, 12); (0, 12) for none.
 
@@ -131,8 +109,7 @@ def gust_array(scenario: Scenario, slip: float = 0.0, length: float = 0.0) -> Fl
         return rows
     if not isinstance(flow, TurbulentFlow) or flow.intensity == 0:
         return np.empty((0, 12))
-    radius, viscosity = scenario.pipe.layout.inlet.radius, scenario.fluid.viscosity
-    deviation = flow.intensity * friction_velocity(flow, radius, flow.speed, viscosity)
+    deviation = flow.intensity * scenario.friction_velocity()
     times = flow.smoothing * np.arange(math.ceil(scenario.flight.horizon / flow.smoothing) + 3)
     kept = math.exp(-flow.smoothing / gust_memory(flow.memory, flow.crossing, slip, deviation))
     rng = np.random.default_rng(flow.seed)
@@ -306,11 +283,8 @@ def _interpolate_gust(t: float, gusts: FloatArray, step: float, column: int) -> 
 
 
 def pipe_rows(scenario: Scenario) -> FloatArray:
-    """Return the straight pipe; no rows for another one and in open water."""
-    segment = scenario.pipe.straight
-    if segment is None:
-        return np.empty((0, 8))
-    rows = np.array([[*segment.start, *segment.end, segment.radius]])
+    """Return the straight pipe, (1, 8): start, axis, length and radius; no rows for another one and in open water."""
+    rows = scenario.pipe.array()
     axis = rows[:, 3:6] - rows[:, :3]
     length = np.linalg.norm(axis, axis=1, keepdims=True)
     return np.column_stack([rows[:, :3], axis / length, length, rows[:, 6]])

@@ -7,17 +7,12 @@ import numpy as np
 
 from driftform import Pipeline
 from driftform.agent import hull_mass, mass_properties
-from driftform.agent.mass_elements import load_ballast
-from driftform.motion import Accuracy, flight_model, release_state
-from driftform.motion.flight import find_contact
-from driftform.motion.integrator import integrate_once
-from driftform.motion.model import pack
-from driftform.motion.path import evaluate_path
+from driftform.motion import evaluate_path, finish_trajectory, flight_model, integrator, release_state
 from driftform.types import Agent, Body, Coefficients, FloatArray, Morphology
+from driftform.util import rotations
 from driftform.water import Calibration, Factors, Scenario
-from driftform.water.factors import calibrate_body, calibrate_coefficients
 
-ACCURACY = Accuracy(tolerance=1e-7, max_step=0.03, step_limit=20_000)
+ACCURACY = integrator.Accuracy(tolerance=1e-7, max_step=0.03, step_limit=20_000)
 """Of the flights of a fit: smooth enough for finite differences, far finer than any track."""
 
 
@@ -102,9 +97,9 @@ class Bench:
 
     def agent(self, factors: Factors) -> Agent:
         """Return the agent with these factors, and with the ballast of the release."""
-        body = calibrate_body(factors, self.body)
-        mass = load_ballast(mass_properties(body), self.scenario.release)
-        return Agent(body, mass, calibrate_coefficients(factors, self.coefficients))
+        body = factors.scale_body(self.body)
+        mass = self.scenario.release.load(mass_properties(body))
+        return Agent(body, mass, factors.scale_coefficients(self.coefficients))
 
     def fly(self, factors: Factors, error: ReleaseError, until: float) -> Path:
         """Return the flight with these factors and this release, up to the time ``until``, s."""
@@ -114,13 +109,12 @@ class Bench:
         start = release_state(model, self._release(scenario, error))
         start[7:10] += error.velocity
         start[2] += error.rise
-        samples = integrate_once(model, start, max(until, 0.01), ACCURACY)
+        samples = integrator.integrate_once(model, start, max(until, 0.01), ACCURACY)
         samples = np.ascontiguousarray(samples[np.isfinite(samples).all(axis=1)])
-        _, contact = find_contact(samples, pack(model))
-        w, x, y, z = samples[:, 4:8].T
-        axis = np.column_stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
-        left = np.column_stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)])
-        up = np.column_stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+        touched = finish_trajectory(samples, model, until, ACCURACY.step_limit).contact
+        contact = np.inf if touched is None else touched
+        turned = rotations.matrix_from_quaternion(samples[:, 4:8])
+        axis, left, up = (np.ascontiguousarray(turned[..., k]) for k in range(3))
         rate = samples[:, 13:14] * left - samples[:, 12:13] * up
         return Path(samples[:, 0], samples[:, 1:4], samples[:, 8:11], axis, rate, contact)
 

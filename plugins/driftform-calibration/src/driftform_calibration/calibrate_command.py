@@ -19,35 +19,26 @@ def calibrate(
             metavar="TRACK...",
             help="Tracks of filmed flights: CSV with the columns t, x, y, and z or pitch if known, or an export of Tracker or DeepLabCut. "
             "NAME.toml beside NAME.csv is the scenario of that film.",
-            show_default=False,
         ),
     ],
     scenario: Annotated[
         str | None,
         typer.Option(
-            "--scenario",
-            metavar="NAME|FILE",
-            help="Scenario of all films, such as tank; by default the agent's own.",
+            metavar="NAME|FILE", help="Scenario of all films, such as tank; by default the agent's own."
         ),
     ] = None,
     unit: Annotated[
-        str | None, typer.Option("--unit", metavar="m|cm|mm", help="Unit of the coordinates; by default m.")
+        str | None, typer.Option(metavar="m|cm|mm", help="Unit of the coordinates; by default m.")
     ] = None,
     scale: Annotated[
-        float | None,
-        typer.Option("--scale", metavar="M", help="Metres of a pixel, if the coordinates are pixels."),
+        float | None, typer.Option(metavar="M", help="Metres of a pixel, if the coordinates are pixels.")
     ] = None,
     scale_error: Annotated[
-        float,
-        typer.Option(
-            "--scale-error", metavar="SHARE", help="Standard deviation of the film's scale, relative to it."
-        ),
+        float, typer.Option(metavar="SHARE", help="Standard deviation of the film's scale, relative to it.")
     ] = 0.005,
     fps: Annotated[
         float | None,
-        typer.Option(
-            "--fps", metavar="N", help="Frames for each second, if the file has frames and no times."
-        ),
+        typer.Option(metavar="N", help="Frames for each second, if the file has frames and no times."),
     ] = None,
     y_down: Annotated[
         bool | None,
@@ -55,14 +46,11 @@ def calibrate(
     ] = None,
     view: Annotated[
         str,
-        typer.Option(
-            "--view", metavar="side|top|front", help="Where the camera looks from, for tracks in a plane."
-        ),
+        typer.Option(metavar="side|top|front", help="Where the camera looks from, for tracks in a plane."),
     ] = "side",
     point: Annotated[
         list[str] | None,
         typer.Option(
-            "--point",
             metavar="NAME=X",
             help="Where on the axis a tracked point is, m from the core's centre, fore positive; repeatable.",
         ),
@@ -72,17 +60,16 @@ def calibrate(
     ] = None,
     fit: Annotated[
         list[str] | None,
-        typer.Option("--fit", metavar="FACTOR", help="Fit only this factor; repeatable. By default all."),
+        typer.Option(metavar="FACTOR", help="Fit only this factor; repeatable. By default all."),
     ] = None,
     printed_mass: Annotated[
-        float | None,
-        typer.Option("--printed-mass", metavar="KG", help="Mass of the print with its core, by scales, kg."),
+        float | None, typer.Option(metavar="KG", help="Mass of the print with its core, by scales, kg.")
     ] = None,
     hydrodynamics: options.Hydrodynamics = None,
     settings: options.Settings = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Directory for the files; by default calibrations/AGENT."),
+        typer.Option(metavar="DIR", help="Directory for the files; by default calibrations/AGENT."),
     ] = None,
     json: options.Json = False,
 ) -> None:
@@ -92,8 +79,8 @@ def calibrate(
     table [calibration] for any study, the calibrated agent, and pictures of the films against the flights.
     """
     from driftform import open_agent
-    from driftform.cli import print_json
-    from driftform.util.files import check_directory
+    from driftform.cli import output
+    from driftform.util import files
     from driftform_calibration.designs import calibrate_design
     from driftform_calibration.films import find_scenario
     from driftform_calibration.tracks import Reading
@@ -101,7 +88,7 @@ def calibrate(
     settings, use = settings or [], {"hydrodynamics": hydrodynamics}
     # An agent that does not remember how it was built, such as a word, is built as the study of its first film says.
     design = open_agent(agent, *settings, scenario=scenario or find_scenario(tracks[0]), use=use)
-    directory = check_directory(out or Path("calibrations") / design.name)
+    directory = files.check_directory(out or Path("calibrations") / design.name)
     reading = Reading(unit, scale, fps, y_down, target, _read_points(point or []))
     found = calibrate_design(
         design,
@@ -117,7 +104,7 @@ def calibrate(
     )
     paths = found.write(directory)
     if json:
-        print_json({**found.document(), "files": [str(path) for path in paths]})
+        output.print_json({**found.document(), "files": [str(path) for path in paths]})
     else:
         _print(found, paths)
 
@@ -142,20 +129,21 @@ def _read_points(texts: list[str]) -> dict[str, float]:
 def _print(found: "CalibrationResult", paths: list[Path]) -> None:
     from shlex import quote
 
-    from driftform.cli import print_table
-    from driftform.cli.output import print_text
+    from driftform.cli import output
     from driftform_calibration.result import describe_estimate
 
     rows = [
         (name.replace("_", " "), *describe_estimate(estimate)) for name, estimate in found.factors.items()
     ]
-    print_table(("factor", "value", "90 % interval", ""), rows, right=(1,))
+    output.print_table(("factor", "value", "90 % interval", ""), rows, right=(1,))
     hull = found.fit.estimates["hull_density"]
     if hull.low is not None and hull.high is not None and not hull.low < 1 < hull.high:
-        print_text(f"the hull weighs {hull.value:.4g} times what was simulated: that changes the net weight")
+        output.print_text(
+            f"the hull weighs {hull.value:.4g} times what was simulated: that changes the net weight"
+        )
     document = found.document()
     print()
-    print_table(
+    output.print_table(
         ("track", "points", "noise mm", "before mm", "after mm"),
         (
             (
@@ -169,12 +157,12 @@ def _print(found: "CalibrationResult", paths: list[Path]) -> None:
         ),
         right=range(1, 5),
     )
-    print_text(
+    output.print_text(
         f"root mean square distance of films and flights: {1000 * found.fit.before:.1f} mm before, "
         f"{1000 * found.residual:.1f} mm after"
     )
     for note in found.notes:
-        print_text(f"note: {note}")
+        output.print_text(f"note: {note}")
     for path in paths:
         print(f"wrote {path}")
     if found.fit.known:

@@ -16,35 +16,24 @@ def drop(
     tank: Annotated[
         tuple[float, float, float],
         typer.Option(
-            "--tank",
             metavar="LENGTH WIDTH DEPTH",
             help="Inside of the tank: along the picture, across it, of water; m.",
         ),
     ] = (1.0, 0.5, 0.5),
-    drops: Annotated[
-        int, typer.Option("--drops", metavar="N", min=1, max=20, help="Number of drops to film.")
-    ] = 3,
+    drops: Annotated[int, typer.Option(metavar="N", min=1, max=20, help="Number of drops to film.")] = 3,
     fps: Annotated[
-        float,
-        typer.Option("--fps", metavar="N", min=1, max=10_000, help="Frames of the film for each second."),
+        float, typer.Option(metavar="N", min=1, max=10_000, help="Frames of the film for each second.")
     ] = 60.0,
     noise: Annotated[
-        float,
-        typer.Option(
-            "--noise", metavar="M", min=1e-6, max=1, help="Standard deviation of a tracked point, m."
-        ),
+        float, typer.Option(metavar="M", min=1e-6, max=1, help="Standard deviation of a tracked point, m.")
     ] = 0.002,
     scenario: Annotated[
-        str,
-        typer.Option(
-            "--scenario", metavar="NAME|FILE", help="Scenario with the water and the contact of the floor."
-        ),
+        str, typer.Option(metavar="NAME|FILE", help="Scenario with the water and the contact of the floor.")
     ] = "tank",
     hydrodynamics: options.Hydrodynamics = None,
     settings: options.Settings = None,
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Directory for the files; by default drops/AGENT."),
+        Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default drops/AGENT.")
     ] = None,
     json: options.Json = False,
 ) -> None:
@@ -54,29 +43,27 @@ def drop(
     drop. Save the track of a film beside the file of its drop, for 'driftform calibrate'.
     """
     from driftform import open_agent
-    from driftform.cli import print_json
-    from driftform.util.files import check_directory
-    from driftform.util.progress import count_progress
+    from driftform.cli import output
+    from driftform.util import files, progress
     from driftform_calibration.designs import drop_design
     from driftform_calibration.protocol import default_directory
 
     design = open_agent(agent, *(settings or ()), scenario=scenario, use={"hydrodynamics": hydrodynamics})
-    directory = check_directory(out or default_directory(design.name))
-    with count_progress("releases") as progress:
-        plan = drop_design(design, tank, drops=drops, fps=fps, noise=noise, progress=progress)
+    directory = files.check_directory(out or default_directory(design.name))
+    with progress.count_progress("releases") as show:
+        plan = drop_design(design, tank, drops=drops, fps=fps, noise=noise, progress=show)
     paths = plan.write(directory)
     if json:
-        print_json(plan.document(paths))
+        output.print_json(plan.document(paths))
     else:
         _print(plan, paths)
 
 
 def _print(plan: "DropPlan", paths: list[Path]) -> None:
-    from driftform.cli import print_table
-    from driftform.cli.output import print_text
+    from driftform.cli import output
 
     document = plan.document()
-    print_table(
+    output.print_table(
         ("drop", "pitch deg", "core below surface mm", "ballast g", "film s", "ends at", "bits"),
         (
             (
@@ -93,7 +80,7 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
         right=(0, 1, 2, 3, 4, 6),
     )
     print()
-    print_table(
+    output.print_table(
         ("factor", "expected 90 % interval", ""),
         (
             *(
@@ -108,7 +95,7 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
         ),
         right=(1,),
     )
-    print_text(
+    output.print_text(
         f"weigh the print with its core: {1000 * document['mass']:.2f} g as simulated; calibrate takes it as --printed-mass"
     )
     for path in paths:

@@ -4,11 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.figures import svg
-from driftform.figures.layout import Box, draw_scale_bar, write
-from driftform.figures.plot import Window, draw_silhouette
-from driftform.figures.style import BLUE, INK, MUTED, ORANGE, WALL, WATER, tint
-from driftform.motion.interpolation import Pose
+from driftform.figures import layout, plot, style, svg
+from driftform.motion import interpolation
 from driftform.types import Body, FloatArray
 
 WIDTH, TITLE, CAPTION = 300.0, 26.0, 20.0
@@ -31,25 +28,34 @@ class DropPicture:
 def drop_svg(drop: DropPicture, body: Body, length: float, depth: float) -> str:
     """Return a release as SVG, to scale, in a tank of that ``length`` and ``depth`` of water, m."""
     corners = np.array([[-length / 2, -depth], [length / 2, 0.0]])
-    window = Window.around((0, 1), corners, 0.0, TITLE, WIDTH, 420.0, 6.0)
+    window = plot.Window.around((0, 1), corners, 0.0, TITLE, WIDTH, 420.0, 6.0)
     (left, bottom), (right, top) = window.to_page(corners)
     height = window.box.bottom + CAPTION + 6
     root = svg.start_document(WIDTH, height, drop.title, drop.caption)
-    write(root, 6, 16, drop.title, 13, INK, bold=True)
-    svg.add(root, "rect", class_="water", x=left, y=top, width=right - left, height=bottom - top, fill=WATER)
+    layout.write(root, 6, 16, drop.title, 13, style.INK, bold=True)
+    svg.add(
+        root, "rect", class_="water", x=left, y=top, width=right - left, height=bottom - top, fill=style.WATER
+    )
     walls = [(left, top - 8), (left, bottom), (right, bottom), (right, top - 8)]
-    svg.add_line(root, svg.path_data(walls), WALL, 2.5, "tank")
-    svg.add_line(root, window.path_data(drop.path), BLUE, 1.8, "path", stroke_dasharray="4 3")
+    svg.add_line(root, svg.path_data(walls), style.WALL, 2.5, "tank")
+    svg.add_line(root, window.path_data(drop.path), style.BLUE, 1.8, "path", stroke_dasharray="4 3")
     start = np.array([drop.path[0, 0], 0.0, drop.path[0, 1]])
-    side = Window(
+    side = plot.Window(
         (0, 2),
-        Box(window.box.left, window.box.top, window.box.right, window.box.bottom),
+        layout.Box(window.box.left, window.box.top, window.box.right, window.box.bottom),
         window.low,
         window.px_per_m,
     )
-    draw_silhouette(root, side, body, Pose(start, drop.quaternion), 1.0, (tint(BLUE, 0.25), INK, ORANGE))
-    draw_scale_bar(root, right - 4, bottom - 8, window.px_per_m, (right - left) / 3, MUTED)
-    write(root, 6, height - 8, drop.caption, 11, MUTED)
+    plot.draw_silhouette(
+        root,
+        side,
+        body,
+        interpolation.Pose(start, drop.quaternion),
+        1.0,
+        (style.tint(style.BLUE, 0.25), style.INK, style.ORANGE),
+    )
+    layout.draw_scale_bar(root, right - 4, bottom - 8, window.px_per_m, (right - left) / 3, style.MUTED)
+    layout.write(root, 6, height - 8, drop.caption, 11, style.MUTED)
     return svg.render(root)
 
 
@@ -60,17 +66,17 @@ def ruler_svg(length_mm: int = 150) -> str:
     root = svg.start_document(width * px, height * px, "Ruler", f"A ruler of {length_mm} mm.", "mm")
     for mm in range(0, length_mm + 1, 5):
         x, tall = (10 + mm) * px, (10 if mm % 50 == 0 else 6 if mm % 10 == 0 else 3) * px
-        svg.add(root, "line", x1=x, y1=4 * px, x2=x, y2=4 * px + tall, stroke=INK, stroke_width=1.2)
+        svg.add(root, "line", x1=x, y1=4 * px, x2=x, y2=4 * px + tall, stroke=style.INK, stroke_width=1.2)
         if mm % 50 == 0:
-            write(root, x, 19 * px, f"{mm}", 14, INK, "middle")
+            layout.write(root, x, 19 * px, f"{mm}", 14, style.INK, "middle")
     ends = [(10 * px, 4 * px), ((10 + length_mm) * px, 4 * px)]
-    svg.add_line(root, svg.path_data(ends), INK, 1.6)
-    write(
+    svg.add_line(root, svg.path_data(ends), style.INK, 1.6)
+    layout.write(
         root,
         10 * px,
         24.5 * px,
         f"{length_mm} mm from 0 to {length_mm}, if it was printed at 100 %",
         11,
-        MUTED,
+        style.MUTED,
     )
     return svg.render(root)

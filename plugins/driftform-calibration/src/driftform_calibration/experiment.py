@@ -16,8 +16,7 @@ import numpy as np
 from driftform import Pipeline
 from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray, Morphology
-from driftform.water import Factors, Pipe, Scenario, Segment
-from driftform.water.factors import NAMES, QUANTILE
+from driftform.water import Calibration, Factors, Pipe, Scenario, Segment
 from driftform_calibration.bench import Bench, ReleaseError
 from driftform_calibration.fit import CONTACT, find_widest, list_reasons
 from driftform_calibration.problem import Filmed, Problem, factor_of
@@ -91,6 +90,11 @@ class Drop:
     path: FloatArray
     scenario: Scenario
 
+    def document(self) -> dict[str, Any]:
+        """Return the drop as ``driftform drop --json`` prints it; SI units, degrees where the name says so."""
+        names = ("pitch_deg", "depth", "ballast", "ballast_x", "duration", "end")
+        return {**{name: getattr(self, name) for name in names}, "gain_bits": self.gain}
+
 
 @dataclass(frozen=True, eq=False)
 class Plan:
@@ -143,8 +147,8 @@ def plan_drops(
     reasons: dict[str, str] = {}
     for number, scenario in enumerate(candidates):
         there = Bench(bench.body, bench.coefficients, scenario)
-        reasons = list_reasons([Filmed(there, _blank(np.zeros(1)))], NAMES)
-        names = tuple(name for name in NAMES if name not in reasons)
+        reasons = list_reasons([Filmed(there, _blank(np.zeros(1)))], Factors.names)
+        names = tuple(name for name in Factors.names if name not in reasons)
         examined = _examine(there, tank, names, fps, noise)
         if examined is not None:
             found.append(examined)
@@ -294,7 +298,7 @@ def _choose(
         drops.append(replace(found[best][0], gain=float(gains[best])))
     deviation = np.sqrt(np.diag(np.linalg.inv(information)))
     expected = {}
-    for name, width in zip(names, QUANTILE * deviation, strict=True):
+    for name, width in zip(names, Calibration.quantile * deviation, strict=True):
         half = (factor_of(name, width) - factor_of(name, -width)) / 2
         expected[name] = (float(half), bool(half <= find_widest(bench, name, 1.0)))
     share = bench.hull_weight / max(abs(bench.net_weight), 1e-12)
@@ -304,19 +308,3 @@ def _choose(
 def _prior_widths(bench: Bench, names: Sequence[str]) -> FloatArray:
     problem = Problem([Filmed(bench, _blank(np.linspace(0, 1, 8)))], names, [1.0])
     return np.array([p.prior for p in problem.parameters[: len(names)]])
-
-
-def describe_plan(plan: Plan) -> list[dict[str, Any]]:
-    """Return the drops as ``driftform drop --json`` prints them; SI units, degrees where the name says so."""
-    return [
-        {
-            "pitch_deg": drop.pitch_deg,
-            "depth": drop.depth,
-            "ballast": drop.ballast,
-            "ballast_x": drop.ballast_x,
-            "duration": drop.duration,
-            "end": drop.end,
-            "gain_bits": drop.gain,
-        }
-        for drop in plan.drops
-    ]

@@ -8,7 +8,6 @@ import numpy as np
 from driftform.agent import hull_mass
 from driftform.errors import InputError, did_you_mean
 from driftform.water import Factors
-from driftform.water.factors import NAMES
 from driftform_calibration.bench import Bench, ReleaseError
 from driftform_calibration.camera import VIEWS
 from driftform_calibration.problem import Filmed
@@ -111,11 +110,11 @@ def choose_factors(names: Sequence[str]) -> tuple[str, ...]:
     InputError
         if there is no such factor.
     """
-    known = {**{name: name for name in NAMES}, "net_weight": "hull_density"}
+    known = {**{name: name for name in Factors.names}, "net_weight": "hull_density"}
     for name in names:
         if name not in known:
             raise InputError(
                 f"--fit {name}: unknown factor{did_you_mean(name, known)}; there are {', '.join(known)}"
             )
-    wanted = {known[name] for name in names} or set(NAMES)
-    return tuple(name for name in NAMES if name in wanted)
+    wanted = {known[name] for name in names} or set(Factors.names)
+    return tuple(name for name in Factors.names if name in wanted)

@@ -12,8 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from driftform.types import Drag, FloatArray
-from driftform.water import Calibration
-from driftform.water.factors import LEAST, MOST, NAMES
+from driftform.water import Calibration, Factors
 from driftform_calibration.bench import Bench, Path
 from driftform_calibration.problem import (
     RELEASE_RISE,
@@ -21,6 +20,7 @@ from driftform_calibration.problem import (
     Problem,
     factor_of,
     parameter_of,
+    shown_name,
 )
 from driftform_calibration.solution import (
     Solution,
@@ -164,7 +164,7 @@ def _round(value: float) -> float:
 
 def fit_factors(
     films: Sequence[Filmed],
-    names: Sequence[str] = NAMES,
+    names: Sequence[str] = Factors.names,
     priors: dict[str, tuple[float, float]] | None = None,
 ) -> Fit:
     """Fit the factors ``names`` to films; the others stay at 1.
@@ -240,7 +240,7 @@ def _find_absurd(*solutions: Solution | None) -> dict[str, str]:
         if solution is None:
             continue
         for j, name in enumerate(solution.problem.names):
-            least, most = PLAUSIBLE.get(name, (LEAST, MOST))
+            least, most = PLAUSIBLE.get(name, (Factors.least, Factors.most))
             value = _limit(factor_of(name, float(solution.x[j])))
             deviation = float(np.sqrt(solution.covariance[j, j]))
             if (
@@ -315,7 +315,7 @@ def _touches(problem: Problem, x: FloatArray) -> bool:
 
 def list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str]:
     """Return why factors cannot be fitted to these films at all."""
-    reasons = {name: "not asked for" for name in NAMES if name not in names}
+    reasons = {name: "not asked for" for name in Factors.names if name not in names}
     benches = [film.bench for film in films]
     drags = [bench.coefficients.drag for bench in benches]
     damped = any(
@@ -433,9 +433,11 @@ def _estimate(
         elif _find_excess(solution, j, float(solution.x[j]), float(own[j])) <= 1.0:
             left = [k for k in range(len(problem.names)) if k != j and k not in judgement.known]
             most = max(left, key=lambda k: abs(correlation[j, k] * solution.x[k] / own[k]), default=j)
-            why = f"it would be {middle:.2g}, but depends on {_name(problem.names[most])}, which is not known"
+            why = f"it would be {middle:.2g}, but depends on {shown_name(problem.names[most])}, which is not known"
         elif others:
-            why = f"the tracks cannot tell it from {' and '.join(_name(problem.names[k]) for k in others)}"
+            why = (
+                f"the tracks cannot tell it from {' and '.join(shown_name(problem.names[k]) for k in others)}"
+            )
         else:
             what = "a hull of" if name == "hull_density" else "anything from"
             why = f"the tracks leave {what} {low:.2g} to {high:.2g} possible"
@@ -443,12 +445,8 @@ def _estimate(
     return found
 
 
-def _name(name: str) -> str:
-    return "net_weight" if name == "hull_density" else name
-
-
 def _limit(value: float) -> float:
-    return float(np.clip(value, LEAST, MOST))
+    return float(np.clip(value, Factors.least, Factors.most))
 
 
 def _weigh_net(hull: FactorEstimate, net: float, weight: float) -> FactorEstimate:
@@ -462,12 +460,12 @@ def _weigh_net(hull: FactorEstimate, net: float, weight: float) -> FactorEstimat
 def _finish(free: Solution, last: Solution, reasons: dict[str, str], notes: Sequence[str] = ()) -> Fit:
     """Return the fit: drag and weight as free flight has shown them, restitution and friction as contact has."""
     touched = [name for name in last.problem.names if name not in free.problem.names]
-    falling = [name for name in NAMES if name not in touched]
+    falling = [name for name in Factors.names if name not in touched]
     found = {
         **_estimate(free, _judge(free, falling), falling, reasons),
         **_estimate(last, _judge(last, touched), touched, reasons),
     }
-    estimates = {name: found[name] for name in NAMES}
+    estimates = {name: found[name] for name in Factors.names}
     problem, bench = last.problem, last.problem.films[0].bench
     nuisance = range(len(problem.names), len(last.x))
     calibrated, plain = last.x.copy(), last.x.copy()

@@ -2,9 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from driftform.figures import svg
-from driftform.figures.layout import MARGIN, floor_to_nice_number, shorten, tick_values, write
-from driftform.figures.style import BLUE, GRID, INK, MUTED, tint
+from driftform.figures import layout, style, svg
 
 ROW, NAMES_WIDTH = 30.0, 190.0
 
@@ -21,41 +19,53 @@ def intervals_svg(
     root = svg.start_document(
         width, height, title, "; ".join(f"{n}: {v[0]:.3g}" for n, v in intervals.items())
     )
-    write(root, MARGIN, 24, shorten(title, 14, width - 2 * MARGIN, bold=True), 14, bold=True)
-    write(
-        root, MARGIN, 42, "factor on the model, with its 90 % interval; 1 is the model as it was", 11, MUTED
+    layout.write(
+        root,
+        layout.MARGIN,
+        24,
+        layout.shorten(title, 14, width - 2 * layout.MARGIN, bold=True),
+        14,
+        bold=True,
+    )
+    layout.write(
+        root,
+        layout.MARGIN,
+        42,
+        "factor on the model, with its 90 % interval; 1 is the model as it was",
+        11,
+        style.MUTED,
     )
     values = [v for interval in intervals.values() for v in interval]
     low, high = min([0.8, *values]), max([1.25, *values])
     low, high = low - 0.05 * (high - low), high + 0.05 * (high - low)
-    left, right, top = MARGIN + NAMES_WIDTH, width - 76, 60.0
+    left, right, top = layout.MARGIN + NAMES_WIDTH, width - 76, 60.0
 
     def x_of(value: float) -> float:
         return float(left + (value - low) / (high - low) * (right - left))
 
     bottom = top + ROW * count
-    for value in tick_values(low, high, floor_to_nice_number((high - low) / 4)):
-        svg.add(root, "line", x1=x_of(value), y1=top, x2=x_of(value), y2=bottom, stroke=GRID)
-        write(root, x_of(value), bottom + 16, f"{value:g}", 11, MUTED, "middle")
-    svg.add(root, "line", x1=x_of(1), y1=top, x2=x_of(1), y2=bottom, stroke=MUTED, stroke_width=1.4)
+    for value in layout.tick_values(low, high, layout.floor_to_nice_number((high - low) / 4)):
+        svg.add_segment(root, x_of(value), top, x_of(value), bottom, style.GRID)
+        layout.write(root, x_of(value), bottom + 16, f"{value:g}", 11, style.MUTED, "middle")
+    svg.add_segment(root, x_of(1), top, x_of(1), bottom, style.MUTED, 1.4)
     for number, name in enumerate([*intervals, *unknown]):
         y = top + ROW * (number + 0.5)
-        write(root, left - 14, y + 4, name.replace("_", " "), 12, INK if name in intervals else MUTED, "end")
+        layout.write(
+            root,
+            left - 14,
+            y + 4,
+            name.replace("_", " "),
+            12,
+            style.INK if name in intervals else style.MUTED,
+            "end",
+        )
         if name not in intervals:
-            write(root, x_of(1) + 8, y + 4, "not known, left at 1", 11, MUTED, halo=True)
+            layout.write(root, x_of(1) + 8, y + 4, "not known, left at 1", 11, style.MUTED, halo=True)
             continue
         value, least, most = intervals[name]
-        svg.add(
-            root,
-            "line",
-            class_="interval",
-            x1=x_of(least),
-            y1=y,
-            x2=x_of(most),
-            y2=y,
-            stroke=tint(BLUE, 0.55),
-            stroke_width=7,
+        svg.add_segment(
+            root, x_of(least), y, x_of(most), y, style.tint(style.BLUE, 0.55), 7, class_="interval"
         )
-        svg.add(root, "circle", class_="value", cx=x_of(value), cy=y, r=4.5, fill=BLUE)
-        write(root, width - MARGIN, y + 4, f"{value:.3g}", 12, INK, "end")
+        svg.add_circle(root, x_of(value), y, 4.5, style.BLUE, class_="value")
+        layout.write(root, width - layout.MARGIN, y + 4, f"{value:.3g}", 12, style.INK, "end")
     return svg.render(root)

@@ -247,9 +247,7 @@ class Problem:
     def _weigh(self, number: int, points: FloatArray, angle: FloatArray) -> FloatArray:
         """Return the differences of one track over their noise, of what was seen only."""
         film = self.films[number]
-        off = (points - film.observed) / self.noise[number]
-        turned = _wrap(angle - film.track.angle) / ANGLE_ERROR
-        return np.concatenate([off[~np.isnan(film.observed)], turned[~np.isnan(film.track.angle)]])
+        return self._weigh_change(number, points - film.observed, _wrap(angle - film.track.angle))
 
     @cached_property
     def counts(self) -> list[int]:
@@ -312,12 +310,13 @@ class Problem:
 
     def _weigh_change(self, number: int, points: FloatArray, angle: FloatArray) -> FloatArray:
         film = self.films[number]
-        return np.concatenate(
-            [
-                points[~np.isnan(film.observed)] / self.noise[number],
-                angle[~np.isnan(film.track.angle)] / ANGLE_ERROR,
-            ]
-        )
+        off, turned = points[~np.isnan(film.observed)], angle[~np.isnan(film.track.angle)]
+        return np.concatenate([off / self.noise[number], turned / ANGLE_ERROR])
+
+
+def shown_name(name: str) -> str:
+    """Return the name of a factor as people read it: the density of the hull shows as the net weight that it changes."""
+    return "net_weight" if name == "hull_density" else name
 
 
 def factor_of(name: str, value: float) -> float:

@@ -7,11 +7,11 @@ from typing import Any
 
 from driftform.figures import section_svg
 from driftform.types import Agent
-from driftform.util.files import make_directory, write_text
-from driftform.util.notebook import show_table
+from driftform.util import files, notebook
 from driftform_calibration.drop_figure import DropPicture, drop_svg, ruler_svg
-from driftform_calibration.experiment import Drop, Plan, Tank, describe_plan
+from driftform_calibration.experiment import Drop, Plan, Tank
 from driftform_calibration.page import make_page
+from driftform_calibration.problem import shown_name
 
 TABLES = ("pipe", "flow", "fluid", "release", "contact", "flight", "robustness")
 """Tables of a drop's study file; its plugins are those of the study that it was planned in."""
@@ -55,18 +55,18 @@ class DropPlan:
             "agent": self.name,
             "mass": self.agent.mass.mass,
             "tank": [self.tank.length, self.tank.width, self.tank.depth],
-            "drops": describe_plan(self.plan),
+            "drops": [drop.document() for drop in self.drops],
             "expected": {
                 name: {"half_width": half, "known": known} for name, (half, known) in self._expected().items()
             },
-            "reasons": {_rename(name): reason for name, reason in self.plan.reasons.items()},
+            "reasons": {shown_name(name): reason for name, reason in self.plan.reasons.items()},
             "files": [str(path) for path in files],
         }
 
     def _expected(self) -> dict[str, tuple[float, bool]]:
         """Half intervals and whether they will do; that of the hull's density as one of the net weight."""
         return {
-            _rename(name): (half * self.plan.hull_share if name == "hull_density" else half, known)
+            shown_name(name): (half * self.plan.hull_share if name == "hull_density" else half, known)
             for name, (half, known) in self.plan.expected.items()
         }
 
@@ -74,7 +74,7 @@ class DropPlan:
         """Write the page and a study file for each drop, and return their paths."""
         import tomli_w
 
-        make_directory(directory)
+        files.make_directory(directory)
         paths = [directory / "protocol.html"]
         for number, drop in enumerate(self.drops, start=1):
             dumped = drop.scenario.model_dump(mode="json", exclude_none=True)
@@ -85,9 +85,9 @@ class DropPlan:
                 **{key: dumped[key] for key in TABLES},
             }
             path = directory / f"drop-{number}.toml"
-            write_text(path, tomli_w.dumps(study))
+            files.write_text(path, tomli_w.dumps(study))
             paths.append(path)
-        write_text(paths[0], self.html())
+        files.write_text(paths[0], self.html())
         return paths
 
     def html(self) -> str:
@@ -111,7 +111,7 @@ class DropPlan:
             for name, (half, known) in self._expected().items()
         ]
         expected += [
-            (_rename(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()
+            (shown_name(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()
         ]
         size = self.tank
         steps = [
@@ -143,12 +143,12 @@ class DropPlan:
         return make_page(
             f"Drops of {self.name}",
             f"<p>Tank {1000 * size.length:.0f} x {1000 * size.width:.0f} mm, water {1000 * size.depth:.0f} mm deep.</p>"
-            f"<h2>Releases</h2>{show_table(heads, rows)}<div class=drops>{pictures}</div>"
+            f"<h2>Releases</h2>{notebook.show_table(heads, rows)}<div class=drops>{pictures}</div>"
             f"<h2>What to do</h2><ol>{''.join(f'<li>{step}</li>' for step in steps)}</ol>"
             f"<p>Save the tracks beside the study files as <code>{tracks}</code>, then:</p>"
             f"<p><code>driftform calibrate AGENT {tracks} --printed-mass KG</code></p>"
             f"<h2>What the films are expected to show</h2>"
-            f"{show_table(('factor', 'half of the 90 % interval', 'known'), expected)}"
+            f"{notebook.show_table(('factor', 'half of the 90 % interval', 'known'), expected)}"
             f"<h2>Ruler</h2><div class=ruler>{ruler_svg()}</div>"
             f"<h2>The agent</h2><div class=agent>{section_svg(self.agent, self.name)}</div>",
         )
@@ -182,11 +182,9 @@ class DropPlan:
             )
             for n, d in enumerate(self.drops, start=1)
         ]
-        return show_table(("drop", "pitch deg", "depth mm", "ballast g", "bits"), rows, repr(self)[1:-1])
-
-
-def _rename(name: str) -> str:
-    return "net_weight" if name == "hull_density" else name
+        return notebook.show_table(
+            ("drop", "pitch deg", "depth mm", "ballast g", "bits"), rows, repr(self)[1:-1]
+        )
 
 
 def _describe_known(name: str, known: bool) -> str:

@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 
 from driftform import StoredAgent
-from driftform.runs.agent_file import write_agent
 from driftform.types import FloatArray
-from driftform.util.files import make_directory, write_text
-from driftform.util.notebook import show_picture, show_table
+from driftform.util import files, notebook
 from driftform.water import Calibration
 from driftform_calibration.camera import see_points
 from driftform_calibration.fit import FactorEstimate, Fit
@@ -123,13 +121,13 @@ class CalibrationResult:
 
     def write(self, directory: Path) -> list[Path]:
         """Write table, agent and pictures into a directory, and return their paths."""
-        make_directory(directory)
+        files.make_directory(directory)
         paths = [directory / name for name in FILES]
-        write_text(paths[0], self.toml())
-        write_agent(paths[1], self.calibrated())
-        write_text(paths[2], self.html())
-        write_text(paths[3], self.tracks_svg())
-        write_text(paths[4], self.factors_svg())
+        files.write_text(paths[0], self.toml())
+        self.calibrated().write(paths[1])
+        files.write_text(paths[2], self.html())
+        files.write_text(paths[3], self.tracks_svg())
+        files.write_text(paths[4], self.factors_svg())
         return paths
 
     def html(self) -> str:
@@ -140,7 +138,7 @@ class CalibrationResult:
             f"Calibration of {self.name}",
             f"<p>Root mean square distance of films and flights: {1000 * self.fit.before:.1f} mm before, "
             f"{1000 * self.residual:.1f} mm after.</p>"
-            f"<h2>Factors</h2>{show_table(('factor', 'value', '90 % interval', ''), rows)}{self.factors_svg()}"
+            f"<h2>Factors</h2>{notebook.show_table(('factor', 'value', '90 % interval', ''), rows)}{self.factors_svg()}"
             f"<h2>Films and flights</h2>{self.tracks_svg()}"
             + (f"<h2>Notes</h2><ul>{notes}</ul>" if notes else "")
             + f"<h2>For any study</h2><pre>{escape(self.toml())}</pre>",
@@ -198,9 +196,9 @@ class CalibrationResult:
     def _repr_html_(self) -> str:
         rows = [(name, *describe_estimate(found)) for name, found in self.factors.items()]
         return (
-            show_picture(self.factors_svg(), repr(self))
-            + show_picture(self.tracks_svg(), "films and flights")
-            + show_table(("factor", "value", "90 % interval", ""), rows)
+            notebook.show_picture(self.factors_svg(), repr(self))
+            + notebook.show_picture(self.tracks_svg(), "films and flights")
+            + notebook.show_table(("factor", "value", "90 % interval", ""), rows)
         )
 
 

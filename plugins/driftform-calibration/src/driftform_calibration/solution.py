@@ -249,9 +249,9 @@ def find_best(
     return fill(np.asarray(found.x))
 
 
-def _split(problem: Problem, residuals: FloatArray) -> list[FloatArray]:
-    """Return the residuals of each track."""
-    return np.split(residuals[: sum(problem.counts)], np.cumsum(problem.counts)[:-1])
+def _split(problem: Problem, rows: FloatArray) -> list[FloatArray]:
+    """Return the residuals of each track, or their derivatives."""
+    return np.split(rows[: sum(problem.counts)], np.cumsum(problem.counts)[:-1])
 
 
 def _spread(residuals: FloatArray, lost: float = 0.0) -> float:
@@ -265,17 +265,14 @@ def _spread(residuals: FloatArray, lost: float = 0.0) -> float:
 def _list_residuals(problem: Problem, x: FloatArray) -> list[tuple[FloatArray, float]]:
     """Return the residuals of each track, and how many of them its unknowns have used up."""
     found = []
-    for block, residuals in zip(_list_blocks(problem, x), _split(problem, problem.residuals(x)), strict=True):
+    for block, residuals in zip(
+        _split(problem, problem.jacobian(x)), _split(problem, problem.residuals(x)), strict=True
+    ):
         plain = block.T @ block
         known = problem.prior_rows.T @ problem.prior_rows
         lost = float(np.trace(plain @ np.linalg.pinv(plain + known, hermitian=True)))
         found.append((residuals, min(lost, 0.5 * len(residuals))))
     return found
-
-
-def _list_blocks(problem: Problem, x: FloatArray) -> list[FloatArray]:
-    """Return the derivatives of the residuals of each track."""
-    return np.split(problem.jacobian(x)[: sum(problem.counts)], np.cumsum(problem.counts)[:-1])
 
 
 def estimate_covariance(problem: Problem, x: FloatArray) -> FloatArray:
@@ -285,7 +282,7 @@ def estimate_covariance(problem: Problem, x: FloatArray) -> FloatArray:
     counts as if it had 1 / tau as many points. What was known before adds its own information.
     """
     information = problem.prior_rows.T @ problem.prior_rows
-    tracks = zip(_list_blocks(problem, x), _list_residuals(problem, x), strict=True)
+    tracks = zip(_split(problem, problem.jacobian(x)), _list_residuals(problem, x), strict=True)
     for number, (block, (residuals, lost)) in enumerate(tracks):
         spread, tau = _spread(residuals, lost), correlation_time(problem, x, number)
         information = information + block.T @ block / (spread**2 * tau)

@@ -186,20 +186,12 @@ def _read_columns(path: Path, rows: list[list[str]], target: str | None) -> Trac
     objects = [""] * len(columns)
     if head > 0:
         objects = _spread_names(rows[head - 1], len(columns))
-        if (
-            len(
-                {
-                    name
-                    for name, column in zip(objects, columns, strict=True)
-                    if column and column.kind in "xyz"
-                }
-            )
-            > 1
-        ):
+        pairs = list(zip(objects, columns, strict=True))
+        if len({name for name, column in pairs if column and column.kind in "xyz"}) > 1:
             chosen = _choose(path, objects, target)
             columns = [
                 column if column and (name == chosen or column.kind in ("t", "frame")) else None
-                for name, column in zip(objects, columns, strict=True)
+                for name, column in pairs
             ]
     places: dict[tuple[str, str], int] = {}
     for j, column in enumerate(columns):

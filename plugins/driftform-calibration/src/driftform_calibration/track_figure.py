@@ -6,20 +6,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from driftform.figures import svg
-from driftform.figures.layout import (
-    MARGIN,
-    WIDTH,
-    Box,
-    floor_to_nice_number,
-    format_signed,
-    shorten,
-    start_page,
-    tick_values,
-    write,
-)
-from driftform.figures.plot import Window, draw_axes
-from driftform.figures.style import BLUE, GRID, INK, MUTED, VERMILLION, tint
+from driftform.figures import layout, plot, style, svg
 from driftform.types import FloatArray
 
 LEFT, TOP, TALLEST, LOWEST, GAP = 62.0, 138.0, 300.0, 150.0, 88.0
@@ -64,20 +51,22 @@ def tracks_svg(panels: Sequence[TrackPanel], title: str, subtitle: str) -> str:
     """
     boxes, top = [], TOP
     for panel in panels:
-        box = Box(LEFT, top, MIDDLE - 20, top + LOWEST)
+        box = layout.Box(LEFT, top, MIDDLE - 20, top + LOWEST)
         if _is_flat(panel):
             box = _fit_window(panel, top).box
         boxes.append(box)
         top = max(box.bottom, top + LOWEST) + GAP
-    root = start_page(top - GAP + 56, title, subtitle, f"{subtitle} A row for each track.")
+    root = layout.start_page(top - GAP + 56, title, subtitle, f"{subtitle} A row for each track.")
     _draw_legend(root)
     for panel, box in zip(panels, boxes, strict=True):
-        write(root, LEFT, box.top - 26, shorten(panel.name, 12, 300, bold=True), 12, bold=True)
+        layout.write(root, LEFT, box.top - 26, layout.shorten(panel.name, 12, 300, bold=True), 12, bold=True)
         if _is_flat(panel):
             _draw_paths(root, panel, _fit_window(panel, box.top))
         else:
             _draw_heights(root, panel, box)
-        right = Box(MIDDLE + 50, box.top, WIDTH - MARGIN, max(box.bottom, box.top + LOWEST))
+        right = layout.Box(
+            MIDDLE + 50, box.top, layout.WIDTH - layout.MARGIN, max(box.bottom, box.top + LOWEST)
+        )
         most = float(np.nanmax([*panel.off_before, *panel.off_after], initial=1e-6)) * 1050
         chart = _Chart(right, (float(panel.t[0]), float(panel.t[-1])), (0.0, most))
         chart.draw_axes(root, "distance of model and film (mm)")
@@ -92,22 +81,22 @@ def _is_flat(panel: TrackPanel) -> bool:
     return bool(np.isfinite(panel.seen).any(axis=0).all())
 
 
-def _fit_window(panel: TrackPanel, top: float) -> Window:
+def _fit_window(panel: TrackPanel, top: float) -> plot.Window:
     shown = np.vstack([panel.seen[np.isfinite(panel.seen).all(axis=1)], panel.before, panel.after])
-    return Window.around((0, 1), shown, LEFT, top, MIDDLE - LEFT - 20, TALLEST, 10)
+    return plot.Window.around((0, 1), shown, LEFT, top, MIDDLE - LEFT - 20, TALLEST, 10)
 
 
-def _draw_paths(root: ET.Element, panel: TrackPanel, window: Window) -> None:
-    draw_axes(root, window, ("right", "up"))
+def _draw_paths(root: ET.Element, panel: TrackPanel, window: plot.Window) -> None:
+    plot.draw_axes(root, window, ("right", "up"))
     for path, name, line in ((panel.before, "before", BEFORE), (panel.after, "after", AFTER)):
         svg.add_line(
             root, window.path_data(path), line.colour, line.width, name, stroke_dasharray=line.dashes
         )
     for x, y in window.to_page(panel.seen[np.isfinite(panel.seen).all(axis=1)]):
-        svg.add(root, "circle", class_="seen", cx=x, cy=y, r=1.8, fill=INK)
+        svg.add(root, "circle", class_="seen", cx=x, cy=y, r=1.8, fill=style.INK)
 
 
-def _draw_heights(root: ET.Element, panel: TrackPanel, box: Box) -> None:
+def _draw_heights(root: ET.Element, panel: TrackPanel, box: layout.Box) -> None:
     column = int(np.isfinite(panel.seen).any(axis=0).argmax())
     values = 1000 * np.concatenate([panel.seen[:, column], panel.before[:, column], panel.after[:, column]])
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
@@ -119,7 +108,7 @@ def _draw_heights(root: ET.Element, panel: TrackPanel, box: Box) -> None:
         chart.draw_line(root, panel.t_path, 1000 * path[:, column], name, line)
     seen = np.isfinite(panel.seen[:, column])
     for x, y in chart.place(panel.t[seen], 1000 * panel.seen[seen, column]):
-        svg.add(root, "circle", class_="seen", cx=x, cy=y, r=1.8, fill=INK)
+        svg.add(root, "circle", class_="seen", cx=x, cy=y, r=1.8, fill=style.INK)
 
 
 @dataclass(frozen=True)
@@ -129,15 +118,15 @@ class _Line:
     dashes: str
 
 
-BEFORE = _Line(tint(VERMILLION, 0.8), 1.6, "5 3")
-AFTER = _Line(BLUE, 2.0, "none")
+BEFORE = _Line(style.tint(style.VERMILLION, 0.8), 1.6, "5 3")
+AFTER = _Line(style.BLUE, 2.0, "none")
 
 
 @dataclass(frozen=True)
 class _Chart:
     """A quantity over time: its place on the page, and the ranges of time (s) and quantity."""
 
-    box: Box
+    box: layout.Box
     times: tuple[float, float]
     range: tuple[float, float]
 
@@ -150,18 +139,34 @@ class _Chart:
 
     def draw_axes(self, root: ET.Element, label: str) -> None:
         (start, end), (low, high), box = self.times, self.range, self.box
-        step = floor_to_nice_number(max(high - low, 1e-9) / 3)
-        for value in tick_values(low, high, step):
+        step = layout.floor_to_nice_number(max(high - low, 1e-9) / 3)
+        for value in layout.tick_values(low, high, step):
             y = self.place(np.array([start]), np.array([value]))[0, 1]
-            svg.add(root, "line", x1=box.left - 4, y1=y, x2=box.right, y2=y, stroke=GRID)
-            write(root, box.left - 8, y + 4, format_signed(value, _count_digits(step)), 11, MUTED, "end")
-        step = floor_to_nice_number(max(end - start, 1e-9) / 4)
-        for value in tick_values(start, end, step):
+            svg.add(root, "line", x1=box.left - 4, y1=y, x2=box.right, y2=y, stroke=style.GRID)
+            layout.write(
+                root,
+                box.left - 8,
+                y + 4,
+                layout.format_signed(value, _count_digits(step)),
+                11,
+                style.MUTED,
+                "end",
+            )
+        step = layout.floor_to_nice_number(max(end - start, 1e-9) / 4)
+        for value in layout.tick_values(start, end, step):
             x = self.place(np.array([value]), np.array([low]))[0, 0]
-            svg.add(root, "line", x1=x, y1=box.bottom, x2=x, y2=box.bottom + 4, stroke=MUTED)
-            write(root, x, box.bottom + 17, format_signed(value, _count_digits(step)), 11, MUTED, "middle")
-        write(root, box.right, box.bottom + 32, "t (s)", 11, MUTED, "end")
-        write(root, box.left - 8, box.top - 10, label, 11, MUTED)
+            svg.add(root, "line", x1=x, y1=box.bottom, x2=x, y2=box.bottom + 4, stroke=style.MUTED)
+            layout.write(
+                root,
+                x,
+                box.bottom + 17,
+                layout.format_signed(value, _count_digits(step)),
+                11,
+                style.MUTED,
+                "middle",
+            )
+        layout.write(root, box.right, box.bottom + 32, "t (s)", 11, style.MUTED, "end")
+        layout.write(root, box.left - 8, box.top - 10, label, 11, style.MUTED)
 
     def draw_line(self, root: ET.Element, t: FloatArray, values: FloatArray, name: str, line: _Line) -> None:
         data = svg.path_data(self.place(t, values))
@@ -177,6 +182,6 @@ def _draw_legend(root: ET.Element) -> None:
     for x, line, text in ((22.0, BEFORE, "model before"), (180.0, AFTER, "calibrated")):
         ends = svg.path_data([(x, y - 4), (x + 26, y - 4)])
         svg.add_line(root, ends, line.colour, 2, stroke_dasharray=line.dashes)
-        write(root, x + 32, y, text, 12, INK)
-    svg.add(root, "circle", cx=324, cy=y - 4, r=2.5, fill=INK)
-    write(root, 334, y, "film", 12, INK)
+        layout.write(root, x + 32, y, text, 12, style.INK)
+    svg.add(root, "circle", cx=324, cy=y - 4, r=2.5, fill=style.INK)
+    layout.write(root, 334, y, "film", 12, style.INK)

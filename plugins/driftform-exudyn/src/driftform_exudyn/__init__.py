@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_simulator() -> "type[Simulator[Any]]":
     """Return the simulator. Check here that Exudyn is installed; import it only to simulate."""
-    from driftform.plugins.registry import require_module
+    from driftform.util import require_module
     from driftform_exudyn.simulator import ExudynSimulator
 
     require_module("exudyn")
@@ -21,7 +21,7 @@ def driftform_simulator() -> "type[Simulator[Any]]":
 @hookimpl
 def driftform_renderer() -> "type[Renderer[Any]]":
     """Return the renderer of films and stills by Exudyn's ray tracer."""
-    from driftform.plugins.registry import require_module
+    from driftform.util import require_module
     from driftform_exudyn.film import ExudynRenderer
 
     require_module("exudyn")

@@ -8,8 +8,8 @@ import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Renderer, Table, option
-from driftform.types import Agent, Trajectory, WrittenFile
-from driftform.util.files import write_whole
+from driftform.types import Agent, FloatArray, Trajectory, WrittenFile
+from driftform.util import files
 from driftform.water import Scenario
 from driftform_exudyn.encoder import SUFFIXES, encode, find_ffmpeg
 
@@ -71,12 +71,11 @@ class ExudynRenderer(Renderer[FilmOptions]):
         progress: Callable[[int, int], None],
     ) -> WrittenFile:
         """Write the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
-        from driftform.motion.resampling import even_times
         from driftform_exudyn.scene import Scene
 
         self.check(path)
         size, fps = self._size, self.options.fps
-        t = even_times(float(trajectory.t[-1]), self.options.speed / fps)
+        t = _even_times(float(trajectory.t[-1]), self.options.speed / fps)
         scene = Scene(agent, trajectory, scenario, t, self._letter_height)
 
         def render(frames: Iterable[int]) -> "Iterator[Image]":
@@ -98,12 +97,11 @@ class ExudynRenderer(Renderer[FilmOptions]):
         self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float
     ) -> WrittenFile:
         """Write the still; the side view also shows the agent at equal intervals. Facts: ``t``, ``size_px``."""
-        from driftform.figures import png_bytes
-        from driftform.motion.resampling import even_times
+        from driftform_exudyn.png import png_bytes
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)
-        t = np.union1d(even_times(float(trajectory.t[-1]), PATH_STEP), at)
+        t = np.union1d(_even_times(float(trajectory.t[-1]), PATH_STEP), at)
         moment = int(np.searchsorted(t, at))
         picture = png_bytes(
             self._make_view(Scene(agent, trajectory, scenario, t, self._letter_height, moment))(moment)
@@ -138,9 +136,15 @@ class ExudynRenderer(Renderer[FilmOptions]):
         return lambda frame: np.concatenate([above.render(frame), below.render(frame)])
 
 
+def _even_times(duration: float, step: float) -> FloatArray:
+    """Return times from 0 to ``duration`` every ``step``, (n,), all in s; the last interval may be shorter."""
+    # A remainder of less than a thousandth of a step is rounding of the duration, not another step.
+    return np.append(np.arange(np.ceil(duration / step - 1e-3)) * step, duration)
+
+
 def _save(path: Path, write: Callable[[Path], object]) -> None:
     """Write a file completely or not at all."""
     try:
-        write_whole(path, write)
+        files.write_whole(path, write)
     except OSError as error:
         raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error

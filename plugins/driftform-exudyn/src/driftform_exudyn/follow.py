@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from driftform.figures.style import BLUE, INK
+from driftform.figures import layout, style
 from driftform.types import FloatArray
 from driftform_exudyn.hull import make_hull
 from driftform_exudyn.scene import PER_FRAME, Scene
 from driftform_exudyn.shapes import Shape, make_line, make_text, thin
 from driftform_exudyn.stage import Camera, Image, Stage
-from driftform_exudyn.surroundings import make_lattice, round_down
+from driftform_exudyn.surroundings import make_lattice
 
 ELEVATION = np.deg2rad(12.0)
 """Elevation of the viewer above the horizontal, rad: enough to show that the body is round."""
@@ -67,20 +67,24 @@ class FollowView:
             shrink = 1 + depth / camera.distance
             wide, high = 0.6 * width * shrink, 0.6 * height * shrink + depth * np.tan(ELEVATION)
             near = max(near, float(wide))
-            shapes += bore.make_shapes(along - wide, along + wide, round_down(wide / 2), up - high, up + high)
+            shapes += bore.make_shapes(
+                along - wide, along + wide, layout.floor_to_nice_number(wide / 2), up - high, up + high
+            )
             shapes += scene.make_water(bore, along - wide, along + wide)
         if not scene.bores:
             behind = focus - height * scene.axes[2]
-            shapes += make_lattice(scene.axes, behind, 2 * np.array([width, height]), round_down(height / 2))
+            shapes += make_lattice(
+                scene.axes, behind, 2 * np.array([width, height]), layout.floor_to_nice_number(height / 2)
+            )
         shapes += scene.make_targets(0.03 * height, focus, near)
         flown = scene.path_until(frame)
         here = PER_FRAME * frame
         away = np.flatnonzero(np.linalg.norm(flown - focus, axis=1) > near)
         first = away[away < here].max(initial=-1) + 1
         close = flown[first : away[away > here].min(initial=len(flown))]
-        return [*shapes, make_line(thin(close, 3 / camera.px_per_m), BLUE)]
+        return [*shapes, make_line(thin(close, 3 / camera.px_per_m), style.BLUE)]
 
     def _make_caption(self, words: str, focus: FloatArray) -> Shape:
         camera, letters = self._camera, self._scene.letter_height
         from_middle = np.array(self._size) * (-0.5, 0.5) + np.array([1.0, -2.0]) * letters
-        return make_text(focus + from_middle / camera.px_per_m @ camera.axes[:2], words, INK, letters)
+        return make_text(focus + from_middle / camera.px_per_m @ camera.axes[:2], words, style.INK, letters)

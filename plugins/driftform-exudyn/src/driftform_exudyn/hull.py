@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from driftform.figures.style import BLUE, ORANGE, tint
+from driftform.figures import style
 from driftform.types import Body, FloatArray
 from driftform_exudyn.shapes import FULL_TURN, Shape, revolve
 
@@ -17,9 +17,9 @@ def make_hull(body: Body, scale: float = 1.0) -> Shape:
     nose = float(body.outer[-1, 0]) - NOSE_SHARE * body.length
     contour = _split_contour(body.outer, [nose, *body.joints])
     middle = (contour[:-1, 0] + contour[1:, 0]) / 2
-    shades = (ORANGE, tint(ORANGE, 0.6))
+    shades = (style.ORANGE, style.tint(style.ORANGE, 0.6))
     module = np.searchsorted(body.joints, middle)
-    colours = [BLUE if x > nose else shades[m % 2] for x, m in zip(middle, module, strict=True)]
+    colours = [style.BLUE if x > nose else shades[m % 2] for x, m in zip(middle, module, strict=True)]
     return revolve(scale * contour, np.eye(3), FULL_TURN, colours)
 
 

@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from driftform.motion.coordinates import Motion
-from driftform.motion.flight import SAMPLE
-from driftform.motion.loop import grow_tolerance
+from driftform.motion import Motion, grow_tolerance
 from driftform.types import FloatArray
-from driftform.util.compiled import find_code
 from driftform_exudyn.headless import exudyn
 from driftform_exudyn.headless import items as typed_items
 
 items: Any = typed_items  # the type hints of exudyn's items do not match their arguments
+
+SAMPLE = 14
+"""Numbers of a raw sample."""
 
 MAX_TRIES = 5_000
 """Evaluations within one step after which the flight fails.
@@ -78,7 +78,7 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     def bristle_rates(_: Any, t: float, *__: Any) -> FloatArray:
         nonlocal known
         values[-2 * b : -b] = bristles
-        known = accelerations(t, coordinates, rates, values)
+        known = motion.accelerations(t, coordinates, rates, values)
         return values[-b:]
 
     def force(_: Any, t: float, *__: Any) -> tuple[float, ...]:
@@ -87,7 +87,7 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
         if tries > MAX_TRIES:
             return nowhere
         if known is None:
-            return accelerations(t, coordinates, rates, values)
+            return motion.accelerations(t, coordinates, rates, values)
         # Exudyn asks for the rates of the bristles at a state first, and they are computed together.
         found, known = known, None
         return found
@@ -103,7 +103,7 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
             bristles[:] = 0.0
         if count == len(samples):
             samples = np.concatenate([samples, np.empty_like(samples)])
-        proceeds = fill_sample(samples[count], t, coordinates, rates, values)
+        proceeds = motion.fill_sample(samples[count], t, coordinates, rates, values)
         count += 1
         return proceeds and count <= limit
 
@@ -120,8 +120,6 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     coordinates: Any = mbs.systemData.GetODE2Coordinates(copy=False)
     rates: Any = mbs.systemData.GetODE2Coordinates_t(copy=False)
     bristles: Any = mbs.systemData.GetODE1Coordinates(copy=False)
-    accelerations = find_code(motion.accelerations, 0.0, coordinates, rates, values)
-    fill_sample = find_code(motion.fill_sample, samples[0], 0.0, coordinates, rates, values)
     after_step(mbs, 0.0)
     mbs.SetPostStepUserFunction(after_step)
     # Exudyn raises an error if the error control fails, and returns True after NaN: the samples show both.

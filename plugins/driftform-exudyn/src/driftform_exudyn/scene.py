@@ -5,16 +5,32 @@ from functools import cached_property
 
 import numpy as np
 
-from driftform.figures.style import INK, VERMILLION
-from driftform.motion.interpolation import interpolate_positions
+from driftform.figures import style
+from driftform.motion import interpolation
 from driftform.types import Agent, FloatArray, Trajectory
+from driftform.util import rotations
 from driftform.water import Scenario
-from driftform_exudyn.motion import Pose, interpolate_poses
 from driftform_exudyn.shapes import Shape, make_ball, make_text
 from driftform_exudyn.surroundings import Bore, list_bores, upright_axes
 
 PER_FRAME = 8
 """Segments of the line along the path for each frame."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """The ``position`` of the core's centre (world, m, (3,)) and the ``rotation``, body to world, (3, 3)."""
+
+    position: FloatArray
+    rotation: FloatArray
+
+
+def interpolate_poses(trajectory: Trajectory, t: FloatArray) -> list[Pose]:
+    """Return the poses at times ``t`` (s, (n,)), by the cubic interpolation that fitness uses for the path."""
+    turned = rotations.matrix_from_quaternion(interpolation.interpolate_attitudes(trajectory, t))
+    return [
+        Pose(*pose) for pose in zip(interpolation.interpolate_positions(trajectory, t), turned, strict=True)
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +76,7 @@ class Scene:
         """Points of the path of the core's centre, ``PER_FRAME`` for each frame, world, m, (k, 3)."""
         frames = np.arange(len(self.t))
         between = np.linspace(0, len(self.t) - 1, PER_FRAME * (len(self.t) - 1) + 1)
-        return interpolate_positions(self.trajectory, np.interp(between, frames, self.t))
+        return interpolation.interpolate_positions(self.trajectory, np.interp(between, frames, self.t))
 
     def path_until(self, frame: int) -> FloatArray:
         """Return the path up to a frame, or the whole path for a still, world, m, (k, 3)."""
@@ -83,8 +99,8 @@ class Scene:
             if np.linalg.norm(focus - place) < near:
                 beside = np.array(place) + 1.6 * radius * self.axes[0]
                 shapes += [
-                    make_ball(place, radius, VERMILLION),
-                    make_text(beside, name, INK, self.letter_height),
+                    make_ball(place, radius, style.VERMILLION),
+                    make_text(beside, name, style.INK, self.letter_height),
                 ]
         return shapes
 

@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from driftform.figures.style import BLUE, INK, MUTED
+from driftform.figures import layout, style
 from driftform.types import FloatArray
 from driftform_exudyn.hull import make_hull
-from driftform_exudyn.motion import interpolate_poses
-from driftform_exudyn.scene import Scene
+from driftform_exudyn.scene import Scene, interpolate_poses
 from driftform_exudyn.shapes import Shape, make_line, make_text, thin, turn
 from driftform_exudyn.stage import Camera, Image, Stage
-from driftform_exudyn.surroundings import THICKNESS, make_lattice, round_down
+from driftform_exudyn.surroundings import THICKNESS, make_lattice
 
 MIN_LENGTH = 0.05
 """Length of the agent relative to the width of the image; a smaller agent is magnified."""
@@ -37,7 +36,9 @@ class SideView:
         self._centre = ((self._low + self._high) / 2 - [0.0, (foot - edge) / 2 / scale, 0.0]) @ scene.axes
         body = scene.agent.body
         length = max(body.length, body.max_diameter)
-        self._magnified = max(1.0, round_down(MIN_LENGTH * size[0] / (length * self._px_per_m)))
+        self._magnified = max(
+            1.0, layout.floor_to_nice_number(MIN_LENGTH * size[0] / (length * self._px_per_m))
+        )
         self._drawn = self._magnified * length
         self._reach = self._magnified * float(np.linalg.norm(body.outer, axis=1).max())
         camera = Camera(scene.axes, self._px_per_m)
@@ -62,14 +63,16 @@ class SideView:
         for bore in scene.bores:
             # The spacing leaves room for the text, or for its height if the pipe is steep.
             right, up, _ = np.abs(scene.axes @ bore.axes[0]) * px / size
-            step = round_down(2.5 / max(float(right) / 5, float(up) / 1.6))
+            step = layout.floor_to_nice_number(2.5 / max(float(right) / 5, float(up) / 1.6))
             shapes += bore.make_shapes(0.0, bore.length, step / 2)
             if not bore.is_chord:
                 shapes += bore.make_labels(step, size, 1.4 * scene.letter_height / px)
             shapes += scene.make_water(bore, 0.0, bore.length)
         if not scene.bores:
             seen = self._size / px
-            shapes += make_lattice(scene.axes, self._centre, seen, round_down(float(seen[0]) / 9))
+            shapes += make_lattice(
+                scene.axes, self._centre, seen, layout.floor_to_nice_number(float(seen[0]) / 9)
+            )
         drawn = [f"drawn {self._magnified:g} times its size"] if self._magnified > 1 else []
         if scene.still is not None:
             t = self._exposure_times()
@@ -80,7 +83,7 @@ class SideView:
             ]
         if drawn:
             above = np.array([self._low[0], self._high[1] + 0.4 * scene.letter_height / px, self._high[2]])
-            shapes.append(make_text(above @ scene.axes, f"agent {', '.join(drawn)}", MUTED, size))
+            shapes.append(make_text(above @ scene.axes, f"agent {', '.join(drawn)}", style.MUTED, size))
         return shapes + scene.make_targets(0.3 * scene.letter_height / px, self._centre)
 
     def _exposure_times(self) -> FloatArray:
@@ -90,7 +93,7 @@ class SideView:
         count = min(MAX_INTERVALS, length / self._drawn)
         if count < 1 or not end > 0:
             return np.zeros(1)
-        step = 1 / round_down(count / end)
+        step = 1 / layout.floor_to_nice_number(count / end)
         return np.asarray(np.arange(np.floor(end / step + 1e-9) + 1) * step, dtype=np.float64)
 
     def _to_pixel(self, place: FloatArray) -> FloatArray:
@@ -112,10 +115,10 @@ class SideView:
     def _paint(self, frame: int, first: FloatArray, last: FloatArray) -> Image:
         """Return the part of a frame from the upper left pixel ``first`` to the lower right pixel before ``last``."""
         scene = self._scene
-        shapes = [*self._still, make_line(thin(scene.path_until(frame), 3 / self._px_per_m), BLUE)]
+        shapes = [*self._still, make_line(thin(scene.path_until(frame), 3 / self._px_per_m), style.BLUE)]
         if self._captioned:
             corner = self._to_world(np.array([1.0, 2.0]) * scene.letter_height)
-            shapes.append(make_text(corner, scene.format_caption(frame), INK, scene.letter_height))
+            shapes.append(make_text(corner, scene.format_caption(frame), style.INK, scene.letter_height))
         width, height = map(int, last - first)
         return self._stage.render(
             (width, height), self._to_world((first + last) / 2), scene.poses[frame], shapes

@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
 
+import numpy as np
+
 from driftform.interfaces import Simulator, Table, option
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Scenario
@@ -85,26 +87,24 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
     ) -> Trajectory:
         from driftform.motion import (
-            Accuracy,
             describe_motion,
             finish_trajectory,
             flight_model,
-            integrate,
+            integrator,
             release_state,
         )
-        from driftform.motion.integrator import greatest_distance, has_failed, integrate_once
 
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
         start = release_state(model, scenario)
-        accuracy = Accuracy(REFERENCE_SHARE * options.accuracy, step_limit=options.step_limit)
+        accuracy = integrator.Accuracy(REFERENCE_SHARE * options.accuracy, step_limit=options.step_limit)
         first: FloatArray | None = None
         if matters is not None:
-            first = integrate_once(model, start, horizon, accuracy)
+            first = integrator.integrate_once(model, start, horizon, accuracy)
             screened = finish_trajectory(first, model, horizon, options.step_limit)
             if not matters(screened):
                 return screened
-        reference = integrate(model, start, horizon, accuracy, first)
+        reference = integrator.integrate(model, start, horizon, accuracy, first)
         if matters is not None:
             screened = finish_trajectory(
                 reference.samples, model, horizon, options.step_limit, reference.error, options.accuracy
@@ -119,11 +119,12 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         while True:
             settings = make_settings(options.integrator, horizon, tolerance, options.max_step)
             samples = integrate_motion(motion, settings, options.step_limit)
-            error = reference.error + greatest_distance(reference.samples, samples)
+            error = reference.error + integrator.greatest_distance(reference.samples, samples)
             tolerance *= TIGHTENING
-            hopeless = all(has_failed(flown, options.step_limit) for flown in (reference.samples, samples))
+            flown = (reference.samples, samples)
+            hopeless = all(len(s) > options.step_limit or not np.isfinite(s[-1]).all() for s in flown)
             last = options.integrator != "DOPRI5" or tolerance < options.tightest or hopeless
             if error <= options.accuracy or last:
                 return finish_trajectory(samples, model, horizon, options.step_limit, error, options.accuracy)
             accuracy = replace(accuracy, position=TIGHTENING * accuracy.position)
-            reference = integrate(model, start, horizon, accuracy, first)
+            reference = integrator.integrate(model, start, horizon, accuracy, first)

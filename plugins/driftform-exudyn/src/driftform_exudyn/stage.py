@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from driftform.types import FloatArray
 from driftform_exudyn.headless import defer_interrupts, exudyn, items
-from driftform_exudyn.motion import Pose
+from driftform_exudyn.scene import Pose
 from driftform_exudyn.shapes import POINT_KEYS, Shape, place
 
 Image: TypeAlias = npt.NDArray[np.uint8]

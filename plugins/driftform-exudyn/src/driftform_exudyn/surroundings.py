@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.figures.style import BLUE, MUTED, WALL, tint
+from driftform.figures import style
 from driftform.types import FloatArray
-from driftform.water import Bend, Pipe, Scenario, Straight, Tee
+from driftform.water import Pipe, Scenario, pipe_parts
 from driftform_exudyn.shapes import GLOWING, Shape, make_line, make_ribbons, make_text, place, revolve
 
 LIT = "#576670"
@@ -32,16 +32,6 @@ def upright_axes(scenario: Scenario) -> FloatArray:
         length = float(np.linalg.norm(level))
         right = level / length if length > 1e-9 else right
     return np.stack([right, up, np.cross(right, up)])
-
-
-def round_down(length: float) -> float:
-    """Return the largest of 1, 2 or 5 times a power of ten that does not exceed ``length``.
-
-    >>> nice(0.5), nice(0.9), nice(34.0)
-    (0.5, 0.5, 20.0)
-    """
-    power = 10.0 ** np.floor(np.log10(length * (1 + 1e-9)))
-    return float(max(m for m in (1, 2, 5) if m * power <= length * (1 + 1e-9)) * power)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,9 +98,9 @@ class Bore:
         marks = np.arange(np.ceil(first / step - 1e-9), np.floor(last / step + 1e-9) + 1) * step
         # Rings stop short of the edges, where parts of them would show through the wall.
         ring = np.clip(half, 0.2, np.pi - 0.2)
-        rings = [make_line(self.point(s, near, ring), tint(WALL, 0.4)) for s in marks]
+        rings = [make_line(self.point(s, near, ring), style.tint(style.WALL, 0.4)) for s in marks]
         stripes = [
-            make_line(self.point(np.linspace(first, last, LINE_POINTS), near, a), tint(WALL, 0.2))
+            make_line(self.point(np.linspace(first, last, LINE_POINTS), near, a), style.tint(style.WALL, 0.2))
             for a in np.deg2rad(np.arange(15, 180, 15))
             if half[0] < a < half[-1]
         ]
@@ -122,7 +112,7 @@ class Bore:
         rims = self.radius * np.array([1.0, 1 + THICKNESS])[:, None]
         grid = self.point(np.array([first, last]), rims, angles)
         return make_ribbons(
-            grid, np.broadcast_to(-self.axes[2], grid.shape), [tint(WALL, 0.6)] * len(self.edges)
+            grid, np.broadcast_to(-self.axes[2], grid.shape), [style.tint(style.WALL, 0.6)] * len(self.edges)
         )
 
     def make_surface(self, level: float, first: float, last: float) -> list[Shape]:
@@ -140,14 +130,14 @@ class Bore:
         far = near + np.sqrt(self.radius**2 - above[cut] ** 2)[:, None] * back
         grid = np.stack([near, far])[None]
         return [
-            make_ribbons(grid, np.broadcast_to(up, grid.shape), [tint(BLUE, 0.35)]),
-            make_line(near, BLUE),
+            make_ribbons(grid, np.broadcast_to(up, grid.shape), [style.tint(style.BLUE, 0.35)]),
+            make_line(near, style.BLUE),
         ]
 
     def make_labels(self, step: float, size: float, gap: float) -> list[Shape]:
         """Return the distances from the inlet every ``step`` (m), ``gap`` (m) below the pipe, in letters of ``size`` px."""
         return [
-            make_text(self.point(s, self.radius + gap, np.pi), f"{s:g} m", MUTED, size)
+            make_text(self.point(s, self.radius + gap, np.pi), f"{s:g} m", style.MUTED, size)
             for s in np.arange(np.floor(self.length / step + 1e-9) + 1) * step
         ]
 
@@ -160,28 +150,28 @@ def list_bores(pipe: Pipe, viewer: FloatArray) -> list[Bore]:
     bores = []
     for placed in pipe.layout.parts:
         part = placed.part
-        step = part.length if isinstance(part, Straight) else CHORD * part.end_radius
+        step = part.length if isinstance(part, pipe_parts.Straight) else CHORD * part.end_radius
         for number, axis in enumerate(part.list_axes(step)):
             for (start, end), (first, last) in zip(pairwise(axis.points), pairwise(axis.radii), strict=True):
-                if isinstance(part, Tee) and number == 1 and _is_in_run(end, part):
+                if isinstance(part, pipe_parts.Tee) and number == 1 and _is_in_run(end, part):
                     continue
                 # Outside a bend, chords of the axis' own length would leave wedges between them.
-                turn = part.angle / (len(axis.points) - 1) if isinstance(part, Bend) else 0.0
+                turn = part.angle / (len(axis.points) - 1) if isinstance(part, pipe_parts.Bend) else 0.0
                 more = part.radius * np.tan(0.5 * turn) * (end - start) / np.linalg.norm(end - start)
                 bore = Bore.between(start - more, end + more, 0.5 * float(first + last), viewer)
                 bore = replace(bore, is_chord=True)
-                if isinstance(part, Tee) and number == 0:
+                if isinstance(part, pipe_parts.Tee) and number == 0:
                     bore = _open_towards_branch(bore, part)
                 bores.append(bore)
     return bores
 
 
-def _is_in_run(point: FloatArray, part: Tee) -> bool:
+def _is_in_run(point: FloatArray, part: pipe_parts.Tee) -> bool:
     """Return whether a point of the branch's axis lies in the run."""
     return bool(np.linalg.norm(point - part.origin) * np.sin(part.angle) < part.radius)
 
 
-def _open_towards_branch(bore: Bore, part: Tee) -> Bore:
+def _open_towards_branch(bore: Bore, part: pipe_parts.Tee) -> Bore:
     """Return a piece of a run, without the edge of the cut through which the branch leaves."""
     middle = bore.start + 0.5 * bore.length * bore.axes[0]
     mouth = part.origin + part.radius / np.sin(part.angle) * part.branch_axes[0]
@@ -202,7 +192,7 @@ def make_lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: f
         ends = centre + np.linspace(-0.5, 0.5, LINE_POINTS)[:, None] * seen[1 - i] * across
         first, last = np.ceil((middle - seen[i] / 2) / step), np.floor((middle + seen[i] / 2) / step)
         shapes += [
-            make_line(ends + (n * step - middle) * along, tint(BLUE, 0.15))
+            make_line(ends + (n * step - middle) * along, style.tint(style.BLUE, 0.15))
             for n in np.arange(first, last + 1)
         ]
     return shapes

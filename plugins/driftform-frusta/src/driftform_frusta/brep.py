@@ -11,15 +11,12 @@ import numpy as np
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
 from driftform_frusta.csg import (
-    Box,
     Difference,
-    Frustum,
     Intersection,
     Named,
     Node,
     Revolve,
     Rotate,
-    Sphere,
     Text,
     Translate,
     Union,
@@ -76,21 +73,7 @@ def volume_of(shape: Any) -> float:
 
 
 def _interpret(node: Node) -> Any:
-    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeSphere
-
     match node:
-        case Frustum():
-            corners = [
-                (0.0, 0.0),
-                (node.bottom_radius, 0.0),
-                (node.top_radius, node.height),
-                (0.0, node.height),
-            ]
-            shape = _revolve([np.array([c for i, c in enumerate(corners) if i in (0, 3) or c[0] > 0])])
-        case Sphere():
-            shape = BRepPrimAPI_MakeSphere(node.radius).Shape()
-        case Box():
-            shape = BRepPrimAPI_MakeBox(*node.size).Shape()
         case Revolve():
             shape = _revolve(half_section(node))
         case Text():

@@ -1,11 +1,11 @@
 """Colours of parts: one for each, the same in every format."""
 
-from driftform.figures.style import SERIES
+from driftform.figures import style
 
 
 def colour_of(index: int) -> str:
     """Return the colour of the part at ``index``, as ``#rrggbb``."""
-    return SERIES[index % len(SERIES)]
+    return style.SERIES[index % len(style.SERIES)]
 
 
 def channels(colour: str) -> tuple[float, float, float]:

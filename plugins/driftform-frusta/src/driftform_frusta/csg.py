@@ -30,44 +30,6 @@ def _check(sound: bool, what: str) -> None:
 
 
 @dataclass(frozen=True)
-class Frustum:
-    """A cone's frustum along z, from z = 0 to ``height``; a radius of zero makes it a cone."""
-
-    height: float
-    bottom_radius: float
-    top_radius: float
-
-    def __post_init__(self) -> None:
-        """Raise ``ValueError`` for numbers that describe no solid."""
-        _check(0 < self.height < math.inf, f"a frustum's height must be positive, not {self.height}")
-        for radius in (self.bottom_radius, self.top_radius):
-            _check(0 <= radius < math.inf, f"a frustum's radius must be zero or more, not {radius}")
-        _check(self.bottom_radius + self.top_radius > 0, "a frustum needs one radius that is not zero")
-
-
-@dataclass(frozen=True)
-class Sphere:
-    """A sphere about the origin."""
-
-    radius: float
-
-    def __post_init__(self) -> None:
-        """Raise ``ValueError`` for numbers that describe no solid."""
-        _check(0 < self.radius < math.inf, f"a sphere's radius must be positive, not {self.radius}")
-
-
-@dataclass(frozen=True)
-class Box:
-    """A box with one corner at the origin and the opposite one at ``size``."""
-
-    size: Vector
-
-    def __post_init__(self) -> None:
-        """Raise ``ValueError`` for numbers that describe no solid."""
-        _check(all(0 < s < math.inf for s in self.size), f"a box's sides must be positive, not {self.size}")
-
-
-@dataclass(frozen=True)
 class Revolve:
     """A meridian section revolved about z.
 
@@ -171,7 +133,5 @@ class Named:
     child: "Node"
 
 
-Node: TypeAlias = (
-    Frustum | Sphere | Box | Revolve | Text | Union | Difference | Intersection | Translate | Rotate | Named
-)
+Node: TypeAlias = Revolve | Text | Union | Difference | Intersection | Translate | Rotate | Named
 """Any solid."""

@@ -2,15 +2,13 @@
 
 Printed frame: millimetres, the body's axis along z, the fore end up, the lowest point at z = 0. The core lies
 loose in the cavity and is not part of the hull.
-
-Both functions read the same vertices of the section, so they describe the same solid.
 """
 
 import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray
-from driftform_frusta.csg import Difference, Frustum, Named, Node, Point, Revolve, Translate, Union
+from driftform_frusta.csg import Named, Node, Point, Revolve
 
 _MM_PER_M = 1000.0
 
@@ -29,43 +27,19 @@ def build_hull(body: Body) -> Node:
     WorkFailedError
         if a contour does not run from the axis to the axis.
     """
-    outer, cavity = _read_contours(body)
+    outer, cavity = read_contours(body)
     holes = (_points(cavity),) if len(cavity) else ()
     return Named("hull: the meridian section, revolved; fore end up", Revolve(_points(outer), holes))
 
 
-def check_contours(body: Body) -> None:
-    """Check that the contours of a hull run from the axis to the axis.
+def read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
+    """Return outer contour and cavity as (n, 2) of z and r in the printed frame; the cavity may be empty.
 
     Raises
     ------
     WorkFailedError
-        if one does not.
+        if one does not run from the axis to the axis.
     """
-    _read_contours(body)
-
-
-def build_hull_of_frustums(body: Body) -> Node:
-    """Return the hull as frustums: the union of those of the outer contour less the union of the cavity's.
-
-    Edges of the section normal to the axis have no height and need no frustum.
-
-    Raises
-    ------
-    WorkFailedError
-        if a contour does not run from the axis to the axis, or folds back along it.
-    """
-    outer, cavity = _read_contours(body)
-    outside = Named("outside", _stack_frustums(outer, "outer contour"))
-    if not len(cavity):
-        return Named("hull; fore end up", outside)
-    return Named(
-        "hull; fore end up", Difference(outside, (Named("cavity", _stack_frustums(cavity, "cavity")),))
-    )
-
-
-def _read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
-    """Outer contour and cavity as (n, 2) of z and r in the printed frame; the cavity may be empty."""
     contours = []
     for what, contour in (("outer contour", body.outer), ("cavity", body.cavity)):
         if what == "cavity" and not len(contour):
@@ -90,15 +64,3 @@ def _read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
 
 def _points(contour: FloatArray) -> tuple[Point, ...]:
     return tuple((float(r), float(z)) for z, r in contour)
-
-
-def _stack_frustums(contour: FloatArray, what: str) -> Node:
-    frustums: list[Node] = []
-    for (z0, r0), (z1, r1) in zip(contour[:-1].tolist(), contour[1:].tolist(), strict=True):
-        if z1 < z0:
-            raise WorkFailedError(f"the {what} folds back along the axis: it is not a chain of frustums")
-        if z1 > z0 and r0 + r1 > 0:
-            frustums.append(Translate((0.0, 0.0, z0), Frustum(z1 - z0, r0, r1)))
-    if not frustums:
-        raise WorkFailedError(f"the {what} has no length: it is not a chain of frustums")
-    return Union(tuple(frustums))

@@ -10,6 +10,9 @@ from driftform.types import Body, Fittings
 from driftform_frusta.kit_options import KitOptions, PartOptions
 from driftform_frusta.parts import Part
 
+KIT_FILE = "kit.json"
+"""Name of the attachment of a 3MF file that holds the options of its kit, as JSON."""
+
 GROUP = "driftform_frusta.kits"
 """The group of entry points."""
 
@@ -43,11 +46,6 @@ def find_maker() -> KitMaker:
         maker: KitMaker = point.load()
         return maker
     raise InputError("a kit needs a distribution that makes kits; run: pip install driftform-kit")
-
-
-def list_kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
-    """Return how the kit of an agent balances, as facts of its files; empty for a hull in one piece."""
-    return find_maker().list_facts(job, options) if options.kit else {}
 
 
 def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:

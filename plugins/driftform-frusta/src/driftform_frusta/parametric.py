@@ -14,13 +14,15 @@ import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType
 
 from driftform.agent import hull_volume, solid_of_revolution
-from driftform.agent.distance import radius_at
 from driftform.types import Agent, Body, FloatArray, Module
 from driftform_frusta.csg import MM
 from driftform_frusta.section import DOME_STEP
 
 _TOLERANCE = 5e-5
 """Of the volume, relative: OpenSCAD, which clips on a grid of 15 nm, adds some 2e-5, and 1e-4 is promised."""
+
+_BESIDE = 1e-12
+"""m: a step of the outline is seen from both sides of it."""
 
 _UNLIMITED = 1e6
 """OpenSCAD's limit of a mitre, in walls."""
@@ -157,9 +159,14 @@ module cavity() {{
 """
 
 
+def _radius_at(body: Body, x: float) -> float:
+    """Radius of the outline, m; the greater one where it has a step."""
+    return float(np.interp([x - _BESIDE, x + _BESIDE], *body.outer.T).max())
+
+
 def _clearance(body: Body) -> float:
     """Gap between core and dome, mm: both chains start from the dome at the core's equator."""
-    return MM * (radius_at(body.outer, 0.0) - body.core.radius - body.wall)
+    return MM * (_radius_at(body, 0.0) - body.core.radius - body.wall)
 
 
 def _tabulate_modules(agent: Agent) -> tuple[list[Row] | None, int]:
@@ -186,12 +193,12 @@ def _joints(body: Body, modules: Sequence[Module], side: float) -> list[tuple[fl
     Clear of the dome the radius is that of the outline, which knows the least radius of the builder; below the dome
     it follows from the tilt.
     """
-    dome = radius_at(body.outer, 0.0)
+    dome = _radius_at(body, 0.0)
     joints = [(0.0, dome)]
     for module in modules:
         x = joints[-1][0] + module.length * math.cos(module.tilt)
         r = joints[-1][1] + module.length * math.sin(module.tilt)
-        joints.append((x, radius_at(body.outer, side * x) if x >= dome else r))
+        joints.append((x, _radius_at(body, side * x) if x >= dome else r))
     return joints
 
 

@@ -3,12 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from typing import TypeAlias
 from xml.etree import ElementTree as ET
 
 import numpy as np
+import numpy.typing as npt
 from manifold3d import Manifold, Mesh64
 
-from driftform.agent.meshes import IntArray, area_vectors
+from driftform.agent import Mesh
 from driftform.figures import svg
 from driftform.types import FloatArray
 from driftform_frusta.colours import channels
@@ -41,13 +43,8 @@ _STEP = 10.0
 """mm between the lines of the bed; each fifth is darker."""
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """A mesh in its place on the bed, mm, the middle of the bed at the origin; and its colour, ``#rrggbb``."""
-
-    vertices: FloatArray
-    triangles: IntArray
-    colour: str
+Shape: TypeAlias = tuple[Mesh, str]
+"""A mesh in its place on the bed, mm, the middle of the bed at the origin; and its colour, ``#rrggbb``."""
 
 
 def plate_svg(
@@ -65,16 +62,16 @@ def plate_svg(
         width and depth, mm.
     """
     view = _View.of(shapes, width, height)
-    shapes = [_simplify(shape, _DETAIL / view.scale) for shape in shapes]
+    shapes = [(_simplify(mesh, _DETAIL / view.scale), colour) for mesh, colour in shapes]
     root = svg.start_document(
         width, height, "Parts on the bed", "The parts as they are printed, in their colours."
     )
     page = np.array([(0, 0), (width, 0), (width, height), (0, height)], dtype=np.float64)
     svg.add(root, "path", d=svg.path_data(page, closed=True), fill=_PAPER)
-    _add_bed(root, view, bed, page, shapes)
+    _add_bed(root, view, bed, page, [mesh for mesh, _ in shapes])
     # In parallel projection, a part hides only those behind its axis.
-    for shape in sorted(shapes, key=lambda shape: _depth(shape.vertices.mean(axis=0))):
-        _add_shape(root, view, shape)
+    for mesh, colour in sorted(shapes, key=lambda shape: _depth(shape[0].vertices.mean(axis=0))):
+        _add_mesh(root, view, mesh, colour)
     return svg.render(root)
 
 
@@ -87,8 +84,8 @@ class _View:
 
     @classmethod
     def of(cls, shapes: Sequence[Shape], width: float, height: float) -> "_View":
-        boxes = [np.stack([s.vertices.min(axis=0), s.vertices.max(axis=0)]) for s in shapes]
-        corners = np.concatenate([np.stack(np.meshgrid(*box.T), axis=-1).reshape(-1, 3) for box in boxes])
+        boxes = [np.stack(np.meshgrid(*mesh.bounds.T), axis=-1).reshape(-1, 3) for mesh, _ in shapes]
+        corners = np.concatenate(boxes)
         seen = corners @ _PAGE.T
         low, high = seen.min(axis=0), seen.max(axis=0)
         page = np.array([width, height])
@@ -101,16 +98,14 @@ class _View:
         return seen
 
 
-def _simplify(shape: Shape, tolerance: float) -> Shape:
-    """Return a shape without its sealed hollows, and without details smaller than ``tolerance`` (mm)."""
-    mesh = Mesh64(vert_properties=shape.vertices, tri_verts=shape.triangles.astype(np.uint64))
+def _simplify(mesh: Mesh, tolerance: float) -> Mesh:
+    """Return a mesh without its sealed hollows, and without details smaller than ``tolerance`` (mm)."""
     # The closed surface around a hollow faces inward: its volume is negative.
-    outside = Manifold.compose([shell for shell in Manifold(mesh).decompose() if shell.volume() > 0])
+    whole = Manifold(Mesh64(vert_properties=mesh.vertices, tri_verts=mesh.triangles.astype(np.uint64)))
+    outside = Manifold.compose([shell for shell in whole.decompose() if shell.volume() > 0])
     fewer = outside.simplify(tolerance)
     found = (outside if fewer.is_empty() else fewer).to_mesh64()
-    return Shape(
-        np.asarray(found.vert_properties)[:, :3], np.asarray(found.tri_verts, dtype=np.int64), shape.colour
-    )
+    return Mesh(np.asarray(found.vert_properties)[:, :3], np.asarray(found.tri_verts, dtype=np.int64))
 
 
 def _depth(points: FloatArray) -> FloatArray:
@@ -124,9 +119,9 @@ def _depth(points: FloatArray) -> FloatArray:
 
 
 def _add_bed(
-    root: ET.Element, view: _View, bed: tuple[float, float], page: FloatArray, shapes: Sequence[Shape]
+    root: ET.Element, view: _View, bed: tuple[float, float], page: FloatArray, meshes: Sequence[Mesh]
 ) -> None:
-    """Draw the bed, its lines, and the shadows of the shapes."""
+    """Draw the bed, its lines, and the shadows of the meshes."""
     half = np.array([bed[0], bed[1], 0.0]) / 2
     corners = view.project(half * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]))
     svg.add(root, "path", d=svg.path_data(corners, closed=True), fill=_BED)
@@ -141,7 +136,7 @@ def _add_bed(
                     ends[:, along] = -half[along], half[along]
                     lines.append(svg.path_data(view.project(ends)))
         svg.add(root, "path", d="".join(lines), stroke=colour, stroke_width=0.5, fill="none")
-    shadows = [_triangles(view.project(_cast(shape.vertices))[_facing(shape, _LIGHT)[0]]) for shape in shapes]
+    shadows = [_triangles(view.project(_cast(mesh.vertices))[_facing(mesh, _LIGHT)[0]]) for mesh in meshes]
     svg.add(root, "path", d="".join(shadows), fill="#000000", fill_opacity=0.2)
     # What is cast beside the bed is covered again.
     svg.add(
@@ -160,28 +155,28 @@ def _cast(vertices: FloatArray) -> FloatArray:
     return cast
 
 
-def _facing(shape: Shape, direction: FloatArray) -> tuple[IntArray, FloatArray]:
+def _facing(mesh: Mesh, direction: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray]:
     """Return the triangles that face a direction, and their unit normals."""
-    normals = area_vectors(shape.vertices, shape.triangles)
+    normals = mesh.area_vectors
     chosen = normals @ direction > 0
     normals = normals[chosen]
-    return shape.triangles[chosen], normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    return mesh.triangles[chosen], normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
-def _add_shape(root: ET.Element, view: _View, shape: Shape) -> None:
+def _add_mesh(root: ET.Element, view: _View, mesh: Mesh, colour: str) -> None:
     """Draw the triangles that face the eye, the farthest first, and of those equally far the lowest."""
-    triangles, normals = _facing(shape, _EYE)
-    middles = shape.vertices[triangles].mean(axis=1)
+    triangles, normals = _facing(mesh, _EYE)
+    middles = mesh.vertices[triangles].mean(axis=1)
     order = np.lexsort((middles[:, 2], _depth(middles).round(3)))
     light = 0.42 + 0.5 * np.maximum(normals @ _LIGHT, 0) + 0.14 * np.maximum(normals @ _EYE, 0)
-    places = view.project(shape.vertices)[triangles[order]]
+    places = view.project(mesh.vertices)[triangles[order]]
     shades = (_SHADES * light[order]).round().astype(int).tolist()
     start = 0
     for shade, run in groupby(shades):
         end = start + len(list(run))
-        colour = _shade(shape.colour, shade / _SHADES)
+        shown = _shade(colour, shade / _SHADES)
         # A line as wide as its neighbours' blurred edges leaves no seam between them.
-        svg.add(root, "path", d=_triangles(places[start:end]), fill=colour, stroke=colour, stroke_width=_SEAM)
+        svg.add(root, "path", d=_triangles(places[start:end]), fill=shown, stroke=shown, stroke_width=_SEAM)
         start = end
 
 

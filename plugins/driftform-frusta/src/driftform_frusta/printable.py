@@ -10,7 +10,7 @@ from driftform.errors import WorkFailedError
 from driftform.types import Body
 from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import Node
-from driftform_frusta.hull import build_hull, check_contours
+from driftform_frusta.hull import build_hull, read_contours
 from driftform_frusta.solid import to_solid
 
 MM3_PER_M3 = 1e9
@@ -50,7 +50,7 @@ def check_printable_section(body: Body) -> None:
     WorkFailedError
         if the contours have no wall between them, or touch the axis; the message has the reason.
     """
-    check_contours(body)
+    read_contours(body)
     _refuse_without_wall(body)
     _refuse_pinched(body)
 

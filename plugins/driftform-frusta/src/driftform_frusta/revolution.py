@@ -3,11 +3,6 @@
 A surface of revolution takes no modelling: each point of the profile sweeps a ring of vertices, or is a pole on the
 axis, and two neighbours are joined by a band of triangles. So the mesh is closed by the way it is numbered, each
 vertex is where the profile has it to the last bit, and two profiles that share a point share its ring.
-
-Circles become regular polygons, the first corner on the x axis. A regular N-gon in a circle of radius r has the area
-``N/2 sin(2 pi/N) r^2``, less than the circle's; every radius is therefore scaled by :func:`area_factor`, so that each
-cross-section normal to the axis has the circle's area and a mesh has the volume, and the mass, that the closed forms
-give. The corners then lie outside the circle, by 0.08 % of the radius at 64 segments.
 """
 
 from collections.abc import Iterable, Iterator
@@ -15,8 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.agent import revolve
-from driftform.agent.meshes import signed_volume
+from driftform.agent import Mesh
 from driftform.types import FloatArray
 from driftform_frusta.boundary import Solid
 
@@ -40,11 +34,11 @@ def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
     vertices, triangles, shells, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], [], 0
     for profile in profiles:
         for line, closed in _split_at_axis(profile):
-            points, corners = revolve(line, segments, closed)
-            vertices.append(points)
-            triangles.append(corners + count)
-            shells.append(signed_volume(points, corners))
-            count += len(points)
+            mesh = Mesh.revolve(line, segments, closed)
+            vertices.append(mesh.vertices)
+            triangles.append(mesh.triangles + count)
+            shells.append(mesh.volume)
+            count += len(mesh.vertices)
     return Solid(np.concatenate(vertices), np.concatenate(triangles), np.array(shells))
 
 

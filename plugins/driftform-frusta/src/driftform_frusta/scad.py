@@ -8,16 +8,13 @@ from collections.abc import Iterator, Sequence
 from typing import assert_never
 
 from driftform_frusta.csg import (
-    Box,
     Difference,
-    Frustum,
     Intersection,
     Named,
     Node,
     Point,
     Revolve,
     Rotate,
-    Sphere,
     Text,
     Translate,
     Union,
@@ -35,18 +32,6 @@ _AREA_FACTOR = """\
 area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));
 """
 
-_BALL = """\
-// A sphere of exactly the volume that its radius promises.
-module ball(radius) {
-    chords = ceil($fn / 2);
-    size = radius * pow(cos(90 / chords), -2 / 3);
-    rotate_extrude(convexity = 10)
-        scale([area_factor, 1])
-            polygon([for (i = [0 : chords]) size * [sin(180 * i / chords), -cos(180 * i / chords)]]);
-}
-"""
-
-
 _LETTERS = """\
 // Strokes of a pen with eight corners, from one end to the other.
 module letters(height, pen, strokes) {
@@ -60,25 +45,14 @@ module letters(height, pen, strokes) {
 """
 
 
-def to_scad(node: Node, segments: int = 64) -> str:
-    """Return the source of a tree, mm, for OpenSCAD 2021.01 or later.
-
-    ``segments`` is the number of corners of every circle, ``$fn``. Numbers are rounded to 1e-6 mm.
-    """
-    parts = ["// Written by driftform. Lengths in millimetres.\n" + write_definitions((node,), segments)]
-    return "\n".join([*parts, "\n".join(_lines(node)) + "\n"])
-
-
 def write_definitions(nodes: Sequence[Node], segments: int) -> str:
     """Return the definitions that the source of trees uses: the number of corners, factors on radii, and modules."""
     if segments < 3:
         raise ValueError(f"a circle needs three segments or more, not {segments}")
     kinds = {type(n) for node in nodes for n in _walk(node)}
     parts = [f"$fn = {segments};\n"]
-    if kinds & {Frustum, Sphere, Revolve}:
+    if Revolve in kinds:
         parts.append(_AREA_FACTOR)
-    if Sphere in kinds:
-        parts.append(_BALL)
     if Text in kinds:
         parts.append(_LETTERS)
     return "\n".join(parts)
@@ -98,7 +72,7 @@ def _walk(node: Node) -> Iterator[Node]:
             children = (node.base, *node.tools)
         case Translate() | Rotate() | Named():
             children = (node.child,)
-        case Frustum() | Sphere() | Box() | Revolve() | Text():
+        case Revolve() | Text():
             children = ()
         case _:
             assert_never(node)
@@ -108,13 +82,6 @@ def _walk(node: Node) -> Iterator[Node]:
 
 def _lines(node: Node) -> list[str]:
     match node:
-        case Frustum():
-            radii = f"r1 = {_radius(node.bottom_radius)}, r2 = {_radius(node.top_radius)}"
-            lines = [f"cylinder(h = {_number(node.height)}, {radii});"]
-        case Sphere():
-            lines = [f"ball({_number(node.radius)});"]
-        case Box():
-            lines = [f"cube({_vector(node.size)});"]
         case Revolve():
             lines = _revolve(node)
         case Text():
@@ -180,10 +147,6 @@ def _block(head: str, children: Sequence[Sequence[str]]) -> list[str]:
 
 def _put_above(head: str, child: Sequence[str]) -> list[str]:
     return [head, *(_INDENT + line for line in child)]
-
-
-def _radius(radius: float) -> str:
-    return f"area_factor * {_number(radius)}" if radius else "0"
 
 
 def _vector(values: Sequence[float]) -> str:

@@ -1,6 +1,5 @@
 """CSG tree -> solid: what is revolved is swept by :mod:`driftform_frusta.revolution`, and manifold3d does the rest."""
 
-import math
 from collections.abc import Iterable
 from typing import assert_never
 
@@ -11,16 +10,13 @@ from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
 from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import (
-    Box,
     Difference,
-    Frustum,
     Intersection,
     Named,
     Node,
     Point,
     Revolve,
     Rotate,
-    Sphere,
     Text,
     Translate,
     Union,
@@ -33,20 +29,6 @@ from driftform_frusta.revolution import revolve_profiles
 _SIMPLIFY = 1e-6
 
 
-def half_segments(segments: int) -> int:
-    """Return the number of chords in the half circle that a sphere is revolved from."""
-    return (segments + 1) // 2
-
-
-def sphere_factor(segments: int) -> float:
-    """Return the factor on a sphere's radius that gives its polygonal meridian the sphere's volume.
-
-    A half circle of n equal chords, revolved, encloses exactly ``cos^2(pi / 2n)`` of the sphere: that is what
-    the volumes ``pi h (r0^2 + r0 r1 + r1^2) / 3`` of its frustums sum to.
-    """
-    return math.pow(math.cos(math.pi / (2 * half_segments(segments))), -2 / 3)
-
-
 def to_solid(node: Node, segments: int = 64) -> Solid:
     """Return the solid of a tree as a mesh.
 
@@ -55,9 +37,8 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
     node
         the tree.
     segments
-        corners of every circle; a sphere's meridian has half as many chords. Volumes of frustums, spheres and
-        revolved sections are exact for any number; where such solids are cut or united off their own axis,
-        the error is of second order in 1/segments.
+        corners of every circle. Volumes of revolved sections are exact for any number; where such solids are cut or
+        united off their own axis, the error is of second order in 1/segments.
 
     Raises
     ------
@@ -97,12 +78,6 @@ def _interpret(node: Node, segments: int) -> Manifold:
         return [_interpret(n, segments) for n in nodes]
 
     match node:
-        case Frustum():
-            solid = revolve_profiles([_frustum_meridian(node)], segments).to_manifold()
-        case Sphere():
-            solid = revolve_profiles([_sphere_meridian(node.radius, segments)], segments).to_manifold()
-        case Box():
-            solid = Manifold.cube(node.size)
         case Revolve():
             solid = revolve_profiles(half_section(node), segments).to_manifold()
         case Text():
@@ -133,23 +108,6 @@ def draw_letters(text: str, size: float) -> CrossSection:
         for start, end in draw_strokes(text, size)
     ]
     return CrossSection.batch_boolean(drawn, OpType.Add)
-
-
-def _frustum_meridian(frustum: Frustum) -> FloatArray:
-    corners = [
-        (0.0, 0.0),
-        (frustum.bottom_radius, 0.0),
-        (frustum.top_radius, frustum.height),
-        (0.0, frustum.height),
-    ]
-    return np.array([c for i, c in enumerate(corners) if i in (0, 3) or c[0] > 0])
-
-
-def _sphere_meridian(radius: float, segments: int) -> FloatArray:
-    angle = np.linspace(0, np.pi, half_segments(segments) + 1)
-    meridian: FloatArray = radius * sphere_factor(segments) * np.column_stack((np.sin(angle), -np.cos(angle)))
-    meridian[[0, -1], 0] = 0
-    return meridian
 
 
 def half_section(node: Revolve) -> list[FloatArray]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from driftform.figures.style import INK, ORANGE
+from driftform.figures import style
 from driftform.interfaces import ExportJob
 from driftform.types import Body
 from driftform_frusta.colours import colour_of
@@ -110,9 +110,9 @@ def write_source(
         table="\n".join(rows),
         core=f"{MM * body.core.radius:.6g}",
         height=f"{-MM * float(body.outer[0, 0]):.6f}",
-        core_colour=ORANGE,
+        core_colour=style.ORANGE,
         balls=", ".join(_list_balls(body, ballast)),
-        ballast_colour=INK,
+        ballast_colour=style.INK,
         gap=GAP,
         reach=math.ceil(500 * body.max_diameter) + 1,
         wide=math.ceil(x) + 1,

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.agent import MassElement, distance_from
-from driftform.agent.mass_elements import ball_element
 from driftform.types import Body, FloatArray, MassProperties
 
 MATERIALS = {"steel": 7850.0, "lead": 11_340.0, "tungsten": 19_250.0}
@@ -319,7 +318,7 @@ def _stations(body: Body) -> FloatArray:
 def make_ball(mass: float, x: float, density: float) -> Piece:
     """Return a ball of ballast of some mass (kg) at x (m), of a material of some density (kg/m3)."""
     diameter = ball_diameter(mass, density)
-    return Piece(ball_element(mass, x, diameter / 2), x - diameter / 2, x + diameter / 2, diameter)
+    return Piece(MassElement.of_ball(mass, x, diameter / 2), x - diameter / 2, x + diameter / 2, diameter)
 
 
 class _Bore:
@@ -345,7 +344,7 @@ class _Bore:
         """Return a ball at ``x`` of some ``density`` (kg/m3), and the putty that fills the bore over its length."""
         low, high = np.interp([x - diameter / 2, x + diameter / 2], self.edges, self.before)
         filled = self.fill(float(low), float(high - low), PUTTY).element
-        ball = ball_element(ball_mass(diameter, density - PUTTY), x, diameter / 2)
+        ball = MassElement.of_ball(ball_mass(diameter, density - PUTTY), x, diameter / 2)
         mass = filled.mass + ball.mass
         centre = (filled.mass * filled.x + ball.mass * ball.x) / mass
         across = sum(e.transverse + e.mass * (e.x - centre) ** 2 for e in (filled, ball))

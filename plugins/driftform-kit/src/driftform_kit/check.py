@@ -9,14 +9,12 @@ from tempfile import TemporaryDirectory
 
 from driftform import Design, Study, load_study, open_agent
 from driftform.agent import hull_volume
-from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
-from driftform.interfaces import Checker, ExportJob, Printer, PrintJob
-from driftform.plugins.faults import describe_fault
-from driftform.plugins.registry import registry
-from driftform.plugins.seams import require_files, require_findings
-from driftform.study.exporter_settings import KIT_FILE, list_kit_settings, read_kit_settings
+from driftform.errors import InputError, WorkFailedError, describe_error
+from driftform.interfaces import Checker, Printer, PrintJob
 from driftform.types import Finding, State, WrittenFile
-from driftform.util.files import is_file
+from driftform.util import files
+from driftform_frusta.kits import KIT_FILE
+from driftform_kit.settings import list_kit_settings, read_kit_settings
 
 MM_PER_M = 1000.0
 
@@ -26,21 +24,19 @@ _LARGEST_ATTACHMENT = 1 << 26
 
 def list_formats(format: str) -> tuple[str, ...]:
     """Return the formats that an agent is written in to be checked: OpenSCAD source too, if it can be written."""
-    with_source = any(row.name == "scad" and row.available for row in registry().seam("exporter"))
+    with_source = any(row.name == "scad" and row.available for row in Study.list_plugins("exporter"))
     return tuple(dict.fromkeys((format, "scad") if with_source else (format,)))
 
 
 def write_print_job(
-    study: Study, job: ExportJob, format: str, folder: Path, printer: Printer, kit: bool = False
+    design: Design, format: str, folder: Path, printer: Printer, kit: bool = False
 ) -> PrintJob:
     """Write an agent's files into a folder, and return them as what is to be printed.
 
     Parameters
     ----------
-    study
-        with the options of its exporters.
-    job
-        the agent.
+    design
+        the agent, with the options of its exporters.
     format
         name of an exporter.
     folder
@@ -50,18 +46,18 @@ def write_print_job(
     kit
         whether the exporters write a kit, whose parts hold other material than the hull.
     """
-    written = {name: write_files(study, job, name, folder) for name in list_formats(format)}
+    written = {name: write_files(design, name, folder) for name in list_formats(format)}
     source = Path(written["scad"][0].path) if "scad" in written and format != "scad" else None
-    files = tuple(Path(file.path) for file in written[format])
+    paths = tuple(Path(file.path) for file in written[format])
     volume = sum_volumes(written[format]) if kit else None
-    return PrintJob(files, printer, job, volume or hull_volume(job.agent.body), source)
+    return PrintJob(paths, printer, design.export_job(), volume or hull_volume(design.agent.body), source)
 
 
-def write_files(study: Study, job: ExportJob, format: str, folder: Path) -> tuple[WrittenFile, ...]:
+def write_files(design: Design, format: str, folder: Path) -> tuple[WrittenFile, ...]:
     """Write an agent in one format into a folder, under its name; return the files that can be printed, not drawings."""
-    exporter = study.make_exporter(format)
-    written = require_files(exporter.write(job, folder / f"{job.name}{exporter.suffix}"), exporter)
-    return tuple(file for file in written if file.path.endswith(exporter.suffix))
+    suffix = design.study.make_exporter(format).suffix
+    written = design.export_files(format, folder / f"{design.name}{suffix}")
+    return tuple(file for file in written if file.path.endswith(suffix))
 
 
 def sum_volumes(written: Sequence[WrittenFile]) -> float | None:
@@ -111,7 +107,7 @@ def check_print_job(
     """
     rows = [
         (row, row.cls if row.cls is not None and issubclass(row.cls, Checker) else None)
-        for row in registry().seam("checker")
+        for row in Study.list_plugins("checker")
     ]
     for row, cls in sorted(rows, key=lambda pair: bool(pair[1] and pair[1].program)):
         if cls is None:
@@ -121,14 +117,7 @@ def check_print_job(
         else:
             if cls.program:
                 on_program(cls.program)
-            checker = study.make_checker(row.name)
-            try:
-                yield from require_findings(checker.check(job), checker)
-            except DriftformError:
-                raise
-            except (Exception, SystemExit) as error:
-                # One checker that fails is no reason to keep back what the others find.
-                yield Finding(row.name, State.SKIPPED, describe_fault(error))
+            yield from study.check_print(row.name, job)
 
 
 def require_judgement(findings: Sequence[Finding]) -> None:
@@ -179,10 +168,8 @@ def check_design(
     """
     printer = printer or Printer()
     made = design.under(*list_kit_settings(list_formats(format), printer)) if kit else design
-    # The files belong to the agent as it was opened.
-    job = design.export_job()
     with TemporaryDirectory() as folder:
-        print_job = write_print_job(made.study, job, format, Path(folder), printer, kit)
+        print_job = write_print_job(made, format, Path(folder), printer, kit)
         findings = list(check_print_job(print_job, made.study, programs, on_program))
     require_judgement(findings)
     return findings
@@ -228,7 +215,7 @@ def check_file(
         folder = Path(name)
         known = agent or extract_attachment(path, "agent.json", folder) or path.with_name("agent.json")
         inside, beside = extract_attachment(path, ".scad", folder), path.with_suffix(".scad")
-        source = inside or (beside if is_file(beside) and beside != path else None)
+        source = inside or (beside if files.is_file(beside) and beside != path else None)
         where = "attached to it" if inside else f"beside it, {beside.name},"
         job = PrintJob(
             (path,),
@@ -236,7 +223,7 @@ def check_file(
             source=source if attached else None,
             withheld=None if source is None or attached else f"OpenSCAD source {where}",
         )
-        if agent is None and not is_file(Path(known)):
+        if agent is None and not files.is_file(Path(known)):
             if kit:
                 raise InputError(f"--kit: the agent of {path} is not known; name it with --agent")
             study = load_study(None, settings, run={"seed": 0})
@@ -248,17 +235,17 @@ def check_file(
             elif kit:
                 settings = [*settings, *list_kit_settings((format,), job.printer)]
             design = open_agent(str(known), *settings)
-            study, export = design.study, design.export_job()
+            study = design.study
             volume = hull_volume(design.agent.body)
             if kit:
                 # In a format that holds one solid there is a file for each part.
-                written = write_files(study, export, format, folder)
+                written = write_files(design, format, folder)
                 named = [file for file in written if Path(file.path).name == path.name]
                 volume = sum_volumes(named or written) or volume
             if options is not None and printer is None:
                 made = study.make_exporter(format).options
                 job = replace(job, printer=Printer(made.nozzle, made.bed))
-            job = replace(job, export=export, volume=volume)
+            job = replace(job, export=design.export_job(), volume=volume)
         findings = list(check_print_job(job, study, programs, on_program))
     require_judgement(findings)
     return findings

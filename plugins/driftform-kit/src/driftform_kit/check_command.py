@@ -25,33 +25,27 @@ def check(
             metavar="FILE|AGENT",
             help="A printable file (.stl, .3mf, .obj, .ply, .glb, .scad), or an agent, whose files are written and "
             f"checked. {options.AGENT_HELP}",
-            show_default=False,
         ),
     ],
     agent: Annotated[
         str | None,
         typer.Option(
-            "--agent",
             metavar="AGENT",
             help="Agent that a FILE was made of; by default the agent.json attached to it or beside it.",
         ),
     ] = None,
     nozzle: Annotated[
-        float | None,
-        typer.Option("--nozzle", metavar="MM", help="Diameter of the nozzle, mm; by default 0.4."),
+        float | None, typer.Option(metavar="MM", help="Diameter of the nozzle, mm; by default 0.4.")
     ] = None,
     bed: Annotated[
         str | None,
         typer.Option(
-            "--bed",
             metavar="X,Y,Z",
             help="Largest part that the printer can make, mm; by default 250,210,210. Without --nozzle and --bed a 3MF file "
             "of a kit is checked for the printer that it was made for.",
         ),
     ] = None,
-    format: Annotated[
-        str, typer.Option("--format", metavar="NAME", help="Format that an AGENT is exported to.")
-    ] = "stl",
+    format: Annotated[str, typer.Option(metavar="NAME", help="Format that an AGENT is exported to.")] = "stl",
     kit: Annotated[
         bool,
         typer.Option(
@@ -81,12 +75,11 @@ def check(
     import sys
 
     from driftform import open_agent
-    from driftform.cli import print_json
-    from driftform.cli.formats import parse_bed, parse_formats
+    from driftform.cli import formats, output
     from driftform.errors import InputError
     from driftform.interfaces import Printer
     from driftform.types import State
-    from driftform.util.files import is_file
+    from driftform.util import files
     from driftform_kit.check import check_design, check_file
 
     printer = None
@@ -95,13 +88,13 @@ def check(
             raise InputError(f"--nozzle {nozzle:g}: should be a diameter in mm, such as 0.4")
         printer = Printer(nozzle / MM_PER_M)
     if bed is not None:
-        printer = replace(printer or Printer(), bed=parse_bed(bed))
+        printer = replace(printer or Printer(), bed=formats.parse_bed(bed))
 
     def announce(program: str) -> None:
         print(f"running {program} ...", file=sys.stderr, flush=True)
 
     path = Path(subject)
-    if is_file(path) and path.suffix.lower() != ".json":
+    if files.is_file(path) and path.suffix.lower() != ".json":
         findings = check_file(
             path,
             agent,
@@ -117,14 +110,14 @@ def check(
     elif attached:
         raise InputError(f"--attached: goes with a FILE, and '{subject}' is not one")
     else:
-        [format] = parse_formats(format, "exporter", "stl")
+        [format] = formats.parse_formats(format, "exporter", "stl")
         design = open_agent(subject, *(settings or ()))
         findings = check_design(
             design, format, printer=printer, kit=kit, programs=programs, on_program=announce
         )
     failed = any(finding.state is State.FAIL for finding in findings)
     if json:
-        print_json(
+        output.print_json(
             {
                 "subject": subject,
                 "printable": not failed,
@@ -142,10 +135,10 @@ def check(
 def _print(findings: "Sequence[Finding]") -> None:
     from collections import Counter
 
-    from driftform.cli.output import print_states
+    from driftform.cli import output
     from driftform.types import State
 
-    print_states(
+    output.print_states(
         [(str(f.state), f"{f.check}, {f.part}" if f.part else f.check, f.detail) for f in findings], STYLES
     )
     counts = Counter(f.state for f in findings)

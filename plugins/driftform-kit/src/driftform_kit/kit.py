@@ -1,16 +1,12 @@
-"""What an exporter reports of a kit: its weight, and what holds the ballast."""
+"""What a kit weighs with its core, and what holds its ballast."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
 
-from driftform.errors import WorkFailedError
-from driftform.interfaces import Exporter, ExportJob
-from driftform.plugins.seams import require_files
-
-MM_PER_M = 1000.0
+from driftform.types import Body
+from driftform_frusta.kit_options import KitOptions
+from driftform_kit.cutting.accounting import kit_mass
+from driftform_kit.cutting.meridian import MM
+from driftform_kit.cutting.pieces import make_kit
 
 
 @dataclass(frozen=True)
@@ -41,63 +37,31 @@ class HeldBall:
 
 @dataclass(frozen=True)
 class KitReport:
-    """A kit with its core: mass (kg), x of its centre of gravity (m), the balls of ballast that it holds."""
+    """A kit, printed with full flow, with its core: mass (kg), x of its centre of gravity (m), the balls that it holds."""
 
     mass: float
     cog: float
     held: tuple[HeldBall, ...] = ()
 
 
-Balls = Sequence[tuple[float, float]]
-"""Of each ball x and diameter, m."""
-
-MeasureKit = Callable[[Balls | None], KitReport]
-"""Measures a kit with seats for balls, for ``None`` with those of its options; fails if it cannot hold them."""
-
-
-def measure_kit(exporter: Exporter[Any], job: ExportJob, balls: Balls | None = None) -> KitReport:
-    """Return what an exporter reports of its kit, with seats for balls.
+def report_kit(body: Body, options: KitOptions) -> KitReport:
+    """Return what the kit of a body weighs, and what holds its ballast.
 
     Raises
     ------
     WorkFailedError
-        if the exporter does not account for its kit, cannot hold these balls, or knows no seats.
+        if no kit can be made of the body, or it cannot hold the balls of the options; the message has the reason.
     """
-    if balls is not None:
-        if "ballast" not in exporter.Options.model_fields:
-            raise WorkFailedError(f"exporter '{exporter.name}' makes no seats for ballast")
-        options = {**exporter.options.model_dump(), "ballast": [list(ball) for ball in balls]}
-        try:
-            exporter = type(exporter)(exporter.Options.model_validate(options))
-        except ValueError:
-            sizes = ", ".join(f"{MM_PER_M * diameter:.2g} mm" for _, diameter in balls)
-            raise WorkFailedError(f"exporter '{exporter.name}' makes no seats for balls of {sizes}") from None
-    with TemporaryDirectory() as folder:
-        written = require_files(exporter.write(job, Path(folder) / f"{job.name}{exporter.suffix}"), exporter)
-    for file in written:
-        kit = file.facts.get("kit", {})
-        for row in kit.get("balance", ()):
-            if row["of"] == "printed":
-                return KitReport(
-                    float(row["mass_kg"]),
-                    float(row["cog_mm"]) / MM_PER_M,
-                    tuple(_read_ball(ball) for ball in kit.get("ballast", ())),
-                )
-    raise WorkFailedError(
-        f"exporter '{exporter.name}' does not report how its kit balances; weigh the kit, and leave --kit out"
+    kit, whole = make_kit(body, options), kit_mass(body, options)
+    held = tuple(
+        HeldBall(
+            x=ball.ball.z / MM,
+            diameter=2 * ball.ball.radius / MM,
+            part=kit.pieces[ball.part].name,
+            mouth=None if ball.mouth is None else kit.joints[ball.mouth].z / MM,
+            pause=None if (pause := kit.find_pause(ball)) is None else pause / MM,
+            held_by="wall" if ball.seat is None else "seat",
+        )
+        for ball in kit.ballast
     )
-
-
-def _read_ball(ball: dict[str, Any]) -> HeldBall:
-    return HeldBall(
-        ball["x_mm"] / MM_PER_M,
-        ball["diameter_mm"] / MM_PER_M,
-        ball["part"],
-        _in_metres(ball["mouth_mm"]),
-        _in_metres(ball["pause_mm"]),
-        ball["held_by"],
-    )
-
-
-def _in_metres(value: float | None) -> float | None:
-    return None if value is None else value / MM_PER_M
+    return KitReport(whole.mass, float(whole.cog[0]), held)

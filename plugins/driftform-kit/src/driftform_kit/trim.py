@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from driftform import Design, Pipeline
-from driftform.agent import MassElement, combine
-from driftform.agent.mass_elements import core_element, printed_hull_element, reweigh
+from driftform.agent import MassElement, reweigh
+from driftform.cli import formats
 from driftform.errors import InputError, WorkFailedError
-from driftform.study.exporter_settings import list_exporter_settings
 from driftform.types import Agent, FloatArray
+from driftform_frusta.kit_options import PartOptions
 from driftform_kit.ballast import (
     FOAM,
     MATERIALS,
@@ -28,7 +28,7 @@ from driftform_kit.ballast import (
     place_two_balls,
     required_ballast,
 )
-from driftform_kit.kit import Balls, HeldBall, KitReport, MeasureKit, measure_kit
+from driftform_kit.kit import HeldBall, KitReport, report_kit
 
 GRAMS_FOR_KG = 20
 """A printed mass of more than this many times the simulated one was given in another unit."""
@@ -49,6 +49,13 @@ LEAD = MATERIALS["lead"]
 """kg/m3, of the ballast where nothing else is asked for."""
 
 
+Balls = Sequence[tuple[float, float]]
+"""Of each ball x and diameter, m."""
+
+MeasureKit = Callable[[Balls | None], KitReport]
+"""Measures a kit with seats for balls, for ``None`` with those of its options; fails if it cannot hold them."""
+
+
 @dataclass(frozen=True)
 class PrintWeight:
     """What a print weighs.
@@ -66,6 +73,10 @@ class PrintWeight:
     mass: float
     cog: float | None
     source: str
+
+    def elements(self, agent: Agent) -> tuple[MassElement, MassElement]:
+        """Return the hull and the core of a print of an agent."""
+        return MassElement.of_print(agent.body, self.mass, self.cog)
 
 
 def weigh_print(
@@ -139,7 +150,7 @@ def trim_agent(
         if it cannot be flown at all. A flight that fails has ``None`` for its fitness, and the reason in ``ends``.
     """
     _check(agent, name, weight, ballast_density)
-    printed = reweigh(agent, weight.mass, weight.cog)
+    printed = reweigh(agent, weight.elements(agent))
     water = pipeline.scenario.fluid.density
     plan = _plan(agent, weight, ballast_density, water, measure_kit)
     trimmed, remedy = _load(agent, plan, water)
@@ -273,7 +284,7 @@ def _is_in_the_way(seat: HeldBall, piece: Piece) -> bool:
 
 
 def _find_required(agent: Agent, weight: PrintWeight) -> RequiredBallast:
-    return required_ballast(agent.mass, reweigh(agent, weight.mass, weight.cog).mass)
+    return required_ballast(agent.mass, reweigh(agent, weight.elements(agent)).mass)
 
 
 def _fill_seats(held: Sequence[HeldBall], required: RequiredBallast, density: float) -> tuple[Piece, ...]:
@@ -362,28 +373,21 @@ def _settle(
 
 def _add(agent: Agent, weight: PrintWeight, seats: FloatArray) -> PrintWeight:
     """The weight of a print with seats of some mass (kg) and moment (kg m)."""
-    printed = reweigh(agent, weight.mass, weight.cog).mass
+    printed = reweigh(agent, weight.elements(agent)).mass
     whole = weight.mass + seats[0]
     return PrintWeight(float(whole), float((printed.mass * printed.cog[0] + seats[1]) / whole), weight.source)
 
 
 def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[str, Any]]:
     """The agent with its ballast or buoyancy, ``None`` if there is no room for it, and what that is."""
-    hull = printed_hull_element(agent.body, plan.weight.mass, plan.weight.cog)
-    elements, required = [hull, core_element(agent.body)], plan.required
-    buoyancy = None
-    trimmed: Agent | None
-    if abs(required.mass) < NEGLIGIBLE:
-        trimmed = _combine(agent, elements)
-    elif required.mass > 0:
-        trimmed = (
-            _combine(agent, elements + [piece.element for piece in plan.pieces]) if plan.pieces else None
-        )
-    else:
+    hull, core = plan.weight.elements(agent)
+    elements, required = [hull, core, *(piece.element for piece in plan.pieces)], plan.required
+    trimmed = buoyancy = residual = None
+    if required.mass <= -NEGLIGIBLE:
         trimmed, buoyancy = _lift(agent, elements, required, water)
         buoyancy["hull_excess"] = -required.mass / hull.mass
-    residual = None
-    if trimmed is not None and buoyancy is None:
+    elif plan.pieces or required.mass < NEGLIGIBLE:
+        trimmed = reweigh(agent, elements)
         residual = trimmed.mass.mass * trimmed.mass.cog[0] - agent.mass.mass * agent.mass.cog[0]
     return trimmed, {
         "pieces": [
@@ -407,10 +411,6 @@ def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[s
     }
 
 
-def _combine(agent: Agent, elements: Sequence[MassElement]) -> Agent:
-    return replace(agent, mass=combine(elements, agent.mass))
-
-
 def _lift(
     agent: Agent, elements: Sequence[MassElement], required: RequiredBallast, water: float
 ) -> tuple[Agent, dict[str, Any]]:
@@ -418,7 +418,7 @@ def _lift(
     volume = -required.mass / (water - FOAM)
     aft, fore = agent.body.outer[0, 0], agent.body.outer[-1, 0]
     x = float(np.clip(required.x if required.x is not None else 0.0, aft, fore))
-    loaded = _combine(agent, [*elements, MassElement(FOAM * volume, x)])
+    loaded = reweigh(agent, [*elements, MassElement(FOAM * volume, x)])
     displaced = agent.mass.volume + volume
     cob = (agent.mass.volume * agent.mass.cob[0] + volume * x) / displaced
     mass = replace(loaded.mass, volume=displaced, cob=np.array([cob, 0.0, 0.0]))
@@ -465,13 +465,26 @@ def trim_design(
             weight,
             LEAD if ballast_density is None else ballast_density,
         )
-    kit_settings = list_exporter_settings([format], {"kit": ("true", "--kit")})
-    exporter, job = design.under(*kit_settings).study.make_exporter(format), design.export_job()
+    kit_settings = formats.list_exporter_settings([format], {"kit": ("true", "--kit")})
+    exporter, body = design.under(*kit_settings).study.make_exporter(format), design.agent.body
+    given = exporter.options
+    if not isinstance(given, PartOptions):
+        raise WorkFailedError(
+            f"exporter '{format}' does not report how its kit balances; weigh the kit, and leave --kit out"
+        )
     if ballast_density is None:
-        ballast_density = getattr(exporter.options, "ballast_density", LEAD)
+        ballast_density = given.ballast_density
 
     def measure(balls: Balls | None = None) -> KitReport:
-        return measure_kit(exporter, job, balls)
+        if balls is None:
+            return report_kit(body, given)
+        changed = {**given.model_dump(), "ballast": [list(ball) for ball in balls]}
+        try:
+            options = PartOptions.model_validate(changed)
+        except ValueError:
+            sizes = ", ".join(f"{1000 * diameter:.2g} mm" for _, diameter in balls)
+            raise WorkFailedError(f"exporter '{format}' makes no seats for balls of {sizes}") from None
+        return report_kit(body, options)
 
     weight = weigh_print(design.agent, printed_mass, printed_cog, measure())
     return trim_agent(design.pipeline, design.agent, design.name, weight, ballast_density, measure)

@@ -11,7 +11,7 @@ from driftform.cli import options
 
 if TYPE_CHECKING:
     from driftform.interfaces import Fitness, Table
-    from driftform_kit.kit import Balls
+    from driftform_kit.trim import Balls
 
 
 _NO_MOMENT = 1e-9
@@ -26,7 +26,6 @@ def trim(
     printed_mass: Annotated[
         float | None,
         typer.Option(
-            "--printed-mass",
             metavar="KG",
             help="Mass of the print with its core and without ballast, kg; with --kit by default that of its parts.",
         ),
@@ -34,7 +33,6 @@ def trim(
     printed_cog: Annotated[
         float | None,
         typer.Option(
-            "--printed-cog",
             metavar="M",
             help="x of its centre of gravity from the core's centre, fore positive, m; by default that of the "
             "hull's material.",
@@ -48,15 +46,13 @@ def trim(
         ),
     ] = False,
     format: Annotated[
-        str,
-        typer.Option("--format", metavar="NAME[,NAME...]", help="Formats that the kit is exported to."),
+        str, typer.Option(metavar="NAME[,NAME...]", help="Formats that the kit is exported to.")
     ] = "stl",
     bed: options.Bed = None,
     option: options.ExporterOptions = None,
     ballast_density: Annotated[
         float | None,
         typer.Option(
-            "--ballast-density",
             metavar="KG/M3",
             help="Density of the ballast, kg/m3; by default that of the kit's options, or of lead, 11340.",
         ),
@@ -68,28 +64,27 @@ def trim(
     json: options.Json = False,
 ) -> None:
     """Compute the ballast that makes a print fly as simulated, and show its path without it."""
-    from driftform.cli import open_exported, print_json
-    from driftform.cli.formats import parse_formats
-    from driftform.design.opening import name_agent
+    from driftform.cli import formats, output
     from driftform.errors import InputError
     from driftform_kit.trim import trim_design
 
-    names = parse_formats(format, "exporter", "stl")
+    names = formats.parse_formats(format, "exporter", "stl")
     for name, given in (("format", names != ["stl"]), ("bed", bed), ("option", option)):
         if given and not kit:
             raise InputError(f"--{name}: goes with --kit")
     use = {"simulator": simulator, "hydrodynamics": hydrodynamics}
-    design = open_exported(agent, names, kit, bed, option or (), settings or (), scenario, use)
+    design = formats.open_exported(agent, names, kit, bed, option or (), settings or (), scenario, use)
     facts = trim_design(
         design, printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density
     )
     if json:
-        print_json(facts)
+        output.print_json(facts)
         return
     exporter = design.study.make_exporter(names[0])
+    kept = [setting for setting in settings or () if not setting.lstrip().startswith("exporter.")]
     again = {"scenario": scenario, **use}
     command = _Command(
-        name_agent(agent, settings or ()),
+        shlex.join([agent, *(word for setting in kept for word in ("--set", setting))]),
         names,
         exporter.options,
         shlex.join(word for key, value in again.items() if value for word in (f"--{key}", value)),
@@ -120,8 +115,8 @@ class _Command:
 
     def write(self, ballast: "Balls", density: float) -> tuple[str, str]:
         """Return the commands that export the kit with ballast, and trim it then."""
-        from driftform.study.exporter_settings import list_arguments
         from driftform_kit.ballast import MATERIALS, name_material
+        from driftform_kit.settings import list_arguments
 
         changed: dict[str, Any] = {"ballast": ballast}
         if name_material(density) != name_material(MATERIALS["lead"]):
@@ -132,7 +127,7 @@ class _Command:
 
 
 def _print(facts: dict[str, Any], fitness: "Fitness[Any]", command: _Command) -> None:
-    from driftform.cli import print_table
+    from driftform.cli import output
 
     aft = facts["aft_end"]
 
@@ -148,7 +143,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", command: _Command) ->
         ("simulated", f"{1000 * facts['simulated_mass']:.3f} g", place(facts["simulated_cog"])),
         ("printed", f"{1000 * facts['printed_mass']:.3f} g", place(facts["printed_cog"]) + source),
     ]
-    print_table(("", "mass", "centre of gravity"), rows, right=(1,))
+    output.print_table(("", "mass", "centre of gravity"), rows, right=(1,))
     print()
     for line in _remedy(facts, place, command):
         print(line)
@@ -157,7 +152,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", command: _Command) ->
     # A failed flight costs its column, not the others.
     columns = {name: facts[name] or {} for name in names}
     targets = list(dict.fromkeys(target for column in columns.values() for target in column))
-    print_table(
+    output.print_table(
         ("target", *names),
         (
             (

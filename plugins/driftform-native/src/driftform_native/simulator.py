@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from driftform.interfaces import Simulator, Table, option
 from driftform.types import Agent, Trajectory
-from driftform.water import Scenario, TurbulentFlow
+from driftform.water import Scenario
 
 if TYPE_CHECKING:
-    from driftform.motion import Accuracy
+    from driftform.motion import integrator
 
 
 GUST_RATIO = 10.0
@@ -93,29 +93,28 @@ class NativeSimulator(Simulator[NativeOptions]):
         self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
     ) -> Trajectory:
         # Imported here, because compiled code loads the compiler, and listing the plugins must not.
-        from driftform.motion import finish_trajectory, flight_model, integrate, release_state
-        from driftform.motion.integrator import integrate_once
+        from driftform.motion import finish_trajectory, flight_model, integrator, release_state
 
         horizon, accuracy = scenario.flight.horizon, self._choose_accuracy(scenario)
         model = flight_model(agent, scenario)
         start = release_state(model, scenario)
-        first = integrate_once(model, start, horizon, accuracy)
+        first = integrator.integrate_once(model, start, horizon, accuracy)
         if matters is not None:
             screened = finish_trajectory(first, model, horizon, accuracy.step_limit)
             if not matters(screened):
                 return screened
-        flown = integrate(model, start, horizon, accuracy, first)
+        flown = integrator.integrate(model, start, horizon, accuracy, first)
         return finish_trajectory(
             flown.samples, model, horizon, accuracy.step_limit, flown.error, accuracy.position
         )
 
-    def _choose_accuracy(self, scenario: Scenario) -> "Accuracy":
-        from driftform.motion import Accuracy
+    def _choose_accuracy(self, scenario: Scenario) -> "integrator.Accuracy":
+        from driftform.motion import integrator
 
         options = self.options
         accuracy, tolerance, tightest = options.accuracy, options.tolerance, options.tightest
-        if isinstance(scenario.flow, TurbulentFlow):
+        if scenario.flow.kind == "turbulent":
             accuracy = max(accuracy, min(GUST_RATIO * accuracy, GUST_ACCURACY))
             tolerance = GUST_RATIO * tolerance
             tightest = max(tightest, GUST_TIGHTENING * tolerance)
-        return Accuracy(accuracy, tolerance, tightest, options.max_step, options.step_limit)
+        return integrator.Accuracy(accuracy, tolerance, tightest, options.max_step, options.step_limit)

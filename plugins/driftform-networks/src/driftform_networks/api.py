@@ -9,7 +9,7 @@ import numpy as np
 from driftform.errors import InputError
 from driftform_networks.bodies import Traveller, open_traveller
 from driftform_networks.chain import follow
-from driftform_networks.junctions import SIDES, Geometry
+from driftform_networks.junctions import SIDES
 from driftform_networks.network import Network
 from driftform_networks.passage import Passage
 from driftform_networks.routing import Routing
@@ -101,15 +101,15 @@ def route(
     travel = travel or Travel()
     snapshots = _take_snapshots(network, release, hour, unsteady)
     traveller = open_traveller(agent) if isinstance(agent, str) else agent
-    traveling = Traveling(traveller, Geometry(network, travel.branch), travel, cache)
-    sides = {
-        side: traveling if side == travel.branch else traveling.with_branch(side)
-        for side in (SIDES if compare and not unsteady else ())
+    sides = (travel.branch, *(SIDES if compare and not unsteady else ()))
+    travelings = {side: Traveling(traveller, replace(travel, branch=side), cache) for side in sides}
+    make_flights(list(travelings.values()), snapshots, workers, progress)
+    passage = _follow(snapshots, travelings[travel.branch].route, release, hour, unsteady, walks, seed)
+    branches = {
+        side: follow(travelings[side].route(snapshots[0]), passage.release)
+        for side in SIDES
+        if len(sides) > 1
     }
-    make_flights([traveling, *sides.values()], snapshots, workers, progress)
-    passage = _follow(snapshots, traveling.route, release, hour, unsteady, walks, seed)
-    node = passage.release
-    branches = {side: follow(other.route(snapshots[0]), node) for side, other in sides.items()}
     return replace(passage, branches=branches)
 
 

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,9 @@ SCENARIO = Path(__file__).with_name("network.toml")
 
 FLOWN_BY = ("agent", "water", "motion")
 """Packages of driftform whose code decides how a body flies."""
+
+LEAD_DENSITY = 11_340.0
+"""Density of the heaviest core, kg/m3."""
 
 _SPHERE = "sphere:"
 
@@ -58,7 +61,7 @@ class Traveller:
         scenario = self.scenario.model_dump(include={"fluid", "flow", "contact"})
         simulator = (self.simulator.name, self.simulator.options.model_dump())
         # The mass properties and coefficients hold what builder and hydrodynamics made of the genome.
-        parts = [_plain(self.agent.body), _plain(self.agent.mass), _plain(self.agent.coefficients)]
+        parts = [asdict(part) for part in (self.agent.body, self.agent.mass, self.agent.coefficients)]
         return hash_content([parts, scenario, simulator, hash_code()])
 
     def name_file(self, **flights: list[Any]) -> str:
@@ -132,11 +135,9 @@ def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
     """
     if buoyancy is None:
         return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator, design)
-    from driftform.design.inspection import LEAD
-
     fluid, core = design.scenario.fluid, design.agent.body.core
     mass = core.mass + (design.agent.mass.net_buoyancy(fluid) - buoyancy) / fluid.gravity
-    heaviest = LEAD * 4 / 3 * np.pi * core.radius**3
+    heaviest = LEAD_DENSITY * 4 / 3 * np.pi * core.radius**3
     if not 0 <= mass <= heaviest:
         raise InputError(
             f"--buoyancy {buoyancy:g}: {design.name} needs a core of {1000 * mass:.1f} g for it; one of "
@@ -183,12 +184,3 @@ def hash_code() -> str:
     files = [file for name in FLOWN_BY for file in sorted((core / name).glob("*.py"))]
     files += [plugin / name for name in ("bore.py", "flights.py", "releasing.py", "tee_flights.py")]
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
-
-
-def _plain(value: Any) -> Any:
-    """Return a dataclass of arrays as lists and numbers."""
-    if is_dataclass(value):
-        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from driftform.util.files import write_whole
+from driftform.util import files
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -34,8 +34,9 @@ def find_cache(directory: Path | None = None) -> Path:
 
 
 def hash_content(content: Any) -> str:
-    """Return the SHA-256 of plain values, in hexadecimal digits."""
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+    """Return the SHA-256 of plain values and arrays, in hexadecimal digits."""
+    text = json.dumps(content, sort_keys=True, default=np.ndarray.tolist)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def keep_result(path: Path, kind: Callable[..., T], make: Callable[[], T]) -> T:
@@ -63,7 +64,7 @@ def load_arrays(path: Path) -> Arrays | None:
 def save_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
     """Write a file of arrays, completely or not at all; without room for it the next run makes them again."""
     with suppress(OSError):
-        write_whole(path, lambda part: _write(part, arrays))
+        files.write_whole(path, lambda part: _write(part, arrays))
 
 
 def _write(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:

@@ -7,8 +7,8 @@ from scipy import sparse
 from scipy.optimize import linprog
 
 from driftform.errors import WorkFailedError
-from driftform.types import BoolArray, FloatArray
-from driftform_networks.network import IntArray
+from driftform.types import FloatArray
+from driftform_networks.network import BoolArray, IntArray
 from driftform_networks.snapshot import Snapshot
 
 

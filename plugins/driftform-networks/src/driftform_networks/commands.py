@@ -1,19 +1,18 @@
 """``driftform network``: the commands, which call the functions of :mod:`driftform_networks.api`."""
 
+import os
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
 import typer
 
-from driftform.cli import options, print_result
+from driftform.cli import options
 from driftform.errors import InputError
 
 Net: TypeAlias = Annotated[
     str,
     typer.Argument(
-        metavar="NET",
-        help="An EPANET file (.inp), or the name of a network that WNTR ships, such as Net3.",
-        show_default=False,
+        metavar="NET", help="An EPANET file (.inp), or the name of a network that WNTR ships, such as Net3."
     ),
 ]
 Agent: TypeAlias = Annotated[
@@ -21,26 +20,21 @@ Agent: TypeAlias = Annotated[
     typer.Argument(
         metavar="AGENT",
         help="agent.json, RUN:TARGET or a genome, or a homogeneous sphere such as sphere:60mm.",
-        show_default=False,
     ),
 ]
 Release: TypeAlias = Annotated[
-    str,
-    typer.Option("--release", metavar="NODE", help="Node where bodies enter the water, such as a hydrant."),
+    str, typer.Option(metavar="NODE", help="Node where bodies enter the water, such as a hydrant.")
 ]
 Releases: TypeAlias = Annotated[
     list[str],
-    typer.Option(
-        "--release", metavar="NODE", help="Node where bodies may enter the water; may be given repeatedly."
-    ),
+    typer.Option(metavar="NODE", help="Node where bodies may enter the water; may be given repeatedly."),
 ]
 At: TypeAlias = Annotated[
-    float, typer.Option("--at", metavar="HOURS", min=0, max=1e6, help="Hour of the simulation.")
+    float, typer.Option(metavar="HOURS", min=0, max=1e6, help="Hour of the simulation.")
 ]
 Hours: TypeAlias = Annotated[
     list[float] | None,
     typer.Option(
-        "--at",
         metavar="HOURS",
         min=0,
         max=1e6,
@@ -57,39 +51,32 @@ Unsteady: TypeAlias = Annotated[
 Walks: TypeAlias = Annotated[
     int,
     typer.Option(
-        "--walks",
         metavar="N",
         min=0,
         max=10_000_000,
         help="Bodies that are followed one by one for the distribution of arrival times; 0 for none.",
     ),
 ]
-Seed: TypeAlias = Annotated[
-    int, typer.Option("--seed", metavar="N", min=0, max=2**63 - 1, help="Seed of these walks.")
-]
+Seed: TypeAlias = Annotated[int, typer.Option(metavar="N", min=0, max=2**63 - 1, help="Seed of these walks.")]
 Buoyancy: TypeAlias = Annotated[
     float | None,
     typer.Option(
-        "--buoyancy",
-        metavar="NEWTONS",
-        help="Net buoyancy to which the core trims the agent; by default as designed.",
+        metavar="NEWTONS", help="Net buoyancy to which the core trims the agent; by default as designed."
     ),
 ]
 Buoyancies: TypeAlias = Annotated[
     list[float] | None,
     typer.Option(
-        "--buoyancy",
         metavar="NEWTONS",
         help="Net buoyancy to which cores trim the agents; may be given repeatedly, by default 0, 0.001 and -0.001.",
     ),
 ]
 Branch: TypeAlias = Annotated[
-    str, typer.Option("--branch", metavar="SIDE", help="Where branches leave the pipes: top, side or bottom.")
+    str, typer.Option(metavar="SIDE", help="Where branches leave the pipes: top, side or bottom.")
 ]
 ServiceBore: TypeAlias = Annotated[
     float,
     typer.Option(
-        "--service-bore",
         metavar="METRES",
         min=0,
         max=10,
@@ -99,37 +86,25 @@ ServiceBore: TypeAlias = Annotated[
 Scenario: TypeAlias = Annotated[
     str | None,
     typer.Option(
-        "--scenario",
-        metavar="NAME|FILE",
-        help="Study whose water and wall to use; by default those of water mains.",
+        metavar="NAME|FILE", help="Study whose water and wall to use; by default those of water mains."
     ),
-]
-Settings: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Set an option of the study: KEY=VALUE."),
 ]
 Map: TypeAlias = Annotated[
     Path | None,
     typer.Option(
-        "--map",
-        metavar="FILE",
-        help="Map to draw, an SVG file; a PNG beside it if the extra png is installed.",
+        metavar="FILE", help="Map to draw, an SVG file; a PNG beside it if the extra png is installed."
     ),
 ]
 Tables: TypeAlias = Annotated[
-    Path | None, typer.Option("--tables", metavar="DIR", help="Directory for CSV tables, for pandas.")
+    Path | None, typer.Option(metavar="DIR", help="Directory for CSV tables, for pandas.")
 ]
 Report: TypeAlias = Annotated[
     Path | None,
-    typer.Option(
-        "--report", metavar="FILE", help="Page to write with map, tables and assumptions, an HTML file."
-    ),
+    typer.Option(metavar="FILE", help="Page to write with map, tables and assumptions, an HTML file."),
 ]
 Cache: TypeAlias = Annotated[
     Path | None,
-    typer.Option(
-        "--cache", metavar="DIR", help="Directory for results that are kept; by default the user's cache."
-    ),
+    typer.Option(metavar="DIR", help="Directory for results that are kept; by default the user's cache."),
 ]
 
 
@@ -143,7 +118,7 @@ def show(
     """Show what a network is: its pipes, flows, sources, loops and reversals."""
     from driftform_networks.show import show_network
 
-    print_result(show_network(net, at, map, cache), json)
+    show_network(net, at, map, cache, json)
 
 
 def tracers(
@@ -167,13 +142,11 @@ def tracers(
     from driftform_networks.reading import open_network
     from driftform_networks.results import Outputs, present_passage
 
-    outputs = Outputs(map, tables, report)
-    outputs.check()
+    outputs = Outputs(map, tables, report).check()
     network = open_network(net, cache)
     passage = trace(network, release, hour=at, unsteady=unsteady, walks=walks, seed=seed)
-    print_result(
-        present_passage(passage, f"{network.name}: tracers from {release} at hour {at:g}", outputs), json
-    )
+    title = f"{network.name}: tracers from {release} at hour {at:g}"
+    present_passage(passage, title, outputs, json)
 
 
 def route(
@@ -188,7 +161,7 @@ def route(
     walks: Walks = 2000,
     seed: Seed = 0,
     scenario: Scenario = None,
-    settings: Settings = None,
+    settings: options.Settings = None,
     workers: options.Workers = None,
     map: Map = None,
     tables: Tables = None,
@@ -201,7 +174,7 @@ def route(
     Flights of the agent in the bores of the network are made first and kept; after an interruption, the same command
     continues.
     """
-    from driftform.util.progress import count_progress
+    from driftform.util import progress
     from driftform_networks import api
     from driftform_networks.bodies import open_traveller
     from driftform_networks.page import BODIES
@@ -209,13 +182,12 @@ def route(
     from driftform_networks.results import Outputs, present_passage
     from driftform_networks.travelling import Travel
 
-    outputs = Outputs(map, tables, report)
-    outputs.check()
+    outputs = Outputs(map, tables, report).check()
     travel = Travel.parse(branch, service_bore)
     network = open_network(net, cache)
     network.find_node(release)
     traveller = open_traveller(agent, scenario, settings or (), buoyancy)
-    with count_progress("flight tables") as progress:
+    with progress.count_progress("flight tables") as shown:
         passage = api.route(
             network,
             traveller,
@@ -225,35 +197,30 @@ def route(
             walks=walks,
             seed=seed,
             travel=travel,
-            workers=_count(workers),
+            workers=workers or os.cpu_count() or 1,
             cache=cache,
-            progress=progress,
+            progress=shown,
             compare=True,
         )
     title = f"{network.name}: {traveller.name} from {release} at hour {at:g}"
-    print_result(present_passage(passage, title, outputs, BODIES), json)
+    present_passage(passage, title, outputs, json, BODIES)
 
 
 def fleet(
     net: Net,
     release: Releases,
-    size: Annotated[
-        int, typer.Option("--size", metavar="K", min=1, max=10_000, help="Number of bodies.")
-    ] = 10,
+    size: Annotated[int, typer.Option(metavar="K", min=1, max=10_000, help="Number of bodies.")] = 10,
     agent: Annotated[
         list[str] | None,
-        typer.Option(
-            "--agent", metavar="AGENT", help="Agent to choose from, as for route; may be given repeatedly."
-        ),
+        typer.Option(metavar="AGENT", help="Agent to choose from, as for route; may be given repeatedly."),
     ] = None,
     run: Annotated[
         Path | None,
-        typer.Option("--run", metavar="RUN", help="Run, such as one of atlas, whose agents to choose from."),
+        typer.Option(metavar="RUN", help="Run, such as one of atlas, whose agents to choose from."),
     ] = None,
     count: Annotated[
         int | None,
         typer.Option(
-            "--count",
             metavar="N",
             min=1,
             max=1000,
@@ -269,19 +236,17 @@ def fleet(
     branch: Branch = "side",
     service_bore: ServiceBore = 0.02,
     seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, max=2**63 - 1, help="Seed of the random agents.")
+        int, typer.Option(metavar="N", min=0, max=2**63 - 1, help="Seed of the random agents.")
     ] = 0,
     scenario: Scenario = None,
-    settings: Settings = None,
+    settings: options.Settings = None,
     workers: options.Workers = None,
     map: Map = None,
     tables: Tables = None,
     report: Report = None,
     agents: Annotated[
         Path | None,
-        typer.Option(
-            "--agents", metavar="DIR", help="Directory for the agent.json of each member, to be printed."
-        ),
+        typer.Option(metavar="DIR", help="Directory for the agent.json of each member, to be printed."),
     ] = None,
     cache: Cache = None,
     json: options.Json = False,
@@ -291,7 +256,7 @@ def fleet(
     Each member is the one that adds most to those before it. The result is beside that of drifters which divide like the
     water, and of bodies that are steered perfectly.
     """
-    from driftform.util.progress import count_progress
+    from driftform.util import progress
     from driftform_networks.candidates import BUOYANCIES, collect_candidates
     from driftform_networks.fleets import plan_fleet
     from driftform_networks.reading import open_network
@@ -300,15 +265,14 @@ def fleet(
 
     if as_designed and buoyancy:
         raise InputError("--as-designed and --buoyancy say different things: leave out one of them")
-    outputs = Outputs(map, tables, report, agents)
-    outputs.check()
+    outputs = Outputs(map, tables, report, agents).check()
     travel = Travel.parse(branch, service_bore)
     network = open_network(net, cache)
     for name in release:
         network.find_node(name)
     trims = None if as_designed else (buoyancy or BUOYANCIES)
     travellers = collect_candidates(agent or (), run, count, seed, trims, scenario, settings or ())
-    with count_progress("flight tables") as progress:
+    with progress.count_progress("flight tables") as shown:
         planned = plan_fleet(
             network,
             travellers,
@@ -316,18 +280,12 @@ def fleet(
             size,
             hours=at or (0.0,),
             travel=travel,
-            workers=_count(workers),
+            workers=workers or os.cpu_count() or 1,
             cache=cache,
-            progress=progress,
+            progress=shown,
         )
     title = f"{network.name}: a fleet of {size} from {', '.join(dict.fromkeys(release))}"
-    print_result(present_fleet(planned, title, outputs, travellers), json)
-
-
-def _count(workers: int | None) -> int:
-    import os
-
-    return workers or os.cpu_count() or 1
+    present_fleet(planned, title, outputs, json, travellers)
 
 
 app = typer.Typer(

@@ -5,9 +5,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from driftform.figures import svg
-from driftform.figures.layout import MARGIN, WIDTH, Box, start_page, write
-from driftform.figures.style import BLUE, GRID, INK, MUTED, VERMILLION
+from driftform.figures import layout, style, svg
 from driftform.types import FloatArray
 from driftform_networks.fleets import Fleet
 
@@ -17,47 +15,47 @@ _TOP, _HEIGHT, _LEFT, _LABELS = 88.0, 320.0, 60.0, 210.0
 def curve_svg(fleet: Fleet, title: str) -> str:
     """Return the share of the reachable length that fleets of each size see."""
     size = len(fleet.curve)
-    root = start_page(
+    root = layout.start_page(
         _TOP + _HEIGHT + 60,
         title,
         "Share of the reachable length that is seen (%), against the number of bodies",
         "Curves of the fleet, of point tracers, of bodies that divide like the water but stay in the pipes, and of the "
         "bound of perfect steering.",
     )
-    box = Box(_LEFT, _TOP, WIDTH - MARGIN - _LABELS, _TOP + _HEIGHT)
+    box = layout.Box(_LEFT, _TOP, layout.WIDTH - layout.MARGIN - _LABELS, _TOP + _HEIGHT)
     for percent in range(0, 101, 20):
         y = box.bottom - (box.bottom - box.top) * percent / 100
-        svg.add(root, "line", x1=box.left, y1=y, x2=box.right, y2=y, stroke=GRID)
-        write(root, box.left - 8, y + 4, f"{percent}", 11, MUTED, "end")
+        svg.add(root, "line", x1=box.left, y1=y, x2=box.right, y2=y, stroke=style.GRID)
+        layout.write(root, box.left - 8, y + 4, f"{percent}", 11, style.MUTED, "end")
     for count in _choose_ticks(size):
-        write(root, _place(box, count, size), box.bottom + 18, f"{count}", 11, MUTED, "middle")
-    write(root, box.right, box.bottom + 36, "bodies", 11, MUTED, "end")
+        layout.write(root, _place(box, count, size), box.bottom + 18, f"{count}", 11, style.MUTED, "middle")
+    layout.write(root, box.right, box.bottom + 36, "bodies", 11, style.MUTED, "end")
     lines = [
-        ("perfect steering (bound)", fleet.bound, MUTED, "5 4"),
-        ("this fleet", fleet.curve, VERMILLION, ""),
-        ("divided like water, retained", fleet.retained, BLUE, "5 4"),
-        ("point tracers", fleet.tracers, BLUE, ""),
+        ("perfect steering (bound)", fleet.bound, style.MUTED, "5 4"),
+        ("this fleet", fleet.curve, style.VERMILLION, ""),
+        ("divided like water, retained", fleet.retained, style.BLUE, "5 4"),
+        ("point tracers", fleet.tracers, style.BLUE, ""),
     ]
     heights = _spread([box.bottom - (box.bottom - box.top) * float(curve[-1]) for _, curve, _, _ in lines])
     for (name, curve, colour, dashes), y in zip(lines, heights, strict=True):
         _draw(root, box, curve, size, colour, dashes)
-        ink = INK if colour == MUTED else colour
-        write(root, box.right + 10, y + 4, f"{name} {100 * curve[-1]:.1f}", 12, ink)
+        ink = style.INK if colour == style.MUTED else colour
+        layout.write(root, box.right + 10, y + 4, f"{name} {100 * curve[-1]:.1f}", 12, ink)
     return svg.render(root)
 
 
-def _place(box: Box, count: float, size: int) -> float:
+def _place(box: layout.Box, count: float, size: int) -> float:
     return box.left + (box.right - box.left) * (count / size)
 
 
-def _draw(root: ET.Element, box: Box, curve: FloatArray, size: int, colour: str, dashes: str) -> None:
+def _draw(root: ET.Element, box: layout.Box, curve: FloatArray, size: int, colour: str, dashes: str) -> None:
     values = np.concatenate([[0.0], curve])
     points = [
         (_place(box, count, size), box.bottom - (box.bottom - box.top) * value)
         for count, value in enumerate(values.tolist())
     ]
-    style = {"stroke_dasharray": dashes} if dashes else {}
-    svg.add_line(root, svg.path_data(points), colour, 2.2, "curve", **style)
+    dashed = {"stroke_dasharray": dashes} if dashes else {}
+    svg.add_line(root, svg.path_data(points), colour, 2.2, "curve", **dashed)
 
 
 def _choose_ticks(size: int) -> list[int]:

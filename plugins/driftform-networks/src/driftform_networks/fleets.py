@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from driftform.types import BoolArray, FloatArray
+from driftform.types import FloatArray
 from driftform_networks.bodies import Traveller
 from driftform_networks.chain import follow
 from driftform_networks.choosing import bound_steering, choose_fleet
-from driftform_networks.junctions import Geometry
-from driftform_networks.network import Network
-from driftform_networks.passage import Ending, Passage, find_reachable
+from driftform_networks.network import BoolArray, Network
+from driftform_networks.passage import Ending, Passage, find_reachable, merge_ends
 from driftform_networks.snapshot import Snapshot, divide_flow, take_snapshot
 from driftform_networks.tracers import route_tracers
 from driftform_networks.travelling import Progress, Travel, Traveling, make_flights
@@ -95,12 +94,7 @@ class Fleet:
     @property
     def stuck(self) -> tuple[Ending, ...]:
         """Where members are stuck, with the number of them that is expected there in place of a probability."""
-        found: dict[tuple[str, str], Ending] = {}
-        for end in (end for member in self.members for end in member.passage.stuck):
-            before = found.get((end.kind, end.place))
-            expected = end.probability + (before.probability if before else 0.0)
-            found[end.kind, end.place] = Ending(end.kind, end.place, expected, end.reason)
-        return tuple(sorted(found.values(), key=lambda end: (-end.probability, end.place)))
+        return merge_ends(end for member in self.members for end in member.passage.stuck)
 
     def as_document(self) -> dict[str, Any]:
         """Return the fleet as plain values for JSON."""
@@ -213,8 +207,7 @@ def plan_fleet(
             # Refuses a node that no water leaves, before the work.
             divide_flow(snapshots[0], node)
         cases += [(snapshot, node) for snapshot in open_hours]
-    geometry = Geometry(network, travel.branch)
-    travelings = [Traveling(traveller, geometry, travel, cache) for traveller in travellers]
+    travelings = [Traveling(traveller, travel, cache) for traveller in travellers]
     make_flights(travelings, snapshots, workers, progress)
     reachable = np.any([find_reachable(network, node, [snap.step]) for snap, node in cases], axis=0)
     length = np.where(reachable, network.length, 0.0)

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform_networks.network import Network
-from driftform_networks.scale import is_to_scale
+from driftform_networks.network import IntArray, Network
 from driftform_networks.snapshot import Snapshot
 
 SIDES = {"top": 0.0, "side": 90.0, "bottom": 180.0}
@@ -58,96 +57,65 @@ class Junction:
     inlets: int
 
 
-class Geometry:
-    """The junctions of a network.
+def find_bends(network: Network, link: int) -> FloatArray:
+    """Return the angles by which a link turns at its vertices, rad; none if the map is not to scale."""
+    course = np.zeros((0, 2)) if network.scale is None else network.course(link)
+    return np.asarray(np.arccos(np.clip((course[:-1] * course[1:]).sum(axis=1), -1, 1)))
 
-    Parameters
-    ----------
-    network
-        the network.
-    branch
-        where branches leave: ``"top"``, ``"side"`` or ``"bottom"``. At the side, the map says on which; a map that is
-        not to scale leaves it open, and branches leave on the right, then on the left.
+
+def describe_junction(snapshot: Snapshot, link: int, branch: str) -> Junction:
+    """Return what a body meets at the downstream end of a link of a snapshot.
+
+    Branches leave at the ``"top"``, ``"side"`` or ``"bottom"``. At the side, the map says on which; a map that is not to
+    scale leaves it open, and branches leave on the right, then on the left.
     """
+    network, node = snapshot.network, int(snapshot.head[link])
+    outlets, clock = snapshot.outlets[node], np.deg2rad(SIDES[branch])
+    flow, bores = snapshot.flow[outlets], network.diameter[snapshot.links[outlets]]
+    if len(outlets) == 0:
+        turns, sides = np.zeros(0), np.zeros(0)
+    elif network.scale is None:
+        turns, sides = _guess_turns(bores, flow)
+    else:
+        turns, sides = _read_turns(snapshot, link, outlets)
+    return Junction(
+        float(network.diameter[snapshot.links[link]]),
+        bores,
+        flow / flow.sum() if len(flow) else flow,
+        float(snapshot.exit[node] / snapshot.departure[node]) if snapshot.departure[node] > 0 else 1.0,
+        np.column_stack([sides * np.sin(clock), np.abs(sides) * np.cos(clock)]),
+        turns,
+        bool(snapshot.stores[node]),
+        int(snapshot.inlets[node]),
+    )
 
-    def __init__(self, network: Network, branch: str) -> None:
-        self.network, self._branch = network, branch
-        self.to_scale = is_to_scale(network) is not None
-        self._known: dict[tuple[Snapshot, int], Junction] = {}
-        self._courses = [self._list_courses(link) for link in range(len(network.links))]
 
-    def _list_courses(self, link: int) -> FloatArray:
-        """Return the unit vectors on the map along the parts of a link, from its start to its end, (parts, 2)."""
-        steps = np.diff(self.network.polyline(link), axis=0)
-        steps = steps[np.linalg.norm(steps, axis=1) > 0]
-        return np.asarray(steps / np.linalg.norm(steps, axis=1)[:, None])
+def _read_turns(snapshot: Snapshot, link: int, outlets: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return the turn into each outlet on the map, and the side where it leaves: 1 right, -1 left, 0 straight ahead."""
+    along = _direction(snapshot, link, at_end=True)
+    away = np.array([_direction(snapshot, outlet, at_end=False) for outlet in outlets.tolist()])
+    turns = np.arccos(np.clip(away @ along, -1, 1))
+    # On the map, the right is clockwise.
+    sides = np.where(along[0] * away[:, 1] - along[1] * away[:, 0] > 0, -1.0, 1.0)
+    straightest = int(np.argmin(turns))
+    if len(outlets) == 1 or turns[straightest] <= np.deg2rad(AHEAD_DEG):
+        sides[straightest] = 0
+    return turns, sides
 
-    def find_bends(self, link: int) -> FloatArray:
-        """Return the angles by which a link turns at its vertices, rad; none if the map is not to scale."""
-        course = self._courses[link] if self.to_scale else np.zeros((0, 2))
-        return np.asarray(np.arccos(np.clip((course[:-1] * course[1:]).sum(axis=1), -1, 1)))
 
-    def describe(self, snapshot: Snapshot, link: int) -> Junction:
-        """Return what a body meets at the downstream end of a link of a snapshot."""
-        if (snapshot, link) not in self._known:
-            self._known[snapshot, link] = self._describe(snapshot, link)
-        return self._known[snapshot, link]
+def _guess_turns(bores: FloatArray, flow: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the same without a map: right and left alternate among the branches."""
+    # The run goes on in the widest outlet; of equal ones, in that with most water.
+    ahead = int(np.lexsort((flow, bores))[-1])
+    sides = np.insert((-1.0) ** np.arange(len(bores) - 1), ahead, 0.0)
+    return np.abs(sides) * np.deg2rad(BRANCH_DEG), sides
 
-    def _describe(self, snapshot: Snapshot, link: int) -> Junction:
-        network, node = self.network, int(snapshot.head[link])
-        outlets = snapshot.outlets[node]
-        flow = snapshot.flow[outlets]
-        bores = network.diameter[snapshot.links[outlets]]
-        turns, sides = self._turn(snapshot, link)
-        directions = np.zeros((len(outlets), 2))
-        for outlet, side in enumerate(sides):
-            if side:
-                clock = np.deg2rad(SIDES[self._branch])
-                directions[outlet] = (side * np.sin(clock), np.cos(clock))
-        return Junction(
-            float(network.diameter[snapshot.links[link]]),
-            bores,
-            flow / flow.sum() if len(flow) else flow,
-            float(snapshot.exit[node] / snapshot.departure[node]) if snapshot.departure[node] > 0 else 1.0,
-            directions,
-            turns,
-            bool(snapshot.stores[node]),
-            int((snapshot.head == node).sum()),
-        )
 
-    def _turn(self, snapshot: Snapshot, link: int) -> tuple[FloatArray, list[int]]:
-        """Return the turn into each outlet, and the side where it leaves: 1 right, -1 left, 0 straight ahead."""
-        outlets = snapshot.outlets[snapshot.head[link]]
-        if len(outlets) == 0:
-            return np.zeros(0), []
-        turns = np.zeros(len(outlets))
-        if self.to_scale:
-            along = self._direction(snapshot, link, at_end=True)
-            away = np.array([self._direction(snapshot, outlet, at_end=False) for outlet in outlets])
-            turns = np.arccos(np.clip(away @ along, -1, 1))
-            # On the map, the right is clockwise.
-            sides = np.where(along[0] * away[:, 1] - along[1] * away[:, 0] > 0, -1, 1)
-            straightest = int(np.argmin(turns))
-            ahead = straightest if len(outlets) == 1 or turns[straightest] <= np.deg2rad(AHEAD_DEG) else -1
-        else:
-            network = snapshot.network
-            bores = network.diameter[snapshot.links[outlets]]
-            # The run goes on in the widest outlet; of equal ones, in that with most water.
-            ahead = int(np.lexsort((snapshot.flow[outlets], bores))[-1])
-            turns[:] = np.deg2rad(BRANCH_DEG)
-            turns[ahead] = 0.0
-            sides = np.array([1 if number % 2 == 0 else -1 for number in range(len(outlets))])
-            # Right and left alternate among the branches.
-            sides[ahead + 1 :] *= -1
-        if ahead >= 0:
-            sides[ahead] = 0
-        return turns, sides.tolist()
-
-    def _direction(self, snapshot: Snapshot, link: int, at_end: bool) -> FloatArray:
-        """Return the unit vector on the map along the flow of a link, at its downstream or its upstream end."""
-        index = snapshot.links[link]
-        forward, course = snapshot.tail[link] == self.network.start[index], self._courses[index]
-        if not len(course):
-            return np.zeros(2)
-        part = course[-1] if forward == at_end else course[0]
-        return np.asarray(part if forward else -part)
+def _direction(snapshot: Snapshot, link: int, at_end: bool) -> FloatArray:
+    """Return the unit vector on the map along the flow of a link, at its downstream or its upstream end."""
+    network, index = snapshot.network, int(snapshot.links[link])
+    forward, course = snapshot.tail[link] == network.start[index], network.course(index)
+    if not len(course):
+        return np.zeros(2)
+    part = course[-1] if forward == at_end else course[0]
+    return np.asarray(part if forward else -part)

@@ -7,25 +7,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.errors import InputError
-from driftform.figures import svg
-from driftform.figures.layout import (
-    MARGIN,
-    WIDTH,
-    Box,
-    floor_to_nice_number,
-    place_labels,
-    shorten,
-    start_page,
-    text_width,
-    write,
-)
-from driftform.figures.projection import resample_polyline
-from driftform.figures.style import BLUE, INK, MUTED, VERMILLION
+from driftform.figures import layout, plot, style, svg
 from driftform.types import FloatArray
 from driftform_networks.fleets import Fleet
 from driftform_networks.network import Network
 from driftform_networks.passage import Ending, Passage
-from driftform_networks.scale import is_to_scale
 
 UNREACHED = "#d3d9de"
 RAMP = ("#b5de2b", "#6ece58", "#35b779", "#1f9e89", "#26828e", "#31688e", "#482878", "#440154")
@@ -46,7 +32,7 @@ class Mark:
 
     node: int
     text: str
-    colour: str = INK
+    colour: str = style.INK
 
 
 def passage_svg(passage: Passage, title: str) -> str:
@@ -63,7 +49,7 @@ def passage_svg(passage: Passage, title: str) -> str:
     subtitle = f"{100 * passage.coverage:.1f} % of the {kilometres:.1f} km reachable is seen"
     if (lost := sum(end.probability for end in stuck)) > 5e-4:
         subtitle += f"; {100 * lost:.1f} % stuck"
-    marks = [Mark(passage.release, network.nodes[passage.release], VERMILLION), *_choose_times(passage)]
+    marks = [Mark(passage.release, network.nodes[passage.release], style.VERMILLION), *_choose_times(passage)]
     return network_svg(network, shares, marks, title, subtitle, stuck)
 
 
@@ -83,7 +69,7 @@ def fleet_svg(fleet: Fleet, title: str) -> str:
     if (lost := sum(end.probability for end in stuck)) > 5e-4:
         subtitle += f"; {100 * lost:.1f} % of them end in the pipes"
     nodes = dict.fromkeys(member.passage.release for member in fleet.members)
-    marks = [Mark(node, network.nodes[node], VERMILLION) for node in nodes]
+    marks = [Mark(node, network.nodes[node], style.VERMILLION) for node in nodes]
     legend = "probability that the fleet sees the link"
     return network_svg(network, shares, marks, title, subtitle, stuck, legend)
 
@@ -115,64 +101,40 @@ def network_svg(
     InputError
         if the network has no coordinates.
     """
-    page = _Page.fit(network)
-    root = start_page(
+    page = _fit(network)
+    root = layout.start_page(
         page.box.bottom + _LEGEND, title, subtitle, f"A map of the water network {network.name}. {subtitle}."
     )
-    lines = [page.place(network.polyline(link)) for link in range(len(network.links))]
+    lines = [page.to_page(network.polyline(link)) for link in range(len(network.links))]
     _draw_links(root, lines, shares)
-    for kind, (x, y) in zip(network.node_kinds, page.place(network.places).tolist(), strict=True):
+    for kind, (x, y) in zip(network.node_kinds, page.to_page(network.places).tolist(), strict=True):
         if kind != "junction":
             _draw_source(root, kind, x, y, class_=kind)
     for mark in marks:
-        x, y = page.place(network.places[[mark.node]])[0]
+        x, y = page.to_page(network.places[[mark.node]])[0]
         svg.add(
-            root, "circle", class_="mark", cx=x, cy=y, r=5 if mark.colour != INK else 2.6, fill=mark.colour
+            root,
+            "circle",
+            class_="mark",
+            cx=x,
+            cy=y,
+            r=5 if mark.colour != style.INK else 2.6,
+            fill=mark.colour,
         )
     crosses = _draw_stuck(root, page, network, stuck)
-    ink = np.vstack([resample_polyline(line, 3) for line in lines if len(line) > 1])
+    ink = np.vstack([layout.resample_polyline(line, 3) for line in lines if len(line) > 1])
     _write_marks(root, page, network, [*marks, *crosses], ink)
     _draw_legend(root, page, network, legend, bool(np.isfinite(shares).any()))
     return svg.render(root)
 
 
-@dataclass(frozen=True, eq=False)
-class _Page:
-    """Where a network lies on the page.
-
-    Attributes
-    ----------
-    box
-        its frame, px.
-    low
-        point of the map of the file at the lower left corner, (2,).
-    scale
-        px for each unit of that map.
-    """
-
-    box: Box
-    low: FloatArray
-    scale: float
-
-    @classmethod
-    def fit(cls, network: Network) -> "_Page":
-        points = np.vstack([network.places, *network.vertices])
-        low, high = points.min(axis=0), points.max(axis=0)
-        extent = high - low
-        if not np.isfinite(points).all() or extent.max() <= 0:
-            raise InputError(f"{network.name}: the file gives its nodes no coordinates: leave out --map")
-        width = WIDTH - 2 * MARGIN
-        inner = width - 40
-        scale = float(min(inner / max(extent[0], 1e-9), (_TALLEST - 40) / max(extent[1], 1e-9)))
-        height = max(extent[1] * scale + 40, 160.0)
-        middle = (low + high) / 2
-        box = Box(MARGIN, _TOP, MARGIN + width, _TOP + float(height))
-        return cls(box, middle - np.array([width, height]) / (2 * scale), scale)
-
-    def place(self, points: FloatArray) -> FloatArray:
-        """Return points of the file's map on the page, px, (n, 2)."""
-        x, y = ((points - self.low) * self.scale).T
-        return np.column_stack([self.box.left + x, self.box.bottom - y])
+def _fit(network: Network) -> plot.Window:
+    """Return the window of the page that shows a network; a unit of its map is a metre there."""
+    points = np.vstack([network.places, *network.vertices])
+    if not np.isfinite(points).all() or np.ptp(points, axis=0).max() <= 0:
+        raise InputError(f"{network.name}: the file gives its nodes no coordinates: leave out --map")
+    width = layout.WIDTH - 2 * layout.MARGIN
+    return plot.Window.around((0, 1), points, layout.MARGIN, _TOP, width, _TALLEST, 20)
 
 
 def choose_line(share: float) -> tuple[str, float]:
@@ -196,19 +158,19 @@ def _draw_source(root: ET.Element, kind: str, x: float, y: float, **named: str |
     else:
         corners = [(x - 6, y - 5), (x + 6, y - 5), (x, y + 6)]
         tag, shape = "path", {"d": svg.path_data(corners, closed=True)}
-    svg.add(root, tag, "", **named, **shape, fill="#ffffff", stroke=BLUE, stroke_width=2)
+    svg.add(root, tag, "", **named, **shape, fill="#ffffff", stroke=style.BLUE, stroke_width=2)
 
 
-def _draw_stuck(root: ET.Element, page: _Page, network: Network, stuck: Sequence[Ending]) -> list[Mark]:
+def _draw_stuck(root: ET.Element, page: plot.Window, network: Network, stuck: Sequence[Ending]) -> list[Mark]:
     """Draw a cross where bodies are stuck, larger for more; return texts for the most probable places."""
     marks = []
     nodes = {name: node for node, name in enumerate(network.nodes)}
     links = {name: link for link, name in enumerate(network.links)}
     for number, end in enumerate(stuck):
         if end.place in nodes and end.kind == "stuck":
-            x, y = page.place(network.places[[nodes[end.place]]])[0]
+            x, y = page.to_page(network.places[[nodes[end.place]]])[0]
         elif end.place in links:
-            line = resample_polyline(page.place(network.polyline(links[end.place])), 3)
+            line = layout.resample_polyline(page.to_page(network.polyline(links[end.place])), 3)
             x, y = line[len(line) // 2]
         else:
             continue
@@ -216,10 +178,16 @@ def _draw_stuck(root: ET.Element, page: _Page, network: Network, stuck: Sequence
         strokes = np.array([x, y]) + arm * np.array([[(-1, -1), (1, 1)], [(-1, 1), (1, -1)]])
         data = svg.lines_data(strokes)
         svg.add(
-            root, "path", class_="stuck", d=data, stroke=VERMILLION, stroke_width=2.2, stroke_linecap="round"
+            root,
+            "path",
+            class_="stuck",
+            d=data,
+            stroke=style.VERMILLION,
+            stroke_width=2.2,
+            stroke_linecap="round",
         )
         if number < 4 and end.place in nodes:
-            marks.append(Mark(nodes[end.place], f"{100 * end.probability:.0f} % stuck", VERMILLION))
+            marks.append(Mark(nodes[end.place], f"{100 * end.probability:.0f} % stuck", style.VERMILLION))
     return marks
 
 
@@ -253,49 +221,62 @@ def format_time(seconds: float) -> str:
 
 
 def _write_marks(
-    root: ET.Element, page: _Page, network: Network, marks: Sequence[Mark], ink: FloatArray
+    root: ET.Element, page: plot.Window, network: Network, marks: Sequence[Mark], ink: FloatArray
 ) -> None:
     if not marks:
         return
-    anchors = page.place(network.places[[mark.node for mark in marks]])
-    texts = [shorten(mark.text, 12, 140, bold=True) for mark in marks]
-    widths = [text_width(text, 12, bold=mark.colour != INK) for text, mark in zip(texts, marks, strict=True)]
-    for text, mark, box in zip(texts, marks, place_labels(anchors, widths, 14, ink, page.box), strict=True):
+    anchors = page.to_page(network.places[[mark.node for mark in marks]])
+    texts = [layout.shorten(mark.text, 12, 140, bold=True) for mark in marks]
+    widths = [
+        layout.text_width(text, 12, bold=mark.colour != style.INK)
+        for text, mark in zip(texts, marks, strict=True)
+    ]
+    for text, mark, box in zip(
+        texts, marks, layout.place_labels(anchors, widths, 14, ink, page.box), strict=True
+    ):
         middle = (box.left + box.right) / 2
-        write(
-            root, middle, box.bottom - 3, text, 12, mark.colour, "middle", bold=mark.colour != INK, halo=True
+        layout.write(
+            root,
+            middle,
+            box.bottom - 3,
+            text,
+            12,
+            mark.colour,
+            "middle",
+            bold=mark.colour != style.INK,
+            halo=True,
         )
 
 
-def _draw_legend(root: ET.Element, page: _Page, network: Network, text: str, has_shares: bool) -> None:
+def _draw_legend(root: ET.Element, page: plot.Window, network: Network, text: str, has_shares: bool) -> None:
     base = page.box.bottom + 34
-    x = MARGIN
+    x = layout.MARGIN
     if has_shares:
-        write(root, x, base - 8, text, 11, MUTED)
+        layout.write(root, x, base - 8, text, 11, style.MUTED)
         step = 34.0
         for number, least in enumerate((0.0, *BOUNDS)):
             colour, width = choose_line(least)
             y, left = base + 10, x + number * step
             svg.add_line(root, svg.path_data([(left + 3, y), (left + step - 3, y)]), colour, width)
             if number:
-                write(root, left, base + 28, f"{100 * least:g}", 11, MUTED, "middle")
-        write(root, x + len(RAMP) * step, base + 28, "100 %", 11, MUTED, "middle")
+                layout.write(root, left, base + 28, f"{100 * least:g}", 11, style.MUTED, "middle")
+        layout.write(root, x + len(RAMP) * step, base + 28, "100 %", 11, style.MUTED, "middle")
         x += step * len(RAMP) + 30
         svg.add_line(root, svg.path_data([(x, base + 10), (x + 24, base + 10)]), UNREACHED, 1.0)
-        write(root, x + 30, base + 14, "out of reach", 11, MUTED)
+        layout.write(root, x + 30, base + 14, "out of reach", 11, style.MUTED)
         x += 120
     _draw_source(root, "tank", x + 5, base + 10)
-    write(root, x + 16, base + 14, "tank", 11, MUTED)
+    layout.write(root, x + 16, base + 14, "tank", 11, style.MUTED)
     _draw_source(root, "reservoir", x + 66, base + 10)
-    write(root, x + 78, base + 14, "reservoir", 11, MUTED)
-    metres = is_to_scale(network)
-    right = WIDTH - MARGIN
+    layout.write(root, x + 78, base + 14, "reservoir", 11, style.MUTED)
+    metres = network.scale
+    right = layout.WIDTH - layout.MARGIN
     if metres is None:
-        write(root, right, base + 14, "not drawn to scale", 11, MUTED, "end")
+        layout.write(root, right, base + 14, "not drawn to scale", 11, style.MUTED, "end")
         return
-    bar = floor_to_nice_number(150 * metres / page.scale)
-    left = right - bar / metres * page.scale
+    bar = layout.floor_to_nice_number(150 * metres / page.px_per_m)
+    left = right - bar / metres * page.px_per_m
     ends = [(left, base + 6), (left, base + 10), (right, base + 10), (right, base + 6)]
-    svg.add_line(root, svg.path_data(ends), INK, 1.2)
+    svg.add_line(root, svg.path_data(ends), style.INK, 1.2)
     text = f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m"
-    write(root, (left + right) / 2, base + 2, text, 11, INK, "middle")
+    layout.write(root, (left + right) / 2, base + 2, text, 11, style.INK, "middle")

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,13 @@ from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
 
 IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+TOLERANCE = 0.1
+"""Largest deviation of drawn from given length at which a link counts as drawn to scale."""
+
+MOST_OFF = 0.2
+"""Largest share of the total length that is not to scale."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,10 +125,35 @@ class Network:
         """Cross-section of each link, m2, (links,)."""
         return np.asarray(np.pi / 4 * self.diameter**2)
 
+    @cached_property
+    def scale(self) -> float | None:
+        """Metres for each unit of the map if it is drawn to scale, else ``None``.
+
+        The scale is the median, by length, of given over drawn lengths; the map is to scale if at least 80 % of the length
+        deviates from it by at most 10 %.
+        """
+        lines = (self.polyline(link) for link in range(len(self.links)))
+        drawn = np.array([np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines])
+        pipes = (drawn > 0) & (self.length > 0)
+        if not pipes.any():
+            return None
+        ratio, length = self.length[pipes] / drawn[pipes], self.length[pipes]
+        order = np.argsort(ratio)
+        middle = np.searchsorted(np.cumsum(length[order]), length.sum() / 2)
+        scale = float(ratio[order][min(middle, len(order) - 1)])
+        off = length[np.abs(ratio / scale - 1) > TOLERANCE].sum() / length.sum()
+        return scale if off <= MOST_OFF else None
+
     def polyline(self, link: int) -> FloatArray:
         """Return the points of a link on the map, from its start to its end, (k, 2)."""
         ends = self.places[[self.start[link], self.end[link]]]
         return np.vstack([ends[:1], self.vertices[link].reshape(-1, 2), ends[1:]])
+
+    def course(self, link: int) -> FloatArray:
+        """Return the unit vectors on the map along the parts of a link, from its start to its end, (parts, 2)."""
+        steps = np.diff(self.polyline(link), axis=0)
+        length = np.linalg.norm(steps, axis=1)
+        return np.asarray(steps[length > 0] / length[length > 0, None])
 
 
 def _suggest(name: str, known: Sequence[str], most: int = 12) -> str:

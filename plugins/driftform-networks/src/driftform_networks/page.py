@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 from importlib.resources import files
-
-from driftform.cli import TextTable
+from typing import NamedTuple
 
 WATER = (
     "Flows are those of EPANET; water mixes completely at each node.",
@@ -23,6 +22,14 @@ BODIES = (
     "branch leaves is an input, --branch.",
 )
 """Assumptions of the routes of bodies."""
+
+
+class TextTable(NamedTuple):
+    """A table for people: a header, rows of text, and the columns that are flush right."""
+
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    right: Sequence[int] = ()
 
 
 def report_html(

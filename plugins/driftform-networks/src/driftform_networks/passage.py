@@ -8,8 +8,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 
-from driftform.types import BoolArray, FloatArray
-from driftform_networks.network import Network
+from driftform.types import FloatArray
+from driftform_networks.network import BoolArray, Network
 from driftform_networks.routing import Routing
 from driftform_networks.snapshot import STILL
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.errors import InputError, did_you_mean
-from driftform.util.files import is_file
+from driftform.util import files
 from driftform_networks.cache import Arrays, find_cache, hash_content, load_arrays, save_arrays
 from driftform_networks.network import Hydraulics, Network
 
@@ -48,7 +48,7 @@ def open_network(source: str | Path, cache: Path | None = None) -> Network:
 
 def _find_file(text: str) -> Path:
     path = Path(text)
-    if is_file(path):
+    if files.is_file(path):
         return path
     # Found without importing WNTR, which takes seconds.
     spec = find_spec("wntr")
@@ -63,7 +63,11 @@ def _find_file(text: str) -> Path:
 
 def _pack(network: Network) -> Arrays:
     """Return the values of a network as arrays; those of its hydraulics have a prefix."""
-    values = {name: value for name, value in vars(network).items() if name not in ("hydraulics", "vertices")}
+    values = {
+        name: value
+        for name, value in vars(network).items()
+        if name not in ("hydraulics", "vertices", "scale")
+    }
     values |= {f"{_HYDRAULICS}{name}": value for name, value in vars(network.hydraulics).items()}
     return {
         **{

@@ -7,7 +7,6 @@ import numpy as np
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
-from driftform.water.misfit import find_misfit
 from driftform_networks.bodies import Traveller
 from driftform_networks.network import IntArray
 
@@ -57,7 +56,7 @@ def release(
         if velocity is not None:
             start["velocity"] = tuple(velocity.tolist())
         scenario = Scenario.model_validate(document | {"release": start})
-        if find_misfit(traveller.agent.body, scenario) is None:
+        if scenario.find_misfit(traveller.agent.body) is None:
             return scenario
     return None
 

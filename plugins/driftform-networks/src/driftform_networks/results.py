@@ -5,20 +5,20 @@ import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
-from driftform.cli import CommandResult, TextTable
+from driftform.cli import output
 from driftform.errors import InputError
-from driftform.figures import write_picture
-from driftform.util.files import check_directory, make_directory, write_text
+from driftform.figures import files as picture_files
+from driftform.util import files
 from driftform_networks.bodies import Traveller
 from driftform_networks.candidates import save_agents
 from driftform_networks.curve import curve_svg
 from driftform_networks.fleets import Fleet, Member
 from driftform_networks.map import fleet_svg, format_time, passage_svg
-from driftform_networks.page import BODIES, WATER, report_html
+from driftform_networks.page import BODIES, WATER, TextTable, report_html
 from driftform_networks.passage import Passage
 
 _LONGEST_NAME = 30
@@ -49,8 +49,8 @@ class Outputs:
     report: Path | None = None
     agents: Path | None = None
 
-    def check(self) -> None:
-        """Refuse files that cannot be written, before work that takes time.
+    def check(self) -> Self:
+        """Return these files; refuse those that cannot be written, before work that takes time.
 
         Raises
         ------
@@ -62,16 +62,69 @@ class Outputs:
                 continue
             if path.suffix != suffix:
                 raise InputError(f"{option} {path}: the name of this file must end in {suffix}")
-            check_directory(path.parent, option)
+            files.check_directory(path.parent, option)
         for option, path in (("--tables", self.tables), ("--agents", self.agents)):
             if path is not None:
-                check_directory(path, option)
+                files.check_directory(path, option)
+        return self
+
+    def write(
+        self,
+        title: str,
+        figures: Mapping[str, Callable[[], str]],
+        text: Sequence[str | TextTable],
+        columns: Mapping[str, Mapping[str, Sequence[Any]]],
+        assumptions: Sequence[str],
+    ) -> list[Path]:
+        """Write map, report and tables, those that are asked for, and return their paths.
+
+        Parameters
+        ----------
+        figures
+            what draws each SVG picture; the first is the map.
+        text
+            lines and tables of the report.
+        columns
+            columns of each table.
+        assumptions
+            of the report.
+        """
+        written: list[Path] = []
+        if self.map is not None:
+            written += picture_files.write_picture(self.map, figures["Map"]())
+        if self.report is not None:
+            drawn = [(name, draw()) for name, draw in figures.items()]
+            files.write_text(self.report, report_html(title, text, drawn, assumptions))
+            written.append(self.report)
+        if self.tables is not None:
+            for name, table in columns.items():
+                buffer = io.StringIO()
+                writer = csv.writer(buffer, lineterminator="\n")
+                writer.writerow(table)
+                writer.writerows(zip(*table.values(), strict=True))
+                written.append(self.tables / f"{name}.csv")
+                files.write_text(written[-1], buffer.getvalue())
+        return written
+
+
+def present(
+    document: Mapping[str, Any], text: Sequence[str | TextTable], written: Sequence[Path], json: bool
+) -> None:
+    """Print a JSON document, or lines and tables for people, with the files that were written."""
+    if json:
+        output.print_json({**document, "files": [str(file) for file in written]})
+        return
+    for part in (*text, *(f"wrote {file}" for file in written)):
+        if isinstance(part, str):
+            output.print_text(part)
+        else:
+            output.print_table(*part)
 
 
 def present_passage(
-    passage: Passage, title: str, outputs: Outputs, assumptions: Sequence[str] = WATER
-) -> CommandResult:
-    """Write the files of a passage, and return what a command prints of it."""
+    passage: Passage, title: str, outputs: Outputs, json: bool, assumptions: Sequence[str] = WATER
+) -> None:
+    """Write the files of a passage, and print it."""
     length = passage.network.length[passage.reachable].sum() / 1000
     lines = [f"sees {100 * passage.coverage:.1f} % of the {length:.1f} km that its water reaches"]
     if assumptions is BODIES:
@@ -86,16 +139,15 @@ def present_passage(
         document["branches"] = {side: _compare(passage, other) for side, other in passage.branches.items()}
         tables.append(_table_branches(document["branches"]))
     figures = {"Map": lambda: passage_svg(passage, title)}
-    files = _write_figures(outputs, title, figures, [*lines, *tables], assumptions)
     columns = {"nodes": passage.node_table(), "links": passage.link_table(), "ends": passage.end_table()}
-    files += _write_tables(outputs, columns)
-    return list_files(document, [title, *tables, *lines], files)
+    written = outputs.write(title, figures, [*lines, *tables], columns, assumptions)
+    present(document, [title, *tables, *lines], written, json)
 
 
 def present_fleet(
-    fleet: Fleet, title: str, outputs: Outputs, travellers: Sequence[Traveller]
-) -> CommandResult:
-    """Write the files of a fleet, and return what a command prints of it."""
+    fleet: Fleet, title: str, outputs: Outputs, json: bool, travellers: Sequence[Traveller]
+) -> None:
+    """Write the files of a fleet, and print it."""
     document, size = fleet.as_document(), len(fleet.members)
     kilometres = document["reachable_length"] / 1000
     lines = [
@@ -106,64 +158,14 @@ def present_fleet(
         lines.append(
             "shape brings nothing here: bodies that divide like the water, too wide for service pipes, see as much"
         )
-    tables: list[str | TextTable] = [_table_members(fleet), _table_curves(fleet)]
+    tables = [_table_members(fleet), _table_curves(fleet)]
     figures = {"Map": lambda: fleet_svg(fleet, title), "Coverage": lambda: curve_svg(fleet, title)}
-    files = _write_figures(outputs, title, figures, [*lines, *tables], BODIES)
     columns = {"members": fleet.member_table(), "curve": fleet.curve_table(), "links": fleet.link_table()}
-    files += _write_tables(outputs, columns)
+    written = outputs.write(title, figures, [*lines, *tables], columns, BODIES)
     if outputs.agents is not None:
         chosen = {member.agent for member in fleet.members}
-        files += save_agents([one for one in travellers if one.name in chosen], outputs.agents)
-    return list_files(document, [title, *tables, *lines], files)
-
-
-def list_files(
-    document: dict[str, Any], text: Sequence[str | TextTable], files: Sequence[Path]
-) -> CommandResult:
-    """Return what a command prints, with the files that it wrote."""
-    found = document | {"files": [str(file) for file in files]}
-    return CommandResult(found, [*text, *(f"wrote {file}" for file in files)])
-
-
-def _write_figures(
-    outputs: Outputs,
-    title: str,
-    figures: Mapping[str, Callable[[], str]],
-    text: Sequence[str | TextTable],
-    assumptions: Sequence[str],
-) -> list[Path]:
-    """Write the map and the report, if they are asked for."""
-    files: list[Path] = []
-    if outputs.map is not None:
-        files += write_map(figures["Map"](), outputs.map)
-    if outputs.report is not None:
-        make_directory(outputs.report.parent, "--report")
-        drawn = [(name, draw()) for name, draw in figures.items()]
-        write_text(outputs.report, report_html(title, text, drawn, assumptions))
-        files.append(outputs.report)
-    return files
-
-
-def write_map(picture: str, path: Path) -> tuple[Path, ...]:
-    """Write a map, and return the paths of its files."""
-    make_directory(path.parent, "--map")
-    return write_picture(path, picture)
-
-
-def _write_tables(outputs: Outputs, tables: Mapping[str, dict[str, list[Any]]]) -> list[Path]:
-    """Write tables as CSV files if they are asked for, and return their paths."""
-    if outputs.tables is None:
-        return []
-    make_directory(outputs.tables, "--tables")
-    written = []
-    for name, columns in tables.items():
-        path, buffer = outputs.tables / f"{name}.csv", io.StringIO()
-        writer = csv.writer(buffer, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(zip(*columns.values(), strict=True))
-        write_text(path, buffer.getvalue())
-        written.append(path)
-    return written
+        written += save_agents([one for one in travellers if one.name in chosen], outputs.agents)
+    present(document, [title, *tables, *lines], written, json)
 
 
 def _table_nodes(passage: Passage) -> list[str | TextTable]:

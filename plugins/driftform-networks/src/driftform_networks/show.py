@@ -5,21 +5,21 @@ from typing import Any
 
 import numpy as np
 
-from driftform.cli import CommandResult, TextTable
+from driftform.figures import files as picture_files
 from driftform_networks.chain import find_loops
 from driftform_networks.map import Mark, network_svg
 from driftform_networks.network import Network
+from driftform_networks.page import TextTable
 from driftform_networks.reading import open_network
-from driftform_networks.results import Outputs, list_files, write_map
-from driftform_networks.scale import is_to_scale
+from driftform_networks.results import Outputs, present
 from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
 
 _ROUNDING = 1e-9
 """Flow that EPANET's rounding leaves in closed links, m3/s."""
 
 
-def show_network(source: str, hour: float, map: Path | None, cache: Path | None) -> CommandResult:
-    """Return what ``driftform network show`` prints, and draw the map if it is asked for."""
+def show_network(source: str, hour: float, map: Path | None, cache: Path | None, json: bool) -> None:
+    """Print what a network is, and draw its map if it is asked for."""
     Outputs(map).check()
     network = open_network(source, cache)
     snapshot = take_snapshot(network, hour)
@@ -44,7 +44,12 @@ def show_network(source: str, hour: float, map: Path | None, cache: Path | None)
     text += [f"  {name:10}  {value}" for name, value in rows]
     text += [TextTable(("water comes from", "kind", "litres/s"), supply, right=(2,))]
     text += [f"warning: EPANET: {line}" for line in network.hydraulics.warnings]
-    return list_files(facts, text, () if map is None else write_map(_draw(network, snapshot, hour), map))
+    present(
+        facts,
+        text,
+        () if map is None else picture_files.write_picture(map, _draw(network, snapshot, hour)),
+        json,
+    )
 
 
 def _draw(network: Network, snapshot: Snapshot, hour: float) -> str:
@@ -75,7 +80,7 @@ def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:
         "duration": hydraulics.end,
         "steps": len(hydraulics.times),
         "reversing": int(reverses.sum()),
-        "to_scale": is_to_scale(network) is not None,
+        "to_scale": network.scale is not None,
         "hour": snapshot.hour,
         "flowing": len(snapshot.links),
         "speed": float(np.median(snapshot.speed[flowing])) if flowing.any() else 0.0,

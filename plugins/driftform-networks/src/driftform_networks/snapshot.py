@@ -1,12 +1,13 @@
 """The flow of a network at one moment, as links that are directed downstream."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from driftform.errors import InputError
-from driftform.types import BoolArray, FloatArray
-from driftform_networks.network import IntArray, Network
+from driftform.types import FloatArray
+from driftform_networks.network import BoolArray, IntArray, Network
 
 STILL = 1.114e-5 * 0.3048**3
 """Flow below which the water of a link stands still, m3/s: EPANET's Q_STAGNANT of 1.114e-5 ft3/s (its types.h)."""
@@ -64,11 +65,16 @@ class Snapshot:
         """Time that water takes through each link, s, (n,)."""
         return np.asarray(self.length / self.speed)
 
-    @property
+    @cached_property
     def departure(self) -> FloatArray:
         """Water that leaves each node, through links or with the demand, m3/s, (nodes,)."""
         through = np.bincount(self.tail, self.flow, len(self.network.nodes))
         return np.asarray(through + self.exit)
+
+    @cached_property
+    def inlets(self) -> IntArray:
+        """Number of links whose water comes into each node, (nodes,)."""
+        return np.bincount(self.head, minlength=len(self.network.nodes))
 
     def name(self, link: int) -> str:
         """Return the name of a link of this snapshot."""
@@ -116,7 +122,7 @@ def divide_flow(snapshot: Snapshot, node: int, retained: bool = False) -> FloatA
             "choose a node upstream, or another hour"
         )
     first = np.zeros(len(snapshot.links))
-    whole = snapshot.departure[node] - (snapshot.exit[node] if retained else 0.0)
+    whole = snapshot.departure[node] - snapshot.exit[node] * retained
     first[outlets] = snapshot.flow[outlets] / whole
     return first
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
-from driftform.water.pipe_parts import Opening
 from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, find_band, spread_points
 from driftform_networks.cache import keep_result
@@ -193,26 +192,18 @@ def _find_end(
     traveller: Traveller, tee: Tee, scenario: Scenario, flight: Trajectory
 ) -> tuple[int, int] | None:
     """Return the outlet in which a flight has ended, and the band there; ``None`` if it has ended in neither."""
+    layout, clock = scenario.pipe.layout, np.deg2rad(tee.clock_deg)
     middle = locate_middle(flight, [-1], traveller.agent.mass.cob)[0]
-    openings = {outlet.name: outlet.opening for outlet in scenario.pipe.layout.outlets}
-    inlet, clock = scenario.pipe.layout.inlet, np.deg2rad(tee.clock_deg)
-    left, up = inlet.axes[1:]
+    openings = {outlet.name: outlet.opening for outlet in layout.outlets}
+    left, up = layout.inlet.axes[1:]
     # A branch is seen as if it left at the right: what rolls it there turns its upward direction too.
     rolled = np.cos(clock) * left + np.sin(clock) * up
     for outlet, name, upward in ((RUN, "run", up), (BRANCH, "branch", rolled)):
-        if (band := _find_band(traveller, openings[name], upward, middle, 2 * inlet.radius)) is not None:
-            return outlet, band
+        opening = openings[name]
+        beyond, downstream = middle - opening.centre, opening.axes[0]
+        place = np.array([beyond @ np.cross(downstream, upward), beyond @ upward]) / opening.radius
+        settled = beyond @ downstream > -(_STUB * tee.bore + _SETTLED * opening.radius)
+        if settled and np.linalg.norm(place) <= 1:
+            room = max(1 - traveller.agent.body.max_diameter / (2 * opening.radius), 1e-3)
+            return outlet, int(find_band(place[None], room)[0])
     return None
-
-
-def _find_band(
-    traveller: Traveller, opening: Opening, up: FloatArray, middle: FloatArray, bore: float
-) -> int | None:
-    """Return the band of a point in the outlet with this opening, ``None`` if it is not in that outlet."""
-    from_opening, downstream = middle - opening.centre, opening.axes[0]
-    place = np.array([from_opening @ np.cross(downstream, up), from_opening @ up]) / opening.radius
-    beyond = from_opening @ downstream > -(_STUB * bore + _SETTLED * opening.radius)
-    if not beyond or np.linalg.norm(place) > 1:
-        return None
-    room = max(1 - traveller.agent.body.max_diameter / (2 * opening.radius), 1e-3)
-    return int(find_band(place[None], room)[0])

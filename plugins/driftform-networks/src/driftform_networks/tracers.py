@@ -13,7 +13,7 @@ def route_tracers(snapshot: Snapshot, retained: bool = False) -> Routing:
 
     Tracers that are ``retained`` do not leave with the demand of a node from which water flows on; at a dead end they do.
     """
-    departure = snapshot.departure - (snapshot.exit if retained else 0.0)
+    departure = snapshot.departure - snapshot.exit * retained
     tables = []
     for node in snapshot.head.tolist():
         outlets = snapshot.outlets[node]

@@ -1,9 +1,8 @@
 """The tables of a body in a network: made from flights, kept on disk, shared by all networks."""
 
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import closing
-from copy import copy
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from itertools import chain
 from pathlib import Path
 
@@ -17,10 +16,11 @@ from driftform_networks.cache import find_cache
 from driftform_networks.dividing import divide_bodies
 from driftform_networks.fits import find_obstacle
 from driftform_networks.flights import StraightFlights, StraightTask
-from driftform_networks.junctions import SIDES, Geometry, Junction
+from driftform_networks.junctions import SIDES, Junction, describe_junction, find_bends
+from driftform_networks.network import Network
 from driftform_networks.routing import Routing, RoutingTable, TransferTable
 from driftform_networks.snapshot import Snapshot
-from driftform_networks.tee_flights import TeeFlights, TeeTask
+from driftform_networks.tee_flights import TeeTask
 from driftform_networks.tees import (
     ANGLES_DEG,
     BRANCH,
@@ -86,31 +86,21 @@ class Traveling:
     ----------
     traveller
         the body.
-    geometry
-        junctions of the network.
     travel
         side of the branches, and the like.
-    cache
+    folder
         directory for tables; ``None`` for the user's.
     """
 
-    def __init__(self, traveller: Traveller, geometry: Geometry, travel: Travel, cache: Path | None) -> None:
+    def __init__(self, traveller: Traveller, travel: Travel, folder: Path | None) -> None:
         # Workers need no design, and its pipeline does not go to other processes.
         self._traveller = replace(traveller, design=None)
-        self._geometry, self._travel = geometry, travel
+        self._folder = find_cache(folder)
+        self._read_straight, self._read_tee = cache(StraightTask.__call__), cache(TeeTask.__call__)
+        self._repeat_cells, self._find_bend = cache(repeat_cells), cache(self._fit_bends)
+        self._describe = cache(partial(describe_junction, branch=travel.branch))
+        self._travel = travel
         self._retained = traveller.agent.body.max_diameter >= travel.service_bore
-        self._folder = find_cache(cache)
-        self._straights: dict[StraightTask, StraightFlights] = {}
-        self._tees: dict[TeeTask, TeeFlights] = {}
-        self._transfers: dict[tuple[StraightTask, int], TransferTable] = {}
-        self._bends: dict[int, str] = {}
-
-    def with_branch(self, branch: str) -> "Traveling":
-        """Return the same body where branches leave the pipes at another side; it shares the flights."""
-        other = copy(self)
-        other._geometry = Geometry(self._geometry.network, branch)
-        other._travel = replace(self._travel, branch=branch)
-        return other
 
     def list_straights(self, snapshots: Iterable[Snapshot]) -> list[StraightTask]:
         """Return the flights through straight pipes that these snapshots need."""
@@ -128,7 +118,7 @@ class Traveling:
             task
             for snapshot in snapshots
             for link in range(len(snapshot.links))
-            for task, _ in self._find_tees(snapshot, link, self._geometry.describe(snapshot, link))
+            for task, _ in self._find_tees(snapshot, link, self._describe(snapshot, link))
             if task.tee.share not in _ALL_INTO
         )
         return list(dict.fromkeys(found))
@@ -161,36 +151,26 @@ class Traveling:
             min(SLOPES, key=lambda known: abs(known - slope)),
         )
 
-    def _read_straight(self, task: StraightTask) -> StraightFlights:
-        if task not in self._straights:
-            self._straights[task] = task()
-        return self._straights[task]
-
     def _transfer(self, snapshot: Snapshot, link: int) -> TransferTable:
         network, index = snapshot.network, int(snapshot.links[link])
         if network.link_kinds[index] != "pipe":
             return _MIXING
-        if obstacle := self._find_bend(network.diameter[index], index):
+        if obstacle := self._find_bend(network, index):
             return TransferTable(np.zeros((BANDS, BANDS)), np.ones(BANDS), obstacle)
         if not self._needs_flights(snapshot, link):
             return _MIXING
         task = self._find_straight(snapshot, link)
         flights = self._read_straight(task)
-        cells = max(1, round(float(network.length[index]) / flights.cell))
-        if (task, cells) not in self._transfers:
-            self._transfers[task, cells] = repeat_cells(flights, cells, task)
-        return self._transfers[task, cells]
+        return self._repeat_cells(flights, max(1, round(float(network.length[index]) / flights.cell)), task)
 
-    def _find_bend(self, bore: float, index: int) -> str:
+    def _fit_bends(self, network: Network, index: int) -> str:
         """Return why the body cannot pass the bends of a link, empty if it can."""
-        if index not in self._bends:
-            turns = [0.0, *self._geometry.find_bends(index)]
-            found = [find_obstacle(self._traveller.agent.body, bore, bore, turn) for turn in turns]
-            self._bends[index] = next(filter(None, found), "")
-        return self._bends[index]
+        body, bore = self._traveller.agent.body, network.diameter[index]
+        found = (find_obstacle(body, bore, bore, turn) for turn in (0.0, *find_bends(network, index)))
+        return next(filter(None, found), "")
 
     def _divide(self, snapshot: Snapshot, link: int) -> RoutingTable:
-        junction, points = self._geometry.describe(snapshot, link), None
+        junction, points = self._describe(snapshot, link), None
         if self._needs_flights(snapshot, link):
             points = self._read_straight(self._find_straight(snapshot, link)).states[:, :3]
         onward = self._fly_on(junction, self._find_tees(snapshot, link, junction))
@@ -228,18 +208,12 @@ class Traveling:
             return None
         onward = np.zeros((BANDS, 2, BANDS))
         for task, weight in tees:
-            onward += weight * self._read_tee(task)
+            whole = task.tee.share in _ALL_INTO
+            onward += weight * (send_all(_ALL_INTO[task.tee.share]) if whole else self._read_tee(task).onward)
         if junction.directions[branch, 0] < -1e-6:
             # Flights are those of a branch at the right.
             onward = onward[MIRROR][:, :, MIRROR]
         return np.asarray(onward[:, [RUN, BRANCH] if branch == 1 else [BRANCH, RUN]])
-
-    def _read_tee(self, task: TeeTask) -> FloatArray:
-        if task.tee.share in _ALL_INTO:
-            return send_all(_ALL_INTO[task.tee.share])
-        if task not in self._tees:
-            self._tees[task] = task()
-        return self._tees[task].onward
 
 
 _ALL_INTO = {0.0: RUN, 1.0: BRANCH}
@@ -290,9 +264,9 @@ def make_flights(
             progress(done, total)
         return
     from driftform import load_study
-    from driftform.search import LocalProcesses
+    from driftform.search import open_executor
 
-    with closing(LocalProcesses(load_study(str(SCENARIO), run={"seed": 0}).document, workers)) as executor:
+    with open_executor(load_study(str(SCENARIO), run={"seed": 0}), workers=workers) as executor:
         size, done = 4 * workers, 0
         for tasks in stages:
             for start in range(0, len(tasks), size):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from driftform.types import FloatArray, freeze
+from driftform.types import FloatArray
 
 SMOOTH = np.deg2rad(5)
 """Largest turn of a contour at a joint of a smooth curve that consists of short edges, rad."""
@@ -50,10 +50,8 @@ class Panels:
     lengths: FloatArray
 
     def __post_init__(self) -> None:
-        n = len(self.lengths)
-        object.__setattr__(self, "x", freeze(self.x, (n, 4), "Panels.x"))
-        object.__setattr__(self, "r", freeze(self.r, (n, 4), "Panels.r"))
-        object.__setattr__(self, "lengths", freeze(self.lengths, (n,), "Panels.lengths"))
+        for values in (self.x, self.r, self.lengths):
+            values.setflags(write=False)
 
     def thinnest_wall(self) -> float:
         """Return the least distance between panels that are back to back, relative to their length; infinity without any.

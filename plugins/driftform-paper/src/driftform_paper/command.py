@@ -11,18 +11,16 @@ from driftform.cli import options
 def reproduce(
     repeats: Annotated[
         int,
-        typer.Option(
-            "--repeats", metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed."
-        ),
+        typer.Option(metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed."),
     ] = 10,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first repeat.")] = 1,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the first repeat.")] = 1,
     workers: options.Workers = None,
     executor: options.ExecutorName = None,
     scheduler: options.Scheduler = None,
     simulator: options.Simulator = None,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Directory for runs, tables and figures.")
-    ] = Path("reproduction"),
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for runs, tables and figures.")] = Path(
+        "reproduction"
+    ),
     settings: options.Settings = None,
     json: options.Json = False,
 ) -> None:
@@ -33,10 +31,9 @@ def reproduce(
     """
     import time
 
-    from driftform.cli import print_json
-    from driftform.cli.executors import open_executor
-    from driftform.util.files import make_directory, write_text
-    from driftform.util.progress import count_progress
+    from driftform.cli import output
+    from driftform.search import open_executor
+    from driftform.util import files, progress
     from driftform_paper.repeats import STRATEGIES, load_repeat, read_results, search_all
     from driftform_paper.report import resimulate, results_document, results_markdown, write_figures
 
@@ -44,14 +41,14 @@ def reproduce(
     seeds = range(seed, seed + repeats)
     studies = {(s, n): load_repeat(s, n, simulator, settings or ()) for s in STRATEGIES for n in seeds}
     first = next(iter(studies.values()))
-    make_directory(out)
+    files.make_directory(out)
     runs = {key: out / "runs" / f"{key[0]}-{key[1]}" for key in studies}
     try:
         with (
             open_executor(first, executor, scheduler, workers) as place,
-            count_progress("flights") as progress,
+            progress.count_progress("flights") as show,
         ):
-            search_all({runs[key]: study for key, study in studies.items()}, place, progress)
+            search_all({runs[key]: study for key, study in studies.items()}, place, show)
     except KeyboardInterrupt:
         typer.echo(f"stopped; the same command continues: driftform reproduce --out {out}", err=True)
         raise typer.Exit(130) from None
@@ -60,9 +57,9 @@ def reproduce(
     figures = write_figures(out / "figures", first, found, again)
     seconds = time.perf_counter() - started
     markdown = results_markdown(first.scenario, found, again)
-    write_text(out / "results.md", markdown)
+    files.write_text(out / "results.md", markdown)
     if json:
-        print_json(
+        output.print_json(
             {
                 **results_document(first.scenario, found, again),
                 "seconds": seconds,

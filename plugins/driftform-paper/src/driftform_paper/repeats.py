@@ -10,11 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from driftform import Pipeline, Run, Study, load_study
-from driftform.runs.store import Record
-from driftform.search import Observer, search_run
-from driftform.search.jobs import Executor
+from driftform.search import Executor, Observer
 from driftform.types import FloatArray, Genome, Trajectory
-from driftform.water import Scenario, TurbulentFlow
+from driftform.water import Scenario
 
 STRATEGIES = ("paper", "random")
 """The paper's search, and the baseline that it is held against."""
@@ -83,7 +81,7 @@ def search_all(
     total, before = sum(study.evaluations for study in studies.values()), 0
     for directory, study in studies.items():
         with Run.ensure(directory, study) as run:
-            search_run(run, executor, _Counter(progress, before, total))
+            run.search(executor, _Counter(progress, before, total))
         before += study.evaluations
 
 
@@ -93,7 +91,7 @@ class _Counter(Observer):
     def __init__(self, progress: Callable[[int, int], None], before: int, total: int) -> None:
         self._progress, self._done, self._total = progress, before, total
 
-    def record(self, record: Record) -> None:
+    def record(self, record: object) -> None:
         self._done += 1
         self._progress(self._done, self._total)
 
@@ -163,5 +161,5 @@ def repeat_flights(
 
 def add_turbulence(scenario: Scenario, seeds: Sequence[int]) -> list[Scenario]:
     """Return the scenario with the turbulent flow of the same bulk speed, with gusts of each seed."""
-    flows = [TurbulentFlow(speed=scenario.flow.speed, seed=seed) for seed in seeds]
-    return [scenario.model_copy(update={"flow": flow}) for flow in flows]
+    flows = [{"kind": "turbulent", "speed": scenario.flow.speed, "seed": seed} for seed in seeds]
+    return [Scenario.model_validate({**dict(scenario), "flow": flow}) for flow in flows]

@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 
 from driftform import Study
-from driftform.figures import write_picture
-from driftform.figures.gallery import GalleryEntry, gallery_svg
-from driftform.figures.spread import FlightSpread, compute_band, spread_svg
-from driftform.figures.trend import Trend, trend_svg
+from driftform.figures import files as picture_files
+from driftform.figures import gallery, layout, svg, trend
 from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_paper.repeats import (
@@ -22,9 +20,13 @@ from driftform_paper.repeats import (
     add_turbulence,
     repeat_flights,
 )
+from driftform_paper.spread import FlightSpread, compute_band, spread_svg
 
 TIMES = 10
 """How often each of the best agents is flown again."""
+
+TOP = 130.0
+"""Upper edge of the bodies in their picture, px."""
 
 COMPARABLE = """\
 The paper's percentages and these are of the same quantity (distance of closest approach over the farthest distance
@@ -152,7 +154,7 @@ def write_figures(
     """Write the paper's Figures 5 to 7 of our own flights, and return the files."""
     scenario, paper, random = study.scenario, found["paper"], found["random"]
     pictures = {
-        "fitness.svg": trend_svg(
+        "fitness.svg": trend.trend_svg(
             trends(scenario.target_names, paper.fitness, random.fitness),
             "Fitness over generations",
             "the paper's genetic algorithm",
@@ -170,14 +172,16 @@ def write_figures(
             f"{TIMES} flights each up to their closest approach, with their mean and standard deviation",
         ),
     }
-    return tuple(path for name, svg in pictures.items() for path in write_picture(directory / name, svg))
+    return tuple(
+        path for name, svg in pictures.items() for path in picture_files.write_picture(directory / name, svg)
+    )
 
 
-def trends(targets: Sequence[str], fitness: FloatArray, baseline: FloatArray) -> list[Trend]:
+def trends(targets: Sequence[str], fitness: FloatArray, baseline: FloatArray) -> list[trend.Trend]:
     """Return the trends of (repeats, targets, flights) at the end of every generation."""
     ends = np.arange(GENERATION - 1, fitness.shape[2], GENERATION)
     return [
-        Trend(
+        trend.Trend(
             target,
             np.asarray(ends + 1.0, dtype=np.float64),
             fitness[:, number, ends],
@@ -190,13 +194,15 @@ def trends(targets: Sequence[str], fitness: FloatArray, baseline: FloatArray) ->
 def _shapes(study: Study, search: Search, again: Resimulation) -> str:
     pipeline = study.make_pipeline()
     flights = [
-        GalleryEntry(target, pipeline.make_agent(genome), flown[0], float(100 - fitness[0]))
+        gallery.GalleryEntry(target, pipeline.make_agent(genome), flown[0], float(100 - fitness[0]))
         for target, (genome, _, _), flown, fitness in zip(
             study.scenario.target_names, search.best, again.same.flights, again.same.fitness, strict=True
         )
     ]
-    return gallery_svg(
-        flights,
-        "The best shapes",
-        f"The best agent for each target over {len(search.error)} repeats, with its error",
-    )
+    rows, px_per_m = gallery.arrange_rows(flights)
+    subtitle = f"The best agent for each target over {len(search.error)} repeats, with its error"
+    description = f"Bodies of revolution at one scale: {', '.join(study.scenario.target_names)}. {subtitle}"
+    height = TOP + sum(row.height for row in rows) + 2
+    root = layout.start_page(height, "The best shapes", subtitle, description)
+    gallery.draw_gallery(root, rows, px_per_m, TOP)
+    return svg.render(root)

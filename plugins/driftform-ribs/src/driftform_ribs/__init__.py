@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_strategy() -> "type[Strategy[Any]]":
     """Return MAP-Elites with an archive of pyribs. Check here that it is installed; import it only to search."""
-    from driftform.plugins.registry import require_module
+    from driftform.util import require_module
     from driftform_ribs.strategy import RibsStrategy
 
     require_module("ribs")

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from driftform.interfaces import SearchSpace, Strategy, Table, option
-from driftform.runs.coverage import PipeGrid
+from driftform.search import PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Trajectory
 
 if TYPE_CHECKING:

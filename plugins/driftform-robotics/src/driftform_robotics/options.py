@@ -1,7 +1,7 @@
 """What the fitness ``leak`` and the recorders share: options of sensors, and the pressure of the air."""
 
 from driftform.interfaces import Table, option
-from driftform.water.pipe import Vector
+from driftform.water import Vector
 
 ATMOSPHERE = 101_325.0
 """Pressure at the surface of the water, Pa (standard atmosphere, ISO 2533)."""

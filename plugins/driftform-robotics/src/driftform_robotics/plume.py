@@ -21,10 +21,10 @@ from functools import lru_cache
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.water import Scenario, Segment, TurbulentFlow, friction_factor
-from driftform.water.flow import LogLawFlow
-from driftform.water.pipe import Vector
-from driftform.water.velocity import KARMAN
+from driftform.water import Scenario, Segment, Vector
+
+KARMAN = 0.4
+"""Von Karman's constant kappa."""
 
 MAX_NEAR_TAU = 0.003
 """Largest tau for the formula near the leak; there it agrees with the series within 0.2 % of the peak."""
@@ -178,13 +178,7 @@ def eddy_diffusivity(scenario: Scenario) -> float:
     (as kappa u* d / 6 is the mean over the depth d of a channel: Elder, J. Fluid Mech. 5, 1959; Fischer et al., Mixing in Inland and Coastal Waters,
     1979, chapter 5). The friction velocity u* is that of the pipe's friction factor.
     """
-    radius, flow = scenario.pipe.layout.inlet.radius, scenario.flow
-    speed = abs(flow.speed)
-    roughness = flow.roughness if isinstance(flow, LogLawFlow | TurbulentFlow) else 0.0
-    # The flow is turbulent only at Reynolds numbers above about 4000.
-    reynolds = max(4e3, 2 * radius * speed / scenario.fluid.viscosity)
-    friction_velocity = speed * np.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
-    return float(KARMAN * friction_velocity * radius / 6)
+    return KARMAN * scenario.friction_velocity() * scenario.pipe.layout.inlet.radius / 6
 
 
 def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: float | None = None) -> Plume:

@@ -5,11 +5,10 @@ The sensors are at one ``point`` of the body (m, body frame). The readings have 
 
 import numpy as np
 
-from driftform.motion.forces import acceleration_at
-from driftform.motion.surfaces import touching_rims
+from driftform.motion import forces
 from driftform.types import Body, FloatArray, Trajectory
-from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.util import rotations
+from driftform.water import Fluid, Pipe, Scenario
 from driftform_robotics.models.pipe import make_bore
 from driftform_robotics.options import ATMOSPHERE
 
@@ -17,7 +16,8 @@ from driftform_robotics.options import ATMOSPHERE
 def point_positions(trajectory: Trajectory, point: FloatArray) -> FloatArray:
     """Return the positions of a point of the body, one for each sample, world frame, m, (k, 3)."""
     return np.asarray(
-        trajectory.position + matrix_from_quaternion(trajectory.quaternion) @ point, dtype=np.float64
+        trajectory.position + rotations.matrix_from_quaternion(trajectory.quaternion) @ point,
+        dtype=np.float64,
     )
 
 
@@ -54,30 +54,27 @@ def specific_force(
     """Return the reading of an accelerometer at a point of the body, R^T (a - g), in body axes, m/s2, (k, 3).
 
     It is g upward at rest, and 0 in free fall. ``accelerations`` (k, 6) are those of the equations of motion
-    (:func:`driftform.motion.forces.accelerations_along`), transferred to the point with the body's rotation.
+    (:func:`driftform.motion.accelerations_along`), transferred to the point with the body's rotation.
     """
-    up = matrix_from_quaternion(trajectory.quaternion)[:, 2]
-    return np.asarray(acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64)
-
-
-def wall_distance(points: FloatArray, pipe: Pipe) -> FloatArray:
-    """Return the distances of points (k, 3) from the wall of a straight pipe's bore, m, (k,), negative inside the wall."""
-    bore = _straight(pipe)
-    across = (points - bore.start) @ _cross_axes(bore)
-    return np.asarray(bore.radius - np.linalg.norm(across, axis=1), dtype=np.float64)
+    up = rotations.matrix_from_quaternion(trajectory.quaternion)[:, 2]
+    return np.asarray(
+        forces.acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64
+    )
 
 
 def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
     """Return the smallest distance of the hull from the wall of a straight pipe at each sample, m, (k,), negative in contact.
 
-    The bore is convex, so the nearest point is on one of the rims of :func:`driftform.motion.surfaces.touching_rims`.
+    The bore is convex, so the nearest point is on a rim of the hull's contour.
     Seen along the pipe a rim is an ellipse, c + p cos(a) + q sin(a). Newton's method finds its greatest distance from
     the pipe's axis, starting at the farthest of sixteen points of the rim.
     """
-    bore = _straight(pipe)
-    across = _cross_axes(bore)
-    R = matrix_from_quaternion(trajectory.quaternion)
-    x, r = touching_rims(body).T
+    if pipe.straight is None:
+        raise ValueError("the distance from the wall needs a straight pipe")
+    bore = pipe.straight
+    across = make_bore(bore).rotation[:, 1:]
+    R = rotations.matrix_from_quaternion(trajectory.quaternion)
+    x, r = body.outer[body.outer[:, 1] > 0.0].T
     c = ((trajectory.position - bore.start) @ across)[:, None] + x[:, None] * (R[:, None, :, 0] @ across)
     p, q = (r[:, None] * (R[:, None, :, i] @ across) for i in (1, 2))
 
@@ -97,18 +94,6 @@ def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
         t = t - np.where(bend < 0, slope / np.where(bend < 0, bend, 1.0), 0.0)
     farthest = c + p * np.cos(t)[..., None] + q * np.sin(t)[..., None]
     return np.asarray(bore.radius - np.linalg.norm(farthest, axis=-1).max(axis=1), dtype=np.float64)
-
-
-def _straight(pipe: Pipe) -> Segment:
-    if pipe.straight is None:
-        raise ValueError("the distance from the wall needs a straight pipe")
-    return pipe.straight
-
-
-def _cross_axes(segment: Segment) -> FloatArray:
-    """Return two unit vectors across the pipe, as the columns of a matrix, (3, 2)."""
-    rotation: FloatArray = make_bore(segment).rotation
-    return rotation[:, 1:]
 
 
 def add_noise(values: FloatArray, deviation: float, rng: np.random.Generator) -> FloatArray:

@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from driftform.agent import displaced_moments
+from driftform.agent import solid_of_revolution
 from driftform.interfaces import Hydrodynamics, HydrodynamicsOptions, option
 from driftform.types import Body, Coefficients
 from driftform.water import Fluid
@@ -33,7 +33,7 @@ class StripTheory(Hydrodynamics[StripTheoryOptions]):
 
     def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
         """Return the added mass about the centre of buoyancy, as in the paper."""
-        displaced, length, diameter = displaced_moments(body), body.length, body.max_diameter
+        displaced, length, diameter = solid_of_revolution(body.outer), body.length, body.max_diameter
         k11 = axial_coefficient(diameter / length)
         a, b = length / 2, diameter / 2
         volume = displaced.volume if self.options.m11 == "volume" else 4 / 3 * np.pi * a * b**2

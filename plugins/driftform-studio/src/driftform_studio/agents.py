@@ -6,50 +6,47 @@ from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform import Design, Run, StoredAgent
 from driftform.agent import hull_mass
-from driftform.design.limits import list_limits
 from driftform.errors import InputError, did_you_mean
-from driftform.figures.style import SERIES
+from driftform.figures import scene, style
 from driftform.motion import closest_approach
-from driftform.report.viewer import agent_data
-from driftform.runs.agent_file import agent_document
-from driftform.runs.coverage import PipeGrid, UnrolledGrid, map_coverage
-from driftform.runs.dependence import divide_spread
-from driftform.runs.misses import Misses, finite_or_none
-from driftform.search.finalists import find_winner
-from driftform.search.picking import write_pick
-from driftform.study.exporter_settings import list_exporter_settings
-from driftform.types import BoolArray, FloatArray, Trajectory
-from driftform.util.progress import count_progress, track_progress
+from driftform.search import PipeGrid
+from driftform.types import FloatArray
+from driftform.util import progress
+from driftform.water import Pipe
 
 FORMATS = {"stl": ("stl", False), "3mf": ("3mf", False), "kit": ("3mf", True)}
 """What can be taken for a printer: the exporter of each, and whether it writes a kit."""
 
 
-def describe_agent(run: Run, key: str, stored: StoredAgent) -> dict[str, Any]:
+def describe_agent(run: Run, key: str, design: Design) -> dict[str, Any]:
     """Return what the page shows of an agent: its body, its flight, its facts, and what is promised of it."""
-    design = Design.build(stored, f"{run.name}: {key}")
-    flight = _read_flight(run, design)
-    scenario, agent, result = run.study.scenario, design.agent, stored.result
+    scenario, agent, result = run.study.scenario, design.agent, design.result
+    flight = run.read_flight(result["evaluation"])
+    if flight is None or flight.error is None:
+        # An unchecked flight is flown again.
+        flight = design.fly()
     is_best = key in scenario.targets
     point = scenario.target_points()[key] if is_best else tuple(result["point"])
     [distance], [t] = closest_approach(flight, np.array([point], dtype=np.float64))
-    colour = SERIES[list(scenario.targets).index(key) % len(SERIES)] if is_best else SERIES[-1]
     names = list(scenario.targets)
-    misses = _read_misses(run, key) if is_best else None
+    number = names.index(key) if is_best else len(names)
+    colour = style.SERIES[number % len(style.SERIES)] if is_best else style.SERIES[-1]
+    misses = run.misses(key) if is_best else None
     return {
         "key": key,
         "target": key if is_best else None,
         "point": list(point),
         "evaluation": result["evaluation"],
-        **agent_data(agent, flight, [float(t)], colour),
+        **scene.agent_data(agent, flight, [float(t)], colour),
         "longest": round(agent.body.length, 4),
         "end": str(flight.end),
         "promise": {"nominal": float(distance), **_summarise(misses, 0)},
         "effects": _list_effects(misses, 0),
-        "limits": list_limits(agent, scenario),
+        "limits": design.list_limits(),
         "facts": {
             "length": design.length,
             "diameter": design.max_diameter,
@@ -58,36 +55,25 @@ def describe_agent(run: Run, key: str, stored: StoredAgent) -> dict[str, Any]:
             "buoyancy": design.net_buoyancy,
             "modules": len(agent.morphology.modules) if agent.morphology else 0,
         },
-        "number": names.index(key) if is_best else len(names),
+        "number": number,
     }
 
 
-def disturb_agent(run: Run, key: str, stored: StoredAgent) -> dict[str, Any]:
+def disturb_agent(key: str, design: Design) -> dict[str, Any]:
     """Fly an agent under disturbed conditions, and return what is promised of it."""
-    design = Design.build(stored, f"{run.name}: {key}")
     scenario = design.scenario
     if key not in scenario.targets:
         # The point that was picked takes the place of the targets.
-        point = json.dumps(list(stored.result["point"]))
+        point = json.dumps(list(design.result["point"]))
         design = design.under(f"targets={{picked = {point}}}")
     flights = scenario.robustness.checks
     number = list(scenario.targets).index(key) if key in scenario.targets else 0
-    with count_progress("disturbed flights") as show:
+    with progress.count_progress("disturbed flights") as show:
         misses = design.disturb(flights, progress=show)
     return {"promise": _summarise(misses, number), "effects": _list_effects(misses, number)}
 
 
-def draw_section(stored: StoredAgent, key: str) -> str:
-    """Return the half section of an agent as SVG."""
-    return Design.build(stored, key)._repr_svg_()
-
-
-def write_agent_text(stored: StoredAgent) -> str:
-    """Return the text of an ``agent.json``."""
-    return json.dumps(agent_document(stored), indent=1) + "\n"
-
-
-def export_agent(stored: StoredAgent, kind: str, folder: Path) -> Path:
+def export_agent(design: Design, kind: str, folder: Path) -> Path:
     """Write an agent for a printer into a folder, and return the file: an archive, if there are several.
 
     Raises
@@ -100,15 +86,15 @@ def export_agent(stored: StoredAgent, kind: str, folder: Path) -> Path:
     if kind not in FORMATS:
         raise InputError(f"there are no files '{kind}'{did_you_mean(kind, FORMATS)}")
     format, kit = FORMATS[kind]
-    settings = list_exporter_settings((format,), {"kit": ("true", "a kit")} if kit else {})
-    design = Design.build(stored, stored.name, settings=settings)
+    if kit:
+        design = Design.build(design.stored, design.name, settings=(f"exporter.{format}.kit=true",))
     path = folder / f"{design.name}{design.study.make_exporter(format).suffix}"
-    written = [Path(file.path) for file in design.export_files(format, path)]
-    if len(set(written)) == 1:
+    written = sorted(set(design.export(format, path)))
+    if len(written) == 1:
         return written[0]
     archive = folder / f"{design.name}-{kind}.zip"
     with ZipFile(archive, "w", ZIP_DEFLATED) as packed:
-        for file in sorted(set(written)):
+        for file in written:
             packed.write(file, file.relative_to(folder))
     return archive
 
@@ -125,25 +111,19 @@ def map_reach(run: Run) -> dict[str, Any]:
     InputError
         if the run is in open water.
     """
-    from driftform.figures.reach import BOUNDS, RAMP
-
-    cells = PipeGrid.of_scenario(run.study.scenario)
-    with run.read() as store:
-        flights = track_progress(store.read_trajectories(), store.count_sound(), "flights", delay=0.3)
-        reach = map_coverage(flights, cells)
-    classes = np.searchsorted(BOUNDS, reach.distance, side="right")
-    classes[~reach.reached] = -1
+    reach = run.map_coverage()
+    cells, classes = reach.cells, reach.classes
     edges = _place_columns(cells)
-    placed: BoolArray = np.asarray(np.isfinite(edges).all(axis=(1, 2, 3)))
-    classes[~reach.reached & ~_find_real(cells)] = -2
+    placed: npt.NDArray[np.bool_] = np.asarray(np.isfinite(edges).all(axis=(1, 2, 3)))
+    classes[~reach.reached & ~_find_real(cells, run.study.scenario.pipe)] = -2
     classes.reshape(cells.shape)[~placed] = -2
     return {
         "edges": [np.round(e, 4).tolist() if there else None for e, there in zip(edges, placed, strict=True)],
         "columns": cells.shape[0],
         "rows": cells.shape[1],
         "classes": classes.tolist(),
-        "colours": list(RAMP),
-        "bounds": list(BOUNDS),
+        "colours": list(style.RAMP),
+        "bounds": list(reach.bounds),
         "flights": reach.flights,
         "reached": int(reach.reached.sum()),
         "cells": int((classes > -2).sum()),
@@ -161,13 +141,13 @@ def _place_columns(cells: PipeGrid) -> FloatArray:
     return cells.to_world(corners.reshape(-1, 2)).reshape(columns, 2, 2, 3)
 
 
-def _find_real(cells: PipeGrid) -> BoolArray:
+def _find_real(cells: PipeGrid, pipe: Pipe) -> npt.NDArray[np.bool_]:
     """Return which cells of a map have their centre in the pipe at the place that the map says, (cells,)."""
     centres = cells.centres()
     world = cells.to_world(centres)
-    real: BoolArray = np.asarray(np.isfinite(world).all(axis=1))
-    if isinstance(cells, UnrolledGrid):
-        real[real] = cells.layout.find_part(world[real]) >= 0
+    real: npt.NDArray[np.bool_] = np.asarray(np.isfinite(world).all(axis=1))
+    if not cells.is_straight:
+        real[real] = pipe.layout.find_part(world[real]) >= 0
     # Where a branch leaves, the map of the run and that of the branch overlap: each point is on one of them.
     real[real] = np.abs(cells.to_map(world[real])[:, :2] - centres[real]).max(axis=1) < 1e-6
     return real
@@ -175,35 +155,17 @@ def _find_real(cells: PipeGrid) -> BoolArray:
 
 def pick(run: Run, point: tuple[float, float, float]) -> dict[str, Any]:
     """Find the agent whose flight passes closest to a point, and write it to the run's ``picks``; return its key."""
-    stored, path = write_pick(run, point)
-    return {"key": path.parent.name, **stored.result}
+    path = run.write_pick(*point)
+    return {"key": path.parent.name, **StoredAgent.read(path).result}
 
 
-def _read_flight(run: Run, design: Design) -> Trajectory:
-    """Return the flight of an agent of a run: as it was stored, or flown again if it was unchecked."""
-    with run.read() as store:
-        record = store.read_record(design.result["evaluation"], run.study.scenario.target_names)
-    flight = record.evaluation.trajectory
-    return design.fly() if flight is None or flight.error is None else flight
-
-
-def _read_misses(run: Run, target: str) -> Misses | None:
-    with run.read() as store:
-        won = find_winner(run.study, store, target)
-    return None if won is None else won.misses
-
-
-def _summarise(misses: Misses | None, target: int) -> dict[str, Any]:
+def _summarise(misses: Any, target: int) -> dict[str, Any]:
     if misses is None:
         return {"median": None, "p90": None, "flights": 0, "failed": 0}
-    return {
-        "median": finite_or_none(misses.median[target]),
-        "p90": finite_or_none(misses.promised[target]),
-        "flights": misses.count,
-        "failed": misses.failed,
-    }
+    found: dict[str, Any] = misses.describe(target)
+    return found
 
 
-def _list_effects(misses: Misses | None, target: int) -> list[dict[str, Any]]:
-    effects = None if misses is None else divide_spread(misses, target)
+def _list_effects(misses: Any, target: int) -> list[dict[str, Any]]:
+    effects = None if misses is None else misses.list_effects(target)
     return [{"name": e.name, "deviation": e.deviation, "advice": e.advice} for e in effects or []]

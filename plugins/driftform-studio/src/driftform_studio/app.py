@@ -2,7 +2,7 @@
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from secrets import token_hex
@@ -18,10 +18,12 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
+from driftform import Run, Study, load_study
 from driftform.errors import DriftformError, InputError, describe_error
-from driftform.water import Bend, Reducer, Straight
+from driftform.figures import scene
+from driftform.water import Pipe, Scenario, Segment, pipe_parts
 from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
-from driftform_studio.folder import RunsFolder
+from driftform_studio.folder import DATABASE, RunsFolder
 from driftform_studio.searches import Searches
 from driftform_studio.tasks import Tasks
 
@@ -75,26 +77,19 @@ class Studio:
 
     def begin(self, parameters: Parameters, document: Any) -> Any:
         """Return what an empty page begins with: the built-in scenarios with every default filled in."""
-        from driftform import load_study
-        from driftform.study.sources import read_scenarios
-        from driftform.water.flow import FLOWS
-        from driftform.water.part_tables import PARTS
-
         presets = []
-        for name in read_scenarios():
+        for name in Study.list_scenarios():
             try:
                 study = load_study(name)
             except InputError:
                 continue  # Its plugin is not installed.
-            presets.append(
-                {"name": name, "title": study.document.get("title", name), "document": study.document}
-            )
+            presets.append({"name": name, "title": study.title or name, "document": study.document})
         presets.sort(key=lambda preset: preset["name"] != "pipe-inspection")
         return {
             "folder": str(self.given),
             "presets": presets,
-            "flows": {kind: _list_fields(model) for kind, model in FLOWS.items()},
-            "parts": {kind: _list_fields(model) for kind, model in PARTS.items()},
+            "flows": {kind: _list_fields(rows) for kind, rows in Scenario.describe_flows().items()},
+            "parts": {kind: _list_fields(rows) for kind, rows in Pipe.describe_parts().items()},
         }
 
     def check(self, parameters: Parameters, document: Any) -> Any:
@@ -116,10 +111,8 @@ class Studio:
 
     def examine(self, parameters: Parameters, document: Any) -> Any:
         """Return what takes a moment of a sound draft: the current over the section, and what is likely to be wrong."""
-        from driftform.study.advice import list_warnings
-
         study = load_draft(write_draft(check_draft(document)))
-        return {"scene": _scene(study.scenario), "warnings": list_warnings(study)}
+        return {"scene": _scene(study.scenario), "warnings": study.list_warnings()}
 
     def _warm_up(self) -> None:
         """Import what the next questions need, once a first picture is on its way."""
@@ -131,37 +124,24 @@ class Studio:
         """Return the runs of the folder, the newest first."""
         rows = []
         for path in self.folder.list_runs():
-            row: dict[str, Any] = {"name": path.name, "changed": (path / "run.db").stat().st_mtime}
+            row: dict[str, Any] = {"name": path.name, "changed": (path / DATABASE).stat().st_mtime}
             try:
-                status = self._read_summary(path)
-            except (DriftformError, KeyError, TypeError) as error:
-                row |= {"state": "damaged", "problem": describe_error(error)}
-            else:
-                row |= status
-            rows.append(row)
+                facts = Run.glance(path)
+            except DriftformError as error:
+                rows.append(row | {"state": "damaged", "problem": describe_error(error)})
+                continue
+            ended = "finished" if facts["done"] >= facts["budget"] else "paused"
+            is_busy = facts.pop("is_worked_on") or self.searches.is_alive(path)
+            rows.append(row | {"state": "running" if is_busy else ended, **facts})
         return {"runs": sorted(rows, key=lambda row: -row["changed"]), "folder": str(self.given)}
-
-    def _read_summary(self, path: Path) -> dict[str, Any]:
-        from driftform.runs.store import Store
-
-        with Store.open(path / "run.db", read_only=True, check=False) as store:
-            study, done = store.read_study(), store.count()
-        budget = int(study["run"]["evaluations"])
-        ended = "finished" if done >= budget else "paused"
-        state = "running" if self.searches.is_busy(path) else ended
-        title, targets = str(study.get("title", "")), len(study["targets"])
-        return {"state": state, "done": done, "budget": budget, "title": title, "targets": targets}
 
     def create(self, parameters: Parameters, document: Any) -> Any:
         """Make a run of a draft, and begin its search."""
-        from driftform import Run
-        from driftform.runs.run import check_study
-
         if not isinstance(document, dict):
             raise InputError("the request is not a table")
         draft = check_draft(document.get("draft"))
         study = load_draft(write_draft(draft))
-        check_study(study)
+        study.check_search()
         if "seed" not in draft.get("run", {}):
             # The study file that the run keeps gives the same run again.
             draft = {**draft, "run": {**draft.get("run", {}), "seed": study.seed}}
@@ -177,14 +157,12 @@ class Studio:
         live = self._find(parameters)
         run = live.run
         scenario = run.study.scenario
-        text = self.folder.read_text(live.directory, "study.toml")
-        path = self.given / live.directory.name
         return {
             "run": live.directory.name,
-            "path": str(path),
-            "title": str(run.study.document.get("title", "")),
+            "path": str(self.given / live.directory.name),
+            "title": run.study.title,
             "document": run.study.document,
-            "text": text,
+            "text": self.folder.read_text(live.directory, "study.toml"),
             "seed": run.study.seed,
             "outline": _outline(scenario),
             "scene": _scene(scenario, self._find_paths(live)),
@@ -218,8 +196,7 @@ class Studio:
         more = document.get("more", 0) if isinstance(document, dict) else 0
         if not isinstance(more, int) or more < 0:
             raise InputError(f"more = {more!r}: should be a number of flights")
-        with live.run.read() as store:
-            budget = int(store.read_study()["run"]["evaluations"])
+        budget = Run.glance(live.directory)["budget"]
         self.searches.start(live.directory, budget + more if more else None)
         return {}
 
@@ -235,7 +212,7 @@ class Studio:
         from driftform_studio.agents import disturb_agent
 
         live, key = self._find(parameters), parameters["agent"]
-        return {"task": self.tasks.start(lambda: disturb_agent(live.run, key, live.find_agent(key)))}
+        return {"task": self.tasks.start(lambda: disturb_agent(key, live.find_agent(key)))}
 
     def map_reach(self, parameters: Parameters, document: Any) -> Any:
         """Return a task that maps what the flights of a run reach."""
@@ -275,10 +252,8 @@ class Studio:
 
     def write_report(self, parameters: Parameters, document: Any) -> Any:
         """Return a task that writes the report of a run."""
-        from driftform.report.writing import write_report
-
         live = self._find(parameters)
-        return {"task": self.tasks.start(lambda: {"bytes": write_report(live.run)[1].stat().st_size})}
+        return {"task": self.tasks.start(lambda: {"bytes": live.run.report().stat().st_size})}
 
     def show_task(self, parameters: Parameters, document: Any) -> Any:
         """Return how far a task is."""
@@ -312,18 +287,13 @@ class Studio:
 
     def take_agent(self, parameters: Parameters) -> Response:
         """Answer with the ``agent.json`` of an agent."""
-        from driftform.util.files import safe_stem
-        from driftform_studio.agents import write_agent_text
-
-        stored = self._find(parameters).find_agent(parameters["agent"])
-        return _attach(write_agent_text(stored), f"{safe_stem(stored.name)}.json")
+        design = self._find(parameters).find_agent(parameters["agent"])
+        return _attach(design.stored.to_text(), f"{design.name}.json")
 
     def take_section(self, parameters: Parameters) -> Response:
         """Answer with the drawing of an agent's section."""
-        from driftform_studio.agents import draw_section
-
-        stored = self._find(parameters).find_agent(parameters["agent"])
-        return Response(draw_section(stored, parameters["agent"]), media_type="image/svg+xml")
+        design = self._find(parameters).find_agent(parameters["agent"])
+        return Response(design._repr_svg_(), media_type="image/svg+xml")
 
 
 def make_app(studio: Studio) -> Starlette:
@@ -355,7 +325,7 @@ def make_app(studio: Studio) -> Starlette:
         ("/take/{run}/agents/{agent}/agent.json", studio.take_agent),
         ("/take/{run}/agents/{agent}/section.svg", studio.take_section),
     ]
-    pages = {**_read_page(), "viewer.js": files("driftform.report").joinpath("viewer.js").read_bytes()}
+    pages = {**_read_page(), "viewer.js": scene.read_viewer().encode()}
     return Starlette(
         routes=[
             *(Route(path, _answer(function), methods=[method]) for method, path, function in answers),
@@ -459,32 +429,26 @@ def _outline_without_targets(draft: dict[str, Any]) -> dict[str, Any] | None:
 
 def _axis_step(part: Any) -> float:
     """Return the distance at which points of the axis of a part are drawn, m: two points for a straight axis of one bore."""
-    if isinstance(part, Bend):
+    if isinstance(part, pipe_parts.Bend):
         return part.bend_radius * BEND_STEP
-    return part.length / REDUCER_STEPS if isinstance(part, Reducer) else math.inf
+    return part.length / REDUCER_STEPS if isinstance(part, pipe_parts.Reducer) else math.inf
 
 
 def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
     """Return the scene of the 3-D view, and the profile of the current at the inlet, empty if there is none."""
-    from driftform.report.viewer import scene_data
-    from driftform.water import Pipe, Segment
-
-    scene = scene_data(scenario, paths)
-    pipe, profile = scenario.pipe, scene["pipe"]
-    if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, Straight):
+    found = scene.scene_data(scenario, paths)
+    pipe, profile = scenario.pipe, found["pipe"]
+    if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, pipe_parts.Straight):
         # The first part carries the profile of a straight pipe.
         start, end = pipe.layout.inlet.centre, pipe.layout.parts[0].part.list_exits()[0].centre
         inlet = Segment(start=tuple(start.tolist()), end=tuple(end.tolist()), radius=pipe.layout.inlet.radius)
-        profile = scene_data(scenario.model_copy(update={"pipe": Pipe(segments=(inlet,)), "targets": {}}))[
-            "pipe"
-        ]
-    return {**scene, "profile": profile[0]["speeds"] if profile else []}
+        straight = scenario.model_copy(update={"pipe": Pipe(segments=(inlet,)), "targets": {}})
+        profile = scene.scene_data(straight)["pipe"]
+    return {**found, "profile": profile[0]["speeds"] if profile else []}
 
 
-def _list_fields(model: Any) -> list[dict[str, Any]]:
-    from driftform.options import describe
-
-    return [{**row, "default": str(row["default"])} for row in describe(model) if row["option"] != "kind"]
+def _list_fields(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    return [{**row, "default": str(row["default"])} for row in rows if row["option"] != "kind"]
 
 
 def _import_kernels() -> None:

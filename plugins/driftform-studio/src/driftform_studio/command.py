@@ -15,7 +15,6 @@ def studio(
     port: Annotated[
         int | None,
         typer.Option(
-            "--port",
             metavar="N",
             min=1,
             max=65535,
@@ -32,12 +31,12 @@ def studio(
     The page is served on this machine only, under an address with a secret token, until Ctrl-C. Searches that it began
     continue. Everything that it makes is a run directory in FOLDER, which all other commands open.
     """
-    from driftform.cli import print_json
+    from driftform.cli import output
     from driftform_studio.server import serve
 
     def announce(address: str) -> None:
         if json:
-            print_json({"address": address, "folder": str(folder)})
+            output.print_json({"address": address, "folder": str(folder)})
         else:
             print(f"driftform studio: {address}\nCtrl-C ends the page, and no search", flush=True)
 

@@ -10,8 +10,6 @@ import tomli_w
 
 from driftform import Study, load_study
 from driftform.errors import InputError, did_you_mean
-from driftform.study.sources import join_path, read_scenarios
-from driftform.study.toml_positions import find_key_lines
 from driftform.water import Scenario
 
 TABLES = (
@@ -40,7 +38,7 @@ def check_draft(draft: Any) -> dict[str, Any]:
     """
     if not isinstance(draft, dict) or not all(isinstance(key, str) for key in draft):
         raise InputError(f"{FILE}: is not a table")
-    scenarios = read_scenarios()
+    scenarios = Study.list_scenarios()
     if not isinstance(base := draft.get("base"), str) or base not in scenarios:
         raise InputError(
             f"{FILE}: base = {base!r} is not a built-in scenario{did_you_mean(str(base), scenarios)}"
@@ -94,8 +92,7 @@ def locate_errors(lines: list[str], text: str) -> list[dict[str, str]]:
     [{'line': 'study.toml:2: flow.speed = -1: should be more', 'key': 'flow.speed'}]
     """
     keys: dict[int, str] = {}
-    for path, number in find_key_lines(text).items():
-        key = join_path(path)
+    for key, number in Study.find_lines(text).items():
         # Of several keys on a line, such as a table in a list and the list, the last is the inner one.
         keys[number] = max(keys.get(number, ""), key, key=len)
     found = []

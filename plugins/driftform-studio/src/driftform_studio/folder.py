@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from driftform.errors import InputError, did_you_mean
-from driftform.runs.directory import DATABASE
-from driftform.util.files import is_directory, is_file, make_directory, safe_stem
+from driftform.util import files
+
+DATABASE = "run.db"
+"""Name of the file of a run with all that it has found."""
 
 ADDRESS = ".studio"
 """Name of the file that keeps the token and the port, so that an address holds when the server is started again."""
@@ -28,7 +30,7 @@ class RunsFolder:
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = make_directory(path, "FOLDER").resolve()
+        self.path = files.make_directory(path, "FOLDER").resolve()
 
     def find(self, name: str) -> Path:
         """Return the directory of a run.
@@ -55,19 +57,19 @@ class RunsFolder:
         yield from (path for path in sorted(self.path.iterdir()) if self._holds_run(path))
 
     def _holds_run(self, path: Path) -> bool:
-        inside = is_directory(path) and path.resolve().parent == self.path
-        return inside and is_file(path / DATABASE) and not (path / DATABASE).is_symlink()
+        inside = files.is_directory(path) and path.resolve().parent == self.path
+        return inside and files.is_file(path / DATABASE) and not (path / DATABASE).is_symlink()
 
     def read_text(self, run: Path, name: str) -> str:
         """Return a text file of a run, empty if there is none, or only a large one."""
         path = run / name
-        if not is_file(path) or path.stat().st_size > LARGEST_TEXT:
+        if not files.is_file(path) or path.stat().st_size > LARGEST_TEXT:
             return ""
         return path.read_text(encoding="utf-8", errors="replace")
 
     def make_run_directory(self, name: str) -> Path:
         """Make the first free directory NAME-N, and return its path."""
-        stem, number = safe_stem(name).replace(" ", "-").lower(), 1
+        stem, number = files.safe_stem(name).replace(" ", "-").lower(), 1
         while True:
             path = self.path / f"{stem}-{number}"
             try:

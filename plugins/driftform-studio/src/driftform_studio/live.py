@@ -6,22 +6,21 @@ from typing import Any
 
 import numpy as np
 
-from driftform import Run, StoredAgent
+from driftform import Design, Run, StoredAgent
 from driftform.errors import InputError
-from driftform.runs.directory import DATABASE, resume_command
-from driftform.runs.monitor import FINISHED, RUNNING, STOPPED, WRITING, RunMonitor
-from driftform.search.advance import find_best
+from driftform.figures import scene
+from driftform_studio.folder import DATABASE
 from driftform_studio.marks import PROGRESS
 from driftform_studio.searches import Searches
 
+RUNNING, WRITING, FINISHED, STOPPED = "running", "writing the best agents", "finished", "stopped"
+"""States of the monitor of a run."""
+
 STARTING, PAUSING, PAUSED, FAILED = "starting", "pausing", "paused", "failed"
-"""States that the page has besides those of :mod:`driftform.runs.monitor`."""
+"""States that the page has besides these."""
 
 COLUMNS = 120
 """Points of the curve of a target."""
-
-PATH_TOLERANCE = 2e-3
-"""Tolerance to which a path is simplified for the side view, m: a tenth of what a screen shows of a pipe."""
 
 
 class LiveRun:
@@ -30,8 +29,8 @@ class LiveRun:
     def __init__(self, directory: Path) -> None:
         self.directory = directory
         self._lock = Lock()
-        self._monitor = RunMonitor(directory)
         self._run: Run | None = None
+        self._monitor: Any = None
         self._best: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {}
         self._place = _identify(directory)
 
@@ -51,6 +50,7 @@ class LiveRun:
         with self._lock:
             if self._run is None:
                 self._run = Run.open(self.directory, check=False)
+                self._monitor = self._run.monitor()
             return self._run
 
     def read_status(self, searches: Searches) -> dict[str, Any]:
@@ -100,14 +100,14 @@ class LiveRun:
                 "rate": throughput.recent(status.done) if state == RUNNING else None,
                 "targets": targets,
                 "failure": failure,
-                "command": resume_command(self.directory) if state in (PAUSED, FAILED) else "",
+                "command": run.resume_command if state in (PAUSED, FAILED) else "",
             }
 
     def _name_state(self, run: Run, searches: Searches, failure: str, targets: list[dict[str, Any]]) -> str:
         state = self._monitor.state
         if state in (RUNNING, WRITING):
             return PAUSING if searches.is_pausing(self.directory) else state
-        if searches.is_busy(self.directory):
+        if searches.is_alive(self.directory):
             return STARTING
         if failure:
             return FAILED
@@ -128,12 +128,12 @@ class LiveRun:
         """Return what is known of the best agent of a target; read again only in another state of the run."""
         known = self._best.get(target)
         if known is None or known[0] != state:
-            stored = find_best(run, target)
+            stored = run.find_best(target)
             assert stored is not None
             known = self._best[target] = state, dict(stored.result)
         return known[1]
 
-    def find_agent(self, key: str) -> StoredAgent:
+    def find_agent(self, key: str) -> Design:
         """Return the agent that a key names: the target of a best one, or ``X_Y_Z`` of one that was picked.
 
         Raises
@@ -141,18 +141,15 @@ class LiveRun:
         InputError
             if there is none.
         """
-        from driftform.design.opening import open_best
-        from driftform.runs.agent_file import read_agent
-
         run = self.run
         if key in run.study.scenario.targets:
-            return open_best(run, key)
+            return run[key]
         picks = self.directory / "picks"
         known = {path.name: path for path in picks.iterdir()} if picks.is_dir() else {}
         path = known.get(key, picks) / "agent.json"
         if key not in known or path.resolve().parent.parent.parent != self.directory.resolve():
             raise InputError(f"{self.directory.name}: has no agent '{key}'")
-        return read_agent(path)
+        return Design.build(StoredAgent.read(path), f"{run.name}: {key}")
 
     def read_path(self, evaluation: int) -> list[list[float]]:
         """Return the path of an evaluation's flight, m, simplified.
@@ -162,18 +159,10 @@ class LiveRun:
         InputError
             if there is no such flight.
         """
-        from driftform.figures.projection import simplify_polyline
-
-        run = self.run
-        with run.read() as store:
-            records = list(store.read_records(run.study.scenario.target_names, evaluation, 1))
-        flight = records[0].evaluation.trajectory if records else None
+        flight = self.run.read_flight(evaluation)
         if flight is None:
             raise InputError(f"{self.directory.name}: has no flight {evaluation}")
-        kept = simplify_polyline(flight.position[:, [0, 2]], PATH_TOLERANCE)
-        # Simplifying keeps points of the path, whose other coordinate is that of the sample.
-        rows = [int(np.argmin(((flight.position[:, [0, 2]] - point) ** 2).sum(axis=1))) for point in kept]
-        path: list[list[float]] = np.round(flight.position[rows], 4).tolist()
+        path: list[list[float]] = np.round(scene.simplify_path(flight), 4).tolist()
         return path
 
 

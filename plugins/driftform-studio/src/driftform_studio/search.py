@@ -3,19 +3,17 @@
 It does what ``driftform resume`` does, and pauses when the page asks for it.
 """
 
-import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 
 from filelock import FileLock, Timeout
 
 from driftform import Run
 from driftform.errors import DriftformError
-from driftform.runs.store import Record
-from driftform.search import LocalProcesses, Observer, advance_run
-from driftform.util.files import write_text
+from driftform.search import Observer, open_executor
+from driftform.util import files
 from driftform_studio.marks import HELD, PAUSE, PROGRESS
 
 
@@ -33,14 +31,14 @@ class _Listener(Observer):
         if (self._directory / PAUSE).exists():
             raise PausedError
 
-    def record(self, record: Record) -> None:
+    def record(self, record: object) -> None:
         self._listen()
 
     @contextmanager
     def open_finalists(self) -> Iterator[Callable[[int, int], None]]:
         def show(done: int, total: int) -> None:
             self._listen()
-            write_text(self._directory / PROGRESS, f"{done} {total}\n")
+            files.write_text(self._directory / PROGRESS, f"{done} {total}\n")
 
         yield show
 
@@ -48,17 +46,16 @@ class _Listener(Observer):
 def search(directory: Path, evaluations: int | None = None) -> None:
     """Advance a run to the end of its budget, or until the page asks for a pause."""
     with FileLock(directory / HELD, timeout=1), Run.resume(directory, evaluations) as run:
-        workers = os.cpu_count() or 1
         try:
-            with closing(LocalProcesses(run.study.document, workers)) as executor:
-                results = advance_run(run, executor, _Listener(directory))
+            with open_executor(run.study) as executor:
+                problems = run.advance(executor, _Listener(directory))
         except PausedError:
             print("paused", flush=True)
             return
         finally:
             for name in (PAUSE, PROGRESS):
                 (directory / name).unlink(missing_ok=True)
-    for problem in (problem for best in results for problem in best.problems):
+    for problem in problems:
         print(f"warning: {problem}", flush=True)
 
 

@@ -4,8 +4,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+from driftform import Run
 from driftform.errors import InputError
-from driftform.runs.directory import is_locked, is_worked_on
+from driftform.util import files
 from driftform_studio.marks import HELD, PAUSE
 
 LOG = "search.log"
@@ -29,7 +30,7 @@ class Searches:
         InputError
             if a process works on the run already.
         """
-        if self.is_busy(directory):
+        if Run.glance(directory)["is_worked_on"] or self.is_alive(directory):
             raise InputError(f"{directory.name}: a search works on this run already")
         (directory / PAUSE).unlink(missing_ok=True)
         budget = [] if evaluations is None else [str(evaluations)]
@@ -59,13 +60,9 @@ class Searches:
             )
         (directory / PAUSE).touch()
 
-    def is_busy(self, directory: Path) -> bool:
-        """Return whether a process works on a run, or is about to."""
-        return is_worked_on(directory) or self._is_alive(directory)
-
     def can_pause(self, directory: Path) -> bool:
         """Return whether the search of a run listens to the page, whichever server began it."""
-        return is_locked(directory / HELD) or self._is_alive(directory)
+        return files.is_locked(directory / HELD) or self.is_alive(directory)
 
     def is_pausing(self, directory: Path) -> bool:
         """Return whether the search of a run was asked to pause."""
@@ -82,8 +79,9 @@ class Searches:
 
     def count_alive(self) -> int:
         """Return how many searches that this server began still go on."""
-        return sum(self._is_alive(directory) for directory in self._processes)
+        return sum(self.is_alive(directory) for directory in self._processes)
 
-    def _is_alive(self, directory: Path) -> bool:
+    def is_alive(self, directory: Path) -> bool:
+        """Return whether a search of a run that this server began still goes on."""
         process = self._processes.get(directory)
         return process is not None and process.poll() is None

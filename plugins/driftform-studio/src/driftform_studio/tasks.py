@@ -8,7 +8,7 @@ from secrets import token_hex
 from typing import Any
 
 from driftform.errors import DriftformError, describe_error
-from driftform.util.progress import show_progress
+from driftform.util import progress
 
 KEPT = 50
 """Tasks that are remembered; each has a few kB of results."""
@@ -66,7 +66,7 @@ class Tasks:
             task.what, task.done, task.total = what, done, total
 
         try:
-            with show_progress(show):
+            with progress.show_progress(show):
                 task.result = work()
         except DriftformError as error:
             task.errors = [str(line) for line in error.args]

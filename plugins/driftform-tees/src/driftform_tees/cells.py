@@ -10,15 +10,8 @@ import numpy as np
 
 from driftform.types import FloatArray
 from driftform.util import allocating, compiled
-from driftform.water.tee_wall import (
-    COSINE,
-    INLET,
-    OUTLET,
-    SINE,
-    distance_beyond_ends,
-    wall_level,
-    water_level,
-)
+from driftform.water import tee_wall
+from driftform_tees.region import distance_beyond_ends, water_level
 
 PIECES = 4
 """Pieces of a line in which at most one change of sign is looked for."""
@@ -39,11 +32,11 @@ def spline_values(u: float, values: FloatArray, slopes: FloatArray) -> None:
 @compiled
 def _line_axis(p: FloatArray, wall: FloatArray) -> int:
     """Return the axis that is closest to the normal of the boundary near a point."""
-    level, normal = wall_level(p[0], p[1], p[2], wall)
-    along = max(wall[INLET] - p[0], p[0] - wall[OUTLET])
+    level, normal = tee_wall.wall_level(p[0], p[1], p[2], wall)
+    along = max(wall[tee_wall.INLET] - p[0], p[0] - wall[tee_wall.OUTLET])
     beyond = distance_beyond_ends(p[0], p[1], p[2], wall)
     if beyond > level:
-        return 0 if beyond == along or wall[COSINE] > wall[SINE] else 2
+        return 0 if beyond == along or wall[tee_wall.COSINE] > wall[tee_wall.SINE] else 2
     if abs(normal[0]) > max(abs(normal[1]), abs(normal[2])):
         return 0
     return 1 if abs(normal[1]) > abs(normal[2]) else 2
@@ -117,7 +110,7 @@ def cut_cell(
                     if crossed:
                         p[axis] = stop
                         if distance_beyond_ends(p[0], p[1], p[2], wall) < -1e-9:
-                            _, normal = wall_level(p[0], p[1], p[2], wall)
+                            _, normal = tee_wall.wall_level(p[0], p[1], p[2], wall)
                             for e in range(3):
                                 outer[m, e], outer[m, 3 + e] = p[e], normal[e]
                             outer[m, 6] = base / max(abs(normal[axis]), 0.05)

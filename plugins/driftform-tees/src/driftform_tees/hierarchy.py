@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 from scipy.sparse import coo_array, csr_array
 
-from driftform.types import BoolArray, FloatArray
+from driftform.types import FloatArray
 
+BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
 

@@ -7,30 +7,16 @@ Stenberg 1995 use such terms for other conditions). Unknowns are even in y.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array
 
-from driftform.types import BoolArray, FloatArray
+from driftform.types import FloatArray
 from driftform.util import allocating
-from driftform.water import Junction, TeePotentials
-from driftform.water.tee_spline import HEAD, LEVEL_SIZE
-from driftform.water.tee_wall import (
-    BRANCH,
-    CELLS,
-    COSINE,
-    END,
-    INLET,
-    OUTLET,
-    SINE,
-    distance_beyond_ends,
-    distance_from_ball,
-    wall_level,
-    water_level,
-)
+from driftform.water import TeePotentials, tee_wall
 from driftform_tees.cells import cut_stiffness, gradient_rows, value_rows
-from driftform_tees.hierarchy import IntArray, Level, build_levels, coefficient_matrices
+from driftform_tees.hierarchy import BoolArray, IntArray, Level, build_levels, coefficient_matrices
+from driftform_tees.region import distance_beyond_ends, distance_from_ball, water_level
 
 GRADING = 0.5
 """Largest width of a cell over its distance from the fillet, plus the width of the finest."""
@@ -45,36 +31,8 @@ TOLERANCE = 1e-8
 """Relative residual at which the conjugate gradients stop."""
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Two flows in a tee, in units of the run's radius and of the mean speed at its inlet.
-
-    Attributes
-    ----------
-    junction
-        the shape.
-    levels
-        the grids.
-    through, branch
-        coefficients of the potential on the box of each level, where all water leaves by the run, or by the branch.
-    leakage
-        means over the wall of the products of the two normal velocities, (2, 2).
-    """
-
-    junction: Junction
-    levels: Sequence[Level]
-    through: Sequence[FloatArray]
-    branch: Sequence[FloatArray]
-    leakage: FloatArray
-
-    def leakage_rms(self, share: float) -> float:
-        """Return the root mean square of the velocity through the wall if ``share`` of the water leaves by the branch."""
-        weights = np.array([1 - share, share])
-        return float(np.sqrt(weights @ self.leakage @ weights))
-
-
-def solve_junction(junction: Junction) -> Solution:
-    """Compute the two flows in a tee; this takes a minute or so."""
+def solve_tee(junction: tee_wall.Junction) -> TeePotentials:
+    """Compute the two flows in a tee, as driftform stores them; this takes a minute or so."""
     wall = junction.array()
     levels = make_levels(junction)
     matrices, starts = coefficient_matrices(levels)
@@ -83,27 +41,34 @@ def solve_junction(junction: Junction) -> Solution:
     stiffness, walls = _assemble(levels, maps, wall)
     inlet, outlet, end = (_load(points, levels, maps) for points in _end_points(wall))
     found = solve_system(stiffness, np.stack([outlet - inlet, end - inlet], axis=1))
-    through, branch = (
+    flows = [
         [np.asarray(P @ x).reshape(level.active.shape) for level, P in zip(levels, maps, strict=True)]
         for x in found.T
-    )
-    normal = np.stack([_normal_velocity(walls, levels, flow) for flow in (through, branch)])
+    ]
+    normal = np.stack([_normal_velocity(walls, levels, flow) for flow in flows])
     weight = np.concatenate(walls)[:, 6]
     leakage = (normal * weight) @ normal.T / weight.sum()
-    return Solution(junction, levels, through, branch, leakage)
+    packed = []
+    for level, *values in zip(levels, *flows, strict=True):
+        # Functions that touch only cells with y < 0 are left out.
+        first = -int(level.low[1])
+        touched = level.touched()[:, first:]
+        through, branch = (np.where(touched, value[:, first:], np.nan) for value in values)
+        packed.append((level.width, (int(level.low[0]), 0, int(level.low[2])), through, branch))
+    return TeePotentials.of_levels(packed, leakage)
 
 
-def make_levels(junction: Junction) -> list[Level]:
+def make_levels(junction: tee_wall.Junction) -> list[Level]:
     """Return the grids of a tee."""
     wall, h, r = junction.array(), junction.width, junction.branch
-    c, s, end = wall[COSINE], wall[SINE], wall[END]
+    c, s, end = wall[tee_wall.COSINE], wall[tee_wall.SINE], wall[tee_wall.END]
     # An oblique end may need the next cell.
     more = 0.25 * h if c > 0 else 0.0
-    low = np.array([min(wall[INLET], end * c - r * s - more), -1.0, -1.0])
-    high = np.array([max(wall[OUTLET], end * c + r * s + more), 1.0, end * s + r * c + more])
+    low = np.array([min(wall[tee_wall.INLET], end * c - r * s - more), -1.0, -1.0])
+    high = np.array([max(wall[tee_wall.OUTLET], end * c + r * s + more), 1.0, end * s + r * c + more])
     first, last = np.floor(low / h + 1e-9).astype(np.int64), np.ceil(high / h - 1e-9).astype(np.int64)
     nx, ny, nz = (last - first).tolist()
-    finest = junction.fillet / CELLS
+    finest = junction.finest
 
     def touches(centres: FloatArray, width: float) -> BoolArray:
         level = _reach_levels(centres, wall, 0.0)
@@ -139,13 +104,13 @@ def _water_levels(points: FloatArray, wall: FloatArray) -> FloatArray:
 def _reach_levels(points: FloatArray, wall: FloatArray, margin: float) -> FloatArray:
     """Return levels of the water with a ``margin`` in the wall and beyond an end that is oblique to the grid."""
     out = np.empty(len(points))
-    oblique = margin if wall[COSINE] > 0.0 else 0.0
+    oblique = margin if wall[tee_wall.COSINE] > 0.0 else 0.0
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         beyond = distance_beyond_ends(x, y, z, wall)
-        if x > wall[INLET] and x < wall[OUTLET]:
+        if x > wall[tee_wall.INLET] and x < wall[tee_wall.OUTLET]:
             beyond -= oblique
-        out[i] = max(wall_level(x, y, z, wall)[0] - margin, beyond)
+        out[i] = max(tee_wall.wall_level(x, y, z, wall)[0] - margin, beyond)
     return out
 
 
@@ -231,9 +196,13 @@ def _end_points(wall: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     radius, angle = np.meshgrid((nodes + 1) / 2, np.pi * nodes / 2, indexing="ij")
     y, up = (radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()
     weight = (radius * np.outer(weights, weights) * np.pi / 4).ravel()
-    r, c, s = wall[BRANCH], wall[COSINE], wall[SINE]
-    inlet, outlet = (np.stack([np.full_like(y, wall[i]), y, up, weight], axis=1) for i in (INLET, OUTLET))
-    side = np.stack([wall[END] * c + r * up * s, r * y, wall[END] * s - r * up * c, weight], axis=1)
+    r, c, s = wall[tee_wall.BRANCH], wall[tee_wall.COSINE], wall[tee_wall.SINE]
+    inlet, outlet = (
+        np.stack([np.full_like(y, wall[i]), y, up, weight], axis=1) for i in (tee_wall.INLET, tee_wall.OUTLET)
+    )
+    side = np.stack(
+        [wall[tee_wall.END] * c + r * up * s, r * y, wall[tee_wall.END] * s - r * up * c, weight], axis=1
+    )
     return inlet, outlet, side
 
 
@@ -302,28 +271,3 @@ def normal_slopes(
         rows = gradient_rows(points[q : q + 1], corners[q], width)
         out[q] = (points[q, 3:6] * (rows @ coefficients[q])).sum()
     return out
-
-
-def solve_tee(junction: Junction) -> TeePotentials:
-    """Solve the flow in a tee, as driftform stores it."""
-    return pack_solution(solve_junction(junction))
-
-
-def pack_solution(solution: Solution) -> TeePotentials:
-    """Return the potentials of a solution as the kernels read them."""
-    count = len(solution.levels)
-    head = np.zeros(HEAD + LEVEL_SIZE * count)
-    head[0] = count
-    flows: list[list[FloatArray]] = [[], []]
-    place = len(head)
-    for number, level in enumerate(solution.levels):
-        # Functions that touch only cells with y < 0 are left out.
-        first = -int(level.low[1])
-        touched = level.touched()[:, first:]
-        row = head[HEAD + LEVEL_SIZE * number :][:LEVEL_SIZE]
-        row[:] = level.width, level.low[0], 0, level.low[2], *touched.shape, place
-        place += touched.size
-        for flow, values in zip(flows, (solution.through, solution.branch), strict=True):
-            flow.append(np.where(touched, values[number][:, first:], np.nan).ravel())
-    through, branch = (np.concatenate(flow) for flow in flows)
-    return TeePotentials(head, through - np.nanmean(through), branch - np.nanmean(branch), solution.leakage)

@@ -5,9 +5,8 @@ Format: Wavefront Technologies, "Object Files (.obj)", Advanced Visualizer manua
 
 from collections.abc import Mapping
 
-from driftform.agent.meshes import obj_lines
-from driftform_frusta.exporters.meshes import JoinedFile
-from driftform_frusta.mesh import Mesh
+from driftform.agent import Mesh
+from driftform_frusta.exporters.base import JoinedFile
 
 
 class ObjExporter(JoinedFile):
@@ -28,6 +27,6 @@ def obj_text(meshes: Mapping[str, Mesh]) -> str:
     for name, mesh in meshes.items():
         group = name.replace(" ", "_")
         pieces.append(f"o {group}\ng {group}\n")
-        pieces.append(obj_lines(mesh.vertices, mesh.triangles, first))
+        pieces.append(mesh.to_obj(first))
         first += len(mesh.vertices)
     return "".join(pieces)

@@ -5,8 +5,8 @@ Format: G. Turk, "The PLY Polygon File Format" (1994); binary, little-endian.
 
 import numpy as np
 
-from driftform_frusta.exporters.meshes import PartFiles
-from driftform_frusta.mesh import Mesh
+from driftform.agent import Mesh
+from driftform_frusta.exporters.base import PartFiles
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", (3,))])
 

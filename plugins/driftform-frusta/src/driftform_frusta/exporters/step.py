@@ -2,16 +2,14 @@
 
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from driftform.errors import WorkFailedError
-from driftform.interfaces import Exporter, ExportJob, Table
-from driftform.types import WrittenFile
+from driftform.interfaces import ExportJob
 from driftform_frusta.colours import channels, colour_of
-from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
-from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.exporters.base import File, PartExporter, list_facts
 
 if TYPE_CHECKING:
     from driftform_frusta.parts import Part
@@ -20,7 +18,7 @@ _TOLERANCE = 1e-3
 """Between the exact solid and its mesh, relative, if letters are engraved: they are cut out of true circles here."""
 
 
-class StepExporter(Exporter[PartOptions]):
+class StepExporter(PartExporter):
     """The hull as a STEP file in mm, with true cones and circles, a named solid for each part; needs Open CASCADE.
 
     The sections and volumes are those of the simulation without any facets, so ``segments`` has no effect. Open CASCADE
@@ -29,25 +27,13 @@ class StepExporter(Exporter[PartOptions]):
 
     name = "step"
     suffix = ".step"
-    Options: ClassVar[type[Table]] = PartOptions
 
-    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the solids.
-
-        Facts: ``volume_mm3``, ``mass_kg``, ``shells``, ``size_mm`` or ``parts``, and the number of ``faces``.
-
-        Raises
-        ------
-        WorkFailedError
-            if Open CASCADE is missing, the body has no closed printable solid, or the file cannot be written.
-        """
+    def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
+        """Yield the solids; facts: those of parts, and the number of ``faces``."""
         from driftform_frusta.brep import require_opencascade, to_brep, volume_of
-        from driftform_frusta.kits import list_kit_facts, make_parts
         from driftform_frusta.printable import MM3_PER_M3
 
         require_opencascade()
-        body = job.agent.body
-        parts = make_parts(body, self.options)
         shapes = [to_brep(part.tree) for part in parts]
         for part, shape in zip(parts, shapes, strict=True):
             exact, meshed = volume_of(shape), part.solid.volume
@@ -55,17 +41,15 @@ class StepExporter(Exporter[PartOptions]):
                 raise WorkFailedError(
                     f"the exact solid of the {part.name} has {exact:.3f} mm3, its mesh {meshed:.3f} mm3"
                 )
-        save(path, step_text(job.name, parts, shapes))
         volume = sum(volume_of(shape) for shape in shapes)
-        facts = facts_of_all(parts, body) | {
+        facts = list_facts(parts, job.agent.body) | {
             "volume_mm3": volume,
-            "mass_kg": volume / MM3_PER_M3 * body.hull_density,
+            "mass_kg": volume / MM3_PER_M3 * job.agent.body.hull_density,
             "faces": sum(_faces(shape) for shape in shapes),
         }
         if len(shapes) == 1:
             facts["size_mm"] = _size(shapes[0])
-        facts |= list_kit_facts(job, self.options)
-        return (WrittenFile(self.name, str(path), facts), *write_sheet(self.name, job, self.options, path))
+        yield path, step_text(job.name, parts, shapes), facts
 
 
 def step_text(title: str, parts: "Sequence[Part]", shapes: Sequence[Any]) -> str:

@@ -1,8 +1,7 @@
 """STL: the format of every slicer, for one solid."""
 
-from driftform.agent.meshes import stl_bytes
-from driftform_frusta.exporters.meshes import PartFiles
-from driftform_frusta.mesh import Mesh
+from driftform.agent import Mesh
+from driftform_frusta.exporters.base import PartFiles
 
 
 class StlExporter(PartFiles):
@@ -13,4 +12,4 @@ class StlExporter(PartFiles):
 
     def encode(self, mesh: Mesh) -> bytes:
         """Return loose triangles with their normals."""
-        return stl_bytes(mesh.vertices, mesh.triangles)
+        return mesh.to_stl()

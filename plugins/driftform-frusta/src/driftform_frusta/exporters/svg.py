@@ -4,7 +4,7 @@ from pathlib import Path
 
 from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import WrittenFile
-from driftform_frusta.exporters.common import save
+from driftform_frusta.exporters.base import save
 
 
 class SvgExporter(Exporter[Table]):

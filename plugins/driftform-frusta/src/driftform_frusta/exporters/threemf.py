@@ -1,23 +1,20 @@
 """3MF: a plate for slicers, with names, colours, a picture, and the agent itself."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from driftform.figures import rasterise
-from driftform.figures.files import ZOOM
-from driftform.interfaces import Exporter, ExportJob, Table
-from driftform.study.exporter_settings import KIT_FILE
-from driftform.types import WrittenFile
+from driftform.agent import Mesh
+from driftform.figures import files as picture_files
+from driftform.interfaces import ExportJob
 from driftform_frusta.colours import colour_of
-from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
-from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.mesh import Mesh, make_mesh
-from driftform_frusta.picture import Shape, plate_svg
+from driftform_frusta.exporters.base import File, PartExporter, list_facts
+from driftform_frusta.mesh import make_mesh
+from driftform_frusta.picture import plate_svg
 from driftform_frusta.plate import arrange, fits
 
 if TYPE_CHECKING:
@@ -38,12 +35,8 @@ class _Placed:
     x: float
     y: float
 
-    def shape(self) -> Shape:
-        moved = self.mesh.vertices.astype(np.float64) + np.array([self.x, self.y, 0.0])
-        return Shape(moved, self.mesh.triangles, self.colour)
 
-
-class ThreeMfExporter(Exporter[PartOptions]):
+class ThreeMfExporter(PartExporter):
     """The parts as they are printed, upright on a plate, with names, colours, a picture and the agent's own files.
 
     Parts that do not fit on one plate are spread over several files. The recommended print settings are
@@ -52,23 +45,13 @@ class ThreeMfExporter(Exporter[PartOptions]):
 
     name = "3mf"
     suffix = ".3mf"
-    Options: ClassVar[type[Table]] = PartOptions
 
-    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the plates, and a kit's assembly sheet.
-
-        Facts: as those of ``obj``, the number of ``triangles``, and whether all parts of a plate ``fit_bed``.
-
-        Raises
-        ------
-        WorkFailedError
-            if the body has no closed printable solid, or a file cannot be written.
-        """
-        from driftform_frusta.kits import make_parts
+    def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
+        """Yield the plates; facts: those of parts, the number of ``triangles``, and whether all parts of a plate ``fits_bed``."""
+        from driftform_frusta.kits import KIT_FILE
         from driftform_frusta.source import write_source
         from driftform_frusta.threemf import package_bytes
 
-        parts = make_parts(job.agent.body, self.options)
         placed = self._placed(parts)
         plates = 1 + max(p.plate for p in placed)
         attachments = {"agent.scad": write_source(job, parts, self.options.segments, self.options.ballast)}
@@ -77,25 +60,27 @@ class ThreeMfExporter(Exporter[PartOptions]):
         if self.options.kit:
             # 'driftform check' makes the same kit again, to compare it.
             attachments[KIT_FILE] = self.options.model_dump_json(indent=1) + "\n"
-        written = []
         for number in range(plates):
             here = [p for p in placed if p.plate == number]
             title = job.name if plates == 1 else f"{job.name}, plate {number + 1} of {plates}"
             target = path if plates == 1 else path.with_name(f"{path.stem}-plate-{number + 1}{path.suffix}")
-            save(target, package_bytes(self._package(title, job, here, attachments)))
-            written.append(WrittenFile(self.name, str(target), self._facts(job, here)))
-        return (*written, *write_sheet(self.name, job, self.options, path))
+            sizes = [tuple(np.ptp(p.mesh.bounds, axis=0).tolist()) for p in here]
+            facts = list_facts([p.part for p in here], job.agent.body) | {
+                "triangles": sum(len(p.mesh.triangles) for p in here),
+                "fits_bed": all(fits(size, self._bed) for size in sizes),
+            }
+            yield target, package_bytes(self._package(title, job, here, attachments)), facts
 
-    def plate_picture(self, job: ExportJob, width: int = 400, height: int = 300) -> bytes:
-        """Return the picture of the first plate, a PNG file."""
+    def plate_picture(self, job: ExportJob) -> bytes:
+        """Return a larger picture of the first plate than the file has, a PNG file."""
         from driftform_frusta.kits import make_parts
 
         placed = self._placed(make_parts(job.agent.body, self.options))
-        return self._picture([p for p in placed if p.plate == 0], width, height)
+        return self._picture([p for p in placed if p.plate == 0], 200.0, 150.0)
 
     def _placed(self, parts: "Sequence[Part]") -> list[_Placed]:
         meshes = [make_mesh(part.on_bed(), part.name) for part in parts]
-        boxes = [(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for mesh in meshes]
+        boxes = [mesh.bounds for mesh in meshes]
         sizes = [(float(high[0] - low[0]), float(high[1] - low[1])) for low, high in boxes]
         spots = arrange(sizes, self._bed[:2])
         return [
@@ -142,15 +127,6 @@ class ThreeMfExporter(Exporter[PartOptions]):
         picture = self._picture(placed)
         return Package(title, items, {"Description": description}, hints, picture, attachments)
 
-    def _picture(self, placed: Sequence[_Placed], width: int = 320, height: int = 240) -> bytes:
-        drawn = plate_svg([p.shape() for p in placed], self._bed[:2], width / ZOOM, height / ZOOM)
-        return rasterise(drawn) or b""
-
-    def _facts(self, job: ExportJob, placed: Sequence[_Placed]) -> dict[str, Any]:
-        from driftform_frusta.kits import list_kit_facts
-
-        facts = facts_of_all([p.part for p in placed], job.agent.body)
-        facts["triangles"] = sum(len(p.mesh.triangles) for p in placed)
-        sizes = [np.ptp(p.mesh.vertices, axis=0).tolist() for p in placed]
-        facts["fits_bed"] = all(fits((x, y, z), self._bed) for x, y, z in sizes)
-        return facts | list_kit_facts(job, self.options)
+    def _picture(self, placed: Sequence[_Placed], width: float = 160.0, height: float = 120.0) -> bytes:
+        shapes = [(p.mesh.translate((p.x, p.y, 0.0)), p.colour) for p in placed]
+        return picture_files.rasterise(plate_svg(shapes, self._bed[:2], width, height)) or b""

@@ -1,21 +1,21 @@
 """Checks of the meshes themselves: from closedness to the best orientation on the bed."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
-from driftform.agent import hull_volume
+from driftform.agent import Mesh, hull_volume
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, FloatArray, State
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
-from driftform_kit.checks.parts import MM3_PER_M3, MM_PER_M, Part
-from driftform_kit.checks.reading import read_parts
+from driftform_kit.checks.parts import MM3_PER_M3, MM_PER_M
 from driftform_kit.checks.shells import Shell, find_shells, orient_outward
 from driftform_kit.checks.slenderness import measure_slenderness
 from driftform_kit.checks.topology import Topology, analyse_topology
 from driftform_kit.checks.walls import REACH, Wall, find_thinnest_wall
+from driftform_kit.reading import read_meshes
 
 _SMALLEST, _LARGEST = 1.0, 10_000.0
 """mm: a smaller part was written in metres, a larger one in micrometres."""
@@ -59,7 +59,7 @@ class MeshOptions(Table):
 class AnalysedPart:
     """A part, its topology and its shells, which are empty if it is not closed or not oriented."""
 
-    part: Part
+    part: Mesh
     topology: Topology
     shells: tuple[Shell, ...]
 
@@ -73,8 +73,13 @@ class AnalysedPart:
         """Volume of the material, mm3."""
         return sum(shell.volume for shell in self.shells)
 
+    @property
+    def outward(self) -> Mesh:
+        """The mesh with all triangles turned to face outward; those of hollows come last."""
+        return replace(self.part, triangles=orient_outward(self.shells))
 
-def analyse_part(part: Part) -> AnalysedPart:
+
+def analyse_part(part: Mesh) -> AnalysedPart:
     """Return a part with its topology and its shells."""
     found = analyse_topology(part.triangles)
     return AnalysedPart(part, found, find_shells(part, found) if found.closed and found.oriented else ())
@@ -88,7 +93,7 @@ class MeshChecker(Checker[MeshOptions]):
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Report unit, closedness, orientation of faces, shells, mass, walls, size, orientation on the bed, slenderness."""
-        parts = [part for path in job.files for part in read_parts(path)]
+        parts = [part for path in job.files for part in read_meshes(path)]
         studied = [analyse_part(part) for part in parts]
         unit = _check_unit(parts)
         yield unit
@@ -113,11 +118,11 @@ class MeshChecker(Checker[MeshOptions]):
         if not one.shells:
             return Finding("slender", State.SKIPPED, "a mesh that is not closed has no sections", name)
         o = self.options
-        triangles = orient_outward(one.shells)
+        mesh = one.outward
         # That another placement is better, or needs a brim, is a fault of 'standing'.
-        best = choose_orientation(list_orientations(one.part.vertices, triangles, 0), _bed_size(job))
-        turned = one.part.vertices @ TURNS[best.name].T
-        beam = measure_slenderness(turned, triangles, o.stiffness, o.strength, o.adhesion)
+        best = choose_orientation(list_orientations(mesh), _bed_size(job))
+        turned = replace(mesh, vertices=mesh.vertices @ TURNS[best.name].T)
+        beam = measure_slenderness(turned, o.stiffness, o.strength, o.adhesion)
         if beam is None:
             return Finding("slender", State.SKIPPED, "it is no taller than its first layer", name)
         bent, half_line = o.push * beam.bending, MM_PER_M * job.printer.nozzle / 2
@@ -179,7 +184,7 @@ class MeshChecker(Checker[MeshOptions]):
             return Finding("standing", State.SKIPPED, "a mesh that is not closed has no underside", name)
         hollow = sum(len(shell.triangles) for shell in one.shells if shell.hollow)
         bed = _bed_size(job)
-        ways = list_orientations(one.part.vertices, orient_outward(one.shells), hollow)
+        ways = list_orientations(one.outward, hollow)
         best, now = choose_orientation(ways, bed), ways[0]
         # The file of an agent in one piece has its aft end on the bed.
         upright = job.export is not None and count == 1
@@ -216,8 +221,8 @@ def _describe_orientation(way: Orientation, words: Mapping[str, str]) -> str:
     return f"{words.get(way.name, way.name)} {way.contact / 100:.1f} and {way.overhang / 100:.1f}{inside}"
 
 
-def _check_unit(parts: Sequence[Part]) -> Finding:
-    largest = max(float(part.size.max()) for part in parts)
+def _check_unit(parts: Sequence[Mesh]) -> Finding:
+    largest = max(float(np.ptp(part.bounds, axis=0).max()) for part in parts)
     if largest < _SMALLEST:
         return Finding(
             "unit",
@@ -336,7 +341,7 @@ def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
     thin: Wall | None = None
     where = ""
     for one in studied:
-        wall = find_thinnest_wall(one.part.vertices, orient_outward(one.shells))
+        wall = find_thinnest_wall(one.outward)
         if wall is not None and (thin is None or wall.thickness < thin.thickness):
             thin, where = wall, f"{one.part.name}, " if len(studied) > 1 else ""
     if thin is None:
@@ -354,20 +359,20 @@ def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
     return Finding("wall", State.PASS, f"{message}: {thin.thickness / nozzle:.1f} lines of {nozzle:g} mm")
 
 
-def _check_bed(parts: Sequence[Part], job: PrintJob) -> Finding:
+def _check_bed(parts: Sequence[Mesh], job: PrintJob) -> Finding:
     bed = _bed_size(job)
     room = " x ".join(f"{side:g}" for side in bed)
     faults = []
     for part in parts:
-        ways = list_orientations(part.vertices, part.triangles, 0)
+        ways = list_orientations(part)
         if ways[0].fits(bed):
             continue
-        size = " x ".join(f"{side:.1f}" for side in part.size)
+        size = " x ".join(f"{side:.1f}" for side in ways[0].size)
         name = f"{part.name}: " if len(parts) > 1 else ""
         other = next((way.name for way in ways if way.fits(bed)), None)
         step = f"it would fit {other}" if other else "split it: export it with --kit"
         faults.append(
-            f"{name}{size} mm is too {'tall' if part.size[2] > bed[2] else 'wide'} for {room} mm; {step}"
+            f"{name}{size} mm is too {'tall' if ways[0].size[2] > bed[2] else 'wide'} for {room} mm; {step}"
         )
     if faults:
         return Finding("bed", State.FAIL, "; ".join(faults))

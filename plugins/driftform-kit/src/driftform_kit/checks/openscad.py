@@ -32,7 +32,7 @@ class OpenScadChecker(Checker[OpenScadOptions]):
         yield self._check_source(job)
 
     def _check_source(self, job: PrintJob) -> Finding:
-        from driftform_kit.checks.reading import read_parts
+        from driftform_kit.reading import read_meshes
 
         if job.withheld is not None:
             detail = f"the {job.withheld} is not rendered; add --attached if you trust it"
@@ -43,13 +43,13 @@ class OpenScadChecker(Checker[OpenScadOptions]):
             return Finding(self.name, State.SKIPPED, reason)
         with TemporaryDirectory() as folder:
             try:
-                rendered = read_parts(render(job.source, Path(folder), self.options.timeout))
+                rendered = read_meshes(render(job.source, Path(folder), self.options.timeout))
             except InputError as error:
                 return Finding(self.name, State.FAIL, str(error).removeprefix(f"{job.source}: OpenSCAD: "))
             except WorkFailedError as error:
                 return Finding(self.name, State.SKIPPED, str(error))
         volume = sum(part.volume for part in rendered)
-        parts = [part for path in job.files for part in read_parts(path)]
+        parts = [part for path in job.files for part in read_meshes(path)]
         others = {"the mesh": sum(part.volume for part in parts)}
         if job.volume is not None:
             # A broken mesh does not show whether the source is right.

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.agent.meshes import IntArray, area_vectors
+from driftform.agent import Mesh
 from driftform.types import FloatArray
 
 STEEPEST = np.radians(45)
@@ -61,26 +61,24 @@ class Orientation:
         return bool((np.array([*across, self.size[2]]) <= np.array([*along, bed[2]]) + room).all())
 
 
-def list_orientations(vertices: FloatArray, triangles: IntArray, hollow: int) -> tuple[Orientation, ...]:
+def list_orientations(mesh: Mesh, hollow: int = 0) -> tuple[Orientation, ...]:
     """Return the orientations of :data:`TURNS`.
 
     Parameters
     ----------
-    vertices
-        mm, (n, 3).
-    triangles
-        facing outward, (m, 3); the last ``hollow`` of them are the walls of closed hollows.
+    mesh
+        in mm, facing outward; the last ``hollow`` of its triangles are the walls of closed hollows.
     hollow
         the number of those triangles.
     """
-    normals = area_vectors(vertices, triangles)
+    triangles, normals = mesh.triangles, mesh.area_vectors
     area = np.linalg.norm(normals, axis=1)
     sound = area > 0
     normals, area, corners = normals[sound] / area[sound, None], area[sound], triangles[sound]
     enclosed = (np.arange(len(triangles)) >= len(triangles) - hollow)[sound]
     found = []
     for name, turn in TURNS.items():
-        turned = vertices @ turn.T
+        turned = mesh.vertices @ turn.T
         lowest, highest = turned.min(axis=0), turned.max(axis=0)
         down = -(normals @ turn.T)[:, 2]
         on_bed = (turned[corners, 2] <= lowest[2] + _FIRST_LAYER).all(axis=1)

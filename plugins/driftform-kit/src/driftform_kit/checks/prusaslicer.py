@@ -13,8 +13,8 @@ from driftform.interfaces import Checker, Printer, PrintJob, Table, option
 from driftform.types import Finding, State
 from driftform_kit.checks.parts import MM_PER_M
 from driftform_kit.checks.programs import explain_missing, last_line, run_program
-from driftform_kit.checks.reading import read_parts
 from driftform_kit.checks.slicing import provide_stl
+from driftform_kit.reading import read_meshes
 
 _FILAMENT = 1.75
 """Diameter of the filament, mm."""
@@ -100,7 +100,7 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
             sliced = self._slice(path, folder, printer)
             if isinstance(sliced, str):
                 return Finding(check, State.FAIL, f"{path.name}: {sliced}")
-            volume += sum(part.volume for part in read_parts(path))
+            volume += sum(part.volume for part in read_meshes(path))
             filament += sliced.filament
             seconds += sliced.seconds
         ratio = filament / volume if volume > 0 else float("nan")

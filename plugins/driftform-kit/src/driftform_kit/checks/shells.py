@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.agent.meshes import IntArray, signed_volume
+from driftform.agent import Mesh
 from driftform.types import FloatArray
-from driftform_kit.checks.parts import Part
-from driftform_kit.checks.topology import Topology, winding_numbers
+from driftform_kit.checks.topology import IntArray, Topology, winding_numbers
 
 _PROBES = 32
 """Vertices of a surface that are tested for lying within another."""
@@ -41,7 +40,7 @@ class Shell:
         return (self.volume < 0) != self.hollow
 
 
-def find_shells(part: Part, topology: Topology) -> tuple[Shell, ...]:
+def find_shells(part: Mesh, topology: Topology) -> tuple[Shell, ...]:
     """Return the shells of a closed, oriented part, the outermost first."""
     groups = [topology.triangles[topology.surface == n] for n in range(int(topology.surface.max()) + 1)]
     corners = [part.vertices[group] for group in groups]
@@ -56,7 +55,7 @@ def find_shells(part: Part, topology: Topology) -> tuple[Shell, ...]:
         shells.append(
             Shell(
                 triangles=group,
-                volume=signed_volume(part.vertices, group),
+                volume=Mesh(part.vertices, group).volume,
                 depth=sum(share > 0.5 for share in inside),
                 cut=any(0 < share < 1 for share in inside),
             )

@@ -19,8 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import CrossSection, Error, Manifold, Mesh64
 
-from driftform.agent.meshes import IntArray
-from driftform.types import FloatArray
+from driftform.agent import Mesh
 
 _STATIONS = 160
 """Sections over the height of a part."""
@@ -59,17 +58,13 @@ class Slenderness:
     lift_force: float
 
 
-def measure_slenderness(
-    vertices: FloatArray, triangles: IntArray, stiffness: float, strength: float, adhesion: float
-) -> Slenderness | None:
+def measure_slenderness(mesh: Mesh, stiffness: float, strength: float, adhesion: float) -> Slenderness | None:
     """Return how slender a part is as placed, with z up; ``None`` if it is no solid or does not reach above its first layer.
 
     Parameters
     ----------
-    vertices
-        mm, (n, 3).
-    triangles
-        of a closed mesh that faces outward, and into its hollows, (m, 3).
+    mesh
+        in mm, closed; it faces outward, and into its hollows.
     stiffness
         modulus of elasticity of the material, Pa.
     strength
@@ -77,8 +72,8 @@ def measure_slenderness(
     adhesion
         stress at which it comes off the bed, Pa.
     """
-    solid = Manifold(Mesh64(vert_properties=vertices, tri_verts=triangles.astype(np.uint64)))
-    low, high = float(vertices[:, 2].min()), float(vertices[:, 2].max())
+    solid = Manifold(Mesh64(vert_properties=mesh.vertices, tri_verts=mesh.triangles.astype(np.uint64)))
+    low, high = mesh.bounds[:, 2].tolist()
     height = high - low
     if solid.status() != Error.NoError or height <= 2 * _FIRST:
         return None

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from driftform.agent.meshes import stl_bytes
-from driftform_kit.checks.reading import read_parts
+from driftform_kit.reading import read_meshes
 
 
 def provide_stl(files: Sequence[Path], folder: Path) -> list[Path]:
@@ -14,8 +13,8 @@ def provide_stl(files: Sequence[Path], folder: Path) -> list[Path]:
         if path.suffix.lower() == ".stl":
             found.append(path.resolve())
             continue
-        for number, part in enumerate(read_parts(path), 1):
+        for number, part in enumerate(read_meshes(path), 1):
             copy = folder / f"{path.stem}-{number}.stl"
-            copy.write_bytes(stl_bytes(part.vertices, part.triangles))
+            copy.write_bytes(part.to_stl())
             found.append(copy)
     return found

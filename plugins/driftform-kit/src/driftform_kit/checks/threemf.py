@@ -7,9 +7,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from driftform.agent.meshes import IntArray
+from driftform.agent import Mesh
 from driftform.types import FloatArray
-from driftform_kit.checks.parts import Part, check_counts, make_part
+from driftform_kit.checks.parts import check_counts
 
 _UNITS = {
     "micron": 1e-3,
@@ -25,14 +25,11 @@ _RELATIONSHIP = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _LARGEST = 1 << 27
 """Bytes of all files that are read from the archive, unpacked."""
 
-Mesh = tuple[FloatArray, IntArray]
-"""Vertices (n, 3) and triangles (m, 3)."""
-
 _DEEPEST = 32
 """Components within components."""
 
 
-def read_3mf(path: Path) -> tuple[Part, ...]:
+def read_3mf(path: Path) -> tuple[Mesh, ...]:
     """Return the parts that the build section places.
 
     Raises
@@ -61,7 +58,7 @@ class _Package:
         self._read_meshes: dict[tuple[str, str], list[Mesh]] = {}
         self._unpacked = self._visited = self._vertices = self._triangles = 0
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Mesh, ...]:
         root = self._root()
         model = self._model(root)
         found = []
@@ -74,12 +71,12 @@ class _Package:
             name = (
                 item.get("partnumber") or self._object(path, identifier).get("name") or f"object {identifier}"
             )
-            offsets = np.cumsum([0, *(len(vertices) for vertices, _ in pieces)])
-            vertices = np.concatenate([vertices for vertices, _ in pieces])
+            offsets = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
+            vertices = np.concatenate([piece.vertices for piece in pieces])
             triangles = np.concatenate(
-                [triangles + offset for (_, triangles), offset in zip(pieces, offsets, strict=False)]
+                [piece.triangles + offset for piece, offset in zip(pieces, offsets, strict=False)]
             )
-            found.append(make_part(name, vertices * self._unit(model), triangles))
+            found.append(Mesh(vertices * self._unit(model), triangles, name).merge_vertices())
         return tuple(found)
 
     def _pieces(self, path: str, identifier: str, transform: FloatArray, depth: int) -> Iterator[Mesh]:
@@ -91,13 +88,13 @@ class _Package:
         item = self._object(path, identifier)
         if item.get("type", "model") in ("support", "solidsupport"):
             return
-        for points, triangles in self._meshes(path, identifier):
-            self._vertices += len(points)
-            self._triangles += len(triangles)
+        for mesh in self._meshes(path, identifier):
+            self._vertices += len(mesh.vertices)
+            self._triangles += len(mesh.triangles)
             check_counts(self._visited, max(self._vertices, self._triangles))
             # A mirror turns a mesh inside out: undone, as in the specification (3.4.1).
-            is_mirrored = np.linalg.det(transform[:3]) < 0
-            yield points @ transform[:3] + transform[3], triangles[:, ::-1] if is_mirrored else triangles
+            triangles = mesh.triangles[:, ::-1] if np.linalg.det(transform[:3]) < 0 else mesh.triangles
+            yield Mesh(mesh.vertices @ transform[:3] + transform[3], triangles)
         for component in item.iterfind("{*}components/{*}component"):
             inner = _transform(component)
             placed = np.vstack((inner[:3] @ transform[:3], inner[3] @ transform[:3] + transform[3]))
@@ -157,7 +154,7 @@ def _read_mesh(mesh: ElementTree.Element, identifier: str) -> Mesh:
     triangles = np.array(corners, dtype=np.int64).reshape(-1, 3)
     if triangles.size and not 0 <= triangles.min() <= triangles.max() < len(points):
         raise ValueError(f"object {identifier} has triangles on missing vertices")
-    return points, triangles
+    return Mesh(points, triangles)
 
 
 def _transform(element: ElementTree.Element) -> FloatArray:

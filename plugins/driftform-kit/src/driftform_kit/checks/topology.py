@@ -3,9 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from driftform.agent.meshes import IntArray
 from driftform.types import FloatArray
+
+IntArray = npt.NDArray[np.int64]
+"""Indices of vertices."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
-from driftform.agent.meshes import IntArray, area_vectors
-from driftform.types import FloatArray
+from driftform.agent import Mesh
 
 REACH = 5.0
 """mm: thicker walls are not searched for."""
@@ -29,7 +28,7 @@ class Wall:
     where: tuple[float, float, float]
 
 
-def find_thinnest_wall(vertices: FloatArray, triangles: IntArray) -> Wall | None:
+def find_thinnest_wall(mesh: Mesh) -> Wall | None:
     """Return the thinnest wall of a solid, ``None`` if it is thicker than :data:`REACH` or has no inside.
 
     From four points of each triangle a ray goes into the material, normal to the surface, until it comes out. Only
@@ -38,16 +37,14 @@ def find_thinnest_wall(vertices: FloatArray, triangles: IntArray) -> Wall | None
 
     Parameters
     ----------
-    vertices
-        mm, (n, 3).
-    triangles
-        of a closed mesh that faces outward, and into its hollows, (m, 3).
+    mesh
+        in mm, closed; it faces outward, and into its hollows.
     """
-    solid = Manifold(Mesh64(vert_properties=vertices, tri_verts=triangles.astype(np.uint64)))
+    vertices, normals = mesh.vertices, mesh.area_vectors
+    solid = Manifold(Mesh64(vert_properties=vertices, tri_verts=mesh.triangles.astype(np.uint64)))
     if solid.status() != Error.NoError:
         return None
-    corners = vertices[triangles]
-    normals = area_vectors(vertices, triangles)
+    corners = vertices[mesh.triangles]
     size = np.linalg.norm(normals, axis=1)
     sound = size > 1e-9 * size.max()
     corners, normals = corners[sound], normals[sound] / size[sound, None]

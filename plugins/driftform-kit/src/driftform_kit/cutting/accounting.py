@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from driftform.agent import mass_properties, solid_of_revolution
-from driftform.agent.mass import assemble, wall_moments
 from driftform.interfaces import ExportJob
 from driftform.types import Agent, Body, Fittings, FloatArray, MassProperties, Moments
 from driftform.water import Fluid
@@ -34,7 +33,7 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
         if the body has no such kit.
     """
     kit = make_kit(body, options)
-    whole = assemble(kit_moments(kit), solid_of_revolution(body.outer), body.hull_density, body.core)
+    whole = mass_properties(body, kit_moments(kit))
     outside = options.engrave_side == "outside"
     for text in kit.engravings:
         whole = _subtract(whole, text, body.hull_density, outside)
@@ -109,8 +108,9 @@ def kit_fittings(body: Body, options: KitOptions) -> Fittings:
     """
     kit = make_kit(body, options)
     removed = sum((_point_moments(text) for text in kit.engravings), Moments())
+    wall = solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
     flooded = removed if options.engrave_side == "outside" else Moments()
-    return Fittings(kit_moments(kit) - wall_moments(body) - removed, Moments() - flooded)
+    return Fittings(kit_moments(kit) - wall - removed, Moments() - flooded)
 
 
 def kit_moments(kit: Kit) -> Moments:

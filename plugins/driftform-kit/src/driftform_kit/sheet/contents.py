@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.study.exporter_settings import list_arguments
 from driftform.types import MassProperties
 from driftform_frusta.cores import CUSTOM, name_core
 from driftform_frusta.kit_options import PartOptions
@@ -16,6 +15,7 @@ from driftform_kit.cutting.joint import Joint, groove_diameter, takes_core_aft
 from driftform_kit.cutting.meridian import MM, Ring
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
 from driftform_kit.cutting.upright import needs_brim, overhang_area
+from driftform_kit.settings import list_arguments
 
 _LEAST_OVERHANG = 10.0
 """mm2 of overhang that need no mention: a printer bridges them."""

@@ -6,16 +6,13 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from driftform.figures import svg
-from driftform.figures.layout import draw_scale_bar, shorten, text_width, write
-from driftform.figures.style import INK, MUTED, ORANGE, tint
-from driftform.figures.svg import PX_PER_MM
+from driftform.figures import layout, style, svg
 from driftform.types import FloatArray
 from driftform_frusta.colours import colour_of
 from driftform_kit.cutting.meridian import Ring
 from driftform_kit.sheet.contents import Sheet, SheetPart, name_mark
 
-_WIDTH, _HEIGHT = 210 * PX_PER_MM, 297 * PX_PER_MM
+_WIDTH, _HEIGHT = 210 * svg.PX_PER_MM, 297 * svg.PX_PER_MM
 _LEFT, _RIGHT = 48.0, _WIDTH - 48.0
 _TEXT = 11.0
 """Font size, px: 8 pt."""
@@ -60,11 +57,11 @@ def sheet_svg(sheet: Sheet) -> str:
         + " ".join(sheet.steps),
         unit="mm",
     )
-    title = shorten(f"{sheet.title}: assembly sheet", 20, _RIGHT - _LEFT, bold=True)
-    write(root, _LEFT, 56, title, 20, bold=True)
+    title = layout.shorten(f"{sheet.title}: assembly sheet", 20, _RIGHT - _LEFT, bold=True)
+    layout.write(root, _LEFT, 56, title, 20, bold=True)
     what = f"{count} printed parts and a core ({sheet.core})"
-    write(root, _LEFT, 76, shorten(what, _TEXT, _RIGHT - _LEFT), _TEXT, MUTED)
-    write(root, _LEFT, 90, "All positions are distances from the aft end, mm.", _TEXT, MUTED)
+    layout.write(root, _LEFT, 76, layout.shorten(what, _TEXT, _RIGHT - _LEFT), _TEXT, style.MUTED)
+    layout.write(root, _LEFT, 90, "All positions are distances from the aft end, mm.", _TEXT, style.MUTED)
     bottom = _draw_closed(root, sheet, 112.0)
     # The text is written twice: the first time on no page, to see how much room it leaves.
     for size in _SMALLER:
@@ -72,7 +69,7 @@ def sheet_svg(sheet: Sheet) -> str:
             draw(ET.Element("svg"), sheet, 0.0, size) for draw in (_draw_weights, _draw_steps)
         )
         rows = _arrange_parts(sheet, text - bottom - 60)
-        if rows.scale >= _READABLE * PX_PER_MM:
+        if rows.scale >= _READABLE * svg.PX_PER_MM:
             break
     _draw_parts(root, rows, bottom + 30)
     _draw_weights(root, sheet, text, size)
@@ -83,7 +80,7 @@ def sheet_svg(sheet: Sheet) -> str:
 def _choose_scale(sizes: Sequence[tuple[float, float]], room: tuple[float, float]) -> tuple[float, str]:
     """The largest scale at which sizes (mm), side by side with gaps, fit into the room (px): px for each mm, and its name."""
     for ratio in _SCALES:
-        scale = PX_PER_MM * ratio
+        scale = svg.PX_PER_MM * ratio
         across = scale * sum(width for width, _ in sizes) + _GAP * (len(sizes) - 1)
         if across <= room[0] and scale * max(height for _, height in sizes) <= room[1]:
             break
@@ -112,19 +109,19 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
         for side in (1.0, -1.0):
             _draw_section(root, [place(ring, side) for ring in part.piece.rings], part.place)
     svg.add(
-        root, "circle", class_="core", cx=x_of, cy=axis, r=scale * sheet.kit.hull.core, fill=tint(ORANGE, 0.6),
-        stroke=INK, stroke_width=0.8,
+        root, "circle", class_="core", cx=x_of, cy=axis, r=scale * sheet.kit.hull.core, fill=style.tint(style.ORANGE, 0.6),
+        stroke=style.INK, stroke_width=0.8,
     )  # fmt: skip
     for held in sheet.kit.ballast:
         svg.add(
             root, "circle", class_="ballast", cx=x_of + scale * held.ball.z, cy=axis, r=scale * held.ball.radius,
-            fill=tint(INK, 0.5), stroke=INK, stroke_width=0.8,
+            fill=style.tint(style.INK, 0.5), stroke=style.INK, stroke_width=0.8,
         )  # fmt: skip
     line = svg.path_data([(start - 12, axis), (start + scale * length + 12, axis)])
-    svg.add_line(root, line, INK, 0.6, "axis", stroke_dasharray="12 3 2 3")
+    svg.add_line(root, line, style.INK, 0.6, "axis", stroke_dasharray="12 3 2 3")
     bounds = [sheet.aft, *(joint.z for joint in sheet.kit.joints), sheet.aft + length]
     marks = [
-        (x_of + scale * held.ball.z, axis - scale * held.ball.radius, name_mark(held, sheet.kit), INK)
+        (x_of + scale * held.ball.z, axis - scale * held.ball.radius, name_mark(held, sheet.kit), style.INK)
         for held in sheet.kit.ballast
     ]
     for part in sheet.parts:
@@ -134,17 +131,17 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
     last = -np.inf
     for x, y, mark, colour in sorted(marks):
         last = max(x, last + 22)
-        svg.add_line(root, svg.path_data([(last, top + 32), (x, y)]), MUTED, 0.7)
+        svg.add_line(root, svg.path_data([(last, top + 32), (x, y)]), style.MUTED, 0.7)
         _draw_mark(root, last, top + 24, mark, colour)
     level = axis + scale * radius + 16
     _draw_stations(root, [z - sheet.aft for z in bounds], start, scale, level)
     balance = start + scale * (1e3 * float(sheet.target.cog[0]) - sheet.aft)
     triangle = [(balance, level + 28), (balance - 5, level + 37), (balance + 5, level + 37)]
-    svg.add(root, "path", class_="balance", d=svg.path_data(triangle, closed=True), fill=INK)
+    svg.add(root, "path", class_="balance", d=svg.path_data(triangle, closed=True), fill=style.INK)
     text = f"balances at {1e3 * float(sheet.target.cog[0]) - sheet.aft:.1f} mm, as simulated"
-    room = text_width(text, _TEXT) + 10
+    room = layout.text_width(text, _TEXT) + 10
     anchor, at = ("start", balance + 9) if balance + room < _RIGHT else ("end", balance - 9)
-    write(root, at, level + 37, text, _TEXT, anchor=anchor)
+    layout.write(root, at, level + 37, text, _TEXT, anchor=anchor)
     return level + 44
 
 
@@ -154,12 +151,12 @@ def _draw_stations(root: ET.Element, stations: list[float], start: float, scale:
     ticks = "".join(
         svg.path_data([(start + scale * s, level - 4), (start + scale * s, level + 4)]) for s in stations
     )
-    svg.add_line(root, svg.path_data(ends) + ticks, MUTED, 0.8, "stations")
+    svg.add_line(root, svg.path_data(ends) + ticks, style.MUTED, 0.8, "stations")
     last = -np.inf
     for station in stations:
         text = f"{station:.1f}"
-        x = max(start + scale * station, last + text_width(text, 10) + 2)
-        write(root, x, level + 16, text, 10, MUTED, "middle", class_="station")
+        x = max(start + scale * station, last + layout.text_width(text, 10) + 2)
+        layout.write(root, x, level + 16, text, 10, style.MUTED, "middle", class_="station")
         last = x
 
 
@@ -189,7 +186,7 @@ def _arrange_parts(sheet: Sheet, room: float) -> _Rows:
 def _draw_parts(root: ET.Element, rows: _Rows, top: float) -> None:
     """Draw the sections of the parts as they are printed."""
     _draw_heading(root, _LEFT, top + 4, f"Parts as printed, cut along the axis, scale {rows.name}")
-    draw_scale_bar(root, _RIGHT, top + 6, 1000 * rows.scale, 90)
+    layout.draw_scale_bar(root, _RIGHT, top + 6, 1000 * rows.scale, 90)
     for index, row in enumerate(rows.parts):
         bed = top + 18 + rows.height * (index + 1) - _LABEL
         width = (_RIGHT - _LEFT) / max(len(row), 2)
@@ -208,24 +205,24 @@ def _draw_part(
         _draw_section(root, rings, part.place)
     diameter, height = part.size
     half = max(scale * diameter / 2 + 8, 30.0)
-    svg.add_line(root, svg.path_data([(middle - half, bed), (middle + half, bed)]), INK, 1.4, "bed")
+    svg.add_line(root, svg.path_data([(middle - half, bed), (middle + half, bed)]), style.INK, 1.4, "bed")
     lines = [
         f"Ø {diameter:.1f} x {height:.1f} mm",
         f"{part.bed_end} end down{', engraved' if part.piece.engraved is not None else ''}",
     ]
-    name = shorten(part.piece.name, _TEXT, width - 20, bold=True)
-    left = middle - text_width(name, _TEXT, bold=True) / 2
+    name = layout.shorten(part.piece.name, _TEXT, width - 20, bold=True)
+    left = middle - layout.text_width(name, _TEXT, bold=True) / 2
     _draw_mark(root, left - 2, bed + 15, str(part.number), colour_of(part.place))
-    write(root, left + 11, bed + 19, name, _TEXT, bold=True)
+    layout.write(root, left + 11, bed + 19, name, _TEXT, bold=True)
     for row, line in enumerate(lines):
-        write(root, middle, bed + 34 + 13 * row, line, 10, MUTED, "middle")
+        layout.write(root, middle, bed + 34 + 13 * row, line, 10, style.MUTED, "middle")
 
 
 def _draw_section(root: ET.Element, rings: Sequence[FloatArray], place: int) -> None:
     data = "".join(svg.path_data(ring, closed=True) for ring in rings)
     colour = colour_of(place)
     svg.add(
-        root, "path", class_="part", d=data, fill=tint(colour, 0.45), fill_rule="evenodd", stroke=INK,
+        root, "path", class_="part", d=data, fill=style.tint(colour, 0.45), fill_rule="evenodd", stroke=style.INK,
         stroke_width=0.6, stroke_linejoin="round",
     )  # fmt: skip
 
@@ -233,11 +230,11 @@ def _draw_section(root: ET.Element, rings: Sequence[FloatArray], place: int) -> 
 def _draw_mark(root: ET.Element, x: float, y: float, mark: str, colour: str) -> None:
     """Draw the number of a part, or the letter of a ball of ballast, in a circle."""
     svg.add(root, "circle", cx=x, cy=y, r=8.5, fill="#ffffff", stroke=colour, stroke_width=1.6)
-    write(root, x, y + 4, mark, _TEXT, anchor="middle", bold=True, class_="number")
+    layout.write(root, x, y + 4, mark, _TEXT, anchor="middle", bold=True, class_="number")
 
 
 def _draw_heading(root: ET.Element, x: float, y: float, text: str) -> None:
-    write(root, x, y, text, 13, bold=True, class_="heading")
+    layout.write(root, x, y, text, 13, bold=True, class_="heading")
 
 
 def _draw_weights(root: ET.Element, sheet: Sheet, top: float, size: float) -> float:
@@ -248,29 +245,29 @@ def _draw_weights(root: ET.Element, sheet: Sheet, top: float, size: float) -> fl
         columns = {right - 66: "full flow"}
     _draw_heading(root, _LEFT, top, "Weights, g")
     for x, heading in {**columns, right - 8: "weighed"}.items():
-        write(root, x, top, heading, 10, MUTED, "end")
+        layout.write(root, x, top, heading, 10, style.MUTED, "end")
     y = top + 8
     lines = []
     for name, *masses in sheet.weights:
         lines.append(svg.path_data([(_LEFT, y), (right, y)]))
         bold = name in ("closed kit", "as simulated")
-        room = min(columns) - _LEFT - text_width("000.00 ", size, bold=True)
-        write(root, _LEFT + 2, y + 14, shorten(name, size, room, bold=bold), size, bold=bold)
+        room = min(columns) - _LEFT - layout.text_width("000.00 ", size, bold=True)
+        layout.write(root, _LEFT + 2, y + 14, layout.shorten(name, size, room, bold=bold), size, bold=bold)
         for x, mass in zip(reversed(columns), reversed(masses), strict=False):
-            write(root, x, y + 14, f"{1000 * mass:.2f}", size, anchor="end", bold=bold, class_="mass")
+            layout.write(root, x, y + 14, f"{1000 * mass:.2f}", size, anchor="end", bold=bold, class_="mass")
         y += 20
     lines += [
         svg.path_data([(_LEFT, y), (right, y)]),
         svg.path_data([(right - 56, top + 8), (right - 56, y)]),
     ]
-    svg.add_line(root, "".join(lines), MUTED, 0.6, "table")
+    svg.add_line(root, "".join(lines), style.MUTED, 0.6, "table")
     y = _write_paragraph(root, _LEFT, y + 16, sheet.remedy, _COLUMN, size) + 2
     y = _write_paragraph(root, _LEFT, y, "Glue, O-rings and plugs are not counted.", _COLUMN, size) + 12
     _draw_heading(root, _LEFT, y, "Print settings")
     for row, (name, value) in enumerate(sheet.settings):
         at = y + 17 + _LINE * size * row
-        write(root, _LEFT + 2, at, name, size)
-        write(root, right - 8, at, value, size, anchor="end", class_="setting")
+        layout.write(root, _LEFT + 2, at, name, size)
+        layout.write(root, right - 8, at, value, size, anchor="end", class_="setting")
     return at
 
 
@@ -280,7 +277,7 @@ def _draw_steps(root: ET.Element, sheet: Sheet, top: float, size: float) -> floa
     _draw_heading(root, left, top, "Order of assembly")
     y = top + 20
     for number, step in enumerate(sheet.steps, 1):
-        write(root, left, y, f"{number}.", size, bold=True)
+        layout.write(root, left, y, f"{number}.", size, bold=True)
         y = _write_paragraph(root, left + 24, y, step, _RIGHT - left - 24, size) + 5
     return y - _LINE * size
 
@@ -288,7 +285,7 @@ def _draw_steps(root: ET.Element, sheet: Sheet, top: float, size: float) -> floa
 def _write_paragraph(root: ET.Element, x: float, y: float, text: str, width: float, size: float) -> float:
     """Write a text in lines of at most ``width`` px; return where the next line begins."""
     for line in wrap(text, size, width):
-        write(root, x, y, line, size)
+        layout.write(root, x, y, line, size)
         y += _LINE * size
     return y
 
@@ -298,7 +295,7 @@ def wrap(text: str, size: float, width: float) -> list[str]:
     lines = [""]
     for word in text.split(" "):
         longer = f"{lines[-1]} {word}".strip()
-        if text_width(longer, size) <= width or not lines[-1]:
+        if layout.text_width(longer, size) <= width or not lines[-1]:
             lines[-1] = longer
         else:
             lines.append(word)

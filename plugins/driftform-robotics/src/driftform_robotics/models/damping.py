@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from driftform.motion import shift_origin
+from driftform.motion import inertia
 from driftform.types import Agent, FloatArray
 from driftform.water import Fluid
 
@@ -13,7 +13,7 @@ MIN_SPEED = 0.05
 def linear_damping(agent: Agent) -> FloatArray:
     """Return the linear damping D_1 about the centre of gravity, (6, 6)."""
     coefficients = agent.coefficients
-    return shift_origin(coefficients.linear_damping, agent.mass.cog - coefficients.origin)
+    return inertia.shift_origin(coefficients.linear_damping, agent.mass.cog - coefficients.origin)
 
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:
@@ -52,7 +52,7 @@ def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
     ``nu`` holds the velocity of the centre of gravity relative to the water, m/s, and the angular velocity, rad/s, both
     in body axes, (6,).
     """
-    from driftform.motion.drag import still_water_wrench
+    from driftform.motion import still_water_wrench
 
     coefficients, cog = agent.coefficients, agent.mass.cog
     velocity, omega = nu[:3], nu[3:]

@@ -3,15 +3,26 @@
 from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
-from driftform.interfaces import Exporter, ExportJob, OptionsT_co, Table, option
-from driftform.types import FloatArray, WrittenFile
-from driftform_robotics.models.folder import cut_hull, hull_files, model_facts, save_folder
+from driftform.errors import WorkFailedError
+from driftform.interfaces import Exporter, ExportJob, Table, option
+from driftform.types import Body, FloatArray, WrittenFile
+from driftform.util import files as writing
 from driftform_robotics.models.link import Link, make_link, warn_of_damping, warn_of_flow, warn_of_folding
-from driftform_robotics.models.meshes import Piece
+from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolve_contour
 from driftform_robotics.models.xml import make_identifier
+
+HULL = "meshes/hull.obj"
+"""File of the outer surface of the hull, about the centre of gravity."""
+
+PIPE = "meshes/pipe.obj"
+"""File of the pipe's wall, about its middle."""
+
+
+OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
 
 
 class ModelOptions(Table):
@@ -86,6 +97,50 @@ class ModelExporter(Exporter[OptionsT_co]):
         speed = options.drag_speed if isinstance(options, ModelOptions) else None
         pieces = cut_hull(agent.body)
         model = Model(job, make_identifier(job.name), make_link(job, speed), pieces)
-        files, warnings = self.make_files(model)
-        files |= hull_files(agent.body, agent.mass.cog, pieces)
-        return save_folder(self.name, path, files, model_facts(model.link, warnings))
+        texts, warnings = self.make_files(model)
+        texts[HULL] = obj_text(revolve_contour(agent.body.outer).translate(-agent.mass.cog))
+        texts |= {piece_path(i): obj_text(piece.mesh) for i, piece in enumerate(pieces)}
+        try:
+            with writing.write_folder(path) as part:
+                for name, text in texts.items():
+                    (part / name).parent.mkdir(parents=True, exist_ok=True)
+                    (part / name).write_text(text, encoding="utf-8")
+                    if text.startswith("#!"):
+                        (part / name).chmod(0o755)
+        except OSError as error:
+            raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
+        first, facts = next(iter(texts)), _list_facts(model.link, warnings)
+        return tuple(
+            WrittenFile(self.name, str(path / name), facts if name == first else {}) for name in texts
+        )
+
+
+def piece_path(index: int) -> str:
+    """Return the path of one convex piece, whose mesh is about its own centroid."""
+    return f"meshes/piece_{index:02d}.obj"
+
+
+def cut_hull(body: Body) -> list[Piece]:
+    """Return the convex pieces of the outer hull.
+
+    Raises
+    ------
+    WorkFailedError
+        if the contour does not enclose a solid.
+    """
+    contour = body.outer
+    if len(contour) < 3 or contour[0, 1] or contour[-1, 1] or not (contour[1:-1, 1] > 0).any():
+        raise WorkFailedError("the hull is not a solid: its outer contour does not start and end on the axis")
+    return convex_pieces(contour)
+
+
+def _list_facts(link: Link, warnings: list[str]) -> dict[str, Any]:
+    """Return the facts of a model: see :meth:`ModelExporter.write`."""
+    facts = {
+        "mass_kg": link.mass,
+        "cog_mm": -1e3 * float(link.core[0]),
+        "cob_mm": 1e3 * float(link.buoyancy[0] - link.core[0]),
+        "volume_mm3": 1e9 * link.volume,
+        "added_over_own_mass": link.added_mass_ratio,
+    }
+    return facts | ({"warnings": " ".join(warnings)} if warnings else {})

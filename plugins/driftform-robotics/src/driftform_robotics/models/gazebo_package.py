@@ -158,32 +158,14 @@ _WAYS = {"GZ_TO_ROS": "from Gazebo", "ROS_TO_GZ": "to Gazebo"}
 
 
 def _list_bridges(title: str, messages: str) -> list[Bridge]:
-    found = [
-        Bridge("/clock", "/clock", "rosgraph_msgs/msg/Clock", f"{messages}.Clock", "GZ_TO_ROS"),
-        Bridge(
-            f"/{title}/poses",
-            f"/world/{WORLD}/dynamic_pose/info",
-            "tf2_msgs/msg/TFMessage",
-            f"{messages}.Pose_V",
-            "GZ_TO_ROS",
-        ),
-        Bridge(
-            f"/{title}/current",
-            "/ocean_current",
-            "geometry_msgs/msg/Vector3",
-            f"{messages}.Vector3d",
-            "ROS_TO_GZ",
-        ),
+    world = f"/world/{WORLD}"
+    rows = [
+        ("/clock", "/clock", "rosgraph_msgs/msg/Clock", "Clock", "GZ_TO_ROS"),
+        (f"/{title}/poses", f"{world}/dynamic_pose/info", "tf2_msgs/msg/TFMessage", "Pose_V", "GZ_TO_ROS"),
+        (f"/{title}/current", "/ocean_current", "geometry_msgs/msg/Vector3", "Vector3d", "ROS_TO_GZ"),
     ]
     if messages == "gz.msgs":
         # The bridge of Fortress knows no such message.
-        found.append(
-            Bridge(
-                f"/{title}/wrench",
-                f"/world/{WORLD}/wrench",
-                "ros_gz_interfaces/msg/EntityWrench",
-                f"{messages}.EntityWrench",
-                "ROS_TO_GZ",
-            )
-        )
-    return found
+        kind = "ros_gz_interfaces/msg/EntityWrench"
+        rows.append((f"/{title}/wrench", f"{world}/wrench", kind, "EntityWrench", "ROS_TO_GZ"))
+    return [Bridge(ros, own, kind, f"{messages}.{message}", way) for ros, own, kind, message, way in rows]

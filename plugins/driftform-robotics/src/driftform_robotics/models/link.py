@@ -5,11 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.motion import added_mass_at
-from driftform.motion.inertia import largest_added_mass_ratio
+from driftform.motion import inertia
 from driftform.types import Body, FloatArray
 from driftform.water import Scenario
-from driftform.water.flow import UniformFlow
 from driftform_robotics.models.damping import linear_damping, quadratic_damping, reference_speed
 from driftform_robotics.models.meshes import folds_back
 
@@ -55,9 +53,9 @@ class Link:
     @property
     def rotation(self) -> FloatArray:
         """Attitude at the release, body to world, (3, 3)."""
-        from driftform.util.rotations import matrix_from_quaternion
+        from driftform.util import rotations
 
-        return matrix_from_quaternion(self.quaternion)
+        return rotations.matrix_from_quaternion(self.quaternion)
 
     @property
     def momentum(self) -> FloatArray:
@@ -69,7 +67,7 @@ class Link:
 
 def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
     """Return the link of a job, at its release."""
-    from driftform.util.rotations import matrix_from_quaternion
+    from driftform.util import rotations
 
     agent, scenario = job.agent, job.scenario
     mass = agent.mass
@@ -81,12 +79,12 @@ def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
         volume=mass.volume,
         buoyancy=mass.cob - mass.cog,
         core=-mass.cog,
-        added_mass=added_mass_at(agent.coefficients, mass.cog),
+        added_mass=inertia.added_mass_at(agent.coefficients, mass.cog),
         linear_damping=linear_damping(agent),
         quadratic_damping=quadratic_damping(agent, scenario.fluid, speed),
-        added_mass_ratio=largest_added_mass_ratio(mass, agent.coefficients),
+        added_mass_ratio=inertia.largest_added_mass_ratio(mass, agent.coefficients),
         drag_speed=speed if agent.coefficients.drag is not None else 0.0,
-        position=scenario.release_position() + matrix_from_quaternion(quaternion) @ mass.cog,
+        position=scenario.release_position() + rotations.matrix_from_quaternion(quaternion) @ mass.cog,
         quaternion=quaternion,
         velocity=_release_velocity(scenario),
     )
@@ -105,7 +103,7 @@ def warn_of_flow(scenario: Scenario) -> list[str]:
             f"The current in this file is the mean at the inlet, {flow.speed:g} m/s in one direction everywhere: it does not "
             "turn with the pipe."
         ]
-    if not isinstance(flow, UniformFlow):
+    if flow.kind != "uniform":
         return [
             f"The flow '{flow.kind}' varies in space or time: the current in this file is its mean, "
             f"{flow.speed:g} m/s along the pipe."

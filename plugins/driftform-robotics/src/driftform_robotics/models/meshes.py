@@ -10,8 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.agent import revolve, solid_of_revolution
-from driftform.agent.meshes import IntArray, obj_lines
+from driftform.agent import Mesh, solid_of_revolution
 from driftform.types import FloatArray
 
 SEGMENTS = 64
@@ -25,18 +24,6 @@ _SAME, _FLAT = 1e-9, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
-    """A closed mesh: ``vertices`` (n, 3) in m, ``triangles`` (m, 3), counterclockwise seen from outside."""
-
-    vertices: FloatArray
-    triangles: IntArray
-
-    def translate(self, offset: FloatArray) -> "Mesh":
-        """The mesh, moved by ``offset`` (m)."""
-        return Mesh(self.vertices + offset, self.triangles)
-
-
-@dataclass(frozen=True, eq=False)
 class Piece:
     """A convex part of a hull: its mesh about its centroid, x of that in the body frame (m), and its volume (m3)."""
 
@@ -47,15 +34,16 @@ class Piece:
 
 def revolve_contour(contour: FloatArray, segments: int = SEGMENTS) -> Mesh:
     """Return the solid of a meridian (n, 2), which begins and ends on the axis, about the x axis."""
-    vertices, triangles = revolve(contour[:, ::-1], segments)
-    bands, aft, fore = np.split(triangles, [-2 * segments, -segments])
-    return Mesh(np.roll(vertices, 1, axis=1), np.concatenate((aft, bands[::2], bands[1::2], fore)))
+    mesh = Mesh.revolve(contour[:, ::-1], segments)
+    bands, aft, fore = np.split(mesh.triangles, [-2 * segments, -segments])
+    return Mesh(np.roll(mesh.vertices, 1, axis=1), np.concatenate((aft, bands[::2], bands[1::2], fore)))
 
 
 def make_tube(length: float, radius: float, wall: float, segments: int = SEGMENTS) -> Mesh:
     """Return a pipe about the x axis, its middle at the origin; ``radius`` is that of its bore, m."""
     corners = np.array([(0, -1), (1, -1), (1, 1), (0, 1)]) * (wall, length / 2) + (radius, 0)
-    vertices, bands = revolve(corners, segments, closed=True)
+    mesh = Mesh.revolve(corners, segments, closed=True)
+    vertices, bands = mesh.vertices, mesh.triangles
     # In the file, the rings at each end of the bore come first.
     order = np.arange(len(vertices)).reshape(4, segments)[[0, 3, 2, 1]].ravel()
     return Mesh(np.roll(vertices[order], 1, axis=1), order[np.concatenate((bands[::2], bands[1::2]))])
@@ -104,4 +92,4 @@ def _convex_parts(contour: FloatArray) -> list[FloatArray]:
 
 def obj_text(mesh: Mesh) -> str:
     """Return a mesh as the text of an OBJ file: the one format that all these simulators read."""
-    return "# driftform, lengths in m\n" + obj_lines(mesh.vertices, mesh.triangles)
+    return "# driftform, lengths in m\n" + mesh.to_obj()

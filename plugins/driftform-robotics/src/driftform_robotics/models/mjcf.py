@@ -14,8 +14,7 @@ from driftform.interfaces import Table
 from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid
-from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
-from driftform_robotics.models.folder import HULL, PIPE, piece_path
+from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions, piece_path
 from driftform_robotics.models.meshes import obj_text
 from driftform_robotics.models.mujoco_path import REACH, compare_paths
 from driftform_robotics.models.pipe import Wall, list_bores, make_wall
@@ -89,12 +88,12 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
     add(
         root,
         "option",
-        timestep=format_number(step),
+        timestep=step,
         integrator="implicit",
-        gravity=format_numbers([0.0, 0.0, -fluid.gravity]),
-        density=format_number(fluid.density),
+        gravity=[0.0, 0.0, -fluid.gravity],
+        density=fluid.density,
         viscosity="0",
-        wind=format_numbers(scenario.current()),
+        wind=scenario.current(),
     )
     friction = scenario.calibrated_contact().friction
     default = add(add(root, "default"), "default", class_="contact")
@@ -111,25 +110,17 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
     for path in meshes:
         add(assets, "mesh", name=Path(path).stem, file=Path(path).name)
 
-    body = add(
-        add(root, "worldbody"),
-        "body",
-        name="base_link",
-        pos=format_numbers(link.position),
-        quat=format_numbers(link.quaternion),
-    )
+    body = add(add(root, "worldbody"), "body", name="base_link", pos=link.position, quat=link.quaternion)
     add(body, "freejoint", name="free")
     inertia = link.inertia
     add(
         body,
         "inertial",
         pos="0 0 0",
-        mass=format_number(link.mass),
-        fullinertia=format_numbers(
-            [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))],
-        ),
+        mass=link.mass,
+        fullinertia=[inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))],
     )
-    add(body, "site", name="core", pos=format_numbers(link.core), size="0.002")
+    add(body, "site", name="core", pos=link.core, size="0.002")
     unseen = {"contype": "0", "conaffinity": "0"}
     add(body, "geom", type="mesh", mesh="hull", group="1", rgba="0.9 0.6 0.2 1", **unseen)
     for index, piece in enumerate(pieces):
@@ -144,10 +135,10 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
         "geom",
         name="water",
         type="ellipsoid",
-        size=format_numbers([ellipsoid.along, ellipsoid.across, ellipsoid.across]),
-        pos=format_numbers([ellipsoid.x, 0.0, 0.0]),
+        size=[ellipsoid.along, ellipsoid.across, ellipsoid.across],
+        pos=[ellipsoid.x, 0.0, 0.0],
         fluidshape="ellipsoid",
-        fluidcoef=format_numbers([ellipsoid.blunt, ellipsoid.slender, ellipsoid.angular, 0.0, 0.0]),
+        fluidcoef=[ellipsoid.blunt, ellipsoid.slender, ellipsoid.angular, 0.0, 0.0],
         group="4",
         rgba="0.3 0.5 1 0.3",
         **unseen,
@@ -158,19 +149,9 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
     )
     small = BUOYANT_MASS * link.mass
     lifted = add(
-        body,
-        "body",
-        name="buoyancy",
-        pos=format_numbers(link.buoyancy),
-        gravcomp=format_number(fluid.density * link.volume / small),
+        body, "body", name="buoyancy", pos=link.buoyancy, gravcomp=fluid.density * link.volume / small
     )
-    add(
-        lifted,
-        "inertial",
-        pos="0 0 0",
-        mass=format_number(small),
-        diaginertia=" ".join([format_number(1e-12 * small)] * 3),
-    )
+    add(lifted, "inertial", pos="0 0 0", mass=small, diaginertia=" ".join([format_number(1e-12 * small)] * 3))
     # For a body without an ellipsoid MuJoCo would compute the drag of a box, with edges of centimetres at this mass.
     speck = format_numbers([1e-6] * 3)
     add(
@@ -188,8 +169,8 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
         keys,
         "key",
         name="release",
-        qpos=format_numbers(np.concatenate((link.position, link.quaternion))),
-        qvel=format_numbers(np.concatenate((link.velocity, np.zeros(3)))),
+        qpos=np.concatenate((link.position, link.quaternion)),
+        qvel=np.concatenate((link.velocity, np.zeros(3))),
     )
     return root
 
@@ -203,7 +184,7 @@ def _make_scene(title: str, scenario: Scenario, wall: Wall | None) -> ET.Element
     extent = max((bore.length for bore in bores), default=1.0)
     if len(bores) > 1:
         extent = float(np.ptp([bore.position for bore in bores], axis=0).max())
-    add(root, "statistic", extent=format_number(extent / 2))
+    add(root, "statistic", extent=extent / 2)
     add(add(root, "visual"), "headlight", ambient="0.5 0.5 0.5", diffuse="0.5 0.5 0.5")
     sky = {"type": "skybox", "builtin": "gradient", "rgb1": "0.8 0.9 1", "rgb2": "0.4 0.5 0.6"}
     assets = add(root, "asset")
@@ -223,28 +204,20 @@ def _make_scene(title: str, scenario: Scenario, wall: Wall | None) -> ET.Element
         add(world, "geom", name=_WALL, type="mesh", mesh=_WALL, **seen, **glass)
         glass["group"] = "3"
     for index, bore in enumerate(bores):
-        pipe = add(
-            world,
-            "body",
-            name=f"pipe_{index}",
-            pos=format_numbers(bore.position),
-            xyaxes=_format_axes(bore.rotation),
-        )
+        pipe = add(world, "body", name=f"pipe_{index}", pos=bore.position, xyaxes=_format_axes(bore.rotation))
         for plank in bore.make_planks():
             add(
                 pipe,
                 "geom",
                 class_="contact",
                 type="box",
-                size=format_numbers(plank.size / 2),
-                pos=format_numbers(plank.position),
+                size=plank.size / 2,
+                pos=plank.position,
                 xyaxes=_format_axes(plank.rotation),
                 **glass,
             )
     for name, place in scenario.target_points().items():
-        add(
-            world, "site", name=f"target_{name}", pos=format_numbers(place), size="0.02", rgba="0.9 0.2 0.1 1"
-        )
+        add(world, "site", name=f"target_{name}", pos=place, size="0.02", rgba="0.9 0.2 0.1 1")
     return root
 
 

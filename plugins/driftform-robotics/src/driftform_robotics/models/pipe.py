@@ -5,10 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from driftform.agent import Mesh
 from driftform.types import FloatArray
-from driftform.water import Bend, Pipe, Segment, Straight, Tee
-from driftform.water.pipe_parts import PipePart
-from driftform_robotics.models.meshes import Mesh, make_tube
+from driftform.water import Pipe, Segment, pipe_parts
+from driftform_robotics.models.meshes import make_tube
 from driftform_robotics.models.walls import make_parts_mesh
 
 PLANKS = 64
@@ -55,7 +55,7 @@ class Bore:
     position: FloatArray
     rotation: FloatArray
     planks: int = PLANKS
-    part: PipePart | None = None
+    part: pipe_parts.PipePart | None = None
 
     @property
     def thickness(self) -> float:
@@ -96,14 +96,16 @@ def list_bores(pipe: Pipe) -> list[Bore]:
     bores = []
     for placed in pipe.layout.parts:
         part = placed.part
-        for axis in part.list_axes(part.length if isinstance(part, Straight) else CHORD * part.end_radius):
+        for axis in part.list_axes(
+            part.length if isinstance(part, pipe_parts.Straight) else CHORD * part.end_radius
+        ):
             for (start, end), (first, last) in zip(pairwise(axis.points), pairwise(axis.radii), strict=True):
                 length, position, rotation = _frame_chord(start, end)
-                hidden = part if isinstance(part, Tee) else None
+                hidden = part if isinstance(part, pipe_parts.Tee) else None
                 # Outside a bend, chords of the axis' own length would leave wedges between them.
                 length += (
                     (first + last) * np.tan(0.5 * part.angle / (len(axis.points) - 1))
-                    if isinstance(part, Bend)
+                    if isinstance(part, pipe_parts.Bend)
                     else 0.0
                 )
                 bores.append(Bore(length, 0.5 * (first + last), position, rotation, CHORD_PLANKS, hidden))
@@ -117,7 +119,7 @@ def make_wall(pipe: Pipe) -> Wall | None:
     if pipe.straight is not None:
         bore = make_bore(pipe.straight)
         return Wall(bore.make_mesh(), bore.position, bore.rotation)
-    mesh = make_parts_mesh(pipe.layout, RELATIVE_THICKNESS * pipe.layout.narrowest)
+    mesh = make_parts_mesh(pipe, RELATIVE_THICKNESS * pipe.layout.narrowest)
     return Wall(mesh, np.zeros(3), np.eye(3))
 
 

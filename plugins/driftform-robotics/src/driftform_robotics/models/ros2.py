@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from driftform_robotics.models.xml import add, format_document
+from driftform_robotics.models.xml import add, add_texts, format_document
 
 _SCHEMA = (
     '<?xml-model href="http://download.ros.org/schema/package_format3.xsd" '
@@ -96,9 +96,7 @@ def _notice() -> str:
 
 def _format_manifest(name: str, description: str, depends: Sequence[str]) -> str:
     root = ET.Element("package", format="3")
-    add(root, "name", name)
-    add(root, "version", "0.1.0")
-    add(root, "description", description)
+    add_texts(root, name=name, version="0.1.0", description=description)
     add(root, "maintainer", "driftform", email="driftform@example.org")
     add(root, "license", "MIT", file="LICENSE")
     add(root, "buildtool_depend", "ament_cmake")

@@ -8,7 +8,7 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models.pipe import list_bores, make_wall
-from driftform_robotics.models.xml import add, add_comment, format_number, format_numbers, format_pose
+from driftform_robotics.models.xml import add, add_comment, add_texts, format_pose
 
 _GLASS, _RED = "0.6 0.8 0.9 1", "0.9 0.2 0.1 1"
 
@@ -16,9 +16,7 @@ _GLASS, _RED = "0.6 0.8 0.9 1", "0.9 0.2 0.1 1"
 def add_scene(world: ET.Element) -> None:
     """Append the colours of the scene and a light from above, so that the world includes no other files."""
     scene = add(world, "scene")
-    add(scene, "ambient", "0.6 0.6 0.6 1")
-    add(scene, "background", "0.7 0.8 0.9 1")
-    add(scene, "shadows", "false")
+    add_texts(scene, ambient="0.6 0.6 0.6 1", background="0.7 0.8 0.9 1", shadows="false")
     light = add(world, "light", type="directional", name="sun")
     add(light, "pose", "0 0 10 0 0 0")
     add(light, "cast_shadows", "false")
@@ -30,8 +28,7 @@ def add_scene(world: ET.Element) -> None:
 def add_friction(collision: ET.Element, coefficient: float) -> None:
     """Append a surface with Coulomb friction to a collision."""
     ode = add(add(add(collision, "surface"), "friction"), "ode")
-    add(ode, "mu", format_number(coefficient))
-    add(ode, "mu2", format_number(coefficient))
+    add_texts(ode, mu=coefficient, mu2=coefficient)
 
 
 def add_mesh(parent: ET.Element, uri: str) -> None:
@@ -41,8 +38,7 @@ def add_mesh(parent: ET.Element, uri: str) -> None:
 
 def _add_material(visual: ET.Element, colour: str) -> None:
     material = add(visual, "material")
-    add(material, "ambient", colour)
-    add(material, "diffuse", colour)
+    add_texts(material, ambient=colour, diffuse=colour)
 
 
 def add_pipe(
@@ -76,13 +72,12 @@ def add_pipe(
             for shape in shapes:
                 place = bore.position + offset + bore.rotation @ plank.position
                 add(shape, "pose", format_pose(place, bore.rotation @ plank.rotation))
-                add(add(add(shape, "geometry"), "box"), "size", format_numbers(plank.size))
+                add(add(add(shape, "geometry"), "box"), "size", plank.size)
     return model
 
 
 def _add_glass(visual: ET.Element) -> None:
-    add(visual, "cast_shadows", "false")
-    add(visual, "transparency", "0.75")
+    add_texts(visual, cast_shadows="false", transparency="0.75")
     _add_material(visual, _GLASS)
 
 
@@ -97,7 +92,7 @@ def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> ET
         visual = add(link, "visual", name=name)
         add(visual, "pose", format_pose(np.array(place) + offset))
         _add_material(visual, _RED)
-        add(add(add(visual, "geometry"), "sphere"), "radius", format_number(radius))
+        add(add(add(visual, "geometry"), "sphere"), "radius", radius)
     return model
 
 

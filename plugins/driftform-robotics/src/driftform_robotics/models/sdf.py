@@ -14,9 +14,7 @@ from driftform.agent import slice_solid
 from driftform.interfaces import Table, option
 from driftform.types import FloatArray
 from driftform.water import Scenario
-from driftform.water.flow import UniformFlow
-from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
-from driftform_robotics.models.folder import HULL, PIPE, piece_path
+from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions, piece_path
 from driftform_robotics.models.gazebo_package import WORLD, gazebo_package
 from driftform_robotics.models.link import make_link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.meshes import obj_text
@@ -32,6 +30,7 @@ from driftform_robotics.models.scenery import (
 from driftform_robotics.models.xml import (
     add,
     add_comment,
+    add_texts,
     format_document,
     format_fields,
     format_number,
@@ -130,7 +129,7 @@ def _move_to_water_frame(model: Model, drag_speed: float | None) -> Model:
     scenario = model.job.scenario
     x, y, z = (model.link.velocity - scenario.current()).tolist()
     calm = {
-        "flow": UniformFlow(speed=0.0),
+        "flow": Scenario().flow.model_copy(update={"speed": 0.0}),
         "release": scenario.release.model_copy(update={"velocity": (x, y, z)}),
     }
     job = replace(model.job, scenario=scenario.model_copy(update=calm))
@@ -164,8 +163,7 @@ def _list_warnings(model: Model, gazebo: _Gazebo, push: str) -> list[str]:
 
 def _make_config(model: Model, gazebo: _Gazebo) -> ET.Element:
     root = ET.Element("model")
-    add(root, "name", model.title)
-    add(root, "version", "1.0")
+    add_texts(root, name=model.title, version="1.0")
     add(root, "sdf", "model.sdf", version=gazebo.sdf)
     add(root, "description", f"The agent {model.job.name} of driftform")
     return root
@@ -195,22 +193,20 @@ def _make_world(
         add_comment(root, _describe_drift(model.title, passing))
     world = add(root, "world", name=WORLD)
     physics = add(world, "physics", name="step", type="ignored")
-    add(physics, "max_step_size", format_number(step))
-    add(physics, "real_time_factor", "1")
-    add(world, "gravity", format_numbers([0.0, 0.0, -fluid.gravity]))
+    add_texts(physics, max_step_size=step, real_time_factor="1")
+    add(world, "gravity", [0.0, 0.0, -fluid.gravity])
     _add_plugin(world, gazebo, "physics", "Physics")
     _add_plugin(world, gazebo, "user-commands", "UserCommands")
     _add_plugin(world, gazebo, "scene-broadcaster", "SceneBroadcaster")
     _add_plugin(world, gazebo, "apply-link-wrench", "ApplyLinkWrench")
     buoyancy = _add_plugin(world, gazebo, "buoyancy", "Buoyancy")
     if fluid.water_level is None:
-        add(buoyancy, "uniform_fluid_density", format_number(fluid.density))
+        add(buoyancy, "uniform_fluid_density", fluid.density)
     else:
         graded = add(buoyancy, "graded_buoyancy")
-        add(graded, "default_density", format_number(fluid.density))
+        add(graded, "default_density", fluid.density)
         change = add(graded, "density_change")
-        add(change, "above_depth", format_number(fluid.water_level))
-        add(change, "density", "0")
+        add_texts(change, above_depth=fluid.water_level, density="0")
     add(buoyancy, "enable", model.title)
     add_scene(world)
     pipe = add_pipe(world, scenario, np.zeros(3), PIPE)
@@ -250,7 +246,7 @@ def _add_motion(models: list[ET.Element | None], velocity: FloatArray, gazebo: _
         for axis in "xyz":
             add(inertia, f"i{axis}{axis}", "1e6")
         control = _add_plugin(model, gazebo, "velocity-control", "VelocityControl")
-        add(control, "initial_linear", format_numbers(velocity))
+        add(control, "initial_linear", velocity)
 
 
 def _add_model(
@@ -266,7 +262,7 @@ def _add_model(
         add(root, "pose", place)
     element = add(root, "link", name=LINK)
     inertial = add(element, "inertial")
-    add(inertial, "mass", format_number(link.mass))
+    add(inertial, "mass", link.mass)
     inertia = add(inertial, "inertia")
     for tag, value in format_symmetric(link.inertia, "xyz", "i").items():
         add(inertia, tag, value)
@@ -306,9 +302,7 @@ def _add_spheres(element: ET.Element, model: Model) -> None:
     for index, (x, volume, _) in enumerate(slice_solid(body.outer, count)):
         collision = add(element, "collision", name=f"slice_{index}")
         add(collision, "pose", format_pose(model.axis_point(x)))
-        add(
-            add(add(collision, "geometry"), "sphere"), "radius", format_number(np.cbrt(0.75 * volume / np.pi))
-        )
+        add(add(add(collision, "geometry"), "sphere"), "radius", np.cbrt(0.75 * volume / np.pi))
         add(add(add(collision, "surface"), "contact"), "collide_bitmask", "0")
 
 
@@ -317,7 +311,7 @@ def _add_hydrodynamics(root: ET.Element, model: Model, gazebo: _Gazebo) -> None:
     plugin = _add_plugin(root, gazebo, "hydrodynamics", "Hydrodynamics")
     add(plugin, "link_name", LINK)
     add_comment(plugin, ["The current, world frame, m/s."])
-    add(plugin, "default_current", format_numbers(model.job.scenario.current()))
+    add(plugin, "default_current", model.job.scenario.current())
     lines = {
         f"{_FORCES[i]}{_RATES[j]}": -link.linear_damping[i, j] for i, j in _list_entries(link.linear_damping)
     } | {
@@ -327,13 +321,13 @@ def _add_hydrodynamics(root: ET.Element, model: Model, gazebo: _Gazebo) -> None:
     if lines:
         add_comment(plugin, ["Damping, negative if it resists: force and moment per speed and rate."])
     for tag, value in lines.items():
-        add(plugin, tag, format_number(value))
+        add(plugin, tag, value)
     if gazebo.solves_added_mass:
         add_comment(plugin, ["The added mass is in the link; here it would count twice."])
         return
     add_comment(plugin, ["Added mass, negative. Gazebo computes only the Coriolis forces of its diagonal."])
     for i, j in _list_entries(link.added_mass):
-        add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", format_number(-link.added_mass[i, j]))
+        add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", -link.added_mass[i, j])
 
 
 def _list_entries(matrix: FloatArray) -> list[tuple[int, int]]:

@@ -7,8 +7,7 @@ import xml.etree.ElementTree as ET
 from typing import ClassVar
 
 from driftform.interfaces import Table, option
-from driftform_robotics.models.exporter import Model, ModelExporter
-from driftform_robotics.models.folder import HULL, piece_path
+from driftform_robotics.models.exporter import HULL, Model, ModelExporter, piece_path
 from driftform_robotics.models.link import warn_of_folding
 from driftform_robotics.models.ros2 import make_package
 from driftform_robotics.models.xml import (
@@ -154,12 +153,12 @@ def add_link(root: ET.Element, name: str, model: Model, folder: str) -> None:
     element = add(root, "link", name=name)
     inertial = add(element, "inertial")
     add(inertial, "origin", xyz=ZERO, rpy=ZERO)
-    add(inertial, "mass", value=format_number(link.mass))
+    add(inertial, "mass", value=link.mass)
     add(inertial, "inertia", **format_symmetric(link.inertia, "xyz", "i"))
     visual = add(element, "visual", name="hull")
     add(visual, "origin", xyz=ZERO, rpy=ZERO)
     add(add(visual, "geometry"), "mesh", filename=f"{folder}/{HULL}")
     for index, piece in enumerate(model.pieces):
         collision = add(element, "collision", name=f"piece_{index}")
-        add(collision, "origin", xyz=format_numbers(model.axis_point(piece.x)), rpy=ZERO)
+        add(collision, "origin", xyz=model.axis_point(piece.x), rpy=ZERO)
         add(add(collision, "geometry"), "mesh", filename=f"{folder}/{piece_path(index)}")

@@ -21,6 +21,7 @@ from driftform_robotics.models.urdf import add_link
 from driftform_robotics.models.xml import (
     add,
     add_comment,
+    add_texts,
     format_document,
     format_fields,
     format_number,
@@ -115,11 +116,11 @@ def _make_robot(model: Model, warnings: list[str]) -> ET.Element:
     add_link(root, name, model, f"file://$(find {title})")
     surface = add(root, "gazebo", reference=name)
     for tag in ("mu1", "mu2"):
-        add(surface, tag, format_number(scenario.calibrated_contact().friction))
+        add(surface, tag, scenario.calibrated_contact().friction)
     plugin = add(
         add(root, "gazebo"), "plugin", name="uuv_plugin", filename="libuuv_underwater_object_ros_plugin.so"
     )
-    add(plugin, "fluid_density", format_number(scenario.fluid.density))
+    add(plugin, "fluid_density", scenario.fluid.density)
     add(plugin, "flow_velocity_topic", "hydrodynamics/current_velocity")
     add(plugin, "debug", "$(arg debug)")
     _add_hydrodynamics(add(plugin, "link", name=name), model.link, model.job.agent.body)
@@ -136,17 +137,16 @@ def _add_hydrodynamics(element: ET.Element, link: Link, body: Body) -> None:
     def to_ned(matrix: FloatArray) -> FloatArray:
         return np.asarray(TO_NED[:, None] * matrix * TO_NED, dtype=np.float64)
 
-    add(element, "neutrally_buoyant", "0")
-    add(element, "volume", format_number(link.volume))
+    add_texts(element, neutrally_buoyant="0", volume=link.volume)
     box = add(element, "box")
     for side, extent in (
         ("width", body.max_diameter),
         ("length", body.length),
         ("height", body.max_diameter),
     ):
-        add(box, side, format_number(extent))
+        add(box, side, extent)
     add_comment(element, ["Relative to the centre of gravity, z up."])
-    add(element, "center_of_buoyancy", format_numbers(link.buoyancy))
+    add(element, "center_of_buoyancy", link.buoyancy)
     model = add(element, "hydrodynamic_model")
     add(model, "type", "fossen")
     add_comment(
@@ -157,7 +157,7 @@ def _add_hydrodynamics(element: ET.Element, link: Link, body: Body) -> None:
     )
     add(model, "added_mass", _format_rows(to_ned(link.added_mass)))
     add(model, "linear_damping", _format_rows(-to_ned(link.linear_damping)))
-    add(model, "quadratic_damping", format_numbers(-np.diag(link.quadratic_damping)))
+    add(model, "quadratic_damping", -np.diag(link.quadratic_damping))
 
 
 def _format_rows(matrix: FloatArray) -> str:
@@ -175,10 +175,8 @@ def _make_world(scenario: Scenario, offset: FloatArray, step: float) -> ET.Eleme
         ],
     )
     physics = add(world, "physics", name="step", default="true", type="ode")
-    add(physics, "max_step_size", format_number(step))
-    add(physics, "real_time_factor", "1")
-    add(physics, "real_time_update_rate", format_number(1 / step))
-    add(world, "gravity", format_numbers([0.0, 0.0, -scenario.fluid.gravity]))
+    add_texts(physics, max_step_size=step, real_time_factor="1", real_time_update_rate=1 / step)
+    add(world, "gravity", [0.0, 0.0, -scenario.fluid.gravity])
     add_scene(world)
     make_static([add_pipe(world, scenario, offset, None), add_targets(world, scenario, offset)])
     _add_current(world, scenario.current())
@@ -187,10 +185,7 @@ def _make_world(scenario: Scenario, offset: FloatArray, step: float) -> ET.Eleme
 
 def _add_current(world: ET.Element, current: FloatArray) -> None:
     plugin = add(
-        world,
-        "plugin",
-        name="underwater_current_plugin",
-        filename="libuuv_underwater_current_ros_plugin.so",
+        world, "plugin", name="underwater_current_plugin", filename="libuuv_underwater_current_ros_plugin.so"
     )
     add(plugin, "namespace", "hydrodynamics")
     constant = add(plugin, "constant_current")
@@ -205,7 +200,7 @@ def _add_current(world: ET.Element, current: FloatArray) -> None:
     for tag, (mean, least, most) in means.items():
         element = add(constant, tag)
         for key, value in (("mean", mean), ("min", least), ("max", most), ("mu", 0.0), ("noiseAmp", 0.0)):
-            add(element, key, format_number(value))
+            add(element, key, value)
 
 
 def _make_start_launch(title: str, link: Link, offset: FloatArray) -> ET.Element:
@@ -276,12 +271,9 @@ def _make_release_launch(title: str, link: Link, offset: FloatArray) -> ET.Eleme
 def _package_files(model: Model) -> dict[str, str]:
     """Return the files that make the folder a ROS package for catkin."""
     root = ET.Element("package", format="2")
-    add(root, "name", model.title)
-    add(root, "version", "0.1.0")
-    add(root, "description", f"The agent {model.job.name} of driftform")
+    add_texts(root, name=model.title, version="0.1.0", description=f"The agent {model.job.name} of driftform")
     add(root, "maintainer", "driftform", email="driftform@localhost")
-    add(root, "license", "MIT")
-    add(root, "buildtool_depend", "catkin")
+    add_texts(root, license="MIT", buildtool_depend="catkin")
     for package in _DEPENDS:
         add(root, "exec_depend", package)
     build = f"""cmake_minimum_required(VERSION 3.0.2)

@@ -13,11 +13,27 @@ from driftform.types import FloatArray
 _RESERVED = ("pipe", "targets", "world")
 
 
-def add(parent: ET.Element, tag: str, text: str = "", **attributes: str) -> ET.Element:
-    """Append an element and return it; a trailing underscore of an attribute's name is removed (``class_``)."""
-    found = ET.SubElement(parent, tag, {key.rstrip("_"): value for key, value in attributes.items()})
-    found.text = text or None
+def add(
+    parent: ET.Element, tag: str, text: str | npt.ArrayLike = "", **attributes: str | npt.ArrayLike
+) -> ET.Element:
+    """Append an element and return it; numbers become text as by :func:`format_numbers`.
+
+    A trailing underscore of an attribute's name is removed (``class_``).
+    """
+    given = {key.rstrip("_"): _format_value(value) for key, value in attributes.items()}
+    found = ET.SubElement(parent, tag, given)
+    found.text = _format_value(text) or None
     return found
+
+
+def add_texts(parent: ET.Element, **texts: str | npt.ArrayLike) -> None:
+    """Append one element for each text, by its tag."""
+    for tag, text in texts.items():
+        add(parent, tag, text)
+
+
+def _format_value(value: str | npt.ArrayLike) -> str:
+    return value if isinstance(value, str) else format_numbers(value)
 
 
 def add_comment(parent: ET.Element, lines: Iterable[str]) -> None:

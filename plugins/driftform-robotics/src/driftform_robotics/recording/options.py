@@ -3,7 +3,6 @@
 from typing import Literal
 
 from driftform.interfaces import option
-from driftform.options import MAX_SEED
 from driftform_robotics.options import ATMOSPHERE, SensorOptions
 
 Release = Literal["humble", "iron", "jazzy", "kilted", "lyrical"]
@@ -34,7 +33,7 @@ class FlightOptions(SensorOptions):
     pressure_noise: float = option(0.0, "standard deviation of the pressure", "Pa", ge=0, le=1e9)
     distance_noise: float = option(0.0, "standard deviation of the distances", "m", ge=0, le=1e3)
     concentration_noise: float = option(0.0, "standard deviation of the concentration", "kg/m3", ge=0, le=1e3)
-    seed: int = option(0, "seed of the noise", ge=0, le=MAX_SEED)
+    seed: int = option(0, "seed of the noise", ge=0, le=2**63 - 1)
 
 
 class Rosbag2Options(FlightOptions):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from driftform.interfaces import ExportJob, Recorder
 from driftform.types import Trajectory, WrittenFile
-from driftform.util.files import write_folder, write_whole
+from driftform.util import files
 from driftform_robotics.recording.options import FlightOptions, Rosbag2Options, Storage
 
 
@@ -35,7 +35,7 @@ class McapRecorder(Recorder[FlightOptions]):
             finally:
                 shutil.rmtree(scratch, ignore_errors=True)
 
-        write_whole(path, write)
+        files.write_whole(path, write)
         return (WrittenFile(self.name, str(path), dict(facts)),)
 
 
@@ -51,7 +51,7 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
 
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the folder."""
-        with write_folder(path) as part:
+        with files.write_folder(path) as part:
             # The writer makes a new folder, and names the file with the messages after it.
             bag = part / path.name
             facts = _write_bag(bag, job, trajectory, self.options, self.options.storage)

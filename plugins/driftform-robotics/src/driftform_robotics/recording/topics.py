@@ -8,9 +8,10 @@ from typing import Any, Literal
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.motion import accelerations_along, net_wrench
+from driftform.motion import forces
 from driftform.types import FloatArray, Trajectory
-from driftform.util.rotations import quaternion_from_rotation_vector
+from driftform.util import rotations
+from driftform.water import wall_distance
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.models.pipe import list_bores
@@ -76,7 +77,7 @@ class FlightTopics:
     @cached_property
     def accelerations(self) -> FloatArray:
         """Accelerations by the equations of motion, (k, 6)."""
-        return accelerations_along(self.trajectory, self.job.agent, self.job.scenario)
+        return forces.accelerations_along(self.trajectory, self.job.agent, self.job.scenario)
 
     @cached_property
     def sensor_positions(self) -> FloatArray:
@@ -90,7 +91,7 @@ class FlightTopics:
         straight = scenario.pipe.straight
         if not scenario.targets or scenario.flow.speed == 0 or straight is None:
             return []
-        gaps = sensors.wall_distance(scenario.target_array(), scenario.pipe)
+        gaps = wall_distance(scenario.target_array(), scenario)
         on_wall = gaps < ON_WALL * straight.radius
         return [
             make_plume(scenario, point, self.options.leak_rate, self.options.diffusivity)
@@ -171,7 +172,7 @@ class FlightTopics:
         yield self.stamps[0], self.ros.make("nav_msgs/Path", header=header, poses=poses)
 
     def _make_wrenches(self) -> Iterator[tuple[int, Any]]:
-        found = net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
+        found = forces.net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
         for stamp, values in zip(self.stamps, found, strict=True):
             wrench = self.ros.make(
                 "geometry_msgs/Wrench",
@@ -208,54 +209,33 @@ class FlightTopics:
         scenario, options = self.job.scenario, self.options
         surface = sensors.surface_height(scenario)
         found = sensors.pressure(self.sensor_positions[:, 2], surface, scenario.fluid, options.atmosphere)
-        for stamp, value in self._add_noise(found, options.pressure_noise, 1):
-            yield (
-                stamp,
-                self.ros.make(
-                    "sensor_msgs/FluidPressure",
-                    header=self._make_sensor_header(stamp),
-                    fluid_pressure=value,
-                    variance=options.pressure_noise**2,
-                ),
-            )
+        noise = options.pressure_noise
+        return self._make_readings("sensor_msgs/FluidPressure", "fluid_pressure", found, noise, 1)
 
     def _make_ranges(self) -> Iterator[tuple[int, Any]]:
-        pipe, options = self.job.scenario.pipe, self.options
-        found = np.maximum(sensors.wall_distance(self.sensor_positions, pipe), 0.0)
-        for stamp, value in self._add_noise(found, options.distance_noise, 2):
-            yield (
-                stamp,
-                self.ros.make(
-                    "sensor_msgs/Range",
-                    header=self._make_sensor_header(stamp),
-                    # All directions: the distance is that of the nearest point of the wall.
-                    field_of_view=2 * np.pi,
-                    max_range=pipe.layout.inlet.radius,
-                    range=value,
-                    variance=options.distance_noise**2,
-                ),
-            )
+        scenario, noise = self.job.scenario, self.options.distance_noise
+        found = np.maximum(wall_distance(self.sensor_positions, scenario), 0.0)
+        # All directions: the distance is that of the nearest point of the wall.
+        seen = {"field_of_view": 2 * np.pi, "max_range": scenario.pipe.layout.inlet.radius}
+        return self._make_readings("sensor_msgs/Range", "range", found, noise, 2, **seen)
 
     def _make_clearances(self) -> Iterator[tuple[int, Any]]:
-        body, pipe = self.job.agent.body, self.job.scenario.pipe
-        return self._make_readings(
-            sensors.clearance(self.trajectory, body, pipe), self.options.distance_noise, 3
-        )
+        found = sensors.clearance(self.trajectory, self.job.agent.body, self.job.scenario.pipe)
+        return self._make_readings("std_msgs/Float64", "data", found, self.options.distance_noise, 3)
 
     def _make_concentrations(self) -> Iterator[tuple[int, Any]]:
-        found = sum(
-            (p.concentration(self.sensor_positions) for p in self.plumes),
-            np.zeros(len(self.sensor_positions)),
-        )
-        return self._make_readings(found, self.options.concentration_noise, 4)
+        nothing = np.zeros(len(self.sensor_positions))
+        found = sum((p.concentration(self.sensor_positions) for p in self.plumes), nothing)
+        return self._make_readings("std_msgs/Float64", "data", found, self.options.concentration_noise, 4)
 
-    def _make_readings(self, values: FloatArray, noise: float, sensor: int) -> Iterator[tuple[int, Any]]:
-        for stamp, value in self._add_noise(values, noise, sensor):
-            yield stamp, self.ros.make("std_msgs/Float64", data=value)
-
-    def _add_noise(self, values: FloatArray, noise: float, sensor: int) -> Iterator[tuple[int, float]]:
+    def _make_readings(
+        self, kind: str, field: str, values: FloatArray, noise: float, sensor: int, **more: float
+    ) -> Iterator[tuple[int, Any]]:
+        """Yield a reading with noise in a ``field`` of each message, with a header and its variance if the kind has them."""
         readings = sensors.add_noise(values, noise, self._make_rng(sensor))
-        return zip(self.stamps, readings.tolist(), strict=True)
+        for stamp, value in zip(self.stamps, readings.tolist(), strict=True):
+            given = {field: value, "variance": noise**2, **more}
+            yield stamp, self.ros.make(kind, header=self._make_sensor_header(stamp), **given)
 
     def _make_sensor_header(self, stamp: int) -> Any:
         return self.ros.make_header(stamp, f"{self.options.namespace}/sensors")
@@ -335,4 +315,4 @@ def _turn_z_to(direction: FloatArray) -> FloatArray:
     sine = np.linalg.norm(across)
     angle = np.arctan2(sine, axis[2])
     turn = angle * across / sine if sine > 0 else np.array([angle, 0.0, 0.0])
-    return np.asarray(quaternion_from_rotation_vector(turn[None])[0], dtype=np.float64)
+    return np.asarray(rotations.quaternion_from_rotation_vector(turn[None])[0], dtype=np.float64)

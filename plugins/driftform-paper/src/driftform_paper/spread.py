@@ -7,19 +7,17 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from driftform.figures import svg
-from driftform.figures.layout import MARGIN, WIDTH, shorten, start_page, write
-from driftform.figures.plot import Window, draw_axes, draw_cross, draw_walls, draw_water, pipe_points
-from driftform.figures.projection import SIDE
-from driftform.figures.style import INK, SERIES, tint
-from driftform.motion.approach import find_approaches
-from driftform.motion.interpolation import interpolate_positions
+from driftform.figures import layout, plot, style, svg
+from driftform.motion import closest_approach, interpolation
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
 
 COLUMNS = 2
 LEFT, GUTTER, TOP = 52.0, 62.0, 108.0
 STATIONS = 240
+
+SIDE = (0, 2)
+"""x to the right and z upward on the page."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,22 +37,22 @@ def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, 
 
     Mean and deviation are those of the height at equal x, over the range of x that all flights cover.
     """
-    width = (WIDTH - LEFT - MARGIN - (COLUMNS - 1) * GUTTER) / COLUMNS
-    shown = np.vstack([pipe_points(scenario.pipe, SIDE), scenario.target_array()])
+    width = (layout.WIDTH - LEFT - layout.MARGIN - (COLUMNS - 1) * GUTTER) / COLUMNS
+    shown = np.vstack([plot.pipe_points(scenario.pipe, SIDE), scenario.target_array()])
     panels = [
-        Window.around(SIDE, shown, LEFT + (i % COLUMNS) * (width + GUTTER), 0, width, 260, 6)
+        plot.Window.around(SIDE, shown, LEFT + (i % COLUMNS) * (width + GUTTER), 0, width, 260, 6)
         for i in range(len(repeats))
     ]
     tallest = max((w.box.bottom - w.box.top for w in panels), default=0.0)
     rows = ceil(len(repeats) / COLUMNS)
     height = TOP + rows * (tallest + 74)
-    root = start_page(height, title, subtitle, f"{subtitle} A panel for each target.")
+    root = layout.start_page(height, title, subtitle, f"{subtitle} A panel for each target.")
     for number, repeated in enumerate(repeats):
         row, column = divmod(number, COLUMNS)
-        window = Window.around(
+        window = plot.Window.around(
             SIDE, shown, LEFT + column * (width + GUTTER), TOP + row * (tallest + 74), width, 260, 6
         )
-        _draw_panel(root, window, repeated, scenario, SERIES[number % len(SERIES)])
+        _draw_panel(root, window, repeated, scenario, style.SERIES[number % len(style.SERIES)])
     return svg.render(root)
 
 
@@ -67,9 +65,9 @@ def compute_band(
     """
     paths = []
     for flight in flights:
-        [approach] = find_approaches(flight, target[None])
-        t = np.linspace(flight.t[0], max(approach.t, flight.t[0] + 1e-6), STATIONS)
-        paths.append(interpolate_positions(flight, np.minimum(t, flight.t[-1])))
+        _, [closest] = closest_approach(flight, target[None])
+        t = np.linspace(flight.t[0], max(closest, flight.t[0] + 1e-6), STATIONS)
+        paths.append(interpolation.interpolate_positions(flight, np.minimum(t, flight.t[-1])))
     along = np.linspace(max(path[0, 0] for path in paths), min(path[:, 0].max() for path in paths), STATIONS)
     # A path may turn back for a moment: the first time at a station counts.
     heights = np.array([np.interp(along, np.maximum.accumulate(path[:, 0]), path[:, 2]) for path in paths])
@@ -78,21 +76,23 @@ def compute_band(
 
 
 def _draw_panel(
-    root: ET.Element, window: Window, repeated: FlightSpread, scenario: Scenario, colour: str
+    root: ET.Element, window: plot.Window, repeated: FlightSpread, scenario: Scenario, colour: str
 ) -> None:
-    draw_water(root, window, scenario.pipe)
-    draw_axes(root, window)
-    draw_walls(root, window, scenario.pipe)
+    plot.draw_water(root, window, scenario.pipe)
+    plot.draw_axes(root, window)
+    plot.draw_walls(root, window, scenario.pipe)
     target = np.array(scenario.target_points()[repeated.name])
     paths, mean, deviation = compute_band(repeated.trajectories, target)
     up = np.array([0.0, 0.0, 1.0])
     edge = [window.to_page(mean + sign * deviation[:, None] * up) for sign in (1, -1)]
     outline = np.vstack([edge[0], edge[1][::-1]])
-    svg.add(root, "path", class_="band", d=svg.path_data(outline, closed=True), fill=tint(colour, 0.3))
+    svg.add(root, "path", class_="band", d=svg.path_data(outline, closed=True), fill=style.tint(colour, 0.3))
     for path in paths:
-        svg.add_line(root, window.path_data(path), tint(colour, 0.55), 0.8)
+        svg.add_line(root, window.path_data(path), style.tint(colour, 0.55), 0.8)
     svg.add_line(root, window.path_data(mean), colour, 2, "mean")
     x, y = window.to_page(target[None])[0]
-    draw_cross(root, x, y, 5, INK, 2)
+    plot.draw_cross(root, x, y, 5, style.INK, 2)
     name = f"{repeated.name}  {repeated.note}".strip()
-    write(root, window.box.left, window.box.top - 8, shorten(name, 12, 330, bold=True), 12, bold=True)
+    layout.write(
+        root, window.box.left, window.box.top - 8, layout.shorten(name, 12, 330, bold=True), 12, bold=True
+    )

@@ -1,4 +1,4 @@
-"""Printable files -> their parts, in mm and z up, whatever the format."""
+"""Printable files -> the meshes of their parts, in mm and z up, whatever the format."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,8 +8,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from driftform.agent import Mesh
 from driftform.errors import InputError, WorkFailedError
-from driftform_kit.checks.parts import MM_PER_M, Part, check_counts, make_part
+from driftform_kit.checks.parts import MM_PER_M, check_counts
 from driftform_kit.checks.rendering import render
 from driftform_kit.checks.threemf import read_3mf
 
@@ -20,8 +21,8 @@ _FROM_GLTF = MM_PER_M * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 
 _LONGEST_NAME = 40
 
 
-def read_parts(path: Path) -> tuple[Part, ...]:
-    """Return the parts of a file, one at least.
+def read_meshes(path: Path) -> tuple[Mesh, ...]:
+    """Return the meshes of a file, one for each part, at least one; no two vertices of a mesh are the same.
 
     STL, OBJ and PLY have no unit and are taken to be in mm; 3MF states its unit, GLB is in metres with y up. OpenSCAD
     source is rendered.
@@ -41,7 +42,7 @@ def read_parts(path: Path) -> tuple[Part, ...]:
 
 
 @lru_cache(maxsize=32)
-def _read(path: Path, _changed: int, _size: int) -> tuple[Part, ...]:
+def _read(path: Path, _changed: int, _size: int) -> tuple[Mesh, ...]:
     suffix = path.suffix.lower()
     if suffix not in _READERS:
         raise InputError(
@@ -69,7 +70,7 @@ def _clean_name(name: str) -> str:
     return "".join(c for c in name if c.isprintable())[:_LONGEST_NAME] or "part"
 
 
-def _read_with_trimesh(path: Path) -> tuple[Part, ...]:
+def _read_with_trimesh(path: Path) -> tuple[Mesh, ...]:
     import trimesh
 
     scene = trimesh.load_scene(path, process=False, skip_materials=True, split_object=True)
@@ -86,23 +87,27 @@ def _read_with_trimesh(path: Path) -> tuple[Part, ...]:
         mesh = scene.geometry[name]
         if not isinstance(mesh, trimesh.Trimesh):
             continue
-        vertices = mesh.vertices @ transform[:3, :3].T + transform[:3, 3]
-        triangles = mesh.faces if np.linalg.det(transform[:3, :3]) > 0 else mesh.faces[:, ::-1]
-        found.append(make_part(path.stem if len(scene.geometry) == 1 else str(name), vertices, triangles))
+        vertices = np.asarray(mesh.vertices, dtype=np.float64) @ transform[:3, :3].T + transform[:3, 3]
+        triangles = np.asarray(mesh.faces, dtype=np.int64)
+        if np.linalg.det(transform[:3, :3]) <= 0:
+            triangles = triangles[:, ::-1]
+        name = path.stem if len(scene.geometry) == 1 else str(name)
+        found.append(Mesh(vertices.reshape(-1, 3), triangles.reshape(-1, 3), name).merge_vertices())
     return tuple(found)
 
 
-def _read_gltf(path: Path) -> tuple[Part, ...]:
-    return tuple(make_part(p.name, p.vertices @ _FROM_GLTF.T, p.triangles) for p in _read_with_trimesh(path))
+def _read_gltf(path: Path) -> tuple[Mesh, ...]:
+    turned = (replace(part, vertices=part.vertices @ _FROM_GLTF.T) for part in _read_with_trimesh(path))
+    return tuple(part.merge_vertices() for part in turned)
 
 
-def _read_scad(path: Path) -> tuple[Part, ...]:
+def _read_scad(path: Path) -> tuple[Mesh, ...]:
     with TemporaryDirectory() as folder:
         [part] = _read_with_trimesh(render(path, Path(folder)))
-    return (Part(path.stem, part.vertices, part.triangles),)
+    return (replace(part, name=path.stem),)
 
 
-_READERS: dict[str, Callable[[Path], tuple[Part, ...]]] = {
+_READERS: dict[str, Callable[[Path], tuple[Mesh, ...]]] = {
     ".stl": _read_with_trimesh,
     ".obj": _read_with_trimesh,
     ".ply": _read_with_trimesh,

@@ -1,15 +1,14 @@
-"""Contents -> the data of the page's viewer: agents, flights, pipe, current and targets."""
+"""The data of a page that shows agents in space: agents, flights, pipe, current and targets, read by ``viewer.js``."""
 
 from collections.abc import Sequence
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
 from driftform.figures.projection import simplify_polyline
-from driftform.figures.style import SERIES
+from driftform.figures.streams import trace_streams
 from driftform.motion.interpolation import interpolate_positions
-from driftform.report.contents import Contents
-from driftform.report.streams import trace_streams
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Pipe, Scenario
 from driftform.water.flow import UniformFlow
@@ -25,28 +24,21 @@ PROFILE = 9
 """Number of radii at which a page has the speed of the current."""
 
 
-def viewer_data(contents: Contents) -> dict[str, Any]:
-    """Return the data of the page's viewer: agents, flights, pipe and targets; SI units, rounded to what is visible."""
-    scene = scene_data(contents.scenario, [entry.trajectory.position for entry in contents.entries])
-    longest = max(entry.agent.body.length for entry in contents.entries)
-    return {
-        "agents": [
-            {
-                "targets": [entry.target for entry in group],
-                **agent_data(
-                    group[0].agent,
-                    group[0].trajectory,
-                    [entry.t for entry in group],
-                    SERIES[i % len(SERIES)],
-                ),
-            }
-            for i, group in enumerate(contents.agents)
-        ],
-        **scene,
-        "longest": round(longest, 4),
-        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
-        "magnification": max(1.0, round(scene["size"] / longest, 1)),
-    }
+PATH_TOLERANCE = 2e-3
+"""Tolerance to which a path is simplified for a side view, m: a tenth of what a screen shows of a pipe."""
+
+
+def read_viewer() -> str:
+    """Return the script that draws a scene on a canvas of a page."""
+    return files("driftform.figures").joinpath("viewer.js").read_text(encoding="utf-8")
+
+
+def simplify_path(flight: Trajectory) -> FloatArray:
+    """Return the samples of a flight that its side view needs, m, (n, 3)."""
+    side = flight.position[:, [0, 2]]
+    kept = simplify_polyline(side, PATH_TOLERANCE)
+    # Simplifying keeps points of the path, whose other coordinate is that of the sample.
+    return flight.position[[int(np.argmin(((side - point) ** 2).sum(axis=1))) for point in kept]]
 
 
 def scene_data(scenario: Scenario, paths: Sequence[FloatArray] = ()) -> dict[str, Any]:

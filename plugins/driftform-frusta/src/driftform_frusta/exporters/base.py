@@ -1,0 +1,129 @@
+"""Shared by the exporters of parts: a format adds only its files."""
+
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+
+import numpy as np
+
+from driftform.agent import Mesh
+from driftform.errors import WorkFailedError
+from driftform.figures import files as picture_files
+from driftform.interfaces import Exporter, ExportJob, Table
+from driftform.types import Body, FloatArray, WrittenFile
+from driftform.util import files
+from driftform_frusta.kit_options import PartOptions
+
+if TYPE_CHECKING:
+    from driftform_frusta.parts import Part
+
+File: TypeAlias = tuple[Path, bytes | str, dict[str, Any]]
+"""A file to be written: its path, its content, and facts about it."""
+
+
+class PartExporter(Exporter[PartOptions]):
+    """A format that holds the sealed hull, or the parts of a kit."""
+
+    Options: ClassVar[type[Table]] = PartOptions
+
+    @abstractmethod
+    def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
+        """Yield the files of the parts; ``path`` is that of the first."""
+
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the files of the format, and a kit's assembly sheet: as SVG, and as PDF if the extra ``pdf`` is installed.
+
+        Facts of a solid: ``volume_mm3``, ``mass_kg``, ``size_mm`` and ``shells``; of several in one file, the sums and the
+        ``parts``. Of a mesh also its ``triangles``, and ``watertight``: it is checked after rounding to the single precision
+        that files have.
+
+        Raises
+        ------
+        WorkFailedError
+            if the body has no closed printable solid, or a file cannot be written.
+        """
+        from driftform_frusta.kits import find_maker, make_parts
+
+        # All are made before the first is written: a kit that cannot be printed leaves no files.
+        made = list(self.make_files(job, make_parts(job.agent.body, self.options), path))
+        for target, content, _ in made:
+            save(target, content)
+        facts = find_maker().list_facts(job, self.options) if self.options.kit else {}
+        written = [WrittenFile(self.name, str(target), own | facts) for target, _, own in made]
+        if self.options.kit:
+            sheet = path.with_name(f"{path.stem}-assembly.svg")
+            drawn = find_maker().draw_sheet(job, self.options, self.name)
+            for target, page in ((sheet, drawn), (sheet.with_suffix(".pdf"), picture_files.make_pdf(drawn))):
+                if page is not None:
+                    save(target, page)
+                    written.append(WrittenFile(self.name, str(target)))
+        return tuple(written)
+
+
+class PartFiles(PartExporter):
+    """A format that holds one solid: several parts are several files, each oriented as it is printed."""
+
+    @abstractmethod
+    def encode(self, mesh: Mesh) -> bytes:
+        """Return a mesh in mm as a file."""
+
+    def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
+        """Yield a file of each part: ``agent-fore-shell.stl`` for ``agent.stl``."""
+        from driftform_frusta.mesh import make_mesh
+
+        for part in parts:
+            mesh = make_mesh(part.on_bed(), part.name)
+            facts = list_facts([part], job.agent.body)
+            target = path.with_name(f"{path.stem}-{part.name.replace(' ', '-')}{path.suffix}")
+            yield (
+                target if len(parts) > 1 else path,
+                self.encode(mesh),
+                facts | {"triangles": len(mesh.triangles), "watertight": True},
+            )
+
+
+class JoinedFile(PartExporter):
+    """A format that holds all parts at their places in the hull; ``frame`` is the matrix from mm to its own frame."""
+
+    frame: ClassVar[FloatArray | None] = None
+
+    @abstractmethod
+    def encode(self, title: str, meshes: Mapping[str, Mesh]) -> bytes | str:
+        """Return meshes by the names of their parts as a file."""
+
+    def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
+        """Yield the file."""
+        from driftform_frusta.mesh import make_mesh
+
+        meshes = {part.name: make_mesh(part.solid, part.name, self.frame) for part in parts}
+        triangles = sum(len(mesh.triangles) for mesh in meshes.values())
+        facts = {"triangles": triangles, "watertight": True} | list_facts(parts, job.agent.body)
+        yield path, self.encode(job.name, meshes), facts
+
+
+def save(path: Path, content: bytes | str) -> None:
+    """Write a whole file; text in UTF-8.
+
+    Raises
+    ------
+    WorkFailedError
+        if it cannot be written.
+    """
+    raw = content.encode() if isinstance(content, str) else content
+    try:
+        files.write_whole(path, lambda part: part.write_bytes(raw))
+    except OSError as error:
+        raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def list_facts(parts: "Sequence[Part]", body: Body) -> dict[str, Any]:
+    """Return the facts of parts in one file: of the only one, or the sums and the ``parts`` by name."""
+    from driftform_frusta.printable import MM3_PER_M3
+
+    volume = sum(part.solid.volume for part in parts)
+    facts = {"volume_mm3": volume, "mass_kg": volume / MM3_PER_M3 * body.hull_density}
+    shells = {"shells": sum(len(part.solid.shells) for part in parts)}
+    if len(parts) == 1:
+        return {**facts, "size_mm": np.ptp(parts[0].solid.bounds, axis=0).tolist(), **shells}
+    return {"parts": [part.name for part in parts], **facts, **shells}

@@ -1,0 +1,65 @@
+"""Where the evaluations of a run are flown: in processes here, or on a cluster."""
+
+import os
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+
+from driftform.errors import InputError, did_you_mean
+from driftform.search.jobs import Executor
+from driftform.search.local import LocalProcesses
+from driftform.search.pool import PoolExecutor
+from driftform.study import Study
+
+EXECUTORS = ("local", "dask")
+
+
+@contextmanager
+def open_executor(
+    study: Study, name: str | None = None, scheduler: str | None = None, workers: int | None = None
+) -> Iterator[Executor]:
+    """Give workers that evaluate genomes of a study, and stop them at the end of the context.
+
+    Parameters
+    ----------
+    study
+        what they evaluate.
+    name
+        ``"local"`` for processes on this machine, ``"dask"`` for a cluster; ``None`` for what the others need.
+    scheduler
+        address of a running Dask scheduler.
+    workers
+        number of processes; ``None`` for one on each core. The result does not depend on it.
+
+    Raises
+    ------
+    InputError
+        where the options do not go together, or there is no such cluster.
+    """
+    name = name or ("local" if scheduler is None else "dask")
+    _check(name, scheduler, workers)
+    with closing(_make_executor(study, name, scheduler, workers or os.cpu_count() or 1)) as executor:
+        yield executor
+
+
+def _make_executor(study: Study, name: str, scheduler: str | None, workers: int) -> PoolExecutor:
+    if name == "local":
+        processes = LocalProcesses(study.document, workers)
+        processes.start(study.evaluations)
+        return processes
+    from driftform.search.cluster import Cluster
+
+    if scheduler is None:
+        return Cluster.start(study.document, workers)
+    return Cluster.join(study.document, scheduler)
+
+
+def _check(name: str, scheduler: str | None, workers: int | None) -> None:
+    if name not in EXECUTORS:
+        raise InputError(f"--executor {name}: no such executor{did_you_mean(name, EXECUTORS)}")
+    if scheduler is not None and name != "dask":
+        raise InputError(f"--scheduler {scheduler}: only goes with --executor dask")
+    if scheduler is not None and workers is not None:
+        raise InputError(
+            f"--workers {workers}: a cluster has the workers that joined it; start more with: "
+            f"dask worker {scheduler} --nthreads 1"
+        )

@@ -1,0 +1,110 @@
+"""Where the machine code of kernels is kept: a folder for each state of their sources, and of what compiles them.
+
+numba's cache of a function depends only on the file of that function. After an upgrade, a kernel that calls a function of
+another file, or uses its constants, would silently keep their old code. A folder therefore belongs to the sources of all
+packages with kernels.
+"""
+
+import hashlib
+import multiprocessing
+import os
+import shutil
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+from filelock import FileLock
+
+from driftform.util.files import cache_folder
+
+KERNELS = ("util", "water", "motion")
+"""The packages of the core that contain kernels."""
+
+ANNOUNCED_S = 300.0
+"""Time for which one announcement of the compilation serves all processes, s."""
+
+UNUSED_S = 30 * 86400.0
+"""Age of the folder of other sources at which it is removed, s."""
+
+_CORE = Path(__file__).parents[1]
+_CONFIG: Any = numba.config
+
+
+def _find_base() -> Path:
+    """Return NUMBA_CACHE_DIR, or the folder of Python's own caches of this package, or the cache of the user."""
+    if _CONFIG.CACHE_DIR:
+        return Path(_CONFIG.CACHE_DIR)
+    beside = _CORE / "__pycache__"
+    return beside if os.access(beside, os.W_OK) else cache_folder()
+
+
+BASE = _find_base()
+"""The folder of all these folders."""
+
+
+def hash_sources(sources: Iterable[Path]) -> str:
+    """Return a number of files and of the versions of Python, NumPy and numba, in hexadecimal digits."""
+    digest = hashlib.sha256(f"{sys.version} {np.__version__} {numba.__version__}".encode())
+    for source in sources:
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def find_folder(compiler: str) -> Path:
+    """Return the folder of the machine code that a compiler makes, and remove those that have long been unused."""
+    kernels = (file for name in KERNELS for file in sorted((_CORE / name).glob("*.py")))
+    folder = BASE / f"kernels-{compiler}-{hash_sources(kernels)}"
+    if not folder.exists():
+        for other in BASE.glob("kernels-*-*"):
+            with suppress(OSError):
+                if time.time() - other.stat().st_mtime > UNUSED_S:
+                    shutil.rmtree(other)
+    return folder
+
+
+@contextmanager
+def use_folder(folder: Path) -> Iterator[None]:
+    """Let the caches that numba opens in this context be in a folder; RuntimeError if it cannot be written to."""
+    usual, _CONFIG.CACHE_DIR = _CONFIG.CACHE_DIR, str(folder)
+    try:
+        yield
+    finally:
+        _CONFIG.CACHE_DIR = usual
+
+
+@contextmanager
+def lock(path: Path) -> Iterator[None]:
+    """Let one process at a time into this context; on a file system without locks, all of them."""
+    held = FileLock(path)
+    with suppress(OSError, NotImplementedError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        held.acquire()
+    try:
+        yield
+    finally:
+        held.release()
+
+
+@cache
+def announce(seconds: int) -> None:
+    """Print once that a compilation of so many seconds begins, unless the display of a run on a terminal shows it.
+
+    A file beside the machine code keeps the other processes of the same run silent.
+    """
+    marker = BASE / "kernels.announced"
+    with suppress(OSError):
+        if time.time() - marker.stat().st_mtime < ANNOUNCED_S:
+            return
+    with suppress(OSError):
+        marker.parent.mkdir(parents=True, exist_ok=True)
+        marker.touch()
+    is_worker = multiprocessing.parent_process() is not None
+    if not (is_worker and sys.stdout.isatty() and sys.stderr.isatty()):
+        text = f"compiling the equations of motion, about {seconds} s, once per machine"
+        print(text, file=sys.stderr, flush=True)

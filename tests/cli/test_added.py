@@ -1,0 +1,264 @@
+"""Commands that plugins add; the plugins are real ``.dist-info`` directories on the path."""
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from driftform.cli.added import BROUGHT_BY, load_added
+from driftform.plugins.discovery import GROUP
+
+Call = Callable[..., Any]
+Install = Callable[..., None]
+Refused = Callable[..., str]
+
+HOOK = """
+from typing import Annotated
+
+import typer
+from driftform import hookimpl
+from driftform.cli import options, print_json
+from driftform.errors import InputError, WorkFailedError
+
+@hookimpl
+def driftform_commands(app):
+"""
+
+TIDE = f"""{HOOK}
+    app.command("tide")(tide)
+    app.add_typer(harbour, name="harbour")
+
+harbour = typer.Typer(help="Work in a harbour. It is calm there.")
+
+def tide(height: float = 1.0, json: options.Json = False) -> None:
+    \"\"\"Show the tide.\"\"\"
+    print("a library prints this")
+    if json:
+        print_json({{"height": height}})
+
+@harbour.command("enter")
+def enter(name: Annotated[str, typer.Argument(metavar="NAME", help="Where to.")], json: options.Json = False) -> None:
+    \"\"\"Enter the harbour.\"\"\"
+    print(f"in {{name}}")
+    if json:
+        print_json({{"in": name}})
+
+@harbour.command("leave")
+def leave() -> None:
+    raise ArithmeticError("no water")
+"""
+
+RAISING = f"""{HOOK}
+    app.command("sink")(sink)
+
+def sink(how: str) -> None:
+    if how == "input":
+        raise InputError("HOW input: is no way to sink")
+    if how == "work":
+        raise WorkFailedError("it floats")
+    if how == "file":
+        open("no such file")
+    if how == "exit":
+        raise typer.Exit(3)
+    if how == "leave":
+        raise SystemExit("left")
+    1 / 0
+"""
+
+
+def add(name: str, text: str) -> str:
+    """The source of a plugin that adds one command, which prints a text."""
+    return f'{HOOK}    app.command("{name}")(lambda: print("{text}"))\n'
+
+
+def forget() -> None:
+    load_added.cache_clear()
+
+
+@pytest.fixture
+def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install]:
+    """Install modules as distributions ``<module>-plugin 1.0``."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    modules: list[str] = []
+
+    def installed(**sources: str) -> None:
+        for module, source in sources.items():
+            (tmp_path / f"{module}.py").write_text(source)
+            info = tmp_path / f"{module}_plugin-1.0.dist-info"
+            info.mkdir()
+            (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}-plugin\nVersion: 1.0\n")
+            (info / "entry_points.txt").write_text(f"[driftform]\n{module} = {module}\n")
+            modules.append(module)
+        forget()
+
+    yield installed
+    for module in modules:
+        sys.modules.pop(module, None)
+    forget()
+
+
+@pytest.fixture
+def without_plugins(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Hide every distribution but driftform itself."""
+    every = metadata.entry_points
+    own = [point for point in every(group=GROUP) if point.dist and point.dist.name == "driftform"]
+    monkeypatch.setattr(
+        "importlib.metadata.entry_points",
+        lambda **wanted: own if wanted == {"group": GROUP} else every(**wanted),
+    )
+    forget()
+    yield
+    forget()
+
+
+def test_a_command_and_a_group_of_a_plugin_are_listed_and_run(install: Install, call: Call) -> None:
+    install(ext_tide=TIDE)
+    page = call("--help").stdout
+    assert "Show the tide." in page and "Work in a harbour." in page and "It is calm" not in page
+    assert call("tide").stdout == "a library prints this\n"
+    assert call("harbour", "enter", "Hull").stdout == "in Hull\n"
+    group = call("harbour", "--help").stdout
+    assert "Enter the harbour." in group and "leave" in group
+
+
+def test_help_of_a_command_of_a_plugin_looks_like_ours(install: Install, call: Call) -> None:
+    install(ext_tide=TIDE)
+    page = call("harbour", "enter", "--help").stdout
+    assert page.startswith("Usage: driftform harbour enter [OPTIONS] NAME\n")
+    assert "Print one JSON document" in page
+
+
+@pytest.mark.parametrize(
+    ("arguments", "document"),
+    [
+        (("tide", "--height", "2.5", "--json"), {"height": 2.5}),
+        (("harbour", "enter", "Hull", "--json"), {"in": "Hull"}),
+    ],
+)
+def test_json_is_all_that_stdout_gets(
+    install: Install, call: Call, arguments: tuple[str, ...], document: dict[str, Any]
+) -> None:
+    install(ext_tide=TIDE)
+    result = call(*arguments)
+    assert json.loads(result.stdout) == document
+    assert result.stderr in ("a library prints this\n", "in Hull\n")
+
+
+def test_wrong_options_of_a_plugin_are_refused_in_one_line(install: Install, refused: Refused) -> None:
+    install(ext_tide=TIDE)
+    line = refused("tide", "--height", "high")
+    assert "--height" in line and line.endswith("see 'driftform tide --help'")
+
+
+def test_a_command_that_two_plugins_claim_is_refused_with_both_names(
+    install: Install, refused: Refused
+) -> None:
+    install(ext_one=add("dredge", "one"), ext_two=add("dredge", "two"))
+    assert refused("dredge") == (
+        "error: command 'dredge' is unavailable: it is claimed by ext_one-plugin and ext_two-plugin; uninstall one of them"
+    )
+
+
+def test_what_two_plugins_claim_leaves_their_other_commands(install: Install, call: Call) -> None:
+    both = add("dredge", "one") + '    app.command("buoy")(lambda: print("a buoy"))\n'
+    install(ext_one=both, ext_two=add("dredge", "two"))
+    assert call("buoy").stdout == "a buoy\n"
+    page = call("--help").stdout
+    assert "buoy" in page and "dredge" not in page
+
+
+@pytest.mark.parametrize(
+    "fault", ["raise OSError('no room')", "import a_library_that_is_not_there", "raise SystemExit(0)"]
+)
+def test_a_hook_that_raises_leaves_the_other_commands(install: Install, call: Call, fault: str) -> None:
+    install(ext_broken=f"{HOOK}    {fault}\n", ext_sound=add("buoy", "a buoy"))
+    assert call("buoy").stdout == "a buoy\n"
+    assert call("--help").exit_code == 0
+    assert call("scenarios", "list").exit_code == 0
+    assert "ext_broken-plugin" in load_added().problems
+
+
+def test_a_known_command_whose_hook_raises_says_why(
+    install: Install, refused: Refused, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(BROUGHT_BY, "sound", "ext_kit-plugin")
+    install(ext_kit=f"{HOOK}    raise OSError('no room')\n")
+    assert refused("sound") == "error: command 'sound': ext_kit-plugin is unavailable: OSError: no room"
+
+
+@pytest.mark.parametrize(
+    ("how", "code", "line"),
+    [
+        ("input", 2, "error: HOW input: is no way to sink"),
+        ("work", 1, "error: it floats"),
+        ("file", 1, "error: [Errno 2] No such file or directory: 'no such file'"),
+        ("leave", 1, "error: command 'sink' failed: SystemExit: left (in sink, line "),
+        ("bug", 1, "error: command 'sink' failed: ZeroDivisionError: division by zero (in sink, line "),
+    ],
+)
+def test_a_command_that_raises_is_one_line_and_an_exit_code(
+    install: Install, call: Call, how: str, code: int, line: str
+) -> None:
+    install(ext_sink=RAISING)
+    result = call("sink", how)
+    assert (result.exit_code, result.stdout) == (code, "")
+    [said] = result.stderr.splitlines()
+    assert said.startswith(line)
+
+
+def test_a_command_ends_with_the_exit_code_that_it_chooses(install: Install, call: Call) -> None:
+    install(ext_sink=RAISING)
+    result = call("sink", "exit")
+    assert (result.exit_code, result.stderr) == (3, "")
+
+
+def test_a_command_of_a_group_that_raises_is_one_line(install: Install, call: Call) -> None:
+    install(ext_tide=TIDE)
+    result = call("harbour", "leave")
+    assert result.exit_code == 1
+    [line] = result.stderr.splitlines()
+    assert line.startswith(
+        "error: command 'harbour leave' failed: ArithmeticError: no water (in leave, line "
+    )
+
+
+def test_a_command_of_the_core_is_not_replaced(install: Install, call: Call) -> None:
+    install(ext_rival=add("scenarios", "mine") + '    app.command("buoy")(lambda: print("a buoy"))\n')
+    assert "pipe-inspection" in call("scenarios").stdout
+    assert call("buoy").stdout == "a buoy\n"
+    commands = call("--help").stdout.partition("Commands:")[2]
+    assert sum(line.split()[:1] == ["scenarios"] for line in commands.splitlines()) == 1
+
+
+@pytest.mark.usefixtures("without_plugins")
+@pytest.mark.parametrize(
+    ("command", "remedy"),
+    [
+        ("network", 'uv sync --extra networks, or pip install "driftform[networks]"'),
+        ("studio", 'uv sync --extra studio, or pip install "driftform[studio]"'),
+        ("trim", 'pip install "driftform-kit"'),
+        ("calibrate", 'pip install "driftform-calibration"'),
+        ("reproduce", 'pip install "driftform-paper"'),
+    ],
+)
+def test_a_command_without_its_distribution_says_what_installs_it(
+    refused: Refused, command: str, remedy: str
+) -> None:
+    assert refused(command) == f"error: command '{command}' is not installed; run: {remedy}"
+    assert refused(command, "--json") == f"error: command '{command}' is not installed; run: {remedy}"
+
+
+def test_every_command_that_our_plugins_add_is_known_with_what_installs_it() -> None:
+    owners = {name: package.replace("[", "-").removesuffix("]") for name, package in BROUGHT_BY.items()}
+    installed = {point.dist.name for point in metadata.entry_points(group=GROUP) if point.dist}
+    expected = {name for name, owner in owners.items() if owner in installed}
+    assert expected <= set(load_added().commands) <= set(BROUGHT_BY)
+
+
+@pytest.mark.usefixtures("without_plugins")
+def test_a_command_that_nobody_knows_is_a_usage_error(refused: Refused) -> None:
+    assert "No such command 'sail'" in refused("sail")

@@ -1,0 +1,153 @@
+"""Velocities of the water and distances from the wall at points of the world, against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+from driftform.motion.model import flight_model
+from driftform.testing.agents import sphere_agent
+from driftform.water import Scenario, wall_distance, water_velocity
+from driftform.water.velocity import water_motion
+
+R = 0.1
+
+
+def scenario_of(parts, **tables) -> Scenario:
+    return Scenario.model_validate({"pipe": {"radius": R, "parts": parts}, **tables})
+
+
+def straight(**tables) -> Scenario:
+    segment = {"start": (1.0, 0.0, 0.5), "end": (4.0, 0.0, 4.5), "radius": 0.2}
+    return Scenario.model_validate({"pipe": {"segments": [segment]}, **tables})
+
+
+AXIS, ACROSS = np.array([0.6, 0.0, 0.8]), np.array([0.8, 0.0, -0.6])
+
+
+def place(along, off):
+    """A point of the inclined straight pipe, ``off`` (m) from its axis."""
+    return np.array([1.0, 0.0, 0.5]) + along * AXIS + off * ACROSS
+
+
+def test_the_distance_in_a_straight_pipe_is_the_radius_less_that_from_the_axis() -> None:
+    points = [place(1.0, 0.0), place(2.0, 0.15), place(2.5, 0.2), place(3.0, 0.26), place(-0.5, 0.1)]
+    assert wall_distance(points, straight()) == pytest.approx([0.2, 0.05, 0.0, -0.06, 0.1], abs=1e-12)
+
+
+def test_open_water_has_no_wall() -> None:
+    assert np.isposinf(wall_distance(np.zeros((3, 3)), Scenario())).all()
+
+
+def test_the_distance_in_a_bend_is_that_in_a_torus() -> None:
+    scenario = scenario_of(
+        [{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"length": 0.5}]
+    )
+    # The pipe turns right, towards -y, about a point beside the bend's entry.
+    rng = np.random.default_rng(1)
+    turn, far, z = rng.uniform(0.1, 1.4, 50), rng.uniform(0.21, 0.39, 50), rng.uniform(-0.09, 0.09, 50)
+    points = np.column_stack([0.5 + far * np.sin(turn), -0.3 + far * np.cos(turn), z])
+    expected = R - np.hypot(far - 0.3, z)
+    assert wall_distance(points, scenario) == pytest.approx(expected, abs=1e-12)
+
+
+def test_the_distance_in_the_middle_of_a_reducer_is_that_from_its_arcs() -> None:
+    scenario = scenario_of([{"kind": "reducer", "length": 0.4, "radius": 0.06}, {"length": 0.5}])
+    # The early arc begins along the axis at the entry, about a centre on the far side of the axis.
+    arc = (0.4**2 + 0.04**2) / (4 * 0.04)
+    centre = np.array([0.0, R - arc])
+    points = np.array([[0.1, 0.03, 0.0], [0.15, 0.0, -0.02], [0.05, 0.05, 0.05]])
+    meridian = np.column_stack([points[:, 0], np.hypot(points[:, 1], points[:, 2])])
+    expected = arc - np.linalg.norm(meridian - centre, axis=1)
+    assert wall_distance(points, scenario) == pytest.approx(expected, abs=1e-12)
+
+
+TEE = [
+    {"length": 0.5, "name": "first"},
+    {
+        "kind": "tee",
+        "branch_radius": 0.05,
+        "share": 0.3,
+        "branch": [{"length": 0.5, "outlet": "up"}],
+    },
+    {"length": 0.5, "outlet": "on"},
+]
+
+
+def test_the_distance_in_a_tee_is_that_of_its_bores_and_of_the_ball_that_rounds_their_edge() -> None:
+    scenario = scenario_of(TEE)
+    tee = next(p.part for p in scenario.pipe.layout.parts if p.name.startswith("tee"))
+    x = tee.origin[0]
+    fillet = 0.2 * 0.05
+    # Below, the wall of the run; above in the branch, its wall; on the plane of both axes, the ball beside the edge.
+    below, side = [x, 0.0, -0.07], [x + 0.02, 0.0, 0.2]
+    ball = np.array([x + 0.05 + fillet, 0.0, R + fillet])
+    near = ball - 1.5 * fillet * np.array([math.sqrt(0.5), 0.0, math.sqrt(0.5)])
+    found = wall_distance([below, side, near], scenario)
+    assert found == pytest.approx([0.03, 0.03, 0.5 * fillet], abs=1e-9)
+
+
+def test_uniform_water_has_the_velocity_along_the_pipe_which_grows_with_time() -> None:
+    scenario = straight(flow={"speed": 1.5, "acceleration": 0.2}, flight={"horizon": 10.0})
+    found = water_velocity([place(1.0, 0.1)] * 3, [0.0, 2.0, 10.0], scenario)
+    assert found == pytest.approx(np.outer([1.5, 1.9, 3.5], AXIS))
+    assert water_velocity([[7.0, 8.0, 9.0]], 1.0, Scenario(flow={"speed": 0.7})) == pytest.approx(
+        np.array([[0.7, 0.0, 0.0]])
+    )
+
+
+def test_the_power_law_is_that_of_the_textbook_whose_mean_is_the_bulk_speed() -> None:
+    scenario = straight(flow={"kind": "power_law", "speed": 1.3, "exponent": 7.0})
+    r = np.array([0.0, 0.05, 0.12, 0.19])
+    found = water_velocity([place(1.0, off) for off in r], 0.0, scenario)
+    top = 1.3 * 8 * 15 / (2 * 49)
+    assert found == pytest.approx(np.outer(top * (1 - r / 0.2) ** (1 / 7), AXIS))
+
+
+def test_a_bend_has_the_free_vortex_with_the_flux_of_the_mean_speed() -> None:
+    parts = [{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"length": 0.5}]
+    scenario = scenario_of(parts, flow={"speed": 1.3})
+    q = (0.3 - math.sqrt(0.3**2 - R**2)) / R
+    far = np.array([0.22, 0.3, 0.37])
+    points = np.column_stack([0.5 + far * math.sin(0.7), -0.3 + far * math.cos(0.7), np.zeros(3)])
+    expected = np.outer(0.5 * 1.3 * R / q / far, [math.cos(0.7), -math.sin(0.7), 0.0])
+    assert water_velocity(points, 0.0, scenario) == pytest.approx(expected)
+
+
+def test_behind_a_reducer_and_a_tee_the_water_has_the_speed_of_its_share_of_the_flux() -> None:
+    reducer = scenario_of(
+        [{"kind": "reducer", "length": 0.4, "radius": 0.05}, {"length": 1.0}], flow={"speed": 0.5}
+    )
+    assert water_velocity([[0.9, 0.0, 0.02]], 0.0, reducer) == pytest.approx(np.array([[2.0, 0.0, 0.0]]))
+    tee = scenario_of(TEE, flow={"speed": 0.5})
+    on, up = (next(o.opening for o in tee.pipe.layout.outlets if o.name == name) for name in ("on", "up"))
+    found = water_velocity([on.centre, up.centre], 0.0, tee)
+    assert found == pytest.approx(np.array([[0.35, 0.0, 0.0], [0.0, 0.0, 0.6]]), abs=1e-9)
+
+
+def test_a_grid_has_the_velocity_of_its_file(tmp_path) -> None:
+    file = tmp_path / "shear.csv"
+    nodes = np.stack(np.meshgrid(*[np.arange(5.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    rows = [f"{x},{y},{z},{1 + 0.1 * z},{0.2 * x},0" for x, y, z in nodes]
+    file.write_text("x,y,z,u,v,w\n" + "\n".join(rows))
+    scenario = Scenario(flow={"kind": "grid", "file": str(file), "speed": 2.0, "reference": 1.0})
+    nodes = np.array([[2.0, 1.0, 2.0], [1.0, 3.0, 2.0]])
+    expected = 2.0 * np.array([[1.2, 0.4, 0.0], [1.2, 0.2, 0.0]])
+    assert water_velocity(nodes, 0.0, scenario) == pytest.approx(expected, abs=1e-9)
+
+
+def test_gusts_are_left_out_unless_they_are_asked_for() -> None:
+    flow = {"speed": 1.3, "roughness": 2e-4}
+    calm = straight(flow={"kind": "log_law", **flow})
+    windy = straight(flow={"kind": "turbulent", "seed": 3, **flow})
+    points, t = np.array([place(1.0, 0.1), place(2.0, 0.0)]), np.array([0.4, 3.0])
+    mean = water_velocity(points, 0.0, calm)
+    np.testing.assert_array_equal(water_velocity(points, t, windy), mean)
+    model = flight_model(sphere_agent(0.01, 0.05), windy)
+    met = [
+        water_motion(tuple(point), time, model.pipe, model.flow, model.gusts)[0]
+        for point, time in zip(points.tolist(), t.tolist(), strict=True)
+    ]
+    found = water_velocity(points, t, windy, gusts=True)
+    np.testing.assert_array_equal(found, met)
+    assert 0 < np.abs(found - mean).max() < 0.5
