@@ -15,7 +15,7 @@ from driftform.water import Scenario
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import make_parts
-from driftform_kit.cutting.accounting import kit_facts, kit_mass
+from driftform_kit.cutting.accounting import kit_mass, list_facts
 
 TILTS = st.sampled_from([-0.3, 0.0, 0.3])
 SIDES = st.lists(st.builds(Module, st.sampled_from([0.005, 0.01]), TILTS), max_size=6).map(tuple)
@@ -101,7 +101,7 @@ def test_a_thicker_sleeve_weighs_as_much_more_as_its_ring():
 def facts(body, **options):
     agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
     scenario = Scenario(fluid={"density": 1000.0, "gravity": 10.0})
-    return kit_facts(ExportJob("agent", agent, scenario), PartOptions(**options))
+    return list_facts(ExportJob("agent", agent, scenario), PartOptions(**options))
 
 
 def test_without_a_kit_there_is_nothing_to_tell():

@@ -18,7 +18,6 @@ from driftform_kit.ballast import (
     place_filling,
     place_nearest_ball,
     place_nearest_by_hand,
-    place_nearest_filling,
     place_one_ball,
     place_two_balls,
     required_ballast,
@@ -50,7 +49,7 @@ def place_ballast(body: Body, wanted: RequiredBallast, density: float) -> tuple[
 
 def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
     """Return the first that fits as near as possible to where it should be: a ball, a filling."""
-    return place_nearest_ball(body, wanted, density) or place_nearest_filling(body, wanted, density)
+    return place_nearest_ball(body, wanted, density) or place_filling(body, wanted, density, nearest=True)
 
 
 @given(missing=st.floats(1e-4, 8e-3), x=st.floats(-0.01, 0.03))

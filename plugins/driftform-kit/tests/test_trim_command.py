@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from driftform.types import WrittenFile
+from driftform_kit.kit import KitReport
 
 pytestmark = pytest.mark.usefixtures("ideal_water")
 
@@ -244,16 +244,8 @@ def test_options_of_a_kit_go_with_kit(refused: Refused) -> None:
 
 @pytest.fixture
 def kit_of_34_grams(monkeypatch: pytest.MonkeyPatch) -> None:
-    """An exporter that accounts for its kit so: 34 g with the core, 5 mm fore of its centre."""
-    from driftform.plugins.registry import registry
-
-    def write(self: Any, job: Any, path: Path) -> tuple[WrittenFile, ...]:
-        assert self.options.kit
-        balance = [{"of": "simulated"}, {"of": "printed", "mass_kg": 0.034, "cog_mm": 5.0}]
-        path.touch()
-        return (WrittenFile("stl", str(path), {"kit": {"balance": balance}}),)
-
-    monkeypatch.setattr(registry().find("exporter", "stl"), "write", write)
+    """A kit that weighs 34 g with the core, balances 5 mm fore of its centre, and holds no ballast."""
+    monkeypatch.setattr("driftform_kit.trim.report_kit", lambda body, options: KitReport(0.034, 0.005))
 
 
 @pytest.mark.usefixtures("kit_of_34_grams")
@@ -279,7 +271,7 @@ def test_the_parts_of_a_real_kit_are_accounted_for(call: Call) -> None:
 
 
 @pytest.mark.usefixtures("kit_of_34_grams")
-def test_an_exporter_that_makes_no_seats_is_trimmed_with_putty(call: Call) -> None:
+def test_a_kit_that_holds_no_ballast_is_trimmed_with_putty(call: Call) -> None:
     facts = told(call, "--kit", "--printed-mass", 0.0292)
     assert facts["held"] == [] and facts["seat_mass"] == 0
     assert facts["unheld"] and [piece["putty"] for piece in facts["pieces"]] == [

@@ -100,16 +100,7 @@ def place_one_ball(
 ) -> tuple[Piece, ...]:
     """Return a ball on the axis of the mass and the moment of ``wanted``, beside the core; empty if it has no room.
 
-    Parameters
-    ----------
-    body
-        of the agent.
-    wanted
-        the result is empty unless its mass is positive.
-    density
-        of the ballast, kg/m3.
-    in_kit
-        as for :func:`max_ball_radius`.
+    The density is that of the ballast, kg/m3; ``in_kit`` is as for :func:`max_ball_radius`.
     """
     if not _can_hold(body, wanted) or wanted.x is None:
         return ()
@@ -152,30 +143,37 @@ def place_two_balls(
     )
 
 
-def place_filling(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
-    """Return a filling of the whole bore, such as shot or putty, of the mass and the moment of ``wanted``.
+def place_filling(
+    body: Body, wanted: RequiredBallast, density: float, nearest: bool = False
+) -> tuple[Piece, ...]:
+    """Return a filling of the whole bore, such as shot or putty, of the mass and the moment of ``wanted``; empty if there is none.
 
-    It is at least :data:`THINNEST` long. Empty if there is none; the parameters are those of :func:`place_one_ball`.
+    It is at least :data:`THINNEST` long. With ``nearest``, it is the one at one end of the bore whose centre is nearest to
+    the wanted one.
     """
     # scipy.optimize takes half a second to import, and most prints need no filling.
     from scipy.optimize import brentq
 
     if not _can_hold(body, wanted):
         return ()
-    bore, volume = _Bore(body), wanted.mass / density
+    bore, volume, x = _Bore(body), wanted.mass / density, wanted.moment / wanted.mass
     if volume > bore.volume:
         return ()
     latest = bore.volume - volume
 
     def excess(first: float) -> float:
-        return bore.fill(first, volume, density).element.x - wanted.moment / wanted.mass
+        return bore.fill(first, volume, density).element.x - x
 
     # The centre moves forward with the aft end of the filling, so that it passes x once at most.
-    if not excess(0.0) <= 0 <= excess(latest):
+    if nearest:
+        firsts = [0.0, latest]
+    elif excess(0.0) <= 0 <= excess(latest):
+        firsts = [float(brentq(excess, 0.0, latest, xtol=1e-12 * bore.volume, rtol=1e-12))]
+    else:
         return ()
-    first = brentq(excess, 0.0, latest, xtol=1e-12 * bore.volume, rtol=1e-12)
-    piece = bore.fill(float(first), volume, density)
-    return (piece,) if piece.end - piece.start >= THINNEST else ()
+    pieces = [bore.fill(first, volume, density) for first in firsts]
+    thick = [piece for piece in pieces if piece.end - piece.start >= THINNEST]
+    return tuple(sorted(thick, key=lambda piece: abs(piece.element.x - x))[:1])
 
 
 def place_nearest_ball(
@@ -190,20 +188,6 @@ def place_nearest_ball(
         return ()
     nearest = np.abs(x[fits] - wanted.moment / wanted.mass).argmin()
     return (make_ball(wanted.mass, float(x[fits][nearest]), density),)
-
-
-def place_nearest_filling(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
-    """Return the filling at one end of the bore whose centre is nearest to the wanted one; empty if none fits."""
-    if not _can_hold(body, wanted):
-        return ()
-    bore, volume = _Bore(body), wanted.mass / density
-    if volume > bore.volume:
-        return ()
-    at_the_ends = [bore.fill(first, volume, density) for first in (0.0, bore.volume - volume)]
-    thick = [piece for piece in at_the_ends if piece.end - piece.start >= THINNEST]
-    return (
-        (min(thick, key=lambda piece: abs(piece.element.x - wanted.moment / wanted.mass)),) if thick else ()
-    )
 
 
 def place_by_hand(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
@@ -227,7 +211,7 @@ def place_nearest_by_hand(body: Body, wanted: RequiredBallast, density: float) -
         return ()
     places = sorted(_stations(body), key=lambda x: abs(x - wanted.moment / wanted.mass))
     rings = (place_ring(body, RequiredBallast(wanted.mass, wanted.mass * float(x))) for x in places)
-    return next((ring for ring in rings if ring), place_nearest_filling(body, wanted, density))
+    return next((ring for ring in rings if ring), place_filling(body, wanted, density, nearest=True))
 
 
 def place_ring(body: Body, wanted: RequiredBallast) -> tuple[Piece, ...]:

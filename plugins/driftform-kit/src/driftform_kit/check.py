@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from driftform import Design, Study, load_study, open_agent
 from driftform.agent import hull_volume
 from driftform.errors import InputError, WorkFailedError, describe_error
-from driftform.interfaces import Checker, Printer, PrintJob
+from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, State, WrittenFile
 from driftform.util import files
 from driftform_frusta.kits import KIT_FILE
@@ -24,8 +24,8 @@ _LARGEST_ATTACHMENT = 1 << 26
 
 def list_formats(format: str) -> tuple[str, ...]:
     """Return the formats that an agent is written in to be checked: OpenSCAD source too, if it can be written."""
-    with_source = any(row.name == "scad" and row.available for row in Study.list_plugins("exporter"))
-    return tuple(dict.fromkeys((format, "scad") if with_source else (format,)))
+    source = [row.name for row in Study.list_plugins("exporter") if row.name == "scad" and row.available]
+    return tuple(dict.fromkeys((format, *source)))
 
 
 def write_print_job(
@@ -33,18 +33,7 @@ def write_print_job(
 ) -> PrintJob:
     """Write an agent's files into a folder, and return them as what is to be printed.
 
-    Parameters
-    ----------
-    design
-        the agent, with the options of its exporters.
-    format
-        name of an exporter.
-    folder
-        for the files.
-    printer
-        what they are to be printed with.
-    kit
-        whether the exporters write a kit, whose parts hold other material than the hull.
+    By the options of its exporters it may be a ``kit``, whose parts hold other material than the hull.
     """
     written = {name: write_files(design, name, folder) for name in list_formats(format)}
     source = Path(written["scad"][0].path) if "scad" in written and format != "scad" else None
@@ -92,31 +81,19 @@ def extract_attachment(path: Path, ending: str, folder: Path) -> Path | None:
 def check_print_job(
     job: PrintJob, study: Study, programs: bool = True, on_program: Callable[[str], None] = lambda _: None
 ) -> Iterator[Finding]:
-    """Yield what each installed checker finds; those that need no program come first.
+    """Yield what each installed checker finds, with the options of a study; those that need no program come first.
 
-    Parameters
-    ----------
-    job
-        what is to be printed.
-    study
-        with the options of the checkers.
-    programs
-        whether programs on PATH, such as OpenSCAD and a slicer, are run.
-    on_program
-        called with the name of each program before it is run.
+    ``programs`` and ``on_program`` are as for :func:`check_design`.
     """
-    rows = [
-        (row, row.cls if row.cls is not None and issubclass(row.cls, Checker) else None)
-        for row in Study.list_plugins("checker")
-    ]
-    for row, cls in sorted(rows, key=lambda pair: bool(pair[1] and pair[1].program)):
-        if cls is None:
+    rows = [(getattr(row.cls, "program", ""), row) for row in Study.list_plugins("checker")]
+    for program, row in sorted(rows, key=lambda pair: bool(pair[0])):
+        if not row.available:
             yield Finding(row.name, State.SKIPPED, row.state)
-        elif cls.program and not programs:
+        elif program and not programs:
             yield Finding(row.name, State.SKIPPED, "not run, by --no-programs")
         else:
-            if cls.program:
-                on_program(cls.program)
+            if program:
+                on_program(program)
             yield from study.check_print(row.name, job)
 
 

@@ -1,19 +1,19 @@
 """What the builder and the exporters of driftform-frusta ask of a kit: its parts, its fittings, its facts and its sheet."""
 
-from typing import Any
-
 from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob
-from driftform.types import Body, Fittings
+from driftform.types import Body
 from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import MM, Difference, Named, Node, Revolve, Translate
-from driftform_frusta.kit_options import KitOptions, PartOptions
+from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import Part
 from driftform_frusta.printable import refuse_other_volume
 from driftform_frusta.solid import to_manifold, to_solid
-from driftform_kit.cutting.accounting import kit_facts, kit_fittings
+from driftform_kit.cutting.accounting import list_facts, measure_fittings
 from driftform_kit.cutting.meridian import moments, split_rings
 from driftform_kit.cutting.pieces import Piece, make_kit
+
+__all__ = ["draw_sheet", "list_facts", "make_parts", "measure_fittings"]
 
 
 def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
@@ -45,16 +45,6 @@ def _make_part(piece: Piece, lift: float, segments: int) -> Part:
         solid.translate((0.0, 0.0, lift)),
         piece.fore_down,
     )
-
-
-def measure_fittings(body: Body, options: KitOptions) -> Fittings:
-    """Return the joints and seats of a kit, as fittings of its body."""
-    return kit_fittings(body, options)
-
-
-def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
-    """Return how a kit balances, as facts of its files."""
-    return kit_facts(job, options)
 
 
 def draw_sheet(job: ExportJob, options: PartOptions, name: str) -> str:

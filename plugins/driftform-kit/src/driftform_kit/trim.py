@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform import Design, Pipeline
+from driftform import Design
 from driftform.agent import MassElement, reweigh
 from driftform.cli import formats
 from driftform.errors import InputError, WorkFailedError
@@ -80,23 +80,9 @@ class PrintWeight:
 
 
 def weigh_print(
-    agent: Agent,
-    mass: float | None,
-    cog: float | None,
-    kit: KitReport | None = None,
+    agent: Agent, mass: float | None, cog: float | None, kit: KitReport | None = None
 ) -> PrintWeight:
-    """Return what a print weighs, from what was measured of it and what its kit weighs.
-
-    Parameters
-    ----------
-    agent
-        as simulated.
-    mass
-        of the print with its core, kg; ``None`` for that of its kit.
-    cog
-        x of its centre of gravity, m; ``None`` if it was not measured.
-    kit
-        as its exporter accounts for it; ``None`` for a hull in one piece.
+    """Return what a print weighs, from what was measured of it (kg, m; ``None`` if it was not) and what its kit weighs.
 
     Raises
     ------
@@ -115,45 +101,14 @@ def weigh_print(
     return PrintWeight(mass, (mass - core) / mass * (kit.mass * kit.cog / (kit.mass - core)), "kit")
 
 
-def trim_agent(
-    pipeline: Pipeline,
-    agent: Agent,
-    name: str,
-    weight: PrintWeight,
-    ballast_density: float = LEAD,
-    measure_kit: MeasureKit | None = None,
-) -> dict[str, Any]:
-    """Return the ballast that makes a print fly as simulated, and the flights with and without it.
-
-    The document is that of ``driftform trim --json``; SI units throughout.
-
-    Parameters
-    ----------
-    pipeline
-        the scenario, and how the agent flies.
-    agent
-        as simulated.
-    name
-        what people call it.
-    weight
-        of the print.
-    ballast_density
-        kg/m3.
-    measure_kit
-        measures its kit with seats for ballast; ``None`` for a hull in one piece.
-
-    Raises
-    ------
-    InputError
-        if the weight cannot be that of this agent, or the ballast floats.
-    WorkFailedError
-        if it cannot be flown at all. A flight that fails has ``None`` for its fitness, and the reason in ``ends``.
-    """
-    _check(agent, name, weight, ballast_density)
-    printed = reweigh(agent, weight.elements(agent))
+def _trim(design: Design, weight: PrintWeight, density: float, measure: MeasureKit | None) -> dict[str, Any]:
+    """Plan the ballast of some density (kg/m3), and fly the agent with and without it; ``measure`` is ``None`` without a kit."""
+    pipeline, agent, name = design.pipeline, design.agent, design.name
+    _check(agent, name, weight, density)
     water = pipeline.scenario.fluid.density
-    plan = _plan(agent, weight, ballast_density, water, measure_kit)
+    plan = _Planner(agent, weight, density, measure).plan(water)
     trimmed, remedy = _load(agent, plan, water)
+    printed = reweigh(agent, weight.elements(agent))
     agents = {"simulated": agent, "untrimmed": printed} | ({"trimmed": trimmed} if trimmed else {})
     flights = dict(zip(agents, pipeline.fly_named(list(agents.values()), name), strict=True))
     targets = pipeline.scenario.target_names
@@ -173,7 +128,7 @@ def trim_agent(
         "aft_end": agent.body.outer[:, 0].min(),
         "ballast_mass": plan.required.mass,
         "ballast_x": plan.required.x,
-        "ballast_density": ballast_density,
+        "ballast_density": density,
         **remedy,
         **{case: scores.get(case) for case in ("simulated", "untrimmed", "trimmed")},
         "ends": {
@@ -219,24 +174,10 @@ def _check(agent: Agent, name: str, weight: PrintWeight, density: float) -> None
 
 @dataclass(frozen=True)
 class _Plan:
-    """Ballast for a print.
+    """Ballast for a print: its weight with the seats, what it lacks then, and pieces, if any are needed and have room.
 
-    Attributes
-    ----------
-    weight
-        of the print with the seats.
-    required
-        mass and moment that it lacks then.
-    pieces
-        of ballast; empty if there is no room, or if none is needed.
-    held
-        the balls that the kit holds.
-    seats
-        mass of seats that are to be printed yet, kg.
-    unheld
-        why the kit holds none.
-    misfits
-        the balls that the seats of the kit are for, if they do not fit what is needed.
+    The kit holds the balls ``held``, or none of them, and why is ``unheld``; seats of the mass ``seats`` (kg) are to be
+    printed for them yet. Its own seats are for the balls ``misfits``, if they do not fit what is needed.
     """
 
     weight: PrintWeight
@@ -248,26 +189,96 @@ class _Plan:
     misfits: tuple[HeldBall, ...] = ()
 
 
-def _plan(
-    agent: Agent, weight: PrintWeight, density: float, water: float, measure_kit: MeasureKit | None
-) -> _Plan:
-    required = _find_required(agent, weight)
-    if required.mass < NEGLIGIBLE:
-        return _Plan(weight, required)
-    if density <= water:
-        raise InputError(f"--ballast-density {density:g}: is no more than the water's {water:g} kg/m3")
-    if measure_kit is None:
-        pieces = place_by_hand(agent.body, required, density)
-        return _Plan(weight, required, pieces or place_nearest_by_hand(agent.body, required, density))
-    kit = measure_kit(None)
-    pieces = _fill_seats(kit.held, required, density) if kit.held else ()
-    seats = [next(ball for ball in kit.held if ball.x == piece.element.x) for piece in pieces]
-    if seats and all(_fits(piece, ball) for piece, ball in zip(pieces, seats, strict=True)):
-        return _Plan(weight, required, pieces, tuple(seats))
-    plan = replace(_plan_seats(agent, weight, required, density, kit, measure_kit), misfits=kit.held)
-    if not plan.held and any(_is_in_the_way(ball, piece) for ball in kit.held for piece in plan.pieces):
-        return replace(plan, pieces=())
-    return plan
+@dataclass(frozen=True)
+class _Planner:
+    """Plans the ballast of a print: a density (kg/m3), and what measures its kit with seats for balls."""
+
+    agent: Agent
+    weight: PrintWeight
+    density: float
+    measure: MeasureKit | None
+
+    def plan(self, water: float) -> _Plan:
+        """Return the ballast for a print in water of some density, kg/m3."""
+        body, required, density = self.agent.body, self.find_required(self.weight), self.density
+        if required.mass < NEGLIGIBLE:
+            return _Plan(self.weight, required)
+        if density <= water:
+            raise InputError(f"--ballast-density {density:g}: is no more than the water's {water:g} kg/m3")
+        if self.measure is None:
+            pieces = place_by_hand(body, required, density) or place_nearest_by_hand(body, required, density)
+            return _Plan(self.weight, required, pieces)
+        kit = self.measure(None)
+        pieces = _fill_seats(kit.held, required, density) if kit.held else ()
+        seats = [next(ball for ball in kit.held if ball.x == piece.element.x) for piece in pieces]
+        if seats and all(_fits(piece, ball) for piece, ball in zip(pieces, seats, strict=True)):
+            return _Plan(self.weight, required, pieces, tuple(seats))
+        plan = replace(self.plan_seats(required, kit, self.measure), misfits=kit.held)
+        if not plan.held and any(_is_in_the_way(ball, piece) for ball in kit.held for piece in plan.pieces):
+            return replace(plan, pieces=())
+        return plan
+
+    def find_required(self, weight: PrintWeight) -> RequiredBallast:
+        return required_ballast(self.agent.mass, reweigh(self.agent, weight.elements(self.agent)).mass)
+
+    def plan_seats(self, required: RequiredBallast, kit: KitReport, measure: MeasureKit) -> _Plan:
+        """Ballast that the kit holds by seats, which weigh too; or any of the right moment; or the nearest ball that it holds."""
+        body, reasons = self.agent.body, list[str]()
+
+        def settle(place: Callable[..., tuple[Piece, ...]]) -> _Plan | None:
+            try:
+                return self.settle(kit, measure, place)
+            except WorkFailedError as error:
+                reasons.append(str(error))
+                return None
+
+        exact: list[Callable[..., tuple[Piece, ...]]] = [place_one_ball]
+        exact += [partial(place_two_balls, between=distance) for distance in _BETWEEN]
+        for place in exact:
+            if plan := settle(place):
+                return plan
+        pieces = place_by_hand(body, required, self.density)
+        if not pieces and (plan := settle(place_nearest_ball)):
+            return plan
+        pieces = pieces or place_nearest_by_hand(body, required, self.density)
+        unheld = reasons[0] if reasons else "no ball has room where it is needed"
+        return _Plan(self.weight, required, pieces, unheld=unheld)
+
+    def settle(
+        self, kit: KitReport, measure: MeasureKit, place: Callable[..., tuple[Piece, ...]]
+    ) -> _Plan | None:
+        """Repeat until the ballast is that of a print with the seats for it; ``None`` if no balls have room."""
+        core = self.agent.body.core.mass
+        # The seats are printed as the rest of the hull was.
+        flow = (self.weight.mass - core) / (kit.mass - core)
+        assumed = np.zeros(2)  # mass and moment of the seats
+        for _ in range(_ROUNDS):
+            required = self.find_required(self.add(assumed))
+            pieces = place(self.agent.body, required, self.density, in_kit=True)
+            if not pieces and assumed[0]:
+                raise WorkFailedError(
+                    f"with the mass of a seat, {1000 * assumed[0]:.2f} g, no ball has room where it is needed"
+                )
+            if not pieces:
+                return None
+            made = measure([(round(p.element.x, 5), round(p.diameter or 0.0, 5)) for p in pieces])
+            seats = flow * np.array([made.mass - kit.mass, made.mass * made.cog - kit.mass * kit.cog])
+            off = np.abs(seats - assumed)
+            if off[0] < _SETTLED * required.mass and off[1] < _SETTLED * abs(required.moment):
+                seated = self.add(seats)
+                return _Plan(seated, self.find_required(seated), pieces, made.held, float(seats[0]))
+            # A heavier seat makes the ballast smaller, and that the seat lighter: the mean comes to rest.
+            assumed = (assumed + seats) / 2
+        raise WorkFailedError(
+            f"the mass of its seat, about {1000 * assumed[0]:.2f} g, depends too much on its place"
+        )
+
+    def add(self, seats: FloatArray) -> PrintWeight:
+        """The weight of the print with seats of some mass (kg) and moment (kg m)."""
+        printed = reweigh(self.agent, self.weight.elements(self.agent)).mass
+        whole = self.weight.mass + seats[0]
+        cog = (printed.mass * printed.cog[0] + seats[1]) / whole
+        return PrintWeight(float(whole), float(cog), self.weight.source)
 
 
 def _fits(piece: Piece, seat: HeldBall) -> bool:
@@ -283,10 +294,6 @@ def _is_in_the_way(seat: HeldBall, piece: Piece) -> bool:
     )
 
 
-def _find_required(agent: Agent, weight: PrintWeight) -> RequiredBallast:
-    return required_ballast(agent.mass, reweigh(agent, weight.elements(agent)).mass)
-
-
 def _fill_seats(held: Sequence[HeldBall], required: RequiredBallast, density: float) -> tuple[Piece, ...]:
     """The balls that lie on the seats of a kit: mass and moment are right with two of them, the mass with one."""
     if len(held) == 1:
@@ -295,87 +302,6 @@ def _fill_seats(held: Sequence[HeldBall], required: RequiredBallast, density: fl
     share = min(max((required.moment / required.mass - aft) / (fore - aft), 0.0), 1.0)
     masses = ((aft, (1 - share) * required.mass), (fore, share * required.mass))
     return tuple(make_ball(mass, x, density) for x, mass in masses if mass >= NEGLIGIBLE)
-
-
-def _plan_seats(
-    agent: Agent,
-    weight: PrintWeight,
-    required: RequiredBallast,
-    density: float,
-    kit: KitReport,
-    measure_kit: MeasureKit,
-) -> _Plan:
-    """Ballast that the kit holds by seats, which weigh too; or any of the right moment; or the nearest ball that it holds."""
-    body = agent.body
-    reasons: list[str] = []
-    exact: list[Callable[..., tuple[Piece, ...]]] = [place_one_ball]
-    exact += [partial(place_two_balls, between=distance) for distance in _BETWEEN]
-    for place in exact:
-        try:
-            plan = _settle(agent, weight, density, kit, measure_kit, place)
-        except WorkFailedError as error:
-            reasons.append(str(error))
-        else:
-            if plan is not None:
-                return plan
-    if pieces := place_by_hand(body, required, density):
-        return _Plan(weight, required, pieces, unheld=_name_first(reasons))
-    try:
-        plan = _settle(agent, weight, density, kit, measure_kit, place_nearest_ball)
-    except WorkFailedError as error:
-        reasons.append(str(error))
-        plan = None
-    return plan or _Plan(
-        weight, required, place_nearest_by_hand(body, required, density), unheld=_name_first(reasons)
-    )
-
-
-def _name_first(reasons: Sequence[str]) -> str:
-    return reasons[0] if reasons else "no ball has room where it is needed"
-
-
-def _settle(
-    agent: Agent,
-    weight: PrintWeight,
-    density: float,
-    kit: KitReport,
-    measure_kit: MeasureKit,
-    place: Callable[..., tuple[Piece, ...]],
-) -> _Plan | None:
-    """Repeat until the ballast is that of a print with the seats for it; ``None`` if no balls have room."""
-    core = agent.body.core.mass
-    # The seats are printed as the rest of the hull was.
-    flow = (weight.mass - core) / (kit.mass - core)
-    assumed = np.zeros(2)  # mass and moment of the seats
-    for _ in range(_ROUNDS):
-        required = _find_required(agent, _add(agent, weight, assumed))
-        pieces = place(agent.body, required, density, in_kit=True)
-        if not pieces and assumed[0]:
-            raise WorkFailedError(
-                f"with the mass of a seat, {1000 * assumed[0]:.2f} g, no ball has room where it is needed"
-            )
-        if not pieces:
-            return None
-        made = measure_kit([(round(p.element.x, 5), round(p.diameter or 0.0, 5)) for p in pieces])
-        if len(made.held) != len(pieces):
-            raise WorkFailedError("the exporter of the kit does not say how it holds ballast")
-        seats = flow * np.array([made.mass - kit.mass, made.mass * made.cog - kit.mass * kit.cog])
-        off = np.abs(seats - assumed)
-        if off[0] < _SETTLED * required.mass and off[1] < _SETTLED * abs(required.moment):
-            seated = _add(agent, weight, seats)
-            return _Plan(seated, _find_required(agent, seated), pieces, made.held, float(seats[0]))
-        # A heavier seat makes the ballast smaller, and that the seat lighter: the mean comes to rest.
-        assumed = (assumed + seats) / 2
-    raise WorkFailedError(
-        f"the mass of its seat, about {1000 * assumed[0]:.2f} g, depends too much on its place"
-    )
-
-
-def _add(agent: Agent, weight: PrintWeight, seats: FloatArray) -> PrintWeight:
-    """The weight of a print with seats of some mass (kg) and moment (kg m)."""
-    printed = reweigh(agent, weight.elements(agent)).mass
-    whole = weight.mass + seats[0]
-    return PrintWeight(float(whole), float((printed.mass * printed.cog[0] + seats[1]) / whole), weight.source)
 
 
 def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[str, Any]]:
@@ -458,13 +384,7 @@ def trim_design(
     """
     if not kit:
         weight = weigh_print(design.agent, printed_mass, printed_cog)
-        return trim_agent(
-            design.pipeline,
-            design.agent,
-            design.name,
-            weight,
-            LEAD if ballast_density is None else ballast_density,
-        )
+        return _trim(design, weight, LEAD if ballast_density is None else ballast_density, None)
     kit_settings = formats.list_exporter_settings([format], {"kit": ("true", "--kit")})
     exporter, body = design.under(*kit_settings).study.make_exporter(format), design.agent.body
     given = exporter.options
@@ -487,4 +407,4 @@ def trim_design(
         return report_kit(body, options)
 
     weight = weigh_print(design.agent, printed_mass, printed_cog, measure())
-    return trim_agent(design.pipeline, design.agent, design.name, weight, ballast_density, measure)
+    return _trim(design, weight, ballast_density, measure)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import numpy as np
 
@@ -22,6 +22,10 @@ _SMALLEST, _LARGEST = 1.0, 10_000.0
 
 _LINES = 2
 """Least thickness of a watertight wall, in lines of the nozzle."""
+
+
+Verdict: TypeAlias = tuple[State, str]
+"""The state and the detail of a finding."""
 
 
 class MeshOptions(Table):
@@ -96,27 +100,26 @@ class MeshChecker(Checker[MeshOptions]):
         parts = [part for path in job.files for part in read_meshes(path)]
         studied = [analyse_part(part) for part in parts]
         unit = _check_unit(parts)
-        yield unit
-        yield _check_copies(studied)
-        yield _check_closed(studied)
-        yield _check_oriented(studied)
-        yield _check_shells(studied, job)
-        if unit.state is State.FAIL:
+        yield Finding("unit", *unit)
+        yield Finding("duplicate faces", *_check_copies(studied))
+        yield Finding("closed", *_check_closed(studied))
+        yield Finding("oriented", *_check_oriented(studied))
+        yield Finding("shells", *_check_shells(studied, job))
+        if unit[0] is State.FAIL:
             for check in ("mass", "wall", "bed", "standing", "slender"):
                 yield Finding(check, State.SKIPPED, "correct the unit first")
             return
-        yield self._check_mass(studied, job)
-        yield _check_walls(studied, job)
-        yield _check_bed(parts, job)
-        for one in studied:
-            yield self._check_standing(one, job, len(studied))
-        for one in studied:
-            yield self._check_slenderness(one, job, len(studied))
+        yield Finding("mass", *self._check_mass(studied, job))
+        yield Finding("wall", *_check_walls(studied, job))
+        yield Finding("bed", *_check_bed(parts, job))
+        for check, judge in (("standing", self._check_standing), ("slender", self._check_slenderness)):
+            for one in studied:
+                name = one.part.name if len(studied) > 1 else ""
+                yield Finding(check, *judge(one, job, len(studied)), name)
 
-    def _check_slenderness(self, one: AnalysedPart, job: PrintJob, count: int) -> Finding:
-        name = one.part.name if count > 1 else ""
+    def _check_slenderness(self, one: AnalysedPart, job: PrintJob, count: int) -> Verdict:
         if not one.shells:
-            return Finding("slender", State.SKIPPED, "a mesh that is not closed has no sections", name)
+            return State.SKIPPED, "a mesh that is not closed has no sections"
         o = self.options
         mesh = one.outward
         # That another placement is better, or needs a brim, is a fault of 'standing'.
@@ -124,7 +127,7 @@ class MeshChecker(Checker[MeshOptions]):
         turned = replace(mesh, vertices=mesh.vertices @ TURNS[best.name].T)
         beam = measure_slenderness(turned, o.stiffness, o.strength, o.adhesion)
         if beam is None:
-            return Finding("slender", State.SKIPPED, "it is no taller than its first layer", name)
+            return State.SKIPPED, "it is no taller than its first layer"
         bent, half_line = o.push * beam.bending, MM_PER_M * job.printer.nozzle / 2
         message = (
             f"{best.name}: {beam.height:.1f} mm high on {beam.base:.1f} mm ({beam.height / beam.base:.1f} : 1), weakest "
@@ -146,11 +149,11 @@ class MeshChecker(Checker[MeshOptions]):
                 f"a nozzle that catches, with {o.catch:.2g} N, breaks it: make its wall thicker there"
             )
         state = State.WARN if faults else State.PASS
-        return Finding("slender", state, ": ".join((message, *(["; ".join(faults)] if faults else []))), name)
+        return state, ": ".join((message, *(["; ".join(faults)] if faults else [])))
 
-    def _check_mass(self, studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
+    def _check_mass(self, studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
         if not all(one.sound for one in studied):
-            return Finding("mass", State.SKIPPED, "a mesh that is not a solid has no volume")
+            return State.SKIPPED, "a mesh that is not a solid has no volume"
         volume = sum(one.volume for one in studied)
         density = None if job.export is None else job.export.agent.body.hull_density
         amount = f"{volume / 1000:.4f} cm3"
@@ -158,30 +161,27 @@ class MeshChecker(Checker[MeshOptions]):
             amount += f", {volume / MM3_PER_M3 * density * 1000:.3f} g at {density:g} kg/m3"
         if job.volume is None:
             reason = "the agent is unknown: name it with --agent"
-            return Finding("mass", State.SKIPPED, f"{amount}; {reason}")
+            return State.SKIPPED, f"{amount}; {reason}"
         difference = volume / (job.volume * MM3_PER_M3) - 1
         message = f"{amount}; {difference:+.1e} of the closed form"
         if abs(difference) <= self.options.tolerance:
-            return Finding("mass", State.PASS, message)
+            return State.PASS, message
         # The hull in one piece is one part: several are a kit, which has more material than the hull that it is compared with.
         if len(studied) > 1 and difference > 0 and job.export is not None and _is_whole(job):
-            return Finding(
-                "mass",
+            return (
                 State.WARN,
                 f"{message} of the hull in one piece, but these are {len(studied)} parts: a kit? check it with --kit",
             )
         if abs(difference) <= self.options.coarse:
-            return Finding("mass", State.WARN, f"{message}: a coarse mesh? export it with more segments")
-        return Finding(
-            "mass",
+            return State.WARN, f"{message}: a coarse mesh? export it with more segments"
+        return (
             State.FAIL,
             f"{amount}, but the closed form has {job.volume * 1e6:.4f} cm3: another agent, or another wall?",
         )
 
-    def _check_standing(self, one: AnalysedPart, job: PrintJob, count: int) -> Finding:
-        name = one.part.name if count > 1 else ""
+    def _check_standing(self, one: AnalysedPart, job: PrintJob, count: int) -> Verdict:
         if not one.shells:
-            return Finding("standing", State.SKIPPED, "a mesh that is not closed has no underside", name)
+            return State.SKIPPED, "a mesh that is not closed has no underside"
         hollow = sum(len(shell.triangles) for shell in one.shells if shell.hollow)
         bed = _bed_size(job)
         ways = list_orientations(one.outward, hollow)
@@ -196,16 +196,12 @@ class MeshChecker(Checker[MeshOptions]):
             f"contact and overhang in cm2: {', '.join(_describe_orientation(way, words) for way in shown)}"
         )
         if best.name != now.name:
-            return Finding(
-                "standing", State.WARN, f"{message}; better {words.get(best.name, best.name)}", name
-            )
+            return State.WARN, f"{message}; better {words.get(best.name, best.name)}"
         if not now.steady:
-            return Finding(
-                "standing", State.WARN, f"{message}; no orientation is better, print it with a brim", name
-            )
+            return State.WARN, f"{message}; no orientation is better, print it with a brim"
         support = "" if now.overhang <= self.options.overhang * MM_PER_M**2 else ", with support"
         state = State.WARN if support else State.PASS
-        return Finding("standing", state, f"{message}; best {words.get(best.name, best.name)}{support}", name)
+        return state, f"{message}; best {words.get(best.name, best.name)}{support}"
 
 
 def _show_force(newtons: float) -> str:
@@ -221,21 +217,16 @@ def _describe_orientation(way: Orientation, words: Mapping[str, str]) -> str:
     return f"{words.get(way.name, way.name)} {way.contact / 100:.1f} and {way.overhang / 100:.1f}{inside}"
 
 
-def _check_unit(parts: Sequence[Mesh]) -> Finding:
+def _check_unit(parts: Sequence[Mesh]) -> Verdict:
     largest = max(float(np.ptp(part.bounds, axis=0).max()) for part in parts)
     if largest < _SMALLEST:
-        return Finding(
-            "unit",
-            State.FAIL,
-            f"{largest:.4g} mm at its largest: in metres? scale it by 1000, printers take mm",
-        )
+        return State.FAIL, f"{largest:.4g} mm at its largest: in metres? scale it by 1000, printers take mm"
     if largest > _LARGEST:
-        return Finding(
-            "unit",
+        return (
             State.FAIL,
             f"{largest / 1000:.4g} m at its largest: in micrometres, or a GLB in mm? scale it by 0.001",
         )
-    return Finding("unit", State.PASS, f"mm: {largest:.2f} mm at its largest")
+    return State.PASS, f"mm: {largest:.2f} mm at its largest"
 
 
 def _join_faults(studied: Sequence[AnalysedPart], faults: Sequence[str]) -> str:
@@ -250,17 +241,17 @@ def _count(count: int, what: str, plural: str = "") -> str:
     return f"{count} {what if count == 1 else plural or what + 's'}"
 
 
-def _check_copies(studied: Sequence[AnalysedPart]) -> Finding:
+def _check_copies(studied: Sequence[AnalysedPart]) -> Verdict:
     faults = [
         f"{_count(one.topology.copies, 'triangle')} twice" if one.topology.copies else "" for one in studied
     ]
     if message := _join_faults(studied, faults):
-        return Finding("duplicate faces", State.FAIL, f"{message}: remove the copies")
+        return State.FAIL, f"{message}: remove the copies"
     count = sum(len(one.part.triangles) for one in studied)
-    return Finding("duplicate faces", State.PASS, f"no copies among {count} triangles")
+    return State.PASS, f"no copies among {count} triangles"
 
 
-def _check_closed(studied: Sequence[AnalysedPart]) -> Finding:
+def _check_closed(studied: Sequence[AnalysedPart]) -> Verdict:
     faults = []
     for one in studied:
         t = one.topology
@@ -273,44 +264,40 @@ def _check_closed(studied: Sequence[AnalysedPart]) -> Finding:
             found.append(f"{_count(t.crowded_edges, 'edge')} of three faces or more")
         faults.append(", ".join(found))
     if message := _join_faults(studied, faults):
-        return Finding("closed", State.FAIL, message)
-    return Finding("closed", State.PASS, "every edge has two faces")
+        return State.FAIL, message
+    return State.PASS, "every edge has two faces"
 
 
-def _check_oriented(studied: Sequence[AnalysedPart]) -> Finding:
+def _check_oriented(studied: Sequence[AnalysedPart]) -> Verdict:
     faults = [
         f"{_count(one.topology.flipped, 'face')} turned against the rest" if one.topology.flipped else ""
         for one in studied
     ]
     if message := _join_faults(studied, faults):
-        return Finding("oriented", State.FAIL, message)
-    return Finding("oriented", State.PASS, "neighbours face the same way")
+        return State.FAIL, message
+    return State.PASS, "neighbours face the same way"
 
 
-def _check_shells(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
+def _check_shells(studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
     if not all(one.shells for one in studied):
-        return Finding("shells", State.SKIPPED, "a mesh that is not closed and oriented has no inside")
+        return State.SKIPPED, "a mesh that is not closed and oriented has no inside"
     faults = [_describe_turned(one.shells) for one in studied]
     if message := _join_faults(studied, faults):
-        return Finding("shells", State.FAIL, message)
+        return State.FAIL, message
     if job.export is not None and len(studied) == 1 and _is_whole(job):
         expected = 1 + bool(len(job.export.agent.body.cavity))
         count = len(studied[0].shells)
         if count != expected:
-            return Finding(
-                "shells", State.FAIL, f"{_count(count, 'shell')}, but the hull of the agent has {expected}"
-            )
+            return State.FAIL, f"{_count(count, 'shell')}, but the hull of the agent has {expected}"
     loose = [sum(not shell.hollow for shell in one.shells) - 1 for one in studied]
     message = _join_faults(
         studied, [f"{_count(n + 1, 'piece')} that do not touch" if n else "" for n in loose]
     )
     if message:
-        return Finding("shells", State.WARN, message)
+        return State.WARN, message
     hollows = sum(shell.hollow for one in studied for shell in one.shells)
     outside = "an outside" if len(studied) == 1 else f"{len(studied)} outsides"
-    return Finding(
-        "shells", State.PASS, f"{outside} and {_count(hollows, 'hollow')}, each facing the right way"
-    )
+    return State.PASS, f"{outside} and {_count(hollows, 'hollow')}, each facing the right way"
 
 
 def _is_whole(job: PrintJob) -> bool:
@@ -334,9 +321,9 @@ def _describe_turned(shells: Sequence[Shell]) -> str:
     return ", ".join(message)
 
 
-def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
+def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
     if not all(one.shells for one in studied):
-        return Finding("wall", State.SKIPPED, "a mesh that is not closed and oriented has no wall to measure")
+        return State.SKIPPED, "a mesh that is not closed and oriented has no wall to measure"
     nozzle = MM_PER_M * job.printer.nozzle
     thin: Wall | None = None
     where = ""
@@ -345,21 +332,17 @@ def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
         if wall is not None and (thin is None or wall.thickness < thin.thickness):
             thin, where = wall, f"{one.part.name}, " if len(studied) > 1 else ""
     if thin is None:
-        return Finding("wall", State.PASS, f"no wall thinner than {REACH:g} mm")
+        return State.PASS, f"no wall thinner than {REACH:g} mm"
     x, y, z = thin.where
     message = f"{thin.thickness:.3f} mm at its thinnest ({where}x {x:.1f}, y {y:.1f}, z {z:.1f})"
     if thin.thickness < nozzle:
-        return Finding("wall", State.FAIL, f"{message}: less than the nozzle's {nozzle:g} mm")
+        return State.FAIL, f"{message}: less than the nozzle's {nozzle:g} mm"
     if thin.thickness < _LINES * nozzle:
-        return Finding(
-            "wall",
-            State.WARN,
-            f"{message}: less than {_LINES} lines of the {nozzle:g} mm nozzle; it may leak",
-        )
-    return Finding("wall", State.PASS, f"{message}: {thin.thickness / nozzle:.1f} lines of {nozzle:g} mm")
+        return State.WARN, f"{message}: less than {_LINES} lines of the {nozzle:g} mm nozzle; it may leak"
+    return State.PASS, f"{message}: {thin.thickness / nozzle:.1f} lines of {nozzle:g} mm"
 
 
-def _check_bed(parts: Sequence[Mesh], job: PrintJob) -> Finding:
+def _check_bed(parts: Sequence[Mesh], job: PrintJob) -> Verdict:
     bed = _bed_size(job)
     room = " x ".join(f"{side:g}" for side in bed)
     faults = []
@@ -375,15 +358,14 @@ def _check_bed(parts: Sequence[Mesh], job: PrintJob) -> Finding:
             f"{name}{size} mm is too {'tall' if ways[0].size[2] > bed[2] else 'wide'} for {room} mm; {step}"
         )
     if faults:
-        return Finding("bed", State.FAIL, "; ".join(faults))
+        return State.FAIL, "; ".join(faults)
     lowest = np.min([part.bounds[0] for part in parts], axis=0)
     highest = np.max([part.bounds[1] for part in parts], axis=0)
     plate = sorted((highest - lowest)[:2])
     if len(parts) > 1 and (np.array(plate) > sorted(bed[:2])).any():
-        return Finding(
-            "bed",
+        return (
             State.WARN,
             f"each part fits {room} mm, together they take {plate[1]:.0f} x {plate[0]:.0f} mm: arrange them again",
         )
     size = " x ".join(f"{side:.1f}" for side in (highest - lowest))
-    return Finding("bed", State.PASS, f"{size} mm fits {room} mm")
+    return State.PASS, f"{size} mm fits {room} mm"

@@ -27,20 +27,10 @@ TURNS: dict[str, FloatArray] = {
 
 @dataclass(frozen=True, eq=False)
 class Orientation:
-    """One orientation of a part on the bed.
+    """One orientation of :data:`TURNS`: width, depth and height of the part (mm, (3,)), and areas, mm2.
 
-    Attributes
-    ----------
-    name
-        as in :data:`TURNS`.
-    size
-        width, depth and height, mm, (3,).
-    contact
-        area on the bed, mm2.
-    overhang
-        area that overhangs by more than :data:`STEEPEST`, mm2.
-    enclosed
-        the part of it in closed hollows, from which support cannot be removed, mm2.
+    They are in ``contact`` with the bed, or ``overhang`` by more than :data:`STEEPEST`; of these some are ``enclosed`` in
+    hollows, from which support cannot be removed.
     """
 
     name: str

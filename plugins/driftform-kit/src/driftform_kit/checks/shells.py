@@ -42,7 +42,7 @@ class Shell:
 
 def find_shells(part: Mesh, topology: Topology) -> tuple[Shell, ...]:
     """Return the shells of a closed, oriented part, the outermost first."""
-    groups = [topology.triangles[topology.surface == n] for n in range(int(topology.surface.max()) + 1)]
+    groups = [topology.triangles[topology.surface == n] for n in np.unique(topology.surface)]
     corners = [part.vertices[group] for group in groups]
     boxes = [(c.reshape(-1, 3).min(axis=0), c.reshape(-1, 3).max(axis=0)) for c in corners]
     shells = []
@@ -71,5 +71,4 @@ def _share_within(points: FloatArray, corners: FloatArray) -> float:
 
 def orient_outward(shells: tuple[Shell, ...]) -> IntArray:
     """Return the triangles of all shells, each turned to face as its depth demands, (m, 3)."""
-    turned = [s.triangles[:, ::-1] if s.inside_out else s.triangles for s in shells]
-    return np.concatenate(turned)
+    return np.concatenate([s.triangles[:, ::-1] if s.inside_out else s.triangles for s in shells])

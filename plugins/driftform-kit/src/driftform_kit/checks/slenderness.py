@@ -35,18 +35,8 @@ _TIP = 0.05
 class Slenderness:
     """A part as a beam on the bed; lengths in mm, forces in N, for the material that it was computed for.
 
-    Attributes
-    ----------
-    height, base
-        of the part, and least width of its first layer.
-    neck, neck_height
-        least width of the section with the greatest stress, and its height above the bed.
-    bending
-        how far a push of 1 N at the top bends it, mm/N.
-    break_force
-        push at the top under which the neck yields.
-    lift_force
-        push at the top that lifts the first layer off the bed.
+    ``base`` is the least width of its first layer, ``neck`` that of the section with the greatest stress. A push at the top
+    bends it by ``bending`` mm/N; the neck yields under ``break_force``, and ``lift_force`` lifts it off the bed.
     """
 
     height: float
@@ -59,18 +49,10 @@ class Slenderness:
 
 
 def measure_slenderness(mesh: Mesh, stiffness: float, strength: float, adhesion: float) -> Slenderness | None:
-    """Return how slender a part is as placed, with z up; ``None`` if it is no solid or does not reach above its first layer.
+    """Return how slender a part is as placed, mm, with z up; ``None`` if it is no solid, or no higher than its first layer.
 
-    Parameters
-    ----------
-    mesh
-        in mm, closed; it faces outward, and into its hollows.
-    stiffness
-        modulus of elasticity of the material, Pa.
-    strength
-        its yield strength, Pa.
-    adhesion
-        stress at which it comes off the bed, Pa.
+    The mesh faces outward, and into its hollows. Stiffness and yield strength are those of the material, and the adhesion
+    is the stress at which it comes off the bed; Pa.
     """
     solid = Manifold(Mesh64(vert_properties=mesh.vertices, tri_verts=mesh.triangles.astype(np.uint64)))
     low, high = mesh.bounds[:, 2].tolist()

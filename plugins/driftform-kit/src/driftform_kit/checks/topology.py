@@ -15,22 +15,9 @@ IntArray = npt.NDArray[np.int64]
 class Topology:
     """Properties of a mesh that do not depend on the coordinates of its vertices.
 
-    Attributes
-    ----------
-    triangles
-        without those that are copies, (m, 3).
-    copies
-        triangles on the same three vertices as an earlier one, whichever way they face.
-    open_edges
-        edges of one triangle only: the rims of holes.
-    holes
-        connected rims.
-    crowded_edges
-        edges of three triangles or more.
-    flipped
-        triangles that face opposite to most of their surface.
-    surface
-        number of the connected surface of each triangle, (m,).
+    ``triangles`` (m, 3) are those on other vertices than all before: the rest are ``copies``, whichever way they face. Open
+    edges have one triangle, and are the rims of holes; crowded ones have three or more. Flipped triangles face opposite to
+    most of their surface; ``surface`` is the number of the connected one of each triangle, (m,).
     """
 
     triangles: IntArray
@@ -66,39 +53,31 @@ def analyse_topology(triangles: IntArray) -> Topology:
     order = np.argsort(edge, kind="stable")
     place = np.concatenate(([0], np.cumsum(count)))[:-1]
     pairs = order[place[count == 2, None] + [0, 1]]
-    a, b = face[pairs[:, 0]], face[pairs[:, 1]]
     # Neighbours that agree run along their common edge in opposite directions.
     agree = start[pairs[:, 0]] == end[pairs[:, 1]]
-    surface = _label_connected(a, b, len(kept))
-    patch = _label_connected(a[agree], b[agree], len(kept))
+    surface = _label_connected(face[pairs], len(kept))
+    patch = _label_connected(face[pairs[agree]], len(kept))
 
     rim = edges[count == 1]
+    vertices, index = np.unique(rim, return_inverse=True)
+    holes = _label_connected(index.reshape(-1, 2), len(vertices)) if len(rim) else rim
     return Topology(
         triangles=kept,
         copies=len(triangles) - len(kept),
         open_edges=len(rim),
-        holes=_count_groups(rim),
+        holes=len(np.unique(holes)),
         crowded_edges=int((count > 2).sum()),
         flipped=_count_minority(surface, patch),
         surface=surface,
     )
 
 
-def _label_connected(a: IntArray, b: IntArray, count: int) -> IntArray:
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+def _label_connected(pairs: IntArray, count: int) -> IntArray:
+    """The number of the group of each of ``count`` things, of which pairs (k, 2) are connected."""
+    from trimesh.graph import connected_component_labels
 
-    graph = coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(count, count))
-    _, labels = connected_components(graph, directed=False)
+    labels = connected_component_labels(pairs, node_count=count)  # type: ignore[no-untyped-call]
     return np.asarray(labels, dtype=np.int64)
-
-
-def _count_groups(rim: IntArray) -> int:
-    if not len(rim):
-        return 0
-    vertices, index = np.unique(rim, return_inverse=True)
-    ends = index.reshape(-1, 2)
-    return int(_label_connected(ends[:, 0], ends[:, 1], len(vertices)).max()) + 1
 
 
 def _count_minority(surface: IntArray, patch: IntArray) -> int:
@@ -112,17 +91,10 @@ def _count_minority(surface: IntArray, patch: IntArray) -> int:
 
 
 def winding_numbers(points: FloatArray, corners: FloatArray) -> FloatArray:
-    """Return how often a closed surface winds round each point: 0 outside, 1 inside, -1 inside if it is inside out.
+    """Return how often a closed surface winds round points (k, 3): 0 outside, 1 inside, -1 inside if it is inside out.
 
-    The sum of the solid angles of its triangles over 4 pi (van Oosterom and Strackee, "The solid angle of a plane
-    triangle", IEEE Trans. Biomed. Eng. 30, 1983, eq. 8).
-
-    Parameters
-    ----------
-    points
-        (k, 3).
-    corners
-        of the triangles, (m, 3, 3).
+    The sum of the solid angles of its triangles, whose ``corners`` are (m, 3, 3), over 4 pi (van Oosterom and Strackee, "The
+    solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 1983, eq. 8).
     """
     found = np.empty(len(points))
     for index, point in enumerate(points):

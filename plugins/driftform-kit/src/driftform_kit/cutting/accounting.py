@@ -47,18 +47,9 @@ def held_mass(held: HeldBall, options: PartOptions) -> float:
 
 @dataclass(frozen=True)
 class KitWeight:
-    """What the parts of a kit weigh, and what they should weigh.
+    """What the parts of a kit weigh at full flow, and core and ballast, which are bought; kg and kg m.
 
-    Attributes
-    ----------
-    mass, moment
-        of the parts at full flow, kg and kg m.
-    bought, bought_moment
-        of core and ballast.
-    most
-        that the parts may weigh, so that the closed kit is not heavier than simulated, kg.
-    loaded
-        whether there is ballast.
+    The parts may weigh the ``most``, so that the closed kit is not heavier than simulated; it is ``loaded`` with ballast.
     """
 
     mass: float
@@ -94,7 +85,7 @@ def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
     )
 
 
-def kit_fittings(body: Body, options: KitOptions) -> Fittings:
+def measure_fittings(body: Body, options: KitOptions) -> Fittings:
     """Return what a kit has beside the wall of a body: joints, seats and fillings, less holes and engravings.
 
     With these fittings :func:`driftform.agent.mass_properties` of the body are :func:`kit_mass`, but for the distance
@@ -146,7 +137,7 @@ def _point_inertia(at: FloatArray) -> FloatArray:
     return square
 
 
-def kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
+def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     """Return the facts of a job's kit, under the key ``kit``; an empty dictionary without a kit.
 
     ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``parts``: of each its ``name``, ``mass_kg``,

@@ -119,18 +119,9 @@ def _distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> Float
 
 
 def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[int, int]) -> list[Seat]:
-    """Return the seats that keep the core at its simulated place.
+    """Return the seats that keep the core at its simulated place in parts, whose sections are given as joined.
 
-    Parameters
-    ----------
-    hull
-        the hull.
-    parts
-        sections of the parts as joined.
-    gap
-        between seat and core, mm.
-    shells
-        indices of the aft and the fore shell among the parts.
+    ``gap`` is that between seat and core, mm; ``shells`` are the indices of the aft and the fore shell.
 
     Raises
     ------

@@ -172,16 +172,7 @@ def _fill_depth(hull: Hull, joint: Joint) -> float:
 
 
 def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Joint, ...]:
-    """Return the joints that cut shells further until each part fits the bed, from aft to fore; the fewest.
-
-    Parameters
-    ----------
-    hull
-        the hull.
-    first
-        the joint beside the core.
-    options
-        the bed, and the sleeves.
+    """Return the fewest joints beside that of the core that leave parts which fit the bed, from aft to fore.
 
     Raises
     ------

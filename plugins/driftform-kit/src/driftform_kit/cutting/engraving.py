@@ -35,16 +35,9 @@ _ROWS = 60
 
 @dataclass(frozen=True, eq=False)
 class Engraving:
-    """The material that a text removes from a part, mm from the core's centre.
+    """The solid that a text removes from a part, mm from the core's centre: it projects from the wall, to leave no skin.
 
-    Attributes
-    ----------
-    tool
-        the solid to subtract; it projects from the wall, so that no skin is left.
-    volume
-        of the material within the wall, m3.
-    centroid
-        of that material, in the body frame, m, (3,).
+    ``volume`` (m3) and ``centroid`` (body frame, m, (3,)) are those of the material within the wall.
     """
 
     tool: Node
@@ -57,16 +50,7 @@ def engrave(
 ) -> Engraving | None:
     """Return the engraving of a part, ``None`` if the text has no room.
 
-    Parameters
-    ----------
-    hull
-        the hull.
-    low, high
-        z between which the part has the hull's wall.
-    taken
-        ranges of z in which the wall has other features.
-    options
-        the text, its size, its depth and its side.
+    The part has the hull's wall between the heights ``low`` and ``high``, with other features in the ranges ``taken``; mm.
     """
     size, depth = MM * options.engrave_size, MM * options.engrave_depth
     place = _find_place(hull, low, high, taken, options)

@@ -42,20 +42,10 @@ _ROUNDING = 0.01
 
 @dataclass(frozen=True, eq=False)
 class HeldBall:
-    """A ball of ballast, and what holds it.
+    """A ball of ballast, the index of its part, and what holds it: a seat, or the wall.
 
-    Attributes
-    ----------
-    ball
-        its place and size.
-    part
-        index of its part.
-    mouth
-        index of the joint that it goes in by; ``None`` if it is put in while the part is printed.
-    side
-        on which it rests: +1 fore, -1 aft. A part that is printed around it stands on this side.
-    seat
-        ``None`` if the wall holds it.
+    ``mouth`` is the index of the joint that it goes in by, ``None`` if it is put in while its part is printed. It rests on
+    its ``side``: +1 fore, -1 aft; a part that is printed around it stands on that side.
     """
 
     ball: Ball
@@ -73,22 +63,9 @@ def hold_ballast(
     gap: float,
     balls: Sequence[Ball],
 ) -> tuple[HeldBall, ...]:
-    """Add seats for balls of ballast to the sections of parts, and return how each ball is held, from aft to fore.
+    """Add seats for balls of ballast to the sections of parts as joined, and return how each is held, from aft to fore.
 
-    Parameters
-    ----------
-    hull
-        the hull.
-    parts
-        sections of the parts as joined, with the seats of the core; seats are added to them.
-    joints
-        between them.
-    core_joint
-        the joint that the core goes in by.
-    gap
-        between seat and ball, mm.
-    balls
-        of ballast.
+    The parts have the seats of the core; ``gap`` is that between seat and ball, mm.
 
     Raises
     ------

@@ -39,22 +39,10 @@ Ring: TypeAlias = FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """A hull to be cut.
+    """A hull to be cut: the areas inside its outer contour and inside its cavity.
 
-    Attributes
-    ----------
-    outer, cavity
-        the areas inside the outer contour, and inside the cavity's.
-    bore
-        the cavity's contour as z and r, (n, 2), from aft to fore.
-    skin
-        the outer contour in the same way.
-    core
-        radius of the core.
-    wall
-        nominal thickness of the wall.
-    joints
-        z of the joints of modules.
+    ``bore`` and ``skin`` are the contours of the cavity and of the outside as z and r, (n, 2), from aft to fore; ``core`` is
+    the core's radius, ``wall`` the nominal thickness of the wall, and ``joints`` has z of the joints of modules.
     """
 
     outer: CrossSection

@@ -37,16 +37,9 @@ from driftform_kit.cutting.upright import prints_fore_down
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One part of a kit.
+    """One part of a kit, such as ``fore shell``; ``fore shell 2`` is the next one outward.
 
-    Attributes
-    ----------
-    name
-        such as ``fore shell``; ``fore shell 2`` is the next one outward.
-    rings
-        its half section: (r, z) in mm, z from the core's centre towards fore.
-    engraved
-        its text, in the same frame; ``None`` without one.
+    ``rings`` is its half section: (r, z) in mm, z from the core's centre towards fore; its text is in the same frame.
     """
 
     name: str
@@ -61,22 +54,9 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class Kit:
-    """A kit in the meridian plane.
+    """A kit in the meridian plane: the hull that was cut, its pieces from aft to fore, and the joints between them.
 
-    Attributes
-    ----------
-    hull
-        the hull that was cut.
-    pieces
-        from aft to fore.
-    joints
-        between them, in the same order.
-    core_joint
-        the joint through which the core is inserted.
-    seats
-        added to hold the core and the ballast.
-    ballast
-        the balls of ballast, and what holds them.
+    ``seats`` are those that were added to hold the core and the ballast.
     """
 
     hull: Hull

@@ -35,20 +35,9 @@ _NEGLIGIBLE = 5e-6
 
 @dataclass(frozen=True, eq=False)
 class SheetPart:
-    """One part on the sheet.
+    """One part on the sheet: its ``number`` in the order of assembly, from 1, its mass (kg), and its overhang (mm2).
 
-    Attributes
-    ----------
-    number
-        in the order of assembly, from 1.
-    place
-        from aft to fore, from 0: the order of colours.
-    piece
-        the part.
-    mass
-        kg.
-    overhang
-        area that overhangs by more than 45 degrees as printed, mm2.
+    Its ``place`` is that from aft to fore, from 0: the order of colours. What overhangs by more than 45 degrees counts.
     """
 
     number: int
@@ -78,32 +67,11 @@ class SheetPart:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """What an assembly sheet says.
+    """What an assembly sheet says, with the parts in the order of assembly, and a paragraph for each of the ``steps``.
 
-    Attributes
-    ----------
-    title
-        name of the agent.
-    kit
-        the kit.
-    parts
-        in the order of assembly.
-    core
-        the core, in words.
-    aft
-        z of the aft end, mm from the core's centre: positions are counted from there.
-    target
-        mass properties that were simulated.
-    flow
-        with which the parts are to be printed, over the full flow, with which they weigh what volume and density give.
-    weights
-        rows of the table: what is weighed, and its mass at full flow and with ``flow``, kg.
-    remedy
-        what makes the closed kit weigh and balance as simulated.
-    steps
-        of the assembly, one paragraph each.
-    settings
-        of the printer: name and value.
+    Positions are counted from the ``aft`` end, which is given in mm from the core's centre. The parts are to be printed with
+    the ``flow``, a share of the full one, with which they weigh what volume and density give; the rows of ``weights`` have a
+    mass with either, kg. ``target`` is what was simulated, and the ``remedy`` makes the closed kit weigh and balance like it.
     """
 
     title: str
