@@ -64,6 +64,24 @@ def test_disturbed_flights_draw_a_factor_from_its_interval_as_correlated_as_the_
     assert np.corrcoef(drawn.T)[0, 1] == pytest.approx(-0.8, abs=0.03)
 
 
+def test_a_deviate_of_the_quantile_is_an_end_of_an_interval_that_is_not_symmetric():
+    table = Calibration.model_validate({"axial_drag": (1.2, 1.0, 1.7), "friction": (0.02, 0.01, 0.5)})
+    q = Calibration.quantile
+    drawn = table.draw_factors(np.array([[q, 0.0], [-q, q], [0.5 * q, -q], [0.0, -5.0 * q]]))
+    np.testing.assert_allclose(
+        drawn, [[1.7, 0.02], [1.0, 0.5], [1.45, 0.01], [1.2, Factors.least]], atol=1e-12
+    )
+
+
+def test_the_factors_that_are_correlated_share_their_deviates():
+    table = Calibration.model_validate(
+        dict.fromkeys(("axial_drag", "added_mass", "friction"), (1.0, 0.5, 1.5))
+        | {"correlations": [("friction", "axial_drag", 0.6), ("added_mass", "added_mass", 0.2)]}
+    )
+    mixed = (table.draw_factors(np.eye(3)) - 1.0) * Calibration.quantile / 0.5
+    np.testing.assert_allclose(mixed.T @ mixed, [[1, 0, 0.6], [0, 1, 0], [0.6, 0, 1]], atol=1e-12)
+
+
 def test_the_blanket_uncertainty_of_drag_is_left_for_drags_that_were_not_measured():
     scenario = load_study("pipe-inspection").scenario.model_copy(update={"calibration": TABLE})
     conditions = draw_conditions(Robustness(drag=0.2), 200, (2,), TABLE)

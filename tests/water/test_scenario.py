@@ -6,8 +6,10 @@ from pydantic import ValidationError
 
 from driftform.errors import InputError
 from driftform.study import load_study
+from driftform.types import MassProperties
 from driftform.water import Scenario
 from driftform.water.flow import FLOWS, UniformFlow
+from driftform.water.scenario import Release
 
 PIPE = {"segments": [{"start": [0, 0, 0], "end": [9.0, 0, 0], "radius": 1.0}]}
 
@@ -56,3 +58,19 @@ def test_a_target_may_have_the_name_of_a_kind_or_a_table(name):
     assert moved.scenario.target_names == (name,)
     with pytest.raises(InputError, match=rf"targets\.{name}\[2\] = 'a': should be a number"):
         load_study("paper", settings=[f'targets={{{name}=[1, 0, "a"]}}'])
+
+
+def test_a_ballast_is_a_point_that_displaces_its_own_water():
+    m, x, a, lead = 0.2, 0.01, 0.07, 0.03
+    mass = MassProperties(m, np.array([x, 0, 0]), np.diag([1e-4, 3e-4, 3e-4]), 1.8e-4, np.array([0.02, 0, 0]))
+    found = Release(ballast=lead, ballast_x=a, ballast_density=11_000.0).load(mass)
+    water, centre = lead / 11_000.0, (m * x + lead * a) / (m + lead)
+    assert found.mass == pytest.approx(m + lead, rel=1e-12)
+    assert found.cog == pytest.approx([centre, 0, 0], rel=1e-12)
+    # Of two points, the reduced mass times the square of their distance.
+    across = 3e-4 + m * lead / (m + lead) * (a - x) ** 2
+    assert found.inertia == pytest.approx(np.diag([1e-4, across, across]), rel=1e-9)
+    assert found.volume == pytest.approx(1.8e-4 + water, rel=1e-12)
+    moment = 1.8e-4 * 0.02 + water * a
+    assert found.cob == pytest.approx([moment / (1.8e-4 + water), 0, 0], rel=1e-12)
+    assert Release().load(mass) is mass

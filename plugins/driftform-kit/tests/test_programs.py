@@ -11,8 +11,7 @@ from driftform.interfaces import Checker, PrintJob
 from driftform.types import State
 from driftform_kit.checks.admesh import AdmeshChecker, AdmeshOptions
 from driftform_kit.checks.programs import explain_missing, last_line, run_program
-from driftform_kit.checks.slicing import provide_stl
-from driftform_kit.reading import read_meshes
+from driftform_kit.reading import provide_stl, read_meshes
 
 
 def prints(data: bytes) -> list[str]:

@@ -128,11 +128,3 @@ def test_the_linear_system_of_a_chain_of_resistors_has_the_voltages_of_ohm() -> 
     assert np.diff(found[:, 0]) == pytest.approx(ohms, rel=1e-6)
     within = (np.arange(30) >= 10) & (np.arange(30) < 20)
     assert np.diff(found[:, 1]) == pytest.approx(2.0 * ohms * within, abs=1e-6)
-
-
-def test_leakage_weighs_the_two_flows_by_their_shares() -> None:
-    leakage = np.array([[4.0, 1.0], [1.0, 9.0]])
-    found = solve.Solution(Junction(0.5, math.pi / 2, 0.1), (), (), (), leakage)
-    assert found.leakage_rms(0.0) == pytest.approx(2.0)
-    assert found.leakage_rms(1.0) == pytest.approx(3.0)
-    assert found.leakage_rms(0.5) == pytest.approx(math.sqrt(4 / 4 + 9 / 4 + 2 / 4))

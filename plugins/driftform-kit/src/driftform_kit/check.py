@@ -2,7 +2,7 @@
 
 import os
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,30 +16,8 @@ from driftform.util import files
 from driftform_frusta.kits import KIT_FILE
 from driftform_kit.settings import list_kit_settings, read_kit_settings
 
-MM_PER_M = 1000.0
-
 _LARGEST_ATTACHMENT = 1 << 26
 """Largest file in an archive that is read, bytes."""
-
-
-def list_formats(format: str) -> tuple[str, ...]:
-    """Return the formats that an agent is written in to be checked: OpenSCAD source too, if it can be written."""
-    source = [row.name for row in Study.list_plugins("exporter") if row.name == "scad" and row.available]
-    return tuple(dict.fromkeys((format, *source)))
-
-
-def write_print_job(
-    design: Design, format: str, folder: Path, printer: Printer, kit: bool = False
-) -> PrintJob:
-    """Write an agent's files into a folder, and return them as what is to be printed.
-
-    By the options of its exporters it may be a ``kit``, whose parts hold other material than the hull.
-    """
-    written = {name: write_files(design, name, folder) for name in list_formats(format)}
-    source = Path(written["scad"][0].path) if "scad" in written and format != "scad" else None
-    paths = tuple(Path(file.path) for file in written[format])
-    volume = sum_volumes(written[format]) if kit else None
-    return PrintJob(paths, printer, design.export_job(), volume or hull_volume(design.agent.body), source)
 
 
 def write_files(design: Design, format: str, folder: Path) -> tuple[WrittenFile, ...]:
@@ -52,7 +30,7 @@ def write_files(design: Design, format: str, folder: Path) -> tuple[WrittenFile,
 def sum_volumes(written: Sequence[WrittenFile]) -> float | None:
     """Return the volume (m3) that exporters state for their files, ``None`` if one of them states none."""
     volumes = [v for file in written if isinstance(v := file.facts.get("volume_mm3"), float)]
-    return sum(volumes) / MM_PER_M**3 if len(volumes) == len(written) else None
+    return sum(volumes) / 1000**3 if len(volumes) == len(written) else None
 
 
 def extract_attachment(path: Path, ending: str, folder: Path) -> Path | None:
@@ -78,38 +56,35 @@ def extract_attachment(path: Path, ending: str, folder: Path) -> Path | None:
     return None
 
 
-def check_print_job(
+def list_findings(
     job: PrintJob, study: Study, programs: bool = True, on_program: Callable[[str], None] = lambda _: None
-) -> Iterator[Finding]:
-    """Yield what each installed checker finds, with the options of a study; those that need no program come first.
+) -> list[Finding]:
+    """Return what each installed checker finds, with the options of a study; those that need no program come first.
 
     ``programs`` and ``on_program`` are as for :func:`check_design`.
-    """
-    rows = [(getattr(row.cls, "program", ""), row) for row in Study.list_plugins("checker")]
-    for program, row in sorted(rows, key=lambda pair: bool(pair[0])):
-        if not row.available:
-            yield Finding(row.name, State.SKIPPED, row.state)
-        elif program and not programs:
-            yield Finding(row.name, State.SKIPPED, "not run, by --no-programs")
-        else:
-            if program:
-                on_program(program)
-            yield from study.check_print(row.name, job)
-
-
-def require_judgement(findings: Sequence[Finding]) -> None:
-    """Refuse findings that judge nothing.
 
     Raises
     ------
     WorkFailedError
         if every check was skipped; the message gives the reasons.
     """
-    if all(finding.state is State.SKIPPED for finding in findings):
-        reasons = dict.fromkeys(f"{finding.check}: {finding.detail}" for finding in findings)
+    found: list[Finding] = []
+    rows = [(getattr(row.cls, "program", ""), row) for row in Study.list_plugins("checker")]
+    for program, row in sorted(rows, key=lambda pair: bool(pair[0])):
+        if not row.available:
+            found.append(Finding(row.name, State.SKIPPED, row.state))
+        elif program and not programs:
+            found.append(Finding(row.name, State.SKIPPED, "not run, by --no-programs"))
+        else:
+            if program:
+                on_program(program)
+            found += study.check_print(row.name, job)
+    if all(finding.state is State.SKIPPED for finding in found):
+        reasons = dict.fromkeys(f"{finding.check}: {finding.detail}" for finding in found)
         raise WorkFailedError(
             "nothing could be checked: " + ("; ".join(reasons) or "no checker is installed")
         )
+    return found
 
 
 def check_design(
@@ -144,12 +119,18 @@ def check_design(
         if nothing could be checked.
     """
     printer = printer or Printer()
-    made = design.under(*list_kit_settings(list_formats(format), printer)) if kit else design
+    # OpenSCAD source too, if it can be written.
+    others = [row.name for row in Study.list_plugins("exporter") if row.name == "scad" and row.available]
+    formats = dict.fromkeys((format, *others))
+    made = design.under(*list_kit_settings(formats, printer)) if kit else design
     with TemporaryDirectory() as folder:
-        print_job = write_print_job(made, format, Path(folder), printer, kit)
-        findings = list(check_print_job(print_job, made.study, programs, on_program))
-    require_judgement(findings)
-    return findings
+        written = {name: write_files(made, name, Path(folder)) for name in formats}
+        source = Path(written["scad"][0].path) if "scad" in written and format != "scad" else None
+        # The parts of a kit hold other material than the hull.
+        volume = (sum_volumes(written[format]) if kit else None) or hull_volume(made.agent.body)
+        paths = tuple(Path(file.path) for file in written[format])
+        job = PrintJob(paths, printer, made.export_job(), volume, source)
+        return list_findings(job, made.study, programs, on_program)
 
 
 def check_file(
@@ -223,6 +204,4 @@ def check_file(
                 made = study.make_exporter(format).options
                 job = replace(job, printer=Printer(made.nozzle, made.bed))
             job = replace(job, export=design.export_job(), volume=volume)
-        findings = list(check_print_job(job, study, programs, on_program))
-    require_judgement(findings)
-    return findings
+        return list_findings(job, study, programs, on_program)

@@ -12,8 +12,6 @@ from driftform.cli import options
 if TYPE_CHECKING:
     from driftform.types import Finding
 
-MM_PER_M = 1000.0
-
 STYLES = {"pass": "green", "warn": "yellow", "fail": "bold red", "skipped": "dim"}
 """Styles of states on a terminal."""
 
@@ -86,7 +84,7 @@ def check(
     if nozzle is not None:
         if not 0 < nozzle <= 10:
             raise InputError(f"--nozzle {nozzle:g}: should be a diameter in mm, such as 0.4")
-        printer = Printer(nozzle / MM_PER_M)
+        printer = Printer(nozzle / 1000)
     if bed is not None:
         printer = replace(printer or Printer(), bed=formats.parse_bed(bed))
 

@@ -1,6 +1,6 @@
 """Printable files -> the meshes of their parts, in mm and z up, whatever the format."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -10,12 +10,12 @@ import numpy as np
 
 from driftform.agent import Mesh
 from driftform.errors import InputError, WorkFailedError
-from driftform_kit.checks.parts import MM_PER_M, check_counts
+from driftform_frusta.csg import MM
 from driftform_kit.checks.rendering import render
-from driftform_kit.checks.threemf import read_3mf
+from driftform_kit.checks.threemf import check_counts, read_3mf
 
 # glTF is in metres with y up: here z is up, and the axis towards the viewer points along -y.
-_FROM_GLTF = MM_PER_M * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+_FROM_GLTF = MM * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
 _LONGEST_NAME = 40
@@ -63,6 +63,20 @@ def _read(path: Path, _changed: int, _size: int) -> tuple[Mesh, ...]:
         if not np.isfinite(part.vertices).all():
             raise InputError(f"{path}: {part.name} has coordinates that are not finite")
     return tuple(replace(part, name=_clean_name(part.name)) for part in parts)
+
+
+def provide_stl(files: Sequence[Path], folder: Path) -> list[Path]:
+    """Return the STL files themselves, and for other formats a copy of each part in ``folder``."""
+    found = []
+    for path in files:
+        if path.suffix.lower() == ".stl":
+            found.append(path.resolve())
+            continue
+        for number, part in enumerate(read_meshes(path), 1):
+            copy = folder / f"{path.stem}-{number}.stl"
+            copy.write_bytes(part.to_stl())
+            found.append(copy)
+    return found
 
 
 def _clean_name(name: str) -> str:

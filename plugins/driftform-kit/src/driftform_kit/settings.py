@@ -18,10 +18,7 @@ from driftform.interfaces import Printer, Table
 def list_kit_settings(names: Iterable[str], printer: Printer) -> list[str]:
     """Return the settings that make exporters write a kit that fits a printer.
 
-    Raises
-    ------
-    InputError
-        if an exporter writes no kits.
+    An InputError says which exporter writes no kits.
     """
     options = {"kit": "true", "nozzle": repr(printer.nozzle), "bed": repr(list(printer.bed))}
     return formats.list_exporter_settings(names, {key: (value, "--kit") for key, value in options.items()})
@@ -30,14 +27,7 @@ def list_kit_settings(names: Iterable[str], printer: Printer) -> list[str]:
 def read_kit_settings(path: Path, label: str, format: str) -> list[str]:
     """Return the settings that make an exporter write the kit whose options a file has, which may be a stranger's.
 
-    Parameters
-    ----------
-    path
-        of the file with the options.
-    label
-        names it in errors.
-    format
-        name of the exporter.
+    The label names the file in errors.
 
     Raises
     ------

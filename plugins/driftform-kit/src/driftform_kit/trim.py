@@ -58,16 +58,9 @@ MeasureKit = Callable[[Balls | None], KitReport]
 
 @dataclass(frozen=True)
 class PrintWeight:
-    """What a print weighs.
+    """What a print weighs with its core, kg, and x of the centre of gravity of both, m.
 
-    Attributes
-    ----------
-    mass
-        with its core, kg.
-    cog
-        x of the centre of gravity of both, m; ``None`` for where the hull's material has it.
-    source
-        of ``cog``: ``"measured"``, ``"hull"`` (its material) or ``"kit"`` (the parts of the kit).
+    Its source: it is ``"measured"``, that of the ``"hull"`` (and ``None``: where its material has it) or of the ``"kit"``.
     """
 
     mass: float
@@ -320,11 +313,7 @@ def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[s
             {
                 "mass": piece.element.mass,
                 "x": piece.element.x,
-                "start": piece.start,
-                "end": piece.end,
-                "diameter": piece.diameter,
-                "putty": piece.putty,
-                "ring": piece.ring,
+                **{key: value for key, value in vars(piece).items() if key != "element"},
             }
             for piece in plan.pieces
         ],

@@ -10,7 +10,7 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, State
 from driftform_kit.checks.programs import explain_missing, last_line, run_program
-from driftform_kit.checks.slicing import provide_stl
+from driftform_kit.reading import provide_stl
 
 _FAULTS = {
     "Total disconnected facets": "disconnected",

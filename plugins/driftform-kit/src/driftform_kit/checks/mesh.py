@@ -9,8 +9,9 @@ import numpy as np
 from driftform.agent import Mesh, hull_volume
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, FloatArray, State
+from driftform_frusta.csg import MM
+from driftform_frusta.printable import MM3_PER_M3
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
-from driftform_kit.checks.parts import MM3_PER_M3, MM_PER_M
 from driftform_kit.checks.shells import Shell, find_shells, orient_outward
 from driftform_kit.checks.slenderness import measure_slenderness
 from driftform_kit.checks.topology import Topology, analyse_topology
@@ -128,7 +129,7 @@ class MeshChecker(Checker[MeshOptions]):
         beam = measure_slenderness(turned, o.stiffness, o.strength, o.adhesion)
         if beam is None:
             return State.SKIPPED, "it is no taller than its first layer"
-        bent, half_line = o.push * beam.bending, MM_PER_M * job.printer.nozzle / 2
+        bent, half_line = o.push * beam.bending, MM * job.printer.nozzle / 2
         message = (
             f"{best.name}: {beam.height:.1f} mm high on {beam.base:.1f} mm ({beam.height / beam.base:.1f} : 1), weakest "
             f"at {beam.neck_height:.1f} mm, {beam.neck:.1f} mm wide; at the top {o.push:.2g} N bend it by {bent:.2f} mm, "
@@ -160,8 +161,7 @@ class MeshChecker(Checker[MeshOptions]):
         if density is not None:
             amount += f", {volume / MM3_PER_M3 * density * 1000:.3f} g at {density:g} kg/m3"
         if job.volume is None:
-            reason = "the agent is unknown: name it with --agent"
-            return State.SKIPPED, f"{amount}; {reason}"
+            return State.SKIPPED, f"{amount}; the agent is unknown: name it with --agent"
         difference = volume / (job.volume * MM3_PER_M3) - 1
         message = f"{amount}; {difference:+.1e} of the closed form"
         if abs(difference) <= self.options.tolerance:
@@ -199,7 +199,7 @@ class MeshChecker(Checker[MeshOptions]):
             return State.WARN, f"{message}; better {words.get(best.name, best.name)}"
         if not now.steady:
             return State.WARN, f"{message}; no orientation is better, print it with a brim"
-        support = "" if now.overhang <= self.options.overhang * MM_PER_M**2 else ", with support"
+        support = "" if now.overhang <= self.options.overhang * MM**2 else ", with support"
         state = State.WARN if support else State.PASS
         return state, f"{message}; best {words.get(best.name, best.name)}{support}"
 
@@ -209,7 +209,7 @@ def _show_force(newtons: float) -> str:
 
 
 def _bed_size(job: PrintJob) -> FloatArray:
-    return MM_PER_M * np.array(job.printer.bed)
+    return MM * np.array(job.printer.bed)
 
 
 def _describe_orientation(way: Orientation, words: Mapping[str, str]) -> str:
@@ -324,7 +324,7 @@ def _describe_turned(shells: Sequence[Shell]) -> str:
 def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
     if not all(one.shells for one in studied):
         return State.SKIPPED, "a mesh that is not closed and oriented has no wall to measure"
-    nozzle = MM_PER_M * job.printer.nozzle
+    nozzle = MM * job.printer.nozzle
     thin: Wall | None = None
     where = ""
     for one in studied:

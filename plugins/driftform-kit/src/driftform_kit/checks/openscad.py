@@ -8,9 +8,10 @@ from typing import ClassVar
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, State
-from driftform_kit.checks.parts import MM3_PER_M3
+from driftform_frusta.printable import MM3_PER_M3
 from driftform_kit.checks.programs import explain_missing
 from driftform_kit.checks.rendering import TIMEOUT, render
+from driftform_kit.reading import read_meshes
 
 
 class OpenScadOptions(Table):
@@ -29,25 +30,23 @@ class OpenScadChecker(Checker[OpenScadOptions]):
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Report the volume of the source, and whether it equals that of the meshes."""
-        yield self._check_source(job)
+        yield Finding(self.name, *self._judge(job))
 
-    def _check_source(self, job: PrintJob) -> Finding:
-        from driftform_kit.reading import read_meshes
-
+    def _judge(self, job: PrintJob) -> tuple[State, str]:
         if job.withheld is not None:
             detail = f"the {job.withheld} is not rendered; add --attached if you trust it"
-            return Finding(self.name, State.SKIPPED, detail)
+            return State.SKIPPED, detail
         if job.source is None:
-            return Finding(self.name, State.SKIPPED, "no OpenSCAD source to render")
+            return State.SKIPPED, "no OpenSCAD source to render"
         if reason := explain_missing(self.program):
-            return Finding(self.name, State.SKIPPED, reason)
+            return State.SKIPPED, reason
         with TemporaryDirectory() as folder:
             try:
                 rendered = read_meshes(render(job.source, Path(folder), self.options.timeout))
             except InputError as error:
-                return Finding(self.name, State.FAIL, str(error).removeprefix(f"{job.source}: OpenSCAD: "))
+                return State.FAIL, str(error).removeprefix(f"{job.source}: OpenSCAD: ")
             except WorkFailedError as error:
-                return Finding(self.name, State.SKIPPED, str(error))
+                return State.SKIPPED, str(error)
         volume = sum(part.volume for part in rendered)
         parts = [part for path in job.files for part in read_meshes(path)]
         others = {"the mesh": sum(part.volume for part in parts)}
@@ -57,8 +56,5 @@ class OpenScadChecker(Checker[OpenScadOptions]):
         differences = {what: volume / other - 1 if other else float("inf") for what, other in others.items()}
         what = min(differences, key=lambda name: abs(differences[name]))
         sound = abs(differences[what]) <= self.options.tolerance
-        return Finding(
-            self.name,
-            State.PASS if sound else State.FAIL,
-            f"the source renders to {volume / 1000:.4f} cm3, {differences[what]:+.1e} of {what}",
-        )
+        message = f"the source renders to {volume / 1000:.4f} cm3, {differences[what]:+.1e} of {what}"
+        return State.PASS if sound else State.FAIL, message

@@ -52,15 +52,7 @@ class Orientation:
 
 
 def list_orientations(mesh: Mesh, hollow: int = 0) -> tuple[Orientation, ...]:
-    """Return the orientations of :data:`TURNS`.
-
-    Parameters
-    ----------
-    mesh
-        in mm, facing outward; the last ``hollow`` of its triangles are the walls of closed hollows.
-    hollow
-        the number of those triangles.
-    """
+    """Return the orientations of a mesh, mm, that faces outward; its last ``hollow`` triangles are walls of closed hollows."""
     triangles, normals = mesh.triangles, mesh.area_vectors
     area = np.linalg.norm(normals, axis=1)
     sound = area > 0

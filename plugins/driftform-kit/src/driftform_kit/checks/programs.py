@@ -38,18 +38,9 @@ def explain_missing(program: str) -> str:
 
 
 def run_program(command: Sequence[str], folder: Path, timeout: float, memory: int = MEMORY) -> str:
-    """Run a program in ``folder`` and return the beginning of its output, standard error included.
+    """Run a program with its arguments in ``folder``; return the beginning of its output, standard error included.
 
-    Parameters
-    ----------
-    command
-        the program and its arguments.
-    folder
-        its working directory.
-    timeout
-        time limit, s.
-    memory
-        limit of its address space, bytes; there is none on Windows.
+    The limit of time is in s, that of its address space in bytes; on Windows there is none of memory.
 
     Raises
     ------

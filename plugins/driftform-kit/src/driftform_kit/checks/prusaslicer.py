@@ -11,13 +11,15 @@ from typing import ClassVar
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, Printer, PrintJob, Table, option
 from driftform.types import Finding, State
-from driftform_kit.checks.parts import MM_PER_M
+from driftform_frusta.csg import MM
 from driftform_kit.checks.programs import explain_missing, last_line, run_program
-from driftform_kit.checks.slicing import provide_stl
-from driftform_kit.reading import read_meshes
+from driftform_kit.reading import provide_stl, read_meshes
 
 _FILAMENT = 1.75
 """Diameter of the filament, mm."""
+
+_FAULTS = "open_edges", "facets_reversed", "backwards_edges", "degenerate_facets", "facets_removed"
+"""Counts that it prints of a mesh that is not sound."""
 
 _SECONDS = {"d": 86400, "h": 3600, "m": 60, "s": 1}
 
@@ -77,22 +79,10 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
         facts = dict(re.findall(r"^(\w+) = +(\S+)", said, re.MULTILINE))
         if "manifold" not in facts:
             return f"{path.name}: {last_line(said)}"
-        wrong = [
-            f"{facts[key]} {key.replace('_', ' ')}"
-            for key in (
-                "open_edges",
-                "facets_reversed",
-                "backwards_edges",
-                "degenerate_facets",
-                "facets_removed",
-            )
-            if key in facts
-        ]
-        if facts["manifold"] != "yes" or wrong:
-            return f"{path.name}: {'manifold' if facts['manifold'] == 'yes' else 'not manifold'}" + "".join(
-                f", {fault}" for fault in wrong
-            )
-        return ""
+        wrong = "".join(f", {facts[key]} {key.replace('_', ' ')}" for key in _FAULTS if key in facts)
+        if facts["manifold"] == "yes":
+            return f"{path.name}: manifold{wrong}" if wrong else ""
+        return f"{path.name}: not manifold{wrong}"
 
     def _compare_filament(self, check: str, paths: list[Path], folder: Path, printer: Printer) -> Finding:
         volume = filament = seconds = 0.0
@@ -117,20 +107,20 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
     def _slice(self, path: Path, folder: Path, printer: Printer) -> Sliced | str:
         """Return the filament and the time of a part by its g-code, or the reason why there is no g-code."""
         o = self.options
-        width, depth, height = (MM_PER_M * side for side in printer.bed)
+        width, depth, height = (MM * side for side in printer.bed)
         gcode = folder / "part.gcode"
         gcode.unlink(missing_ok=True)
         said = run_program(
             [
                 self.program,
                 "--export-gcode",
-                f"--layer-height={MM_PER_M * o.layer_height:g}",
+                f"--layer-height={MM * o.layer_height:g}",
                 f"--perimeters={o.perimeters}",
                 f"--fill-density={100 * o.infill:g}%",
                 # Its default pattern, made for sparse filling, is refused if all is filled.
                 f"--fill-pattern={'rectilinear' if o.infill == 1 else 'gyroid'}",
                 f"--filament-diameter={_FILAMENT:g}",
-                f"--nozzle-diameter={MM_PER_M * printer.nozzle:g}",
+                f"--nozzle-diameter={MM * printer.nozzle:g}",
                 f"--bed-shape=0x0,{width:g}x0,{width:g}x{depth:g},0x{depth:g}",
                 f"--max-print-height={height:g}",
                 # A skirt is not part of the print.

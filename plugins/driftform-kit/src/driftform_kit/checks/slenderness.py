@@ -94,11 +94,7 @@ def measure_section(section: CrossSection) -> tuple[float, float]:
         total = a + b
         area += float(twice.sum()) / 2
         first += (twice[:, None] * total).sum(axis=0) / 6
-        products = (
-            np.einsum("ni,nj->nij", total, total)
-            + np.einsum("ni,nj->nij", a, a)
-            + np.einsum("ni,nj->nij", b, b)
-        )
+        products = sum(np.einsum("ni,nj->nij", points, points) for points in (total, a, b))
         second += (twice[:, None, None] * products).sum(axis=0) / 24
     centre = first / area
     values, axes = np.linalg.eigh(second - area * np.outer(centre, centre))

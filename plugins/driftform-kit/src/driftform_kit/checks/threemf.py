@@ -2,14 +2,15 @@
 
 import zipfile
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 import numpy as np
+from trimesh.util import append_faces
 
 from driftform.agent import Mesh
 from driftform.types import FloatArray
-from driftform_kit.checks.parts import check_counts
 
 _UNITS = {
     "micron": 1e-3,
@@ -27,6 +28,27 @@ _LARGEST = 1 << 27
 
 _DEEPEST = 32
 """Components within components."""
+
+
+MOST_PIECES = 10_000
+"""Largest number of meshes in a file, each counted as often as it is placed."""
+
+MOST_ELEMENTS = 5_000_000
+"""Largest number of triangles, and of vertices, in a file, with those of all placed copies."""
+
+
+def check_counts(pieces: int, elements: int) -> None:
+    """Refuse a file that a few bytes could make larger than any memory, by placing copies of copies.
+
+    Raises
+    ------
+    ValueError
+        if it has more than :data:`MOST_PIECES` meshes or :data:`MOST_ELEMENTS` triangles or vertices.
+    """
+    if pieces > MOST_PIECES:
+        raise ValueError(f"places more than {MOST_PIECES} meshes")
+    if elements > MOST_ELEMENTS:
+        raise ValueError(f"has more than {MOST_ELEMENTS} triangles or vertices")
 
 
 def read_3mf(path: Path) -> tuple[Mesh, ...]:
@@ -53,9 +75,9 @@ class _Package:
 
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self._archive = archive
-        self._models: dict[str, ElementTree.Element] = {}
-        self._objects: dict[str, dict[str | None, ElementTree.Element]] = {}
-        self._read_meshes: dict[tuple[str, str], list[Mesh]] = {}
+        # Each is read once, however often it is placed.
+        self._model, self._objects = cache(self._read_model), cache(self._list_objects)
+        self._meshes = cache(self._read_meshes)
         self._unpacked = self._visited = self._vertices = self._triangles = 0
 
     def parts(self) -> tuple[Mesh, ...]:
@@ -71,12 +93,12 @@ class _Package:
             name = (
                 item.get("partnumber") or self._object(path, identifier).get("name") or f"object {identifier}"
             )
-            offsets = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
-            vertices = np.concatenate([piece.vertices for piece in pieces])
-            triangles = np.concatenate(
-                [piece.triangles + offset for piece, offset in zip(pieces, offsets, strict=False)]
+            vertices, triangles = append_faces(
+                [piece.vertices for piece in pieces], [piece.triangles for piece in pieces]
             )
-            found.append(Mesh(vertices * self._unit(model), triangles, name).merge_vertices())
+            found.append(
+                Mesh(vertices * self._unit(model), triangles.astype(np.int64), name).merge_vertices()
+            )
         return tuple(found)
 
     def _pieces(self, path: str, identifier: str, transform: FloatArray, depth: int) -> Iterator[Mesh]:
@@ -102,27 +124,22 @@ class _Package:
                 _path_of(component, path), component.attrib["objectid"], placed, depth + 1
             )
 
-    def _meshes(self, path: str, identifier: str) -> list[Mesh]:
-        """Meshes of an object alone, read once however often it is placed."""
-        if (path, identifier) not in self._read_meshes:
-            self._read_meshes[path, identifier] = [
-                _read_mesh(mesh, identifier) for mesh in self._object(path, identifier).iterfind("{*}mesh")
-            ]
-        return self._read_meshes[path, identifier]
+    def _read_meshes(self, path: str, identifier: str) -> list[Mesh]:
+        """Meshes of an object alone, without those of its components."""
+        return [_read_mesh(mesh, identifier) for mesh in self._object(path, identifier).iterfind("{*}mesh")]
 
     def _object(self, path: str, identifier: str) -> ElementTree.Element:
-        if path not in self._objects:
-            items = list(self._model(path).iterfind("{*}resources/{*}object"))
-            # Of several with one id, the first.
-            self._objects[path] = {item.get("id"): item for item in reversed(items)}
-        if identifier not in self._objects[path]:
+        if identifier not in self._objects(path):
             raise ValueError(f"places object {identifier}, which is missing")
-        return self._objects[path][identifier]
+        return self._objects(path)[identifier]
 
-    def _model(self, path: str) -> ElementTree.Element:
-        if path not in self._models:
-            self._models[path] = ElementTree.fromstring(self._read(path))
-        return self._models[path]
+    def _list_objects(self, path: str) -> dict[str | None, ElementTree.Element]:
+        items = list(self._model(path).iterfind("{*}resources/{*}object"))
+        # Of several with one id, the first.
+        return {item.get("id"): item for item in reversed(items)}
+
+    def _read_model(self, path: str) -> ElementTree.Element:
+        return ElementTree.fromstring(self._read(path))
 
     def _root(self) -> str:
         for relationship in ElementTree.fromstring(self._read("_rels/.rels")):

@@ -35,10 +35,7 @@ def find_thinnest_wall(mesh: Mesh) -> Wall | None:
     where it comes out through a surface that faces the other way within 30 degrees is there a wall between the two:
     edges are sharp, but they are not thin.
 
-    Parameters
-    ----------
-    mesh
-        in mm, closed; it faces outward, and into its hollows.
+    The mesh is in mm and closed; it faces outward, and into its hollows.
     """
     vertices, normals = mesh.vertices, mesh.area_vectors
     solid = Manifold(Mesh64(vert_properties=vertices, tri_verts=mesh.triangles.astype(np.uint64)))
@@ -50,17 +47,11 @@ def find_thinnest_wall(mesh: Mesh) -> Wall | None:
     corners, normals = corners[sound], normals[sound] / size[sound, None]
     # Off the surface by more than rounding, and by less than any wall: a ray must not meet where it starts.
     gap = 1e-9 * float(np.abs(vertices).max()) + 1e-9
-    starts = np.einsum("sk,mkc->msc", _STATIONS, corners) - gap * normals[:, None]
-    ends = starts - REACH * normals[:, None]
-    thinnest = None
-    for normal, from_points, to_points in zip(normals, starts.tolist(), ends.tolist(), strict=True):
-        for start, end in zip(from_points, to_points, strict=True):
-            hits = solid.ray_cast(start, end)
-            if not hits:
-                continue
-            if np.dot(hits[0].normal, normal) > -_OPPOSITE:
-                continue
-            thickness = hits[0].distance * REACH + gap
-            if thinnest is None or thickness < thinnest.thickness:
-                thinnest = Wall(thickness, tuple(start))
-    return thinnest
+    starts = np.einsum("sk,mkc->smc", _STATIONS, corners) - gap * normals
+    rays = np.stack(np.broadcast_arrays(starts, starts - REACH * normals, normals), axis=2)
+    walls = [
+        Wall(hits[0].distance * REACH + gap, tuple(start))
+        for start, end, normal in np.swapaxes(rays, 0, 1).reshape(-1, 3, 3).tolist()
+        if (hits := solid.ray_cast(start, end)) and np.dot(hits[0].normal, normal) <= -_OPPOSITE
+    ]
+    return min(walls, key=lambda wall: wall.thickness, default=None)

@@ -26,11 +26,6 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     Parts of revolution are integrated in closed form; glue and O-rings weigh nothing here, and holes of ``drain``
     are taken to be plugged flush. An engraving is taken out as a point mass, which is exact but for the inertia, and
     outside it fills with water.
-
-    Raises
-    ------
-    WorkFailedError
-        if the body has no such kit.
     """
     kit = make_kit(body, options)
     whole = mass_properties(body, kit_moments(kit))
@@ -91,11 +86,6 @@ def measure_fittings(body: Body, options: KitOptions) -> Fittings:
     With these fittings :func:`driftform.agent.mass_properties` of the body are :func:`kit_mass`, but for the distance
     of the centre of gravity from the axis: an engraving on one side moves it by micrometres, and a body of revolution
     has it on the axis.
-
-    Raises
-    ------
-    WorkFailedError
-        if the body has no such kit.
     """
     kit = make_kit(body, options)
     removed = sum((_point_moments(text) for text in kit.engravings), Moments())

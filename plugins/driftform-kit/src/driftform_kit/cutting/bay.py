@@ -8,7 +8,6 @@ degrees, so that it prints without support with the closed end of its part on th
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from manifold3d import CrossSection, OpType
@@ -88,19 +87,13 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
 
     if not meets(0.0, play):
         return False
-    places = _list_places(play)
+    places = np.linspace(0.0, play, _STEPS)
     # Elsewhere no edge is within the disc, so that it meets nothing.
-    touched = _distance_along(near, ball.z + side * places) <= circumradius(ball.radius)
+    touched = distance_along(near, ball.z + side * places) <= circumradius(ball.radius)
     rest = next((along for along in places[touched].tolist() if meets(0.0, along)), play)
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
     return meets(play, rest - lift)
-
-
-@lru_cache(maxsize=16)
-def _list_places(play: float) -> FloatArray:
-    """Distances along the axis at which a ball is tried."""
-    return np.linspace(0.0, play, _STEPS)
 
 
 def _spans(section: CrossSection, low: float, high: float) -> bool:
@@ -109,8 +102,8 @@ def _spans(section: CrossSection, low: float, high: float) -> bool:
     return bool(lowest <= high and highest >= low)
 
 
-def _distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> FloatArray:
-    """The distance of points of the axis, at some heights, from the edges of parts, mm."""
+def distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> FloatArray:
+    """Return the distance of points of the axis, at some heights, from the edges of parts, mm."""
     points = np.column_stack((np.zeros_like(heights), heights))
     rings = [ring for part in parts for ring in list_rings(part)]
     apart = [distance_from(points, np.concatenate((ring, ring[:1]))) for ring in rings]
@@ -123,10 +116,7 @@ def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: t
 
     ``gap`` is that between seat and core, mm; ``shells`` are the indices of the aft and the fore shell.
 
-    Raises
-    ------
-    WorkFailedError
-        if a seat is needed and has no room.
+    Fails if a seat is needed and has no room.
     """
     found, core = [], Ball(0.0, hull.core)
     for side in (-1, 1):

@@ -3,13 +3,11 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
 from driftform.errors import WorkFailedError
-from driftform.types import FloatArray
 from driftform_frusta.kit_options import KitOptions
 from driftform_kit.cutting.joint import Joint, Line, plug_bore, radii_along, trace_mouth
 from driftform_kit.cutting.meridian import MM, Hull
@@ -41,10 +39,7 @@ class CoreJoint:
 def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
     """Return the joint of the two shells: a sleeve as near to the core's equator as possible, or a rabbet at the equator.
 
-    Raises
-    ------
-    WorkFailedError
-        if the requested joint, or any joint, has no room; the message has the reason.
+    Fails if the requested joint, or any joint, has no room.
     """
     sleeve = None if options.joint == "rabbet" else _find_sleeve(hull, options)
     if sleeve is not None:
@@ -52,7 +47,7 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
         place = (
             "at the core's equator"
             if not away
-            else f"{away:g} mm {_name_side_of(sleeve.z)} of the core's equator, where the core leaves room inside"
+            else f"{away:g} mm {_name_side(1 if sleeve.z > 0 else -1)} of the core's equator, where the core leaves room inside"
         )
         return CoreJoint(sleeve, f"a sleeve of {sleeve.plug:g} mm {place}")
     no_sleeve = (
@@ -88,7 +83,7 @@ def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
 def _list_roomy(hull: Hull, side: int, need: float, options: KitOptions) -> set[float]:
     """Distances from the core's equator, mm, at which a plug may leave room for the core, which passes so far."""
     gap, plug, lap = MM * options.clearance, MM * options.sleeve, MM * options.lap
-    away = _list_places(hull.core)
+    away = np.arange(0.0, 4 * hull.core, STEP)
     mouth = hull.bore_radius(side * away)
     narrow = np.flatnonzero(mouth < need)
     reach = narrow[0] if len(narrow) else len(away) - 1
@@ -99,12 +94,6 @@ def _list_roomy(hull: Hull, side: int, need: float, options: KitOptions) -> set[
     wide = np.hypot(mouth - gap - plug, np.maximum(tip, 0.0)) >= least
     wide &= np.hypot(hull.bore_radius(side * tip) - gap - plug, tip) >= least - _TINY
     return set(away[wide].tolist())
-
-
-@lru_cache(maxsize=16)
-def _list_places(core: float) -> FloatArray:
-    """Distances from the core's equator that are tried for its joint, up to four radii, mm."""
-    return np.arange(0.0, 4 * core, STEP)
 
 
 def make_sleeve(z: float, side: int, options: KitOptions) -> Joint:
@@ -127,15 +116,9 @@ def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
     if line[-1][1] < need or not _is_rooted(hull, joint, line):
         return False
     passage = joint.side * joint.z
-    s = _list_heights(joint.lap)
+    s = np.linspace(-joint.lap, 0.0, 2 + math.ceil(joint.lap / STEP))
     inside = radii_along(line, -s) - _slant_factor(line) * (joint.gap + joint.plug)
     return bool(np.hypot(inside, passage + s).min() >= hull.core + joint.gap - _ROUNDING)
-
-
-@lru_cache(maxsize=16)
-def _list_heights(lap: float) -> FloatArray:
-    """Places along a plug, from its tip to the cut, at which its bore is compared with the core."""
-    return np.linspace(-lap, 0.0, 2 + math.ceil(lap / STEP))
 
 
 def _slant_factor(line: Line) -> float:
@@ -174,10 +157,7 @@ def _fill_depth(hull: Hull, joint: Joint) -> float:
 def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Joint, ...]:
     """Return the fewest joints beside that of the core that leave parts which fit the bed, from aft to fore.
 
-    Raises
-    ------
-    WorkFailedError
-        if a part is wider than the bed, or too high even if every joint of modules that takes a sleeve is cut.
+    Fails if a part is wider than the bed, or too high even if every joint of modules that takes a sleeve is cut.
     """
     width, depth, height = (MM * side for side in options.bed)
     if 2 * hull.widest > min(width, depth):
@@ -277,7 +257,3 @@ def _take_best(hull: Hull, ways: Sequence[_Way], joint: Joint) -> _Way:
 
 def _name_side(side: int) -> str:
     return "fore" if side > 0 else "aft"
-
-
-def _name_side_of(z: float) -> str:
-    return _name_side(1 if z > 0 else -1)

@@ -15,10 +15,7 @@ DEEPEST = 10.0
 def add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) -> CrossSection:
     """Return the section of an end part with a hole through its end.
 
-    Raises
-    ------
-    WorkFailedError
-        if the end is too slim, or too thick, for the hole.
+    Fails if the end is too slim, or too thick, for the hole.
     """
     r = diameter / 2
     skin, bore = (hull.skin, hull.bore) if side < 0 else (hull.skin[::-1], hull.bore[::-1])

@@ -5,16 +5,15 @@ joined there, or, if a neck is in the way, while the part is printed: the printe
 Only a drop of glue keeps it from falling back: a second seat would not let it in.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import CrossSection
 
-from driftform.agent import distance_from
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
-from driftform_kit.cutting.bay import Ball, Seat, draw_seat, draw_tube, is_held
+from driftform_kit.cutting.bay import Ball, Seat, distance_along, draw_seat, draw_tube, is_held
 from driftform_kit.cutting.joint import Joint, takes_core_aft
 from driftform_kit.cutting.meridian import (
     Hull,
@@ -67,10 +66,7 @@ def hold_ballast(
 
     The parts have the seats of the core; ``gap`` is that between seat and ball, mm.
 
-    Raises
-    ------
-    WorkFailedError
-        if a ball has no room, cannot get to its place, or cannot be held there; the message has the reason.
+    Fails if a ball has no room, cannot get to its place, or cannot be held there.
     """
     if not balls:
         return ()
@@ -84,7 +80,10 @@ def hold_ballast(
         part = sum(joint.z < ball.z for joint in joints)
         kept_free = [path if part == shell else make_disc(core)]
         kept_free += [*(other.draw(-_ROUNDING) for other in balls if other is not ball)]
-        _refuse_overlap(ball, kept_free, hull)
+        if (ball.draw() ^ kept_free[0]).area() > _AREA:
+            raise _refuse(ball, hull, "the core is there, or passes there")
+        if any((ball.draw() ^ other).area() > _AREA for other in kept_free[1:]):
+            raise _refuse(ball, hull, "another ball is there")
         held.append(_hold(hull, parts, joints, gap, ball, part, kept_free))
         if held[-1].seat is not None:
             parts[held[-1].part] += held[-1].seat.section
@@ -110,16 +109,7 @@ def narrowest(hull: Hull, part: CrossSection, heights: FloatArray) -> float:
     """Return the least distance of a part's section from the points of the axis at some heights, mm."""
     if hull.bore_radius(heights).min() <= 0:
         return 0.0
-    points = np.column_stack((np.zeros_like(heights), heights))
-    rings = [np.concatenate((ring, ring[:1])) for ring in list_rings(part)]
-    return float(min(distance_from(points, ring).min() for ring in rings))
-
-
-def _refuse_overlap(ball: Ball, kept_free: Sequence[CrossSection], hull: Hull) -> None:
-    if (ball.draw() ^ kept_free[0]).area() > _AREA:
-        raise _refuse(ball, hull, "the core is there, or passes there")
-    if any((ball.draw() ^ other).area() > _AREA for other in kept_free[1:]):
-        raise _refuse(ball, hull, "another ball is there")
+    return float(distance_along([part], heights).min())
 
 
 def _hold(
@@ -138,7 +128,8 @@ def _hold(
         raise _refuse(ball, hull, "it is not in the cavity")
     if (ball.draw(-_ROUNDING) ^ parts[part]).area() > _AREA:
         raise _refuse(ball, hull, "the bore is narrower there")
-    for mouth in sorted(_list_mouths(part, len(joints)), key=lambda m: abs(joints[m].z - ball.z)):
+    mouths = (joint for joint in (part - 1, part) if 0 <= joint < len(joints))
+    for mouth in sorted(mouths, key=lambda m: abs(joints[m].z - ball.z)):
         if free_radius(hull, parts[part], joints[mouth], ball.z) >= ball.radius - _ROUNDING:
             side = 1 if ball.z > joints[mouth].z else -1
             held, seat = _support(hull, parts, part, ball, side, gap, [*others, *kept_free])
@@ -192,11 +183,6 @@ def pause_height(held: HeldBall, rings: Sequence[Ring]) -> float:
     """Return the height above the bed at which the printer pauses for a ball, mm: its top is below the next layer."""
     lowest = min(float((-held.side * ring[:, 1]).min()) for ring in rings)
     return -held.side * held.ball.z + held.ball.radius - lowest
-
-
-def _list_mouths(part: int, joints: int) -> Iterator[int]:
-    """The joints of a part."""
-    return (joint for joint in (part - 1, part) if 0 <= joint < joints)
 
 
 def _refuse(ball: Ball, hull: Hull, why: str) -> WorkFailedError:

@@ -28,26 +28,11 @@ Line: TypeAlias = list[tuple[float, float]]
 
 @dataclass(frozen=True)
 class Joint:
-    """The place and the kind of a joint of two parts; lengths in mm.
+    """The place and the kind of a joint of two parts, whose outer surface is cut at ``z``; lengths in mm.
 
-    Attributes
-    ----------
-    z
-        of the cut through the outer surface.
-    side
-        of the part with the plug: +1 if that is fore of the cut, -1 if it is aft.
-    kind
-        ``sleeve``: the plug lies inside the cavity. ``rabbet``: plug and socket share the thickness of the wall.
-    lap
-        length of the plug in the socket.
-    plug
-        its thickness.
-    gap
-        between plug and socket, also at the plug's tip.
-    groove
-        depth of a groove for an O-ring in the plug, 0 without one; the meeting surface is then a cylinder.
-    cord
-        diameter of that ring.
+    The plug is on the part at its ``side``: +1 fore of the cut, -1 aft. It is ``lap`` long and ``plug`` thick, with a ``gap``
+    to the socket all round. As a sleeve it lies inside the cavity; in a rabbet both share the thickness of the wall. With a
+    groove in the plug for an O-ring, of that depth, the meeting surface is a cylinder; ``cord`` is the ring's diameter.
     """
 
     z: float

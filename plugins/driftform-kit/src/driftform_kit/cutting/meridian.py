@@ -100,10 +100,7 @@ class Hull:
 def draw_hull(body: Body) -> Hull:
     """Return a body's hull in the meridian plane.
 
-    Raises
-    ------
-    WorkFailedError
-        if it has no cavity, or one too small for the core, or if a contour folds back along the axis.
+    Fails if it has no cavity, or one too small for the core, or if a contour folds back along the axis.
     """
     if not len(body.cavity):
         raise WorkFailedError("no kit can be made: the hull has no cavity for the core")

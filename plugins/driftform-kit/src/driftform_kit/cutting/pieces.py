@@ -149,10 +149,7 @@ def _engrave_parts(
 ) -> list[Engraving | None]:
     """Return the engraving of each part, ``None`` if it has no room for one.
 
-    Raises
-    ------
-    WorkFailedError
-        if no part has room for it.
+    Fails if no part has room for it.
     """
     bounds = [float(hull.skin[0, 0]), *(joint.z for joint in joints), float(hull.skin[-1, 0])]
     if not options.engrave:

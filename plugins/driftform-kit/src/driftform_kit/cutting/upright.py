@@ -37,9 +37,7 @@ def prints_fore_down(polygons: Sequence[Ring]) -> bool:
 
 def _burden(polygons: Sequence[Ring], up: int) -> tuple[bool, float, float]:
     """Key to sort orientations by, with ``up`` (the sign of z) upward: unstable, overhang (mm2), less contact (mm2)."""
-    lowest = min(float((up * ring[:, 1]).min()) for ring in polygons)
-    areas = np.sum([_areas(ring, up, lowest) for ring in polygons], axis=0)
-    foot, overhang = areas.tolist()
+    foot, overhang = _measure_areas(polygons, up)
     return foot < FOOT, round(overhang, 1), -foot
 
 
@@ -48,7 +46,7 @@ def needs_brim(polygons: Sequence[Ring], fore_down: bool) -> bool:
     up = -1 if fore_down else 1
     heights = np.concatenate([up * ring[:, 1] for ring in polygons])
     height, first = float(np.ptp(heights)), float(heights.min()) + _FIRST
-    foot = sum(_areas(ring, up, float(heights.min()))[0] for ring in polygons)
+    foot, _ = _measure_areas(polygons, up)
     crossings = np.concatenate([_cross(ring * (1.0, up), first) for ring in polygons])
     if not len(crossings) or math.sqrt(foot) < STEADY * height:
         return True
@@ -68,9 +66,14 @@ def _cross(ring: Ring, height: float) -> FloatArray:
 
 def overhang_area(polygons: Sequence[Ring], fore_down: bool) -> float:
     """Return the area that overhangs by more than 45 degrees, mm2, in a part printed this way up."""
-    up = -1 if fore_down else 1
+    return _measure_areas(polygons, -1 if fore_down else 1)[1]
+
+
+def _measure_areas(polygons: Sequence[Ring], up: int) -> tuple[float, float]:
+    """Area of a part on the bed, and area that hangs in the air, mm2."""
     lowest = min(float((up * ring[:, 1]).min()) for ring in polygons)
-    return float(sum(_areas(ring, up, lowest)[1] for ring in polygons))
+    foot, overhang = np.sum([_areas(ring, up, lowest) for ring in polygons], axis=0).tolist()
+    return foot, overhang
 
 
 def _areas(ring: Ring, up: int, lowest: float) -> FloatArray:

@@ -88,13 +88,7 @@ class Sheet:
 
 
 def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> Sheet:
-    """Return the contents of the sheet of a job's kit, which was written in a format.
-
-    Raises
-    ------
-    WorkFailedError
-        if no kit can be made of the body.
-    """
+    """Return the contents of the sheet of a job's kit, which was written in a format."""
     body = job.agent.body
     kit = make_kit(body, options)
     parts = _number_parts(kit, body.hull_density)
@@ -120,7 +114,7 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
         flow=printed.flow,
         weights=weights,
         remedy=_describe_remedy(target, printed, aft),
-        steps=tuple(_list_steps(job, kit, parts, core, printed, options, format)),
+        steps=tuple(_Writer(job, kit, parts, core, printed, options, format).list_steps()),
         settings=(
             ("layer height", f"{MM * options.layer_height:g} mm"),
             ("perimeters", f"{options.perimeters}"),
@@ -166,10 +160,6 @@ def name_mark(held: HeldBall, kit: Kit) -> str:
     return "AB"[kit.ballast.index(held)]
 
 
-def _name_ball(held: HeldBall, options: PartOptions) -> str:
-    return f"{name_material(options.ballast_density)} ball of {2 * held.ball.radius:.2f}{_NBSP}mm"
-
-
 def _describe_remedy(target: MassProperties, printed: KitWeight, aft: float) -> str:
     """What makes the closed kit weigh and balance as simulated."""
 
@@ -201,152 +191,142 @@ def _describe_remedy(target: MassProperties, printed: KitWeight, aft: float) -> 
     )
 
 
-def _list_steps(
-    job: ExportJob,
-    kit: Kit,
-    parts: tuple[SheetPart, ...],
-    core: str,
-    printed: KitWeight,
-    options: PartOptions,
-    format: str,
-) -> list[str]:
-    """The steps in an order that can be done: what is closed or glued is not opened again."""
-    body, target = job.agent.body, job.agent.mass
-    aft = MM * float(body.outer[0, 0])
-    by_place = {part.place: part for part in parts}
-    enclosed = sorted(
-        (held for held in kit.ballast if held.mouth is None), key=lambda held: kit.find_pause(held) or 0
-    )
-    # Of two balls that go in by one mouth, the deeper one is first.
-    inserted = sorted(
-        (held for held in kit.ballast if held.mouth is not None), key=lambda held: -_depth(held, kit)
-    )
-    steps = [
-        _describe_printing(parts, printed),
-        *(_describe_pause(held, by_place[held.part], kit, aft, options) for held in enclosed),
-        _describe_weighing(enclosed, by_place, kit, printed, target.mass - body.core.mass, options),
-        _describe_trim(job, aft, options, format),
-        *(_describe_insertion(held, by_place[held.part], kit, aft, options) for held in inserted),
-        f"Lay the core ({core}) into part 1, the {parts[0].piece.name}. It must reach its seat and not jam.",
-    ]
-    for part in parts[1:]:
-        inward = part.place + (1 if part.place < parts[0].place else -1)
-        joint = kit.joints[min(part.place, inward)]
-        steps.append(_describe_joint(joint, part, by_place[inward], kit, aft, options))
-    if options.drain:
+@dataclass(frozen=True, eq=False)
+class _Writer:
+    """Writes the steps of an assembly, in an order that can be done: what is closed or glued is not opened again."""
+
+    job: ExportJob
+    kit: Kit
+    parts: tuple[SheetPart, ...]
+    core: str
+    printed: KitWeight
+    options: PartOptions
+    format: str
+
+    @property
+    def aft(self) -> float:
+        return MM * float(self.job.agent.body.outer[0, 0])
+
+    def list_steps(self) -> list[str]:
+        kit, parts, options = self.kit, self.parts, self.options
+        body, target = self.job.agent.body, self.job.agent.mass
+        by_place = {part.place: part for part in parts}
+        enclosed = sorted(
+            (held for held in kit.ballast if held.mouth is None), key=lambda held: kit.find_pause(held) or 0
+        )
+        # Of two balls that go in by one mouth, the deeper one is first.
+        inserted = sorted(
+            ((mouth, held) for held in kit.ballast if (mouth := self.find_mouth(held)) is not None),
+            key=lambda pair: -abs(pair[1].ball.z - pair[0].z),
+        )
+        numbers = {held: by_place[held.part].number for held in kit.ballast}
+        steps = [
+            self.describe_printing(),
+            *(self.describe_pause(held, numbers[held]) for held in enclosed),
+            self.describe_weighing(
+                [(held, numbers[held]) for held in enclosed], target.mass - body.core.mass
+            ),
+            self.describe_trim(),
+            *(self.describe_insertion(held, numbers[held], mouth) for mouth, held in inserted),
+            f"Lay the core ({self.core}) into part 1, the {parts[0].piece.name}. It must reach its seat and not jam.",
+        ]
+        for part in parts[1:]:
+            inward = part.place + (1 if part.place < parts[0].place else -1)
+            steps.append(self.describe_joint(kit.joints[min(part.place, inward)], part, by_place[inward]))
+        if options.drain:
+            steps.append(
+                f"Fill or drain through the holes of {MM * options.drain:g} mm at both ends, and plug them flush before "
+                f"the launch: the agent was simulated sealed, and an open hole lets in "
+                f"{_grams(measure_flooding(kit, body, self.job.scenario.fluid.density))} of water."
+            )
         steps.append(
-            f"Fill or drain through the holes of {MM * options.drain:g} mm at both ends, and plug them flush before "
-            f"the launch: the agent was simulated sealed, and an open hole lets in "
-            f"{_grams(measure_flooding(kit, body, job.scenario.fluid.density))} of water."
+            "Weigh the closed kit, and balance it on an edge. As simulated it weighs "
+            f"{_grams(target.mass)} and balances at {MM * float(target.cog[0]) - self.aft:.1f}{_NBSP}mm. Hold it under water: no "
+            "bubbles."
         )
-    steps.append(
-        "Weigh the closed kit, and balance it on an edge. As simulated it weighs "
-        f"{_grams(target.mass)} and balances at {MM * float(target.cog[0]) - aft:.1f}{_NBSP}mm. Hold it under water: no "
-        "bubbles."
-    )
-    return steps
+        return steps
 
+    def find_mouth(self, held: HeldBall) -> Joint | None:
+        return None if held.mouth is None else self.kit.joints[held.mouth]
 
-def _depth(held: HeldBall, kit: Kit) -> float:
-    assert held.mouth is not None
-    return abs(held.ball.z - kit.joints[held.mouth].z)
-
-
-def _describe_printing(parts: tuple[SheetPart, ...], printed: KitWeight) -> str:
-    flow = ""
-    if printed.loaded:
-        flow = ", and with the flow of the parts that were weighed for the ballast"
-    elif printed.flow < 1:
-        flow = f" and {100 * (1 - printed.flow):.1f}{_NBSP}% less flow: mass is easier to add than to remove"
-    hanging = [part for part in parts if part.overhang > _LEAST_OVERHANG]
-    support = "; ".join(f"{part.overhang / 100:.1f} cm² of part {part.number}" for part in hanging)
-    text = f"Print the parts upright, as drawn, with the settings below{flow}. " + (
-        f"Support: {support} {'overhang' if len(hanging) > 1 else 'overhangs'} by more than 45 degrees."
-        if hanging
-        else "No support is needed."
-    )
-    narrow = [str(part.number) for part in parts if needs_brim(part.piece.rings, part.piece.fore_down)]
-    if narrow:
-        text += f" Print part {' and '.join(narrow)} with a brim: the foot is small for the height."
-    return text
-
-
-def _describe_weighing(
-    enclosed: list[HeldBall],
-    by_place: dict[int, SheetPart],
-    kit: Kit,
-    printed: KitWeight,
-    most: float,
-    options: PartOptions,
-) -> str:
-    """How to weigh; ``most`` is what the parts may weigh, kg: those that weigh more need no ballast."""
-    text = "Weigh the loose parts and the core, and write down what they weigh."
-    for held in enclosed:
-        text += (
-            f" Take {_grams(held_mass(held, options))} off part {by_place[held.part].number} for ball "
-            f"{name_mark(held, kit)} inside."
+    def describe_printing(self) -> str:
+        flow = ""
+        if self.printed.loaded:
+            flow = ", and with the flow of the parts that were weighed for the ballast"
+        elif self.printed.flow < 1:
+            flow = f" and {100 * (1 - self.printed.flow):.1f}{_NBSP}% less flow: mass is easier to add than to remove"
+        hanging = [part for part in self.parts if part.overhang > _LEAST_OVERHANG]
+        support = "; ".join(f"{part.overhang / 100:.1f} cm² of part {part.number}" for part in hanging)
+        text = f"Print the parts upright, as drawn, with the settings below{flow}. " + (
+            f"Support: {support} {'overhang' if len(hanging) > 1 else 'overhangs'} by more than 45 degrees."
+            if hanging
+            else "No support is needed."
         )
-    if printed.most <= 0:
+        narrow = [
+            str(part.number) for part in self.parts if needs_brim(part.piece.rings, part.piece.fore_down)
+        ]
+        if narrow:
+            text += f" Print part {' and '.join(narrow)} with a brim: the foot is small for the height."
         return text
-    aim = _grams(printed.flow * printed.mass)
-    return (
-        f"{text} The parts should weigh {aim} together. If they weigh more than {_grams(most)}, print them again, with the "
-        f"flow times {aim} over what they weigh."
-    )
 
-
-def _describe_trim(job: ExportJob, aft: float, options: PartOptions, format: str) -> str:
-    command = f"driftform trim {job.opened_as} {list_arguments([format], options)} --printed-mass KG"
-    text = (
-        f"Trim before anything is closed: {command}, where KG is the sum of the loose parts and the core in kg"
-        f"{', without ballast' if options.ballast else ''}; --printed-cog M adds where they balance, if you put them together, "
-        f"in m fore of the core's centre, which is at {-aft:.1f}{_NBSP}mm. It gives the ballast and where it goes."
-    )
-    return text + (
-        " A ball of another size needs another seat: print that part again." if options.ballast else ""
-    )
-
-
-def _describe_ball(held: HeldBall, kit: Kit, aft: float, options: PartOptions) -> tuple[str, str]:
-    """A ball in words, and where it lies."""
-    place = "its seat" if held.seat is not None else "the wall that holds it"
-    return (
-        f"ball {name_mark(held, kit)}, a {_name_ball(held, options)}, {_grams(held_mass(held, options))}",
-        f"{place} at {held.ball.z - aft:.1f}{_NBSP}mm, and fix it with a drop of glue",
-    )
-
-
-def _describe_pause(held: HeldBall, part: SheetPart, kit: Kit, aft: float, options: PartOptions) -> str:
-    ball, where = _describe_ball(held, kit, aft, options)
-    return (
-        f"While part {part.number} is printed, pause at a height of {kit.find_pause(held):.1f}{_NBSP}mm and put in {ball}: lay "
-        f"it on {where}."
-    )
-
-
-def _describe_insertion(held: HeldBall, part: SheetPart, kit: Kit, aft: float, options: PartOptions) -> str:
-    ball, where = _describe_ball(held, kit, aft, options)
-    assert held.mouth is not None
-    end = "fore" if kit.joints[held.mouth].z > held.ball.z else "aft"
-    return f"Put {ball}, into part {part.number} by its {end} end, down to {where}."
-
-
-def _describe_joint(
-    joint: Joint, part: SheetPart, other: SheetPart, kit: Kit, aft: float, options: PartOptions
-) -> str:
-    what = f"part {part.number}, the {part.piece.name}, to part {other.number}"
-    if part.number > 2:
-        return f"Join {what}, at {joint.z - aft:.1f}{_NBSP}mm, by its {joint.kind} of {joint.lap:g}{_NBSP}mm, in the same way."
-    # The plug is that of the part on the joint's side.
-    plug = max(part, other, key=lambda p: joint.side * p.place)
-    if joint.groove:
-        seal = (
-            f"lay an O-ring of {MM * options.o_ring:g}{_NBSP}mm cord into the groove of part {plug.number} (bottom "
-            f"{groove_diameter(kit.hull, joint):.1f}{_NBSP}mm across) and grease it"
+    def describe_weighing(self, enclosed: list[tuple[HeldBall, int]], most: float) -> str:
+        """How to weigh; ``most`` is what the parts may weigh, kg: those that weigh more need no ballast."""
+        text = "Weigh the loose parts and the core, and write down what they weigh."
+        for held, number in enclosed:
+            mass = _grams(held_mass(held, self.options))
+            text += f" Take {mass} off part {number} for ball {name_mark(held, self.kit)} inside."
+        if self.printed.most <= 0:
+            return text
+        aim = _grams(self.printed.flow * self.printed.mass)
+        return (
+            f"{text} The parts should weigh {aim} together. If they weigh more than {_grams(most)}, print them again, with the "
+            f"flow times {aim} over what they weigh."
         )
-    else:
-        seal = f"coat the {joint.kind} of part {plug.number} with glue all round"
-    return (
-        f"Join {what}, at {joint.z - aft:.1f}{_NBSP}mm, by a {joint.kind} of {joint.lap:g}{_NBSP}mm: {seal}, and press until the rims touch "
-        "without a gap."
-    )
+
+    def describe_trim(self) -> str:
+        arguments = f"{self.job.opened_as} {list_arguments([self.format], self.options)}"
+        loaded = bool(self.options.ballast)
+        text = (
+            f"Trim before anything is closed: driftform trim {arguments} --printed-mass KG, where KG is the sum of the loose "
+            f"parts and the core in kg{', without ballast' if loaded else ''}; --printed-cog M adds where they balance, if you "
+            f"put them together, in m fore of the core's centre, which is at {-self.aft:.1f}{_NBSP}mm. It gives the ballast "
+            "and where it goes."
+        )
+        return text + (" A ball of another size needs another seat: print that part again." if loaded else "")
+
+    def describe_ball(self, held: HeldBall) -> tuple[str, str]:
+        """A ball in words, and where it lies."""
+        place = "its seat" if held.seat is not None else "the wall that holds it"
+        size = f"{name_material(self.options.ballast_density)} ball of {2 * held.ball.radius:.2f}{_NBSP}mm"
+        return (
+            f"ball {name_mark(held, self.kit)}, a {size}, {_grams(held_mass(held, self.options))}",
+            f"{place} at {held.ball.z - self.aft:.1f}{_NBSP}mm, and fix it with a drop of glue",
+        )
+
+    def describe_pause(self, held: HeldBall, number: int) -> str:
+        ball, where = self.describe_ball(held)
+        return (
+            f"While part {number} is printed, pause at a height of {self.kit.find_pause(held):.1f}{_NBSP}mm and put in {ball}: "
+            f"lay it on {where}."
+        )
+
+    def describe_insertion(self, held: HeldBall, number: int, mouth: Joint) -> str:
+        ball, where = self.describe_ball(held)
+        end = "fore" if mouth.z > held.ball.z else "aft"
+        return f"Put {ball}, into part {number} by its {end} end, down to {where}."
+
+    def describe_joint(self, joint: Joint, part: SheetPart, other: SheetPart) -> str:
+        place, lap = f"{joint.z - self.aft:.1f}{_NBSP}mm", f"{joint.kind} of {joint.lap:g}{_NBSP}mm"
+        text = f"Join part {part.number}, the {part.piece.name}, to part {other.number}, at {place}, by"
+        if part.number > 2:
+            return f"{text} its {lap}, in the same way."
+        # The plug is that of the part on the joint's side.
+        plug = max(part, other, key=lambda p: joint.side * p.place)
+        if joint.groove:
+            seal = (
+                f"lay an O-ring of {MM * self.options.o_ring:g}{_NBSP}mm cord into the groove of part {plug.number} (bottom "
+                f"{groove_diameter(self.kit.hull, joint):.1f}{_NBSP}mm across) and grease it"
+            )
+        else:
+            seal = f"coat the {joint.kind} of part {plug.number} with glue all round"
+        return f"{text} a {lap}: {seal}, and press until the rims touch without a gap."

@@ -108,14 +108,14 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
     for part in sheet.parts:
         for side in (1.0, -1.0):
             _draw_section(root, [place(ring, side) for ring in part.piece.rings], part.place)
-    svg.add(
-        root, "circle", class_="core", cx=x_of, cy=axis, r=scale * sheet.kit.hull.core, fill=style.tint(style.ORANGE, 0.6),
-        stroke=style.INK, stroke_width=0.8,
-    )  # fmt: skip
-    for held in sheet.kit.ballast:
+    balls = [("core", 0.0, sheet.kit.hull.core, style.tint(style.ORANGE, 0.6))]
+    balls += [
+        ("ballast", held.ball.z, held.ball.radius, style.tint(style.INK, 0.5)) for held in sheet.kit.ballast
+    ]
+    for kind, z, radius_mm, fill in balls:
         svg.add(
-            root, "circle", class_="ballast", cx=x_of + scale * held.ball.z, cy=axis, r=scale * held.ball.radius,
-            fill=style.tint(style.INK, 0.5), stroke=style.INK, stroke_width=0.8,
+            root, "circle", class_=kind, cx=x_of + scale * z, cy=axis, r=scale * radius_mm, fill=fill,
+            stroke=style.INK, stroke_width=0.8,
         )  # fmt: skip
     line = svg.path_data([(start - 12, axis), (start + scale * length + 12, axis)])
     svg.add_line(root, line, style.INK, 0.6, "axis", stroke_dasharray="12 3 2 3")
