@@ -17,7 +17,7 @@ import driftform as df
 from driftform.api import Run
 from driftform.cli.app import app
 from driftform.errors import InputError
-from driftform.runs.agent_file import agent_document, read_agent
+from driftform.runs.agent_file import StoredAgent
 from driftform.study import Study
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
@@ -69,7 +69,7 @@ def test_evolve_leaves_the_run_that_the_command_leaves(run: Run, tmp_path: Path)
     assert result.exit_code == 0, result.stderr
     for target in run:
         ours, theirs = (p / "best" / target / "agent.json" for p in (run.path, tmp_path / "run"))
-        assert agent_document(read_agent(ours)) == agent_document(read_agent(theirs))
+        assert StoredAgent.read(ours).document() == StoredAgent.read(theirs).document()
     names = {str(p.relative_to(run.path)) for p in run.path.rglob("*") if p.is_file()}
     theirs_names = {
         str(p.relative_to(tmp_path / "run")) for p in (tmp_path / "run").rglob("*") if p.is_file()

@@ -21,7 +21,7 @@ from typing import Annotated
 
 import typer
 from driftform import hookimpl
-from driftform.cli import options, print_json
+from driftform.cli import options, output
 from driftform.errors import InputError, WorkFailedError
 
 @hookimpl
@@ -38,14 +38,14 @@ def tide(height: float = 1.0, json: options.Json = False) -> None:
     \"\"\"Show the tide.\"\"\"
     print("a library prints this")
     if json:
-        print_json({{"height": height}})
+        output.print_json({{"height": height}})
 
 @harbour.command("enter")
 def enter(name: Annotated[str, typer.Argument(metavar="NAME", help="Where to.")], json: options.Json = False) -> None:
     \"\"\"Enter the harbour.\"\"\"
     print(f"in {{name}}")
     if json:
-        print_json({{"in": name}})
+        output.print_json({{"in": name}})
 
 @harbour.command("leave")
 def leave() -> None:

@@ -53,5 +53,5 @@ def test_the_default_selection_of_folders_takes_all_cores(
 def test_the_kernels_that_are_compiled_before_the_workers_start_are_those_of_real_flights(
     hooks: ModuleType, monkeypatch: pytest.MonkeyPatch, simulator: str
 ) -> None:
-    monkeypatch.setattr("sys.argv", ["kernels", simulator])
+    monkeypatch.setattr("sys.argv", ["kernels", simulator, str(ROOT / "tests" / "helpers")])
     exec(compile(hooks.KERNELS, "kernels", "exec"), {})

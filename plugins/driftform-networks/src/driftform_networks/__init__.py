@@ -12,7 +12,8 @@ from driftform import hookimpl
 if TYPE_CHECKING:
     import typer
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+# Without its __dir__, which would hide the hook.
+__getattr__, _, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 @hookimpl

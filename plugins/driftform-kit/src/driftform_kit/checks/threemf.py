@@ -7,7 +7,6 @@ from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 import numpy as np
-from trimesh.util import append_faces
 
 from driftform.agent import Mesh
 from driftform.types import FloatArray
@@ -81,6 +80,8 @@ class _Package:
         self._unpacked = self._visited = self._vertices = self._triangles = 0
 
     def parts(self) -> tuple[Mesh, ...]:
+        from trimesh.util import append_faces
+
         root = self._root()
         model = self._model(root)
         found = []
