@@ -16,6 +16,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from program import call, ideal_water, refused
+
+__all__ = ["call", "ideal_water", "refused"]
 
 MOST_WORKERS = 8
 

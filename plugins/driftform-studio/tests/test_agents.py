@@ -7,8 +7,8 @@ import zipfile
 
 import pytest
 
+from driftform.api import Run
 from driftform.design.opening import open_agent
-from driftform.runs.run import Run
 
 
 def test_an_agent_is_shown_as_its_run_found_it(finished, finished_folder):

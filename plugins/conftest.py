@@ -1,0 +1,5 @@
+"""Fixtures that the tests of plugins share with those of driftform."""
+
+from program import call, ideal_water, refused
+
+__all__ = ["call", "ideal_water", "refused"]
