@@ -60,6 +60,9 @@ def load_added() -> Added:
     owners: dict[str, str] = {}
     problems: dict[str, str] = {}
     for plugin in find_modules():
+        if plugin.problem:
+            problems[plugin.distribution] = f"{plugin.distribution} is {plugin.problem}"
+            continue
         try:
             hook = plugin.find_hook("driftform_commands")
             made = {} if hook is None else make_commands(hook)
