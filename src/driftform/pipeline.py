@@ -142,13 +142,13 @@ class Pipeline:
         coefficients = factors.scale_coefficients(coefficients)
         return Agent(body, scenario.release.load(mass), coefficients, morphology, genome)
 
-    def find_obstacle(self, genome: Genome) -> str | None:
-        """Return why a genome cannot be built or released, in one line; ``None`` if it can."""
+    def try_build(self, genome: Genome) -> Body | str:
+        """Return the body of a genome, or why it cannot be built or released, in one line."""
         try:
             body = self.build(self.express(genome))
         except Exception as error:
             return describe_fault(error)
-        return find_misfit(body, self.scenario)
+        return find_misfit(body, self.scenario) or body
 
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
         """Agents -> trajectories, each in the pipeline's scenario or in its own of ``scenarios``."""

@@ -43,7 +43,7 @@ def sample(
         genome = grammar.random(rng)
         StoredAgent(name, genome, environment, {"seed": seed}).write(out / f"{name}.json")
         paths.append(str(out / f"{name}.json"))
-        if (reason := pipeline.find_obstacle(genome)) is not None:
+        if isinstance(reason := pipeline.try_build(genome), str):
             reasons.append(reason)
     commonest, alike = find_commonest(reasons)
     if json:

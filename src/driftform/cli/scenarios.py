@@ -105,6 +105,8 @@ def check(
     targets = f"{len(scenario.targets)}: {', '.join(scenario.targets)}" if scenario.targets else "none"
     outlets = found["outlets"]
     pipe = f"{found['pipe']} part{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
+    if found["pipe"]:
+        pipe += f", bore {2000 * scenario.pipe.layout.inlet.radius:g} mm"
     rows = {
         "targets": targets,
         "pipe": pipe + (f"; outlets {', '.join(outlets)}" if len(outlets) > 1 else ""),

@@ -1,10 +1,10 @@
 """Advance a run: search to the end of its budget, fly the finalists, write the best agents; and what is best so far."""
 
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
-from driftform.errors import DriftformError
+from driftform.errors import DriftformError, InputError
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.run import Run
 from driftform.runs.store import Record, Store
@@ -12,8 +12,7 @@ from driftform.search.finalists import find_best_agent, fly_finalists
 from driftform.search.jobs import Executor
 from driftform.search.loop import run_search
 from driftform.search.results import Best, write_results
-from driftform.water import Scenario
-from driftform.water.pipe_parts import Tee
+from driftform.water.flow import GridFlow
 
 
 class Observer:
@@ -70,21 +69,30 @@ def advance_run(run: Run, executor: Executor, observer: Observer | None = None) 
 
 
 def _search(run: Run, store: Store, executor: Executor, observer: Observer) -> None:
-    _prepare_flow(run.study.scenario)
+    _prepare_flow(run)
     with observer.open_search(store.count()):
         run_search(run.study, store, executor, observer.record, observer.generation)
 
 
-def _prepare_flow(scenario: Scenario) -> None:
-    """Solve the flow in tees of a new shape here and now: what it says would be lost in the display of the search."""
-    if scenario.pipe.is_open or not any(
-        isinstance(placed.part, Tee) for placed in scenario.pipe.layout.parts
-    ):
+def _prepare_flow(run: Run) -> None:
+    """Solve the flow in tees of a new shape, or read a grid, here and now: what is said would be lost in the display.
+
+    Raises
+    ------
+    InputError
+        if the file of a grid cannot be read any more, or does not fit the pipe.
+    """
+    scenario = run.study.scenario
+    if scenario.pipe.is_open and not isinstance(scenario.flow, GridFlow):
         return
     from driftform.water.fittings import fitting_array
 
-    with suppress(ValueError):  # The flow in such a shape is not known; a flight says so.
+    try:
         fitting_array(scenario)
+    except ValueError as error:
+        if isinstance(scenario.flow, GridFlow):
+            raise InputError(f"{run.path}: {error}") from None
+        # The flow in a tee of such a shape is not known; a flight says so.
 
 
 def find_best(run: Run, target: str) -> StoredAgent | None:

@@ -14,8 +14,10 @@ from driftform.pipeline import Pipeline
 from driftform.types import Body, FloatArray, Morphology
 from driftform.water import Scenario
 from driftform.water.factors import DRAGS
+from driftform.water.field import wall_distance
 from driftform.water.flow import PowerLawFlow, TurbulentFlow, UniformFlow
 from driftform.water.misfit import find_misfit, show_length
+from driftform.water.pipe_parts import Bend
 
 NEGLIGIBLE = 1e-3
 """Distance (m) that no warning is worth: the accuracy of a flight."""
@@ -38,6 +40,12 @@ The water beside it is 1 / (1 - b^2) times as fast, by continuity: by a tenth at
 
 PATIENCE = 100
 """Horizon over the time in which the water passes the pipe that is certainly longer than needed."""
+
+TIGHTEST_BEND = 1.0
+"""Smallest radius of elbows for butt welding, "short radius", over the diameter of the pipe (ASME B16.9)."""
+
+FLATTEST_BEND = 2 * np.pi
+"""Angle in degrees below which that of a bend may have been meant in radians; fittings begin at 11.25 degrees (EN 545)."""
 
 SAMPLE = 12
 """Random agents that are built to see whether they fit."""
@@ -75,7 +83,8 @@ class _Advice:
         if self.scenario.pipe.straight is not None:
             found += [*self._check_plane(), *self._check_drift()]
         if not self.scenario.pipe.is_open:
-            found += self._check_limits()
+            found += [*self._check_bends(), *self._check_limits()]
+            found += self._check_places(bare)
         return [*found, *self._check_targets(), *self._check_random_agents()]
 
     def _build_bare(self) -> Body | None:
@@ -254,6 +263,22 @@ class _Advice:
                 f"passes at most {show_length(-low)} in that direction: move release.position, or turn the current"
             )
 
+    def _check_bends(self) -> Iterator[str]:
+        for placed in self.scenario.pipe.layout.parts:
+            if not isinstance(part := placed.part, Bend):
+                continue
+            angle, bore = float(np.rad2deg(part.angle)), 2 * part.radius
+            if angle < FLATTEST_BEND:
+                yield (
+                    f"a bend turns by {angle:.4g} degrees: angle_deg is in degrees, and {angle:.4g} rad are "
+                    f"{np.rad2deg(angle):.4g} degrees"
+                )
+            if part.bend_radius < TIGHTEST_BEND * bore * (1 - 1e-9):
+                yield (
+                    f"a bend has a radius of {show_length(part.bend_radius)}, {part.bend_radius / bore:.2g} times the bore of "
+                    f"{show_length(bore)}: elbows have {TIGHTEST_BEND:g} times and more; is pipe.radius a diameter?"
+                )
+
     def _check_limits(self) -> Iterator[str]:
         scenario, robustness = self.scenario, self.scenario.robustness
         radius, horizon = scenario.pipe.layout.inlet.radius, scenario.flight.horizon
@@ -322,10 +347,40 @@ class _Advice:
                 yield f"targets {points[point]} and {name} are the same point: remove one of them"
             points.setdefault(point, name)
 
-    def _check_random_agents(self) -> Iterator[str]:
+    def _check_places(self, bare: Body | None) -> Iterator[str]:
+        """Check which targets every agent passes, and which none can."""
+        points = self.scenario.target_points()
+        lengths = [body.length for body in self._random_agents if isinstance(body, Body)]
+        if lengths:
+            typical = float(np.median(lengths))
+            ways = {name: float(np.linalg.norm(point - self._start)) for name, point in points.items()}
+            near = {name: way for name, way in ways.items() if way < typical}
+            if near:
+                yield (
+                    f"{_list(near)} {'lies' if len(near) == 1 else 'lie'} {show_length(min(near.values()))} from the release, "
+                    f"less than the length of an agent ({show_length(typical)}, the median of random ones): every agent "
+                    "passes there; move the target or release.position"
+                )
+        if bare is None or not points:
+            return
+        radius = 0.5 * bare.max_diameter
+        gaps = dict(zip(points, wall_distance(list(points.values()), self.scenario), strict=True))
+        missed = {name: gap for name, gap in gaps.items() if gap < radius - NEGLIGIBLE}
+        if missed:
+            yield (
+                f"{_list(missed)} {'lies' if len(missed) == 1 else 'lie'} {show_length(min(missed.values()))} from the wall, and "
+                f"the centre of the smallest body comes no nearer than its radius, {show_length(radius)}: every agent misses "
+                f"by {show_length(radius - min(missed.values()))} or more; move the target off the wall"
+            )
+
+    @cached_property
+    def _random_agents(self) -> list[Body | str]:
+        """Bodies of random genomes, or why one cannot be built or released, in one line."""
         rng = np.random.default_rng(0)
-        drawn = (self.pipeline.grammar.random(rng) for _ in range(SAMPLE))
-        reasons = [reason for reason in map(self.pipeline.find_obstacle, drawn) if reason is not None]
+        return [self.pipeline.try_build(self.pipeline.grammar.random(rng)) for _ in range(SAMPLE)]
+
+    def _check_random_agents(self) -> Iterator[str]:
+        reasons = [found for found in self._random_agents if isinstance(found, str)]
         if len(reasons) > SAMPLE // 4:
             reason, count = find_commonest(reasons)
             yield (

@@ -36,6 +36,7 @@ from driftform.study.sources import (
 from driftform.study.toml_positions import find_key_lines
 from driftform.types import Finding, State
 from driftform.water import Scenario
+from driftform.water.flow import GridFlow
 
 T = TypeVar("T")
 
@@ -339,6 +340,7 @@ def load_study(
     study = _check_document(document, layers, targets, required)
     if is_file:
         _check_formats(study.run.formats, layers)
+        _check_grid(study.scenario, layers)
     return replace(study, name=label, given=given)
 
 
@@ -412,6 +414,18 @@ def _check_formats(formats: Sequence[str], layers: Sequence[Source]) -> None:
             registry().find("exporter", name)
         except InputError as error:
             raise InputError(f"{locate_key(layers, ('run', 'formats', index))}: {error}") from None
+
+
+def _check_grid(scenario: Scenario, layers: Sequence[Source]) -> None:
+    """Read the file of a grid, before anything rests on it."""
+    if not isinstance(scenario.flow, GridFlow):
+        return
+    from driftform.water.fittings import fitting_array
+
+    try:
+        fitting_array(scenario)
+    except ValueError as error:
+        raise InputError(f"{locate_key(layers, ('flow', 'file'))}: {error}") from None
 
 
 def _describe_no_table(key: str, value: object) -> str:

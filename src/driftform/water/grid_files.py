@@ -1,12 +1,15 @@
 """Velocities on regular grids, from files of CFD programs: CSV, NetCDF and VTK."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from warnings import catch_warnings
 
 import numpy as np
 
+from driftform.errors import describe_error
 from driftform.types import FloatArray
 
 MOST_NODES = 20_000_000
@@ -25,6 +28,10 @@ _VELOCITIES = (
 )
 _VECTORS = ("U", "velocity", "Velocity", "u")
 """Names of coordinates, of components of the velocity, and of vectors, in the order in which they are looked for."""
+
+
+class _TooLargeError(ValueError):
+    """A file holds more than is read."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +166,13 @@ def _read_netcdf(path: Path) -> VelocityGrid:
     """Read variables x, y, z with one dimension each, and u, v, w with the three dimensions in any order."""
     with path.open("rb") as file:
         is_hdf5 = file.read(8) == b"\x89HDF\r\n\x1a\n"
-    variables = _read_hdf5(path) if is_hdf5 else _read_netcdf3(path)
+    try:
+        variables = _read_hdf5(path) if is_hdf5 else _read_netcdf3(path)
+    except (OSError, ImportError, _TooLargeError):
+        raise
+    except Exception as error:
+        # Damaged files raise whatever the first wrong byte leads to: KeyError, RuntimeError, MemoryError and others.
+        raise ValueError(f"is not a NetCDF file that can be read: {describe_error(error)}") from None
     places = _choose(_PLACES, variables, "coordinates")
     velocities = _choose(_VELOCITIES, variables, "velocity")
     names = []
@@ -189,15 +202,12 @@ def _read_netcdf(path: Path) -> VelocityGrid:
 def _read_netcdf3(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
     from scipy.io import netcdf_file
 
-    try:
-        with netcdf_file(path, "r", mmap=False) as file:
-            return {
-                name: (list(v.dimensions), _fill(v.data, getattr(v, "_FillValue", None)))
-                for name, v in file.variables.items()
-                if v.data.dtype.kind in "fiu"
-            }
-    except (TypeError, ValueError, AssertionError, IndexError) as error:
-        raise ValueError(f"is not a NetCDF file: {error}") from None
+    with netcdf_file(path, "r", mmap=False) as file:
+        return {
+            name: (list(v.dimensions), _fill(_require_size(name, v.data), getattr(v, "_FillValue", None)))
+            for name, v in file.variables.items()
+            if v.data.dtype.kind in "fiu"
+        }
 
 
 def _read_hdf5(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
@@ -205,10 +215,20 @@ def _read_hdf5(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
 
     with h5netcdf.File(path, "r") as file:
         return {
-            name: (list(v.dimensions), _fill(v[...], v.attrs.get("_FillValue")))
+            name: (list(v.dimensions), _fill(_require_size(name, v)[...], v.attrs.get("_FillValue")))
             for name, v in file.variables.items()
             if v.dtype.kind in "fiu"
         }
+
+
+def _require_size(name: str, variable: Any) -> Any:
+    """Return a variable, of which nothing need be read yet, if it is not larger than a grid may be."""
+    count = math.prod(variable.shape)
+    if count > MOST_NODES:
+        raise _TooLargeError(
+            f"has {count} values in the variable {name}; a grid has at most {MOST_NODES} nodes"
+        )
+    return variable
 
 
 def _fill(values: FloatArray, missing: float | None) -> FloatArray:
@@ -233,12 +253,37 @@ def _read_vtk(path: Path) -> VelocityGrid:
         reason = f": {error}" if str(error) else ""
         raise ValueError(f"is not a VTK file that meshio can read{reason}") from None
     data = mesh.point_data
-    name = next((n for n in _VECTORS if n in data and np.ndim(data[n]) == 2), None)
+    name = _find_vector(data)
+    if name is None and (name := _find_vector(mesh.cell_data_dict)) is not None:
+        data = {name: _average_cells(mesh, name)}
     if name is None:
+        held = ", ".join([*data, *mesh.cell_data_dict]) or "no data"
         raise ValueError(
-            f"has no velocity: its points have {', '.join(data) or 'no data'}, but not a vector named {', '.join(_VECTORS)}"
+            f"has no velocity: its points and cells have {held}, but not a vector named {', '.join(_VECTORS)}"
         )
     velocity = np.array(data[name], dtype=np.float64)
-    if "vtkValidPointMask" in data:
-        velocity[np.ravel(data["vtkValidPointMask"]) == 0] = np.nan
+    if "vtkValidPointMask" in mesh.point_data:
+        velocity[np.ravel(mesh.point_data["vtkValidPointMask"]) == 0] = np.nan
     return _sort_nodes(np.asarray(mesh.points, dtype=np.float64), velocity)
+
+
+def _find_vector(data: Mapping[str, Any]) -> str | None:
+    """Return the name of the velocity in the data of points, or in those of cells, by their type."""
+    blocks = {
+        name: next(iter(found.values())) if isinstance(found, dict) else found for name, found in data.items()
+    }
+    return next((name for name in _VECTORS if name in blocks and np.ndim(blocks[name]) == 2), None)
+
+
+def _average_cells(mesh: Any, name: str) -> FloatArray:
+    """Return at each point the mean of the vectors of the cells around it, (n, 3); NaN at a point of no cell.
+
+    Finite-volume programs have one velocity for each cell.
+    """
+    total, count = np.zeros((len(mesh.points), 3)), np.zeros(len(mesh.points))
+    for block, values in zip(mesh.cells, mesh.cell_data[name], strict=True):
+        corners = np.asarray(block.data)
+        np.add.at(total, corners, np.asarray(values, dtype=np.float64)[:, None, :])
+        np.add.at(count, corners, 1.0)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(total / count[:, None])

@@ -4,6 +4,7 @@ Nodes in the wall, and nodes that the file leaves out beside it, are filled by e
 are smooth up to the wall.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
@@ -17,6 +18,7 @@ from driftform.water import Pipe
 from driftform.water.fitting_walls import HEAD, PART, wall_gaps
 from driftform.water.flow import GridFlow
 from driftform.water.grid_files import VelocityGrid, read_grid
+from driftform.water.pipe_parts import Axis
 from driftform.water.profiles import AT_A_POINT, Spread
 from driftform.water.tee_spline import cubic_bends, cubic_slopes, cubic_values
 
@@ -105,25 +107,27 @@ def _check_nodes(grid: VelocityGrid, known: BoolArray, pipe: Pipe, walls: FloatA
             place = grid.origin + grid.spacing * np.argwhere(~known)[0]
             raise ValueError(f"has no velocity at {format_point(place)}: in open water every node needs one")
         return
-    axes = np.concatenate(
-        [
-            axis.points
-            for placed in pipe.layout.parts
-            for axis in placed.part.list_axes(0.1 * pipe.layout.narrowest)
-        ]
-    )
+    step = 0.1 * pipe.layout.narrowest
+    bores = [axis for placed in pipe.layout.parts for axis in placed.part.list_axes(step)]
+    points = np.concatenate([axis.points for axis in bores])
     narrowest = 2 * pipe.layout.narrowest
     if grid.spacing.max() > narrowest / FEWEST_CELLS:
         raise ValueError(
             f"has nodes {grid.spacing.max():.3g} m apart, too far for a bore of {narrowest:.3g} m, which needs at least "
             f"{FEWEST_CELLS} cells across: are its coordinates in metres?"
         )
-    outside = ((axes < grid.origin) | (axes > grid.end)).any(axis=1)
+    low, high = format_point(grid.origin), format_point(grid.end)
+    outside = ((points < grid.origin) | (points > grid.end)).any(axis=1)
     if outside.any():
-        low, high = format_point(grid.origin), format_point(grid.end)
         raise ValueError(
-            f"reaches from {low} to {high} m, and the pipe beyond, for example to {format_point(axes[outside][0])} m: "
+            f"reaches from {low} to {high} m, and the pipe beyond, for example to {format_point(points[outside][0])} m: "
             "do their origins and units agree?"
+        )
+    beyond = _find_bore_beyond(grid, bores)
+    if beyond is not None:
+        raise ValueError(
+            f"covers only a part of the section: it reaches from {low} to {high} m, and the bore to {format_point(beyond)} m; "
+            "a grid must cover the whole bore, a mirrored half included"
         )
     missing = grid.nodes()[~known]
     gaps, _, inside = wall_gaps(missing, walls)
@@ -133,6 +137,24 @@ def _check_nodes(grid: VelocityGrid, known: BoolArray, pipe: Pipe, walls: FloatA
             f"has no velocity at {int(dry.sum())} nodes in the pipe, for example {format_point(missing[dry][0])} m: do their "
             "origins and units agree?"
         )
+
+
+def _find_bore_beyond(grid: VelocityGrid, bores: Sequence[Axis]) -> FloatArray | None:
+    """Return the point of the bore's wall that lies farthest beyond a grid, m, (3,); ``None`` within a spacing of it."""
+    walls = []
+    for axis in bores:
+        along = np.gradient(axis.points, axis=0)
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        # The extent of a circle along each axis of the world.
+        for a in range(3):
+            across = np.eye(3)[a] - along[:, [a]] * along
+            length = np.linalg.norm(across, axis=1)[:, None]
+            across = axis.radii[:, None] * across / np.where(length > 1e-9, length, np.inf)
+            walls += [axis.points + across, axis.points - across]
+    points = np.concatenate(walls)
+    excess = (np.maximum(grid.origin - points, points - grid.end) / grid.spacing).max(axis=1)
+    worst = int(np.argmax(excess))
+    return points[worst] if excess[worst] > 1.0 else None
 
 
 def format_point(point: FloatArray) -> str:

@@ -135,7 +135,7 @@ def draw_agents(
         if len(found) == count:
             return found
         genome = pipeline.grammar.random(rng)
-        if pipeline.find_obstacle(genome) is None:
+        if not isinstance(pipeline.try_build(genome), str):
             name = f"random-{seed}-{len(found) + 1}"
             try:
                 design = Design.build(StoredAgent(name, genome, made, {}), name)
