@@ -243,6 +243,9 @@ class _Counter(Observer):
         self._done += 1
         self._progress(self._done, self._budget)
 
+    def warn(self, text: str) -> None:
+        warnings.warn(text, stacklevel=2)
+
     def open_finalists(self) -> AbstractContextManager[Callable[[int, int], None]]:
         return count_progress("disturbed flights")
 
@@ -277,7 +280,8 @@ def evolve(
     -----
     UserWarning
         before the first flight, of what is likely to be wrong with the study, such as targets out of reach, as
-        ``driftform scenarios check`` does; at the end, of files that could not be written.
+        ``driftform scenarios check`` does; after the first flights, if nearly all last to the horizon or none passes a
+        target; at the end, of files that could not be written.
     """
     if workers < 1:
         raise InputError(f"workers = {workers}: should be at least 1")

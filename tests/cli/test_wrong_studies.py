@@ -20,6 +20,7 @@ pytestmark = pytest.mark.usefixtures("ideal_water")
 Call = Callable[..., Any]
 
 PIPE = "pipe.segments=[{start=[0,0,0],end=[%s],radius=%s}]"
+BEND = "pipe={segments=[],radius=%s,parts=[{length=1},{kind='bend',angle_deg=%s,radius=%s},{length=1}]}"
 ONE = "targets={A=[4,0,0.2]}"
 
 WRONG: dict[str, tuple[list[str], str, str]] = {
@@ -98,6 +99,26 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
         [PIPE % ("9,0,0", 0.02), "targets={A=[4,0,0]}"],
         "warned",
         "57 % of the bore of 40 mm",
+    ),
+    "a target at the release": (
+        ["targets={A=[0.05,0,0.02]}"],
+        "warned",
+        "target A lies 53.85 mm from the release, less than the length of an agent",
+    ),
+    "a target on the wall": (
+        ["targets={A=[4,0,-0.998]}"],
+        "warned",
+        "no nearer than its radius, 11.45 mm: every agent misses by 9.45 mm or more",
+    ),
+    "a bend in radians": (
+        [BEND % (0.1, 0.785, 0.3), "flow.kind=log_law", "targets={A=[0.8,0,0]}"],
+        "warned",
+        "angle_deg is in degrees, and 0.785 rad are 44.98 degrees",
+    ),
+    "the diameter of a pipe for its radius": (
+        [BEND % (0.2, 45, 0.3), "flow.kind=log_law", "targets={A=[0.8,0,0]}"],
+        "warned",
+        "is pipe.radius a diameter?",
     ),
     "a bore narrower than the core": (
         [PIPE % ("9,0,0", 0.01), "targets={A=[4,0,0]}"],

@@ -231,3 +231,64 @@ def test_a_vtk_file_that_is_cut_off_is_read_whole_or_refused(tmp_path, grid, cut
         agree(read_grid(path), grid)
     except ValueError as error:
         assert "VTK" in str(error) or "velocity" in str(error)
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize("suffix", [".vtk", ".vtu"])
+def test_the_velocities_of_cells_are_averaged_to_the_points(tmp_path, suffix):
+    """The mean over the cells around an inner point of a linear field is its value at the point."""
+    import meshio
+
+    shape = (5, 4, 6)
+    nodes = VelocityGrid(ORIGIN, SPACING, np.zeros((*shape, 3))).nodes()
+    number = np.arange(np.prod(shape)).reshape(shape)
+    low, high = slice(None, -1), slice(1, None)
+    around = ((low, low, low), (high, low, low), (high, high, low), (low, high, low))
+    around += tuple((a, b, high) for a, b, _ in around)
+    cells = np.stack([number[place].ravel() for place in around], axis=1)
+    points = nodes.reshape(-1, 3)
+    slopes = np.random.default_rng(2).normal(size=(3, 3))
+    values = points[cells].mean(axis=1) @ slopes
+    meshio.Mesh(points, [("hexahedron", cells)], cell_data={"U": [values]}).write(tmp_path / f"cells{suffix}")
+    found = read_grid(tmp_path / f"cells{suffix}")
+    inner = (slice(1, -1),) * 3
+    np.testing.assert_allclose(found.velocity[inner], (nodes @ slopes)[inner], atol=1e-12)
+    np.testing.assert_allclose(found.velocity[0, 0, 0], values[0], atol=1e-12)
+
+
+@pytest.mark.peers
+def test_a_small_file_that_unpacks_to_more_nodes_than_a_grid_may_have_is_not_unpacked(tmp_path):
+    import h5netcdf
+
+    path = tmp_path / "current.nc"
+    with h5netcdf.File(path, "w") as file:
+        file.dimensions = {"x": 300, "y": 300, "z": 300}
+        for name in "xyz":
+            file.create_variable(name, (name,), data=np.arange(300.0))
+        for name in "uvw":
+            file.create_variable(name, ("x", "y", "z"), "f8", chunks=(100, 100, 100), compression="gzip")
+    assert path.stat().st_size < 1e5
+    with pytest.raises(
+        ValueError, match="has 27000000 values in the variable u; a grid has at most 20000000"
+    ):
+        read_grid(path)
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize("write", [write_netcdf3, write_netcdf4])
+def test_a_netcdf_file_with_wrong_bytes_is_read_or_refused_in_one_line(tmp_path, grid, write):
+    path = tmp_path / "current.nc"
+    write(path, grid)
+    whole, rng = path.read_bytes(), np.random.default_rng(3)
+    refused = 0
+    for _ in range(150):
+        content = bytearray(whole)
+        for place in rng.integers(0, min(len(whole), 4000), rng.integers(1, 6)):
+            content[place] = rng.integers(256)
+        path.write_bytes(content)
+        try:
+            read_grid(path)
+        except ValueError as error:
+            refused += 1
+            assert "\n" not in str(error)
+    assert refused > 10

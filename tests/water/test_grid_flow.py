@@ -113,12 +113,26 @@ def plugged(nodes):
         ),
         (sample(along, spacing=0.06), {}, "nodes 0.06 m apart, too far for a bore of 0.2 m"),
         (sample(plugged), {}, "nodes in the pipe, for example"),
+        (
+            sample(along, low=(-0.1, -0.2, -0.2), high=(1.1, 0.2, 0.0)),
+            {},
+            "covers only a part of the section: it reaches from (-0.1, -0.2, -0.2) to (1.1, 0.2, 0) m, and the bore to (",
+        ),
+        (sample(along, low=(-0.1, 0.0, -0.2), high=(1.1, 0.2, 0.2)), {}, "covers only a part of the section"),
     ],
 )
 def test_a_grid_that_does_not_fit_the_pipe_is_refused(tmp_path, grid, flow, words):
     with pytest.raises(ValueError, match=r"flow\.file = '.*current\.csv' ") as refusal:
         fitting_array(in_pipe(tmp_path, grid, **flow))
     assert words in str(refusal.value)
+
+
+def test_a_grid_that_ends_within_a_spacing_of_the_wall_is_enough(tmp_path):
+    """Programs write the nodes of the water, the last of which lie up to a cell inside the wall."""
+    grid = sample(along, low=(-0.1, -0.09, -0.09), high=(1.1, 0.09, 0.09))
+    assert inlet_speed(fitting_array(in_pipe(tmp_path, grid)), in_pipe(tmp_path, grid).pipe) == pytest.approx(
+        1
+    )
 
 
 def test_in_open_water_every_node_needs_a_velocity():

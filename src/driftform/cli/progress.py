@@ -16,6 +16,7 @@ class Progress(Observer):
     """Counts evaluations and shows the state of the run on stderr: stdout is for results."""
 
     def __init__(self, run: Run) -> None:
+        self.warnings: list[str] = []
         self._status = RunStatus(run.study.scenario.target_names, run.study.evaluations)
         self._throughput = Throughput(0)
         self._stored = 0
@@ -56,6 +57,11 @@ class Progress(Observer):
             evaluation.fitness.tolist(),
         )
         self._throughput.mark(self._status.done)
+
+    def warn(self, text: str) -> None:
+        """Print a warning, above the live table if there is one, and keep it."""
+        self.warnings.append(text)
+        print(f"warning: {text}", file=sys.stderr, flush=True)
 
     def generation(self, evaluations: int) -> None:
         """Print a line off a terminal if there are new evaluations; not for each generation that was stored before."""

@@ -25,7 +25,8 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
 
     started = time.perf_counter()
     try:
-        results = search(run, executor, Progress(run))
+        progress = Progress(run)
+        results = search(run, executor, progress)
     except KeyboardInterrupt:
         typer.echo(_describe_stop(run), err=True)
         raise typer.Exit(130) from None
@@ -59,7 +60,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
                     }
                     for best in results
                 },
-                "warnings": list(warnings),
+                "warnings": [*warnings, *progress.warnings],
                 "overview": str(overview),
                 "reach": str(reach),
             }

@@ -11,6 +11,7 @@ from driftform.runs.store import Record, Store
 from driftform.search.finalists import find_best_agent, fly_finalists
 from driftform.search.jobs import Executor
 from driftform.search.loop import run_search
+from driftform.search.outlook import Outlook
 from driftform.search.results import Best, write_results
 from driftform.water.flow import GridFlow
 
@@ -24,6 +25,9 @@ class Observer:
 
     def record(self, record: Record) -> None:
         """Take one evaluation, stored or new."""
+
+    def warn(self, text: str) -> None:
+        """Take a line about what the first flights show."""
 
     def generation(self, evaluations: int) -> None:
         """Take the number of evaluations so far, after the strategy has received their outcomes."""
@@ -70,8 +74,15 @@ def advance_run(run: Run, executor: Executor, observer: Observer | None = None) 
 
 def _search(run: Run, store: Store, executor: Executor, observer: Observer) -> None:
     _prepare_flow(run)
+    outlook = Outlook(run.study.scenario)
+
+    def record(record: Record) -> None:
+        observer.record(record)
+        for text in outlook.add(record.index, record.evaluation):
+            observer.warn(text)
+
     with observer.open_search(store.count()):
-        run_search(run.study, store, executor, observer.record, observer.generation)
+        run_search(run.study, store, executor, record, observer.generation)
 
 
 def _prepare_flow(run: Run) -> None:

@@ -211,14 +211,24 @@ def _read_netcdf3(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
 
 
 def _read_hdf5(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
-    import h5netcdf
+    import h5py
 
-    with h5netcdf.File(path, "r") as file:
+    with h5py.File(path, "r") as file:
         return {
-            name: (list(v.dimensions), _fill(_require_size(name, v)[...], v.attrs.get("_FillValue")))
-            for name, v in file.variables.items()
-            if v.dtype.kind in "fiu"
+            name: (
+                _name_dimensions(name, v),
+                _fill(_require_size(name, v)[...], v.attrs.get("_FillValue")),
+            )
+            for name, v in file.items()
+            if isinstance(v, h5py.Dataset) and v.dtype.kind in "fiu"
         }
+
+
+def _name_dimensions(name: str, variable: Any) -> list[str]:
+    """Return the names of a variable's dimensions: NetCDF-4 keeps them as the scales of HDF5, a coordinate as its own."""
+    if variable.is_scale and len(variable.shape) == 1:
+        return [name]
+    return [d[0].name.rpartition("/")[2] if len(d) else f"dimension {n}" for n, d in enumerate(variable.dims)]
 
 
 def _require_size(name: str, variable: Any) -> Any:

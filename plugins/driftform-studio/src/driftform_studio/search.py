@@ -34,6 +34,9 @@ class _Listener(Observer):
     def record(self, record: object) -> None:
         self._listen()
 
+    def warn(self, text: str) -> None:
+        print(f"warning: {text}", flush=True)
+
     @contextmanager
     def open_finalists(self) -> Iterator[Callable[[int, int], None]]:
         def show(done: int, total: int) -> None:
