@@ -24,6 +24,7 @@ from driftform.water.flow import (
     is_laminar,
 )
 from driftform.water.pipe import Pipe, Vector
+from driftform.water.wetted import find_surface_fault
 
 
 class Fluid(Table):
@@ -228,6 +229,9 @@ class Scenario(Table):
                 )
         if self.pipe.is_open:
             return self
+        level = self.fluid.water_level
+        if level is not None and (fault := find_surface_fault(self.pipe, self.flow, level)) is not None:
+            raise ValueError(f"fluid.water_level = {level:g} {fault} (leave fluid.water_level out)")
         if self.pipe.straight is None:
             _check_flow_in_parts(self.flow)
         start = self.release_position()

@@ -18,6 +18,7 @@ from driftform.water.gusts import REACH, SIZE, Bore, draw_gusts, gust_motion, gu
 from driftform.water.profiles import AT_A_POINT, GRID, UNIFORM, Spread, spread_across, spread_profile
 from driftform.water.regime import list_bores, profile_kind, profile_parameter
 from driftform.water.scenario import Scenario
+from driftform.water.wetted import wetted_speed
 
 KIND, SPEED, PARAMETER, ACCELERATION, FRICTION = 0, 1, 2, 3, 10
 """Indices in the array of a flow; the parameter is that of :func:`driftform.water.regime.profile_parameter`.
@@ -37,7 +38,8 @@ def flow_array(scenario: Scenario) -> FloatArray:
     else:
         kind = profile_kind(flow, radius, flow.speed, scenario.fluid.viscosity)
         parameter = profile_parameter(flow, radius, flow.speed, scenario.fluid.viscosity)
-        numbers[KIND : PARAMETER + 1] = kind, flow.speed, parameter
+        speed = wetted_speed(scenario.pipe, flow, kind, parameter, scenario.fluid.water_level)
+        numbers[KIND : PARAMETER + 1] = kind, speed, parameter
     if scenario.has_gusts:
         numbers[FRICTION] = scenario.friction_velocity()
         set_gusts(numbers, scenario)
