@@ -72,7 +72,8 @@ def wetted_speed(pipe: Pipe, flow: PipeFlow, kind: float, parameter: float, leve
         return flow.speed
     middle = 0.5 * _measure(segment)
     total, area = 0.0, 0.0
-    for low, high in ((0.0, abs(height)), (abs(height), radius)):
+    # The share below has a kink where circles begin to reach the surface; level with the axis they all do.
+    for low, high in ((0.0, abs(height)), (abs(height), radius))[height == 0.0 :]:
         r = 0.5 * (low + high + (high - low) * _NODES)
         weights = 0.5 * (high - low) * _WEIGHTS * r * _share_below(height, r)
         speeds = [velocity_profile(radius, middle, float(s), kind, flow.speed, parameter)[0] for s in r]
