@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -22,6 +23,7 @@ from driftform.plugins.seams import (
 from driftform.types import (
     Agent,
     Body,
+    End,
     Evaluation,
     FloatArray,
     Genome,
@@ -252,7 +254,8 @@ class Pipeline:
         )
         for index, flight in zip(agents, flights, strict=True):
             agent = agents[index]
-            outcomes[index] = self._score(genomes[index], agent, flight, screened.get(agent))
+            disturbed = conditions[index] is not None
+            outcomes[index] = self._score(genomes[index], agent, flight, screened.get(agent), disturbed)
         share = (time.perf_counter() - started) / max(1, len(genomes))
         return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
 
@@ -304,13 +307,23 @@ class Pipeline:
         return require_flights(flights, len(agents), self.simulator, "screen_batch")
 
     def _score(
-        self, genome: Genome, agent: Agent, trajectory: Trajectory | str, screened: ScoredFlight | None
+        self,
+        genome: Genome,
+        agent: Agent,
+        trajectory: Trajectory | str,
+        screened: ScoredFlight | None,
+        disturbed: bool,
     ) -> Evaluation:
         targets = len(self.scenario.targets)
         if isinstance(trajectory, str):
             return Evaluation.failed(genome, targets, trajectory)
         if trajectory.failure is not None:
-            return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
+            failed = Evaluation.failed(genome, targets, trajectory.failure, trajectory)
+            if disturbed and trajectory.end is End.NOT_CONVERGED:
+                # Where it passed a target before, its fitness there counts among those of the other conditions.
+                with suppress(Exception, SystemExit):
+                    return replace(failed, fitness=self.score(trajectory, agent))
+            return failed
         if screened is not None and screened.trajectory is trajectory:
             return Evaluation(genome, screened.fitness, trajectory)
         try:

@@ -558,8 +558,8 @@ class Evaluation:
     seconds
         duration of the evaluation, s.
     offsets
-        vector from each target to the closest approach, m, (targets, 3), in place of the trajectory of a flight whose trajectory is
-        not kept; otherwise ``None``.
+        vector from each target to the closest approach, m, (targets, 3), NaN where the flight failed before, in place of
+        the trajectory of a flight whose trajectory is not kept; otherwise ``None``.
     """
 
     genome: Genome

@@ -97,6 +97,22 @@ def test_a_flight_that_is_not_accurate_enough_has_failed_and_tells_its_error():
         assert trajectory.error is error or trajectory.error == error
 
 
+def test_a_flight_that_did_not_converge_has_what_two_integrations_agree_on():
+    scenario = scenario_of(0.5)
+    _, samples, model = flown(sphere_agent(0.01, 0.05), scenario)
+    other, parting = samples.copy(), 0.3
+    later = np.maximum(0.0, other[:, 0] - parting)
+    other[:, 1] += 0.5 * later**2
+    other[:, 8] += later
+    cut = finish_trajectory(samples, model, 0.5, 10**6, 1.0, 1e-3, other)
+    whole = finish_trajectory(samples, model, 0.5, 10**6)
+    assert cut.end == End.NOT_CONVERGED
+    assert (cut.position == whole.position[: len(cut.t)]).all()
+    # .5 t^2 is a millimetre after 45 ms.
+    assert cut.t[-1] <= parting + math.sqrt(2e-3) < whole.t[len(cut.t)]
+    assert len(finish_trajectory(samples, model, 0.5, 10**6, 1.0, 1e-3, other[:1]).t) == 1
+
+
 def test_why_a_flight_stopped_early_is_told():
     scenario = scenario_of(0.5)
     _, samples, model = flown(sphere_agent(0.01, 0.05), scenario)

@@ -27,11 +27,18 @@ def test_a_quantile_lies_between_its_neighbours():
     assert estimate_quantile(values, 0.9) == pytest.approx([18.9])
 
 
-def test_failed_flights_are_misses_without_a_bound():
+def test_failed_flights_do_not_count_as_misses_and_are_counted_apart():
     offsets = np.zeros((10, 2, 3))
     offsets[..., 1], offsets[..., 2] = 0.06, -0.08
     offsets[:2] = np.nan
+    offsets[2, 1] = np.nan
     misses = Misses(draw_conditions(Robustness(), 10, (1,)), offsets)
-    assert misses.failed == 2
+    assert misses.failed == 3
     assert misses.median == pytest.approx([0.1, 0.1])
-    assert np.isinf(misses.promised).all()
+    assert misses.promised == pytest.approx([0.1, 0.1])
+    assert [misses.describe(target)["failed"] for target in (0, 1)] == [2, 3]
+
+
+def test_nothing_is_promised_if_all_flights_failed():
+    misses = Misses(draw_conditions(Robustness(), 3, (1,)), np.full((3, 1, 3), np.nan))
+    assert misses.describe(0) == {"flights": 3, "failed": 3, "median": None, "p90": None}

@@ -278,3 +278,9 @@ def test_an_agent_that_always_misses_loses_to_one_that_reaches_its_target_undist
         reaching, missing = (find_winner(study, store, target) for target in ("TP2", "TP6"))
     assert reaching is not None and (reaching.index, reaching.score) == (3, 70.0)
     assert missing is not None and (missing.index, missing.score) == (0, 97.0)
+
+
+def test_failed_flights_do_not_lower_a_score_unless_most_failed() -> None:
+    fitness = np.array([[90.0, 90.0], [80.0, np.nan], [np.nan, np.nan]])
+    for score, expected in (("mean", 85.0), ("worst", 80.0)):
+        assert robust_fitness(fitness, Robustness(score=score)).tolist() == [expected, 0.0]

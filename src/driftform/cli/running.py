@@ -136,6 +136,11 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
         )
     elif promised:
         print_text(_summarise_misses(results))
+    lost = {best.target: best.robust["failed"] for best in results if best.robust.get("failed")}
+    if lost:
+        counts = ", ".join(f"{count} of {target}" for target, count in lost.items())
+        print_text(f"disturbed flights that failed, and do not count: {counts}")
+    if promised and not shared:
         print_text(
             "nominal: the undisturbed flight; median and 90 %: half, and 9 of 10, of "
             f"{run.study.scenario.robustness.checks} flights under fresh disturbed conditions miss by less"

@@ -117,6 +117,7 @@ def simulate(
                 "warnings": departures,
                 "disturbed": misses and _document(misses, flight.scenario.target_names),
                 "disturbed_outlets": misses and misses.outlet_shares(flight.scenario),
+                "disturbed_failures": misses and misses.failures,
             }
         )
         return
@@ -178,8 +179,7 @@ def _document(misses: "DisturbedFlights", targets: "Sequence[str]") -> dict[str,
     return {
         name: {
             "distances": misses.distances[:, number],
-            "median": misses.median[number],
-            "p90": misses.promised[number],
+            **misses.describe(number),
             "causes": {effect.name: effect.deviation for effect in misses.list_effects(number) or ()},
         }
         for number, name in enumerate(targets)
@@ -188,19 +188,24 @@ def _document(misses: "DisturbedFlights", targets: "Sequence[str]") -> dict[str,
 
 def _print_misses(misses: "DisturbedFlights", flight: "Flight") -> None:
     """Print the misses for every target, and what the miss of the target that the agent comes closest to depends on."""
-    from driftform.cli.output import format_miss, print_table
+    import numpy as np
+
+    from driftform.cli.output import format_miss, print_table, print_text
 
     names = flight.scenario.target_names
-    failed = f", {misses.failed} of them failed" if misses.failed else ""
-    print(f"{misses.count} flights under disturbed conditions{failed}:")
+    print(f"{misses.count} flights under disturbed conditions:")
+    failed = np.isnan(misses.distances).sum(axis=0)
+    more = ("failed",) if failed.any() else ()
     print_table(
-        ("target", "nominal mm", "median mm", "90 % mm"),
+        ("target", "nominal mm", "median mm", "90 % mm", *more),
         (
-            (name, *map(format_miss, (flight.closest[name], median, promised)))
-            for name, median, promised in zip(names, misses.median, misses.promised, strict=True)
+            (name, *map(format_miss, (flight.closest[name], median, promised)), *(str(n) for _ in more))
+            for name, median, promised, n in zip(names, misses.median, misses.promised, failed, strict=True)
         ),
-        right=(1, 2, 3),
+        right=(1, 2, 3, 4),
     )
+    if reason := misses.describe_failures():
+        print_text(f"failed flights do not count; most often: {reason}")
     shares = misses.outlet_shares(flight.scenario)
     if len(shares) > 1:
         stayed = {"none": 1.0 - sum(shares.values())} if None in misses.outlets else {}

@@ -243,14 +243,16 @@ class Design:
         )
         offsets: list[FloatArray] = []
         outlets: list[str | None] = []
+        failures: list[str | None] = []
         for condition in conditions:
             [evaluation] = self.pipeline.evaluate([self.stored.genome], conditions=[condition])
             offsets.append(find_offsets(evaluation, self.scenario))
+            failures.append(evaluation.failure)
             flight = evaluation.trajectory if evaluation.failure is None else None
             outlets.append(None if flight is None else name_outlet(flight, self.scenario))
             progress(len(offsets), flights)
         vectors = np.array(offsets).reshape(flights, len(self.scenario.targets), 3)
-        return DisturbedFlights(conditions, vectors, outlets)
+        return DisturbedFlights(conditions, vectors, outlets, failures)
 
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
         """Write it as a file for printers and other programs, and return the paths of what was written.

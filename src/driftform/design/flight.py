@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from driftform.errors import find_commonest
 from driftform.figures.flight import flight_svg
 from driftform.motion.way import approach_targets, name_outlet
 from driftform.runs.columns import FLIGHT_COLUMNS
@@ -96,9 +97,16 @@ class DisturbedFlights(Misses):
     ----------
     outlets
         name of the outlet by which each flight left the pipe; ``None`` if it did not, or failed.
+    failures
+        why each flight failed, ``None`` for a sound one.
     """
 
     outlets: Sequence[str | None] = ()
+    failures: Sequence[str | None] = ()
+
+    def describe_failures(self) -> str:
+        """Return the commonest reason of the failures, ``""`` without any."""
+        return find_commonest(reason for reason in self.failures if reason is not None)[0]
 
     def outlet_shares(self, scenario: Scenario) -> dict[str, float]:
         """Return the share of all flights that left by each outlet, 0 to 1; empty in open water."""

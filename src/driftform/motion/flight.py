@@ -7,6 +7,7 @@ import numpy as np
 from driftform.motion.buoyancy import buoyant_energy
 from driftform.motion.contact import deepest_depth
 from driftform.motion.model import FlightModel, pack, unpack
+from driftform.motion.path import evaluate_path
 from driftform.motion.runge_kutta import copy
 from driftform.types import End, FloatArray, Trajectory
 from driftform.util.compiled import allocating, compiled
@@ -100,11 +101,13 @@ def finish_trajectory(
     step_limit: int,
     error: float | None = None,
     accepted: float = np.inf,
+    other: FloatArray | None = None,
 ) -> Trajectory:
     """Return the trajectory of raw samples (k, 14): the finite ones, cut exactly at the outlet.
 
     A flight that stopped before the ``horizon`` (s) without another reason ends as non-finite, one with more than
-    ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as not converged.
+    ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as not converged. It
+    has the samples up to where the ``other`` integration of the same flight, raw samples (n, 14), is ``accepted`` away.
     """
     samples, values, k = np.ascontiguousarray(samples), pack(model), len(samples)
     filled = np.empty(k), np.empty((k, 3)), np.empty((k, 4)), np.empty((k, 6))
@@ -124,6 +127,14 @@ def finish_trajectory(
         end = End.STEP_LIMIT if k > step_limit else End.NON_FINITE
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
+        if other is not None:
+            count = _count_agreeing(samples[: len(t)], other, accepted)
+            t, position, quaternion, velocity = (
+                t[:count],
+                position[:count],
+                quaternion[:count],
+                velocity[:count],
+            )
     # What touches after the outlet does not count.
     contact = time if time < math.inf and time <= t[-1] else None
     drift = None
@@ -132,6 +143,17 @@ def finish_trajectory(
     return Trajectory(
         t, position, quaternion, velocity, end, contact=contact, energy_drift=drift, error=error
     )
+
+
+def _count_agreeing(samples: FloatArray, other: FloatArray, accepted: float) -> int:
+    """Return how many of the first raw samples are less than ``accepted`` (m) from another flight; at least one."""
+    other = other[np.isfinite(other).all(axis=1)]
+    if len(other) < 2:
+        return 1
+    there = evaluate_path(other[:, 0], other[:, 1:4], other[:, 8:11], samples[:, 0])
+    near = np.linalg.norm(samples[:, 1:4] - there, axis=1) <= accepted
+    agrees = np.logical_and.accumulate(near & (samples[:, 0] <= other[-1, 0]))
+    return max(1, int(agrees.sum()))
 
 
 @compiled

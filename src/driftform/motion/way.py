@@ -47,15 +47,19 @@ def find_target_approaches(trajectory: Trajectory, scenario: Scenario) -> list[A
 def find_offsets(evaluation: Evaluation, scenario: Scenario) -> FloatArray:
     """Return the vector from each target to the closest approach, m, (targets, 3); NaN if the flight failed.
 
-    In a pipe with parts it is as long as the way through the water.
+    A flight that did not converge counts up to where it did: it has an offset from each target that it passed before.
+    In a pipe with parts an offset is as long as the way through the water.
     """
-    points = scenario.target_array()
-    if evaluation.offsets is not None and evaluation.failure is None:
+    points, flight = scenario.target_array(), evaluation.trajectory
+    if evaluation.offsets is not None:
         return evaluation.offsets
-    if evaluation.failure is not None or evaluation.trajectory is None:
+    counts = evaluation.failure is None or (flight is not None and flight.end is End.NOT_CONVERGED)
+    if flight is None or not counts:
         return np.full(points.shape, np.nan)
-    approaches = find_target_approaches(evaluation.trajectory, scenario)
+    approaches = find_target_approaches(flight, scenario)
     offsets = np.array([approach.position for approach in approaches]).reshape(points.shape) - points
+    if evaluation.failure is not None:
+        offsets[[approach.t >= flight.t[-1] for approach in approaches]] = np.nan
     if scenario.pipe.is_open or scenario.pipe.straight is not None:
         return np.asarray(offsets)
     straight = np.maximum(np.linalg.norm(offsets, axis=1), np.finfo(float).tiny)

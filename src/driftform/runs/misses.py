@@ -36,7 +36,7 @@ def estimate_quantile(values: FloatArray, share: float) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Misses:
-    """How far an agent's disturbed flights miss.
+    """How far an agent's disturbed flights miss; a flight that failed says nothing, and counts as failed.
 
     Attributes
     ----------
@@ -52,9 +52,8 @@ class Misses:
 
     @cached_property
     def distances(self) -> FloatArray:
-        """Distance of each closest approach, m, (flights, targets); infinite for a failed flight."""
-        distances = np.linalg.norm(self.offsets, axis=2)
-        return np.where(np.isnan(distances), np.inf, distances)
+        """Distance of each closest approach, m, (flights, targets); NaN for a failed flight."""
+        return np.asarray(np.linalg.norm(self.offsets, axis=2))
 
     @property
     def count(self) -> int:
@@ -63,24 +62,28 @@ class Misses:
 
     @property
     def failed(self) -> int:
-        """Number of flights that failed."""
-        return int(np.isinf(self.distances).any(axis=1).sum())
+        """Number of flights that failed for at least one target."""
+        return int(np.isnan(self.distances).any(axis=1).sum())
 
     @property
     def median(self) -> FloatArray:
-        """Median miss, m, (targets,)."""
-        return estimate_quantile(self.distances, 0.5)
+        """Median miss of the sound flights, m, (targets,); infinite without any."""
+        return self._estimate(0.5)
 
     @property
     def promised(self) -> FloatArray:
-        """Miss that 9 of 10 flights stay within, m, (targets,)."""
-        return estimate_quantile(self.distances, PROMISED)
+        """Miss that 9 of 10 sound flights stay within, m, (targets,); infinite without any."""
+        return self._estimate(PROMISED)
+
+    def _estimate(self, share: float) -> FloatArray:
+        sound = [column[~np.isnan(column)] for column in self.distances.T]
+        return np.array([estimate_quantile(d[:, None], share)[0] if len(d) else np.inf for d in sound])
 
     def describe(self, target: int) -> dict[str, Any]:
         """Return numbers of flights and failures, and median and promised miss of a target (m), ``None`` if infinite."""
         return {
             "flights": self.count,
-            "failed": self.failed,
+            "failed": int(np.isnan(self.distances[:, target]).sum()),
             "median": finite_or_none(self.median[target]),
             "p90": finite_or_none(self.promised[target]),
         }

@@ -12,6 +12,7 @@ from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
+from math import nan
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -379,12 +380,12 @@ class Store:
     def read_disturbed(
         self, target: str, first: int = 0, end: int = MAX_INDEX
     ) -> dict[int, dict[int, float]]:
-        """Return the fitness (%) of every disturbed flight: by evaluation, and by condition.
+        """Return the fitness (%) of every disturbed flight, NaN if it failed: by evaluation, and by condition.
 
         Evaluations are those from ``first`` up to ``end``, exclusive.
         """
         query = (
-            "SELECT evaluation, condition, fitness FROM disturbed "
+            "SELECT evaluation, condition, fitness, x IS NULL FROM disturbed "
             "WHERE target = ? AND evaluation >= ? AND evaluation < ? ORDER BY evaluation, condition"
         )
         found: dict[int, dict[int, float]] = {}
@@ -392,8 +393,8 @@ class Store:
             rows = self._connection.execute(query, (target, first, end)).fetchall()
             for index, flights in groupby(rows, key=itemgetter(0)):
                 found[check_integer(index, "an evaluation")] = {
-                    check_integer(condition, "a condition"): _check_fitness(fitness)
-                    for _, condition, fitness in flights
+                    check_integer(condition, "a condition"): nan if failed else _check_fitness(fitness)
+                    for _, condition, fitness, failed in flights
                 }
         return found
 

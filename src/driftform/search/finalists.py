@@ -7,7 +7,7 @@ that the choice never saw show how far the winner misses.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import ceil, inf
+from math import ceil, inf, isnan
 from typing import Any
 
 import numpy as np
@@ -142,8 +142,18 @@ def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
     """Return the scores of a finalist from its fitness under all conditions of the choice, (conditions, targets).
 
     It is the mean, the smallest value, or the quantile ``robustness.quantile``, by ``robustness.score``. The quantile is that of
-    ``numpy.quantile``, which imports ``numpy.ma`` in a tenth of the time that numpy itself takes.
+    ``numpy.quantile``, which imports ``numpy.ma`` in a tenth of the time that numpy itself takes. Failed flights, NaN, say
+    nothing; if most failed, the score is 0.
     """
+    failed = np.isnan(fitness)
+    if failed.any():
+        columns = [column[~bad] for column, bad in zip(fitness.T, failed.T, strict=True)]
+        return np.array(
+            [
+                robust_fitness(column[:, None], robustness)[0] if 2 * len(column) > len(fitness) else 0.0
+                for column in columns
+            ]
+        )
     if robustness.score == "mean":
         return np.asarray(fitness.mean(axis=0))
     if robustness.score == "worst":
@@ -168,7 +178,7 @@ class Winner:
     misses
         of its flights under the conditions of the promise, ``None`` before they are flown.
     reached
-        share of these flights that reach the target, as the fitness judges it.
+        share of these flights, of those that did not fail, that reach the target, as the fitness judges it.
     """
 
     index: int
@@ -218,7 +228,8 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
         return Winner(equals[0], best, None)
     offsets = store.read_offsets(target, equals[0])
     misses = Misses(conditions[len(judged) :], np.array([offsets[number] for number in checked])[:, None])
-    reached = [fitness.judge(flights[number]) for number in checked].count(Verdict.REACHED) / len(checked)
+    sound = [flights[number] for number in checked if not isnan(flights[number])]
+    reached = [fitness.judge(value) for value in sound].count(Verdict.REACHED) / len(sound) if sound else None
     return Winner(equals[0], best, misses, reached)
 
 

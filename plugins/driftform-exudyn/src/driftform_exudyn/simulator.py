@@ -1,5 +1,6 @@
 """Flights integrated by Exudyn, with driftform's equations of motion as the right-hand side."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
@@ -9,6 +10,9 @@ import numpy as np
 from driftform.interfaces import Simulator, Table, option
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Scenario
+
+GUST_TIGHTENING = 1e-2
+"""Least tolerance in gusts, relative to the initial one: a flight that needs less is chaotic."""
 
 TIGHTENING = 0.1
 """Factor on the tolerance after a flight that is not accurate enough."""
@@ -123,8 +127,16 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             tolerance *= TIGHTENING
             flown = (reference.samples, samples)
             hopeless = all(len(s) > options.step_limit or not np.isfinite(s[-1]).all() for s in flown)
+            # A path in gusts that no tolerance fixes is one of many that the same gusts allow, as likely as any other.
+            accepted = (
+                math.inf
+                if scenario.has_gusts and tolerance < GUST_TIGHTENING * options.tolerance
+                else options.accuracy
+            )
             last = options.integrator != "DOPRI5" or tolerance < options.tightest or hopeless
-            if error <= options.accuracy or last:
-                return finish_trajectory(samples, model, horizon, options.step_limit, error, options.accuracy)
+            if error <= accepted or last:
+                return finish_trajectory(
+                    samples, model, horizon, options.step_limit, error, accepted, reference.samples
+                )
             accuracy = replace(accuracy, position=TIGHTENING * accuracy.position)
             reference = integrator.integrate(model, start, horizon, accuracy, first)

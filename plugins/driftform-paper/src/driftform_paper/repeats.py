@@ -130,7 +130,7 @@ def read_results(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
 class RepeatedFlights:
     """The best agents, flown again and again, one of them for each target.
 
-    ``flights`` of each target, and the fitness (%) of all for that target, (targets, repeats).
+    ``flights`` of each target, and the fitness (%) of all for that target, NaN for a flight that failed, (targets, repeats).
     """
 
     flights: tuple[tuple[Trajectory, ...], ...]
@@ -138,8 +138,20 @@ class RepeatedFlights:
 
     @property
     def deviation(self) -> FloatArray:
-        """Standard deviation of the fitness, %, (targets,): exactly zero where all flights are the same."""
-        return np.asarray((self.fitness - self.fitness[:, :1]).std(axis=1))
+        """Standard deviation of the fitness of sound flights, %, (targets,): exactly zero where all flights are the same."""
+        sound = [row[~np.isnan(row)] for row in self.fitness]
+        return np.array([(row - row[0]).std() if len(row) else np.nan for row in sound])
+
+    @property
+    def error(self) -> FloatArray:
+        """Mean error of sound flights, %, (targets,); NaN without any."""
+        sound = [row[~np.isnan(row)] for row in self.fitness]
+        return np.array([100 - row.mean() if len(row) else np.nan for row in sound])
+
+    @property
+    def failed(self) -> list[int]:
+        """Number of flights that failed, of each target."""
+        return [int(np.isnan(row).sum()) for row in self.fitness]
 
 
 def repeat_flights(
@@ -152,7 +164,7 @@ def repeat_flights(
         flown = pipeline.fly([agent] * len(scenarios), scenarios)
         flights.append(tuple(flown))
         scores = [
-            0.0 if f.end.failed else float(pipeline.score(f, agent, s)[number])
+            np.nan if f.end.failed else float(pipeline.score(f, agent, s)[number])
             for f, s in zip(flown, scenarios, strict=True)
         ]
         fitness.append(scores)

@@ -68,13 +68,18 @@ def results_document(scenario: Scenario, found: Mapping[str, Search], again: Res
                     for name, search in found.items()
                 },
                 "resimulated_std": float(again.same.deviation[number]),
-                "turbulent_mean": float(100 - again.turbulent.fitness[number].mean()),
-                "turbulent_std": float(again.turbulent.deviation[number]),
+                "turbulent_mean": _finite_or_none(again.turbulent.error[number]),
+                "turbulent_std": _finite_or_none(again.turbulent.deviation[number]),
+                "turbulent_failed": again.turbulent.failed[number],
             }
             for number, target in enumerate(scenario.target_names)
         },
         "failed": {name: search.failed for name, search in found.items()},
     }
+
+
+def _finite_or_none(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
 
 
 def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Resimulation) -> str:
@@ -98,7 +103,7 @@ def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Res
         f"mean {paper.error.std(axis=0).mean():.2f} %, largest {paper.error.std(axis=0).max():.2f} % | "
         f"mean {random.error.std(axis=0).mean():.2f} %, largest {random.error.std(axis=0).max():.2f} % |",
         "| flown again, deviation below 1 % | "
-        f"{again.same.deviation.max():.2g} % in the same water, {again.turbulent.deviation.max():.2f} % in "
+        f"{again.same.deviation.max():.2g} % in the same water, {np.nanmax(again.turbulent.deviation):.2f} % in "
         "turbulent water | |",
     ]
     return "\n".join(
@@ -134,16 +139,17 @@ def _again_table(scenario: Scenario, again: Resimulation) -> list[str]:
         "the last digit; in turbulent water, of the same mean speed and with gusts of its own in each flight, "
         "the agent meets what it was not evolved for.",
         "",
-        "| target | same water: error | std | turbulent: mean error | std | height varies by (m) |",
-        "|---|---|---|---|---|---|",
+        "| target | same water: error | std | turbulent: mean error | std | failed | height varies by (m) |",
+        "|---|---|---|---|---|---|---|",
     ]
     for number, target in enumerate(scenario.target_names):
         point = np.array(scenario.target_points()[target])
-        _, _, deviation = compute_band(again.turbulent.flights[number], point)
-        same, other = 100 - again.same.fitness[number], 100 - again.turbulent.fitness[number]
+        sound = [flight for flight in again.turbulent.flights[number] if flight.failure is None]
+        height = compute_band(sound, point)[2].max() if sound else np.nan
         rows.append(
-            f"| {target} | {same.mean():.2f} | {again.same.deviation[number]:.2g} | {other.mean():.2f} | {again.turbulent.deviation[number]:.2f} "
-            f"| {deviation.max():.3f} |"
+            f"| {target} | {again.same.error[number]:.2f} | {again.same.deviation[number]:.2g} "
+            f"| {again.turbulent.error[number]:.2f} | {again.turbulent.deviation[number]:.2f} "
+            f"| {again.turbulent.failed[number]} | {height:.3f} |"
         )
     return rows
 
@@ -162,9 +168,9 @@ def write_figures(
         "shapes.svg": _shapes(study, paper, again),
         "trajectories.svg": spread_svg(
             [
-                FlightSpread(target, flights, f"error {100 - fitness.mean():.2f} %")
-                for target, flights, fitness in zip(
-                    scenario.target_names, again.turbulent.flights, again.turbulent.fitness, strict=True
+                FlightSpread(target, flights, f"error {error:.2f} %")
+                for target, flights, error in zip(
+                    scenario.target_names, again.turbulent.flights, again.turbulent.error, strict=True
                 )
             ],
             scenario,
