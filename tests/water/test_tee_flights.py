@@ -87,6 +87,15 @@ def test_a_sphere_far_above_the_cut_off_enters_the_branch():
     assert name_outlet(fly(scenario, 0.2 * R), scenario) == "B"
 
 
+@pytest.mark.parametrize(("size", "share"), [(0.1, 0.071), (0.15, 0.101)])
+def test_a_sphere_on_the_crown_enters_from_the_share_that_the_page_states(size, share):
+    """docs/junctions.md, beside the bound."""
+    place = (0.1, 0.0, R * (1 - size) - 2e-4)
+    for change, outlet in ((-0.01, "A"), (0.01, "B")):
+        scenario = scenario_of(share + change, position=place)
+        assert name_outlet(fly(scenario, size * R), scenario) == outlet
+
+
 def test_a_branch_beyond_the_limits_of_the_flow_is_refused_with_its_key():
     with pytest.raises(InputError, match=r"pipe.parts\[1\]: a branch with 0.1 times the radius"):
         fitting_array(scenario_of(0.1, branch=0.01))

@@ -68,7 +68,7 @@ def _between(lead: FloatArray, share: float) -> float:
 
 
 def smallest_share(size: float) -> float:
-    """Return the share of a branch below which a neutral sphere cannot enter it.
+    """Return the share of a branch below which a neutral sphere cannot enter it; it may need twice that share and more.
 
     Its centre is never nearer to the wall than its radius, so that it stays on the other side of a flat dividing
     surface in plug flow: [acos(1 - s) - (1 - s) sqrt(2 s - s^2)] / pi.
