@@ -45,6 +45,15 @@ def test_a_roll_is_the_hand_of_a_clock_seen_downstream(clock, up):
     assert roll_axes(LEVEL, math.radians(clock))[2].tolist() == list(up)
 
 
+def test_how_a_riser_leans_does_not_turn_its_clock():
+    for heading in np.linspace(0, 2 * np.pi, 13):
+        for sign in (1.0, -1.0):
+            lean = 5e-4 * np.array([np.cos(heading), np.sin(heading), 0.0])
+            axes = upright_axes(lean + [0.0, 0.0, sign])
+            np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+            np.testing.assert_allclose(axes, upright_axes(np.array([0.0, 0.0, sign])), atol=6e-4)
+
+
 def test_a_vertical_bore_keeps_the_axes_of_the_bore_before_it():
     bend = Bend(ORIGIN, LEVEL, 0.1, 0.3, math.pi / 2)
     [exit_] = bend.list_exits()

@@ -12,8 +12,11 @@ import numpy as np
 
 from driftform.types import BoolArray, FloatArray
 
-VERTICAL = 1e-9
-"""Horizontal component of a unit vector below which it is vertical: no direction across it is then the upward one."""
+VERTICAL = 1e-3
+"""Horizontal component of a unit vector below which it is vertical: no direction across it is then the upward one.
+
+It is a millimetre in a metre: how a riser deviates from the vertical does not turn its clock.
+"""
 
 TEE_LEG = 2.0
 """Length of the legs of a tee beyond its rounded edge, in radii of their bores.
@@ -413,16 +416,18 @@ def exact_sine(angle: float) -> float:
 def upright_axes(direction: FloatArray, carried: FloatArray | None = None) -> FloatArray:
     """Return the axes of a bore: downstream, left, and up as far as it goes, rows, (3, 3).
 
-    Nothing is up in a vertical bore: there the axes are those ``carried`` along from the bore before it, or those to
-    which the axes of a bore in the plane y = 0 tend.
+    Nothing is up in a vertical bore: there the axes are as near as they can be to those ``carried`` along from the bore
+    before it, or to those of a bore that is bent in the plane y = 0.
     """
     x = direction / np.linalg.norm(direction)
     level = math.hypot(x[0], x[1])
     if level < VERTICAL:
-        if carried is not None:
+        if carried is not None and np.abs(carried[0] - x).max() < 1e-12:
             return carried
-        up = math.copysign(1.0, x[2])
-        return np.array([[0.0, 0.0, up], [0.0, 1.0, 0.0], [-up, 0.0, 0.0]])
+        up = np.array([-math.copysign(1.0, x[2]), 0.0, 0.0]) if carried is None else carried[2]
+        across = up - (up @ x) * x
+        z = across / np.linalg.norm(across)
+        return np.stack([x, np.cross(z, x), z])
     y = np.array([-x[1], x[0], 0.0]) / level
     return np.stack([x, y, np.cross(x, y)])
 

@@ -1,5 +1,6 @@
 """The tables of a scenario: pipe, flow, fluid, release, contact, targets. Validated here, read by kernels as arrays."""
 
+import math
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
@@ -24,6 +25,7 @@ from driftform.water.flow import (
     is_laminar,
 )
 from driftform.water.pipe import Pipe, Vector
+from driftform.water.pipe_parts import VERTICAL
 from driftform.water.wetted import find_surface_fault
 
 
@@ -388,7 +390,9 @@ class Scenario(Table):
         x, y, z = self.direction().tolist()
         level = float(np.hypot(x, y))
         # A vertical pipe has no yaw.
-        return (x / level, y / level, level, -z) if level > 1e-9 else (1.0, 0.0, 0.0, -z)
+        return (
+            (x / level, y / level, level, -z) if level > VERTICAL else (1.0, 0.0, 0.0, math.copysign(1.0, -z))
+        )
 
 
 def _check_flow_in_parts(flow: Flow) -> None:
