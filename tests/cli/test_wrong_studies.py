@@ -85,12 +85,12 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
         "is now gusts.strength",
     ),
     "oil with the profile of water": (
-        ["fluid.viscosity=1e-3", "flow={kind='log_law',speed=1.0}"],
+        ["fluid.viscosity=1e-3", "flow={kind='log_law',speed=1.0,upstream=1000}"],
         "warned",
         "Re_D = 2000; it holds from 4000 to 1e+08; take flow.kind = 'developed'",
     ),
     "water that is neither laminar nor turbulent": (
-        ["fluid.viscosity=5e-4", "flow={kind='developed',speed=1.0}"],
+        ["fluid.viscosity=6e-4", "flow={kind='developed',speed=1.0,upstream=1000}"],
         "warned",
         "nobody knows the profile from 2300 to 4000",
     ),
@@ -163,7 +163,7 @@ def test_each_of_them_names_what_is_wrong_and_nothing_else() -> None:
     "settings",
     [
         ["targets={A=[4,0.3,0.2]}", "release.yaw_deg=5"],
-        ["targets={A=[4,0.3,0.2]}", "flow.kind=turbulent"],
+        ["targets={A=[4,0.3,0.2]}", "flow.kind=turbulent", "flow.upstream=100"],
         ["targets={A=[4,0.3,0.2]}", "release.position=[0,0.1,0]"],
         ["targets={A=[4,0.3,0.2]}", "release.velocity=[1,0.1,0]"],
         ["flow.speed=-1", "flow.acceleration=0.5"],

@@ -13,7 +13,7 @@ from driftform.water.validity import RANGES, Range, find_departures
 OIL = {"density": 870.0, "viscosity": 1e-4}
 
 
-def pipe(kind, reynolds, length=1000.0, **flow):
+def pipe(kind, reynolds, length=5000.0, **flow):
     """A straight pipe of oil at a Reynolds number, of 0.1 m radius, or of 10 m above 1e5."""
     radius = 0.1 if reynolds <= 1e5 else 10.0
     speed = reynolds * OIL["viscosity"] / (2 * radius)
