@@ -499,7 +499,7 @@ class Checker(Plugin[OptionsT_co]):
     """Printable files -> findings: whether the printed agent will match the simulated one.
 
     The contract checks STL files in text form; driftform writes binary ones. A checker that reads STL must read both, as
-    :func:`driftform.agent.read_mesh` does, or skip what it does not read.
+    ``read_meshes`` of driftform-kit does, or skip what it does not read.
 
     ``program`` is the name of the program on PATH that the checker runs, ``""`` if it runs no other program.
     """

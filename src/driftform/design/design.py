@@ -17,7 +17,8 @@ from driftform.design.limits import list_limits
 from driftform.errors import InputError, WorkFailedError
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Renderer
-from driftform.motion.resampling import check_rate, resample
+from driftform.motion.interpolation import resample
+from driftform.motion.resampling import check_rate
 from driftform.motion.way import find_offsets, name_outlet
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault

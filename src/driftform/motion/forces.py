@@ -1,11 +1,14 @@
-"""Accelerations and forces along a trajectory."""
+"""Accelerations and forces along a trajectory, and the force of still water on a body."""
 
 import numpy as np
 
+from driftform.motion.drag import still_water_wrench
 from driftform.motion.path import world_velocity
 from driftform.types import Agent, FloatArray, MassProperties, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
+
+__all__ = ["acceleration_at", "accelerations_along", "net_wrench", "still_water_wrench"]
 
 
 def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario) -> FloatArray:

@@ -1,9 +1,8 @@
+from . import field as field
 from . import pipe_parts as pipe_parts
 from . import tee_wall as tee_wall
 from .factors import Calibration as Calibration
 from .factors import Factors as Factors
-from .field import wall_distance as wall_distance
-from .field import water_velocity as water_velocity
 from .pipe import Pipe as Pipe
 from .pipe import Segment as Segment
 from .pipe import Vector as Vector

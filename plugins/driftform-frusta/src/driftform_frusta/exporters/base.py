@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.errors import WorkFailedError
 from driftform.figures import files as picture_files
 from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import Body, FloatArray, WrittenFile
 from driftform.util import files
 from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.triangles import Mesh
 
 if TYPE_CHECKING:
     from driftform_frusta.parts import Part
