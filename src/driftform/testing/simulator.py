@@ -25,7 +25,7 @@ from driftform.testing.agents import (
     tumbling_agent,
 )
 from driftform.testing.bodies import spheroid_body
-from driftform.testing.contract import Contract
+from driftform.testing.contract import SeamContract
 from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Fluid, Pipe, Scenario, Segment
@@ -103,16 +103,12 @@ def _parts_scenario(parts: list[dict[str, Any]], position: Vector = (0.1, 0.0, 0
     )
 
 
-class PointSimulatorContract(Contract):
+class PointSimulatorContract(SeamContract[Simulator[Any]]):
     """The contract of simulators of points, which know neither attitude nor inertia: neutral bodies drift with the water.
 
     Inherit this class as :class:`SimulatorContract`. It asks where a flight begins and ends, in straight pipes, bends and
     tees, that the water carries a neutral body, and that flights can be repeated.
     """
-
-    def plugin(self) -> Simulator[Any]:
-        """Return the simulator to be tested."""
-        raise NotImplementedError
 
     def fly(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the trajectory of a flight that must reach its horizon."""
