@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from driftform.agent import solid_of_revolution
 from driftform.motion.inertia import added_mass_at, rigid_body_mass
 from driftform.testing.bodies import spheroid_body
-from driftform.types import Agent, Body, Coefficients, FloatArray, MassProperties, Trajectory
+from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
 
@@ -44,27 +43,6 @@ def sphere_agent(radius: float, mass: float, added: float = 0.5, drag: float = 0
             np.diag([added * DENSITY * volume] * 3 + [0.0] * 3),
             quadratic_damping=np.diag([quadratic] * 3 + [0.0] * 3),
         ),
-    )
-
-
-def solid_agent(body: Body, density: float, coefficients: Coefficients, offset: float = 0.0) -> Agent:
-    """Return the agent of a homogeneous solid with the contour of ``body``.
-
-    Parameters
-    ----------
-    density
-        mean density, kg/m3.
-    offset
-        distance of the centre of gravity ahead of that of the volume, m; the inertia remains that of the solid.
-    """
-    solid = solid_of_revolution(body.outer)
-    mass, transverse = density * solid.volume, solid.transverse - solid.volume * solid.centroid**2
-    centre = np.array([solid.centroid, 0.0, 0.0])
-    inertia = density * np.diag([solid.polar, transverse, transverse])
-    return Agent(
-        body,
-        MassProperties(mass, centre + np.array([offset, 0.0, 0.0]), inertia, solid.volume, centre),
-        coefficients,
     )
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from driftform.errors import DriftformError
 from driftform.interfaces import Recorder
+from driftform.plugins.seams import require_files
 from driftform.testing.exporter import JobContract, list_files
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import End, Trajectory
