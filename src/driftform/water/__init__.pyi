@@ -1,4 +1,5 @@
 from . import field as field
+from . import grid_files as grid_files
 from . import pipe_parts as pipe_parts
 from . import tee_wall as tee_wall
 from .factors import Calibration as Calibration
