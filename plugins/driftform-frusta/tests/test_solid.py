@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform.agent import hull_volume
 from driftform.errors import WorkFailedError
 from driftform_frusta.csg import (
     Difference,
@@ -20,7 +19,7 @@ from driftform_frusta.csg import (
     Translate,
     Union,
 )
-from driftform_frusta.hull import build_hull
+from driftform_frusta.hull import build_hull, hull_volume
 from driftform_frusta.revolution import revolve_profiles
 from driftform_frusta.scad import write_definitions, write_module
 from driftform_frusta.solid import to_manifold, to_solid

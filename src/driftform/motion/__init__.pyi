@@ -4,6 +4,4 @@ from . import inertia as inertia
 from . import integrator as integrator
 from . import interpolation as interpolation
 from . import stepping as stepping
-from .body_drag import estimate_drag as estimate_drag
 from .coordinates import Motion as Motion
-from .terminal import terminal_speeds as terminal_speeds

@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import ellipj, ellipk
 
 from driftform.motion.inertia import added_mass_at, rigid_body_mass
 from driftform.testing.bodies import spheroid_body
@@ -142,11 +143,7 @@ class Libration:
     @property
     def period(self) -> float:
         """Time (s) until the motion repeats: four quarter periods of the pendulum."""
-        # K(k) by the arithmetic-geometric mean.
-        a, b = 1.0, self._rest
-        while abs(a - b) > 1e-15:
-            a, b = (a + b) / 2, math.sqrt(a * b)
-        return 4 * math.pi / (2 * a) / self._sigma
+        return 4 * float(ellipk(self._k**2)) / self._sigma
 
     @property
     def max_yaw_rate(self) -> float:
@@ -155,7 +152,7 @@ class Libration:
 
     def motion_at(self, t: float) -> tuple[float, float, float, float]:
         """Return surge, sway (m/s), yaw rate (rad/s) and heading (rad, 0 at the start) at time ``t`` (s)."""
-        sn, cn, dn = _jacobi(self._sigma * t, self._k)
+        sn, cn, dn, _ = map(float, ellipj(self._sigma * t, self._k**2))
         sine, cosine = -self._k * cn / dn, self._rest / dn
         return (
             -self._impulse * sine / self._along,
@@ -163,18 +160,6 @@ class Libration:
             -self._sigma * self._k * self._rest * sn / dn,
             self._start - (math.atan2(sine, cosine) + math.pi / 2),
         )
-
-
-def _jacobi(argument: float, k: float) -> tuple[float, float, float]:
-    """Return sn, cn and dn of modulus k, by descending means (Abramowitz and Stegun, 16.4)."""
-    a, b, c = [1.0], math.sqrt(1 - k * k), [k]
-    while abs(c[-1]) > 1e-15:
-        a, b, c = [*a, (a[-1] + b) / 2], math.sqrt(a[-1] * b), [*c, (a[-1] - b) / 2]
-    phase = 2 ** (len(a) - 1) * a[-1] * argument
-    for n in range(len(a) - 1, 0, -1):
-        phase = (math.asin(c[n] / a[n] * math.sin(phase)) + phase) / 2
-    sn, cn = math.sin(phase), math.cos(phase)
-    return sn, cn, math.sqrt(1 - (k * sn) ** 2)
 
 
 def tumbling_agent(*, damped: bool = False) -> Agent:

@@ -18,12 +18,14 @@ def linear_damping(agent: Agent) -> FloatArray:
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:
     """Return the speed, m/s, at which an agent with drag by strips rises or sinks across its axis."""
-    from driftform.motion import terminal_speeds
+    from driftform.motion import forces
 
     drag = agent.coefficients.drag
     if drag is None:
         return MIN_SPEED
-    _, across = terminal_speeds(drag, agent.mass.net_buoyancy(fluid), True, fluid.density, fluid.viscosity)
+    _, across = forces.terminal_speeds(
+        drag, agent.mass.net_buoyancy(fluid), True, fluid.density, fluid.viscosity
+    )
     return max(across, MIN_SPEED)
 
 
