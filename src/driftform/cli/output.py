@@ -8,7 +8,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from typing import Any, TextIO
 
-from driftform.errors import escape_controls as escape_controls
+from driftform.errors import escape_controls
+
+__all__ = ["escape_controls", "format_miss", "print_json", "print_table", "print_text", "reserve_stdout"]
 
 _reserved: list[TextIO] = []
 

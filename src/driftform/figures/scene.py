@@ -6,13 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from driftform.figures.projection import simplify_polyline as simplify_polyline
+from driftform.figures.projection import simplify_polyline
 from driftform.figures.streams import trace_streams
 from driftform.motion.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Pipe, Scenario
 from driftform.water.flow import UniformFlow
 from driftform.water.pipe_parts import Straight
+
+__all__ = ["agent_data", "read_viewer", "scene_data", "simplify_polyline"]
 
 MAX_SAMPLES = 240
 """Greatest number of samples of a flight on a page."""
