@@ -9,7 +9,7 @@ from driftform.motion.contact import deepest_depth
 from driftform.motion.model import FlightModel, pack, unpack
 from driftform.motion.runge_kutta import copy
 from driftform.types import End, FloatArray, Trajectory
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import compiled
 from driftform.util.cubic import Cubic, cubic_between, cubic_point, cubic_slope
 from driftform.util.rotations import quaternion_rate, rotation_from_quaternion
 from driftform.util.small_vectors import Vector, dot, scale, subtract, to_body
@@ -234,14 +234,6 @@ def _cut_at_outlet(
 @compiled
 def _quaternion_rate(row: FloatArray) -> tuple[float, float, float, float]:
     return quaternion_rate(row[4], row[5], row[6], row[7], row[11], row[12], row[13])
-
-
-@allocating
-def find_contact(
-    rows: FloatArray, values: FloatArray, fittings: FloatArray | None = None
-) -> tuple[int, float]:
-    """Return the first sample at which a surface touches, and the time (s) of the contact; the number of samples without one."""
-    return _find_contact(rows, unpack(values, fittings), np.empty(SAMPLE))
 
 
 @compiled

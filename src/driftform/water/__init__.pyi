@@ -1,6 +1,7 @@
 from . import field as field
 from . import grid_files as grid_files
 from . import pipe_parts as pipe_parts
+from . import tee_store as tee_store
 from . import tee_wall as tee_wall
 from .factors import Calibration as Calibration
 from .factors import Factors as Factors
@@ -9,4 +10,3 @@ from .pipe import Segment as Segment
 from .pipe import Vector as Vector
 from .scenario import Fluid as Fluid
 from .scenario import Scenario as Scenario
-from .tee_store import TeePotentials as TeePotentials
