@@ -24,6 +24,7 @@ METHOD = 2
 """Number of the method: a change of the solver or of the files counts it up, and old files are not read."""
 
 PACKAGED = Path(__file__).parent / "tees"
+"""The folder of the tees that come with driftform."""
 
 SOLVERS = "driftform.tees"
 """Group of entry points for functions that solve the flow in a tee: a :class:`Junction` to :class:`TeePotentials`."""
