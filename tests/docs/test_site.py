@@ -45,7 +45,7 @@ def test_the_reference_holds_what_the_package_offers(site: Path) -> None:
     for name, home in find_homes("driftform").items():
         if not name.startswith("__"):
             assert f'id="{home}.{name}"' in reference, name
-    assert "Distance of the closest approach to each target, m." in reference
+    assert "strictly increasing from 0" in reference
     assert not re.search(r":(class|func|mod|meth):", reference)
 
 
