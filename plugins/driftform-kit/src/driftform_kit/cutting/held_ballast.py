@@ -12,7 +12,6 @@ import numpy as np
 from manifold3d import CrossSection
 
 from driftform.errors import WorkFailedError
-from driftform.types import FloatArray
 from driftform_kit.cutting.bay import Ball, Seat, distance_along, draw_seat, draw_tube, is_held
 from driftform_kit.cutting.joint import Joint, takes_core_aft
 from driftform_kit.cutting.meridian import (
@@ -102,14 +101,8 @@ def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float
     inward = 1 if z > mouth.z else -1
     # A plug reaches out of its part; a socket begins at the cut.
     begin = mouth.tip if mouth.side == inward else mouth.z
-    return float(narrowest(hull, part, np.linspace(begin, z, 2 + int(abs(z - begin) / _STEP))))
-
-
-def narrowest(hull: Hull, part: CrossSection, heights: FloatArray) -> float:
-    """Return the least distance of a part's section from the points of the axis at some heights, mm."""
-    if hull.bore_radius(heights).min() <= 0:
-        return 0.0
-    return float(distance_along([part], heights).min())
+    way = np.linspace(begin, z, 2 + int(abs(z - begin) / _STEP))
+    return float(distance_along([part], way).min()) if hull.bore_radius(way).min() > 0 else 0.0
 
 
 def _hold(
@@ -162,12 +155,11 @@ def _support(
     sections = [s for s in drawn if s is not None and (s - parts[part]).area() > _LEAST]
     if not sections:
         return False, None
-    return True, Seat(min(sections, key=lambda section: _measure(section - parts[part])), part)
 
+    def added_volume(section: CrossSection) -> float:
+        return moments(list_rings(take_right(section - parts[part]))).volume
 
-def _measure(section: CrossSection) -> float:
-    """The volume of a revolved section, m3."""
-    return moments(list_rings(take_right(section))).volume
+    return True, Seat(min(sections, key=added_volume), part)
 
 
 def _opens_upward(hull: Hull, ball: Ball, side: int) -> bool:

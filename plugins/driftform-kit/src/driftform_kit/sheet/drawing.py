@@ -99,12 +99,8 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
     def place(ring: Ring, side: float) -> FloatArray:
         return np.column_stack((x_of + scale * ring[:, 1], axis - side * scale * ring[:, 0]))
 
-    _draw_heading(
-        root,
-        _LEFT,
-        top + 4,
-        f"Closed kit, cut along the axis, scale {name}; fore on the right",
-    )
+    heading = f"Closed kit, cut along the axis, scale {name}; fore on the right"
+    _draw_heading(root, _LEFT, top + 4, heading)
     for part in sheet.parts:
         for side in (1.0, -1.0):
             _draw_section(root, [place(ring, side) for ring in part.piece.rings], part.place)
@@ -113,10 +109,7 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
         ("ballast", held.ball.z, held.ball.radius, style.tint(style.INK, 0.5)) for held in sheet.kit.ballast
     ]
     for kind, z, radius_mm, fill in balls:
-        svg.add(
-            root, "circle", class_=kind, cx=x_of + scale * z, cy=axis, r=scale * radius_mm, fill=fill,
-            stroke=style.INK, stroke_width=0.8,
-        )  # fmt: skip
+        svg.add_circle(root, x_of + scale * z, axis, scale * radius_mm, fill, style.INK, 0.8, class_=kind)
     line = svg.path_data([(start - 12, axis), (start + scale * length + 12, axis)])
     svg.add_line(root, line, style.INK, 0.6, "axis", stroke_dasharray="12 3 2 3")
     bounds = [sheet.aft, *(joint.z for joint in sheet.kit.joints), sheet.aft + length]
@@ -229,7 +222,7 @@ def _draw_section(root: ET.Element, rings: Sequence[FloatArray], place: int) -> 
 
 def _draw_mark(root: ET.Element, x: float, y: float, mark: str, colour: str) -> None:
     """Draw the number of a part, or the letter of a ball of ballast, in a circle."""
-    svg.add(root, "circle", cx=x, cy=y, r=8.5, fill="#ffffff", stroke=colour, stroke_width=1.6)
+    svg.add_circle(root, x, y, 8.5, "#ffffff", colour, 1.6)
     layout.write(root, x, y + 4, mark, _TEXT, anchor="middle", bold=True, class_="number")
 
 
