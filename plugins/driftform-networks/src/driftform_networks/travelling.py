@@ -1,9 +1,9 @@
 """The tables of a body in a network: made from flights, kept on disk, shared by all networks."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import chain
+from itertools import chain, product
 from pathlib import Path
 
 import numpy as np
@@ -102,26 +102,17 @@ class Traveling:
         self._travel = travel
         self._retained = traveller.agent.body.max_diameter >= travel.service_bore
 
-    def list_straights(self, snapshots: Iterable[Snapshot]) -> list[StraightTask]:
-        """Return the flights through straight pipes that these snapshots need."""
-        found = (
-            self._find_straight(snapshot, link)
-            for snapshot in snapshots
-            for link in range(len(snapshot.links))
-            if self._needs_flights(snapshot, link)
-        )
-        return list(dict.fromkeys(found))
+    def list_straights(self, snapshot: Snapshot) -> Iterator[StraightTask]:
+        """Yield the flights through straight pipes that a snapshot needs."""
+        for link in range(len(snapshot.links)):
+            if self._needs_flights(snapshot, link):
+                yield self._find_straight(snapshot, link)
 
-    def list_tees(self, snapshots: Iterable[Snapshot]) -> list[TeeTask]:
-        """Return the flights through tees that these snapshots need."""
-        found = (
-            task
-            for snapshot in snapshots
-            for link in range(len(snapshot.links))
-            for task, _ in self._find_tees(snapshot, link, self._describe(snapshot, link))
-            if task.tee.share not in _ALL_INTO
-        )
-        return list(dict.fromkeys(found))
+    def list_tees(self, snapshot: Snapshot) -> Iterator[TeeTask]:
+        """Yield the flights through tees that a snapshot needs."""
+        for link in range(len(snapshot.links)):
+            found = self._find_tees(snapshot, link, self._describe(snapshot, link))
+            yield from (task for task, _ in found if task.tee.share not in _ALL_INTO)
 
     def route(self, snapshot: Snapshot) -> Routing:
         """Return the tables of the body in a snapshot; flights that were not made are made."""
@@ -252,10 +243,11 @@ def make_flights(
     WorkFailedError
         if a body cannot be flown, or workers die again and again.
     """
+    cases = list(product(travelings, snapshots))
     # Flights through tees begin where those through straight pipes end.
     stages = [
-        _find_missing(task for traveling in travelings for task in traveling.list_straights(snapshots)),
-        _find_missing(task for traveling in travelings for task in traveling.list_tees(snapshots)),
+        _find_missing(task for traveling, snap in cases for task in traveling.list_straights(snap)),
+        _find_missing(task for traveling, snap in cases for task in traveling.list_tees(snap)),
     ]
     total = sum(map(len, stages))
     if workers == 1 or total < 2:

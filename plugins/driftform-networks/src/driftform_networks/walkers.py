@@ -161,10 +161,7 @@ class _Walkers:
             choices.append(choice)
             arrivals.append(arrival)
         self._outlets = np.concatenate(outlets)
-        self._choice, self._arrival = (
-            _accumulate(np.concatenate(choices)),
-            _accumulate(np.concatenate(arrivals)),
-        )
+        self._choice, self._arrival = (_accumulate(np.concatenate(part)) for part in (choices, arrivals))
         self._transfer = _accumulate(np.concatenate([routing.transfer for routing in routings]))
         self._slowness = np.concatenate([routing.slowness for routing in routings])
 
