@@ -21,7 +21,7 @@ from functools import lru_cache
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.water import Scenario, Segment, Vector
+from driftform.water import Scenario, Vector
 
 KARMAN = 0.4
 """Von Karman's constant kappa."""
@@ -201,7 +201,9 @@ def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: floa
         )
     if scenario.flow.speed == 0:
         raise ValueError("the water is at rest: it carries no plume")
-    start, axis, length = _locate_segment(segment)
+    start, way = np.array(segment.start), np.subtract(segment.end, segment.start)
+    length = float(np.linalg.norm(way))
+    axis = way / length
     along = float(axis @ (np.array(point) - start))
     outward = np.array(point) - start - along * axis
     if np.linalg.norm(outward) < 1e-9 * segment.radius:
@@ -223,9 +225,3 @@ def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: floa
         eddy_diffusivity(scenario) if diffusivity is None else diffusivity,
         rate,
     )
-
-
-def _locate_segment(segment: Segment) -> tuple[FloatArray, FloatArray, float]:
-    start, end = np.array(segment.start), np.array(segment.end)
-    length = float(np.linalg.norm(end - start))
-    return start, (end - start) / length, length

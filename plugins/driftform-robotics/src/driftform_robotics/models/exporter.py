@@ -67,12 +67,8 @@ class Model:
 
     def list_warnings(self) -> list[str]:
         """Return what no format can represent exactly: a folded outline, a varying flow, drag by strips."""
-        scenario = self.job.scenario
-        return [
-            *warn_of_folding(self.job.agent.body),
-            *warn_of_flow(scenario),
-            *warn_of_damping(self.link),
-        ]
+        folding, flow = warn_of_folding(self.job.agent.body), warn_of_flow(self.job.scenario)
+        return [*folding, *flow, *warn_of_damping(self.link)]
 
 
 class ModelExporter(Exporter[OptionsT_co]):

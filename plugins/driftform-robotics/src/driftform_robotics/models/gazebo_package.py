@@ -158,14 +158,22 @@ _WAYS = {"GZ_TO_ROS": "from Gazebo", "ROS_TO_GZ": "to Gazebo"}
 
 
 def _list_bridges(title: str, messages: str) -> list[Bridge]:
-    world = f"/world/{WORLD}"
-    rows = [
-        ("/clock", "/clock", "rosgraph_msgs/msg/Clock", "Clock", "GZ_TO_ROS"),
-        (f"/{title}/poses", f"{world}/dynamic_pose/info", "tf2_msgs/msg/TFMessage", "Pose_V", "GZ_TO_ROS"),
-        (f"/{title}/current", "/ocean_current", "geometry_msgs/msg/Vector3", "Vector3d", "ROS_TO_GZ"),
+    world, poses = f"/world/{WORLD}", f"/{title}/poses"
+    found = [
+        Bridge("/clock", "/clock", "rosgraph_msgs/msg/Clock", f"{messages}.Clock", "GZ_TO_ROS"),
+        Bridge(
+            poses, f"{world}/dynamic_pose/info", "tf2_msgs/msg/TFMessage", f"{messages}.Pose_V", "GZ_TO_ROS"
+        ),
+        Bridge(
+            f"/{title}/current",
+            "/ocean_current",
+            "geometry_msgs/msg/Vector3",
+            f"{messages}.Vector3d",
+            "ROS_TO_GZ",
+        ),
     ]
     if messages == "gz.msgs":
         # The bridge of Fortress knows no such message.
-        kind = "ros_gz_interfaces/msg/EntityWrench"
-        rows.append((f"/{title}/wrench", f"{world}/wrench", kind, "EntityWrench", "ROS_TO_GZ"))
-    return [Bridge(ros, own, kind, f"{messages}.{message}", way) for ros, own, kind, message, way in rows]
+        kind, own = "ros_gz_interfaces/msg/EntityWrench", f"{messages}.EntityWrench"
+        found.append(Bridge(f"/{title}/wrench", f"{world}/wrench", kind, own, "ROS_TO_GZ"))
+    return found

@@ -72,7 +72,7 @@ def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
     agent, scenario = job.agent, job.scenario
     mass = agent.mass
     speed = drag_speed or reference_speed(agent, scenario.fluid)
-    quaternion = scenario.release_quaternion()
+    quaternion, velocity = scenario.release_quaternion(), scenario.release_velocity()
     return Link(
         mass=mass.mass,
         inertia=mass.inertia,
@@ -86,13 +86,8 @@ def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
         drag_speed=speed if agent.coefficients.drag is not None else 0.0,
         position=scenario.release_position() + rotations.matrix_from_quaternion(quaternion) @ mass.cog,
         quaternion=quaternion,
-        velocity=_release_velocity(scenario),
+        velocity=scenario.current() if velocity is None else velocity,
     )
-
-
-def _release_velocity(scenario: Scenario) -> FloatArray:
-    velocity = scenario.release_velocity()
-    return scenario.current() if velocity is None else velocity
 
 
 def warn_of_flow(scenario: Scenario) -> list[str]:

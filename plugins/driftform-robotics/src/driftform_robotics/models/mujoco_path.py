@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.motion.inertia import cross_matrix
 from driftform.types import FloatArray
 from driftform.water import Fluid
 from driftform_robotics.models.link import Link
@@ -106,12 +107,12 @@ def _integrate(
         R, nu = state[3:12].reshape(3, 3), state[12:]
         flow = added @ nu
         momentum = mass @ nu + flow
-        turn = _cross_matrix(nu[3:])
+        turn = cross_matrix(nu[3:])
         force = -turn @ momentum[:3] - weight * R[2]
         torque = (
             -turn @ momentum[3:]
-            - _cross_matrix(nu[:3]) @ flow[:3]
-            + lift * (_cross_matrix(link.buoyancy) @ R[2])
+            - cross_matrix(nu[:3]) @ flow[:3]
+            + lift * (cross_matrix(link.buoyancy) @ R[2])
         )
         damping = link.linear_damping @ nu + link.quadratic_damping @ (np.abs(nu) * nu)
         return np.concatenate(
@@ -138,8 +139,3 @@ def _find_end(
 
     left = float(brentq(lambda t: float(np.linalg.norm(path(t)[:3])) - reach, start, end))
     return left, np.asarray(path(left)[:3], dtype=np.float64)
-
-
-def _cross_matrix(a: FloatArray) -> FloatArray:
-    """The matrix S with S b = a x b."""
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])

@@ -170,12 +170,8 @@ def _make_config(model: Model, gazebo: _Gazebo) -> ET.Element:
 
 
 def _add_plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.Element:
-    return add(
-        parent,
-        "plugin",
-        filename=f"{gazebo.system}-{system}-system",
-        name=f"{gazebo.namespace}::systems::{name}",
-    )
+    filename = f"{gazebo.system}-{system}-system"
+    return add(parent, "plugin", filename=filename, name=f"{gazebo.namespace}::systems::{name}")
 
 
 def _make_world(
@@ -190,7 +186,7 @@ def _make_world(
     fluid = scenario.fluid
     root = ET.Element("sdf", version=gazebo.sdf)
     if passing is not None:
-        add_comment(root, _describe_drift(model.title, passing))
+        add_comment(root, *_describe_drift(model.title, passing))
     world = add(root, "world", name=WORLD)
     physics = add(world, "physics", name="step", type="ignored")
     add_texts(physics, max_step_size=step, real_time_factor="1")
@@ -205,8 +201,7 @@ def _make_world(
     else:
         graded = add(buoyancy, "graded_buoyancy")
         add(graded, "default_density", fluid.density)
-        change = add(graded, "density_change")
-        add_texts(change, above_depth=fluid.water_level, density="0")
+        add_texts(add(graded, "density_change"), above_depth=fluid.water_level, density="0")
     add(buoyancy, "enable", model.title)
     add_scene(world)
     pipe = add_pipe(world, scenario, np.zeros(3), PIPE)
@@ -242,9 +237,7 @@ def _add_motion(models: list[ET.Element | None], velocity: FloatArray, gazebo: _
         add(link, "gravity", "false")
         inertial = add(link, "inertial")
         add(inertial, "mass", "1e6")
-        inertia = add(inertial, "inertia")
-        for axis in "xyz":
-            add(inertia, f"i{axis}{axis}", "1e6")
+        add_texts(add(inertial, "inertia"), ixx="1e6", iyy="1e6", izz="1e6")
         control = _add_plugin(model, gazebo, "velocity-control", "VelocityControl")
         add(control, "initial_linear", velocity)
 
@@ -255,28 +248,22 @@ def _add_model(
     job, link = model.job, model.link
     root = add(parent, "model", name=model.title)
     add_comment(
-        root,
-        ["The origin is the centre of gravity; x points forward along the axis; z points up.", *warnings],
+        root, "The origin is the centre of gravity; x points forward along the axis; z points up.", *warnings
     )
     if place:
         add(root, "pose", place)
     element = add(root, "link", name=LINK)
     inertial = add(element, "inertial")
     add(inertial, "mass", link.mass)
-    inertia = add(inertial, "inertia")
-    for tag, value in format_symmetric(link.inertia, "xyz", "i").items():
-        add(inertia, tag, value)
+    add_texts(add(inertial, "inertia"), **format_symmetric(link.inertia, "xyz", "i"))
     if gazebo.solves_added_mass:
-        added = add(inertial, "fluid_added_mass")
-        for tag, value in format_symmetric(link.added_mass, _SDF_AXES).items():
-            add(added, tag, value)
+        added = format_symmetric(link.added_mass, _SDF_AXES)
+        add_texts(add(inertial, "fluid_added_mass"), **added)
     add_mesh(add(element, "visual", name="hull"), HULL)
     add_comment(
         element,
-        [
-            "Each piece is convex, and its mesh is about its own centroid: Gazebo uses the position of a piece as its "
-            "centre of buoyancy."
-        ],
+        "Each piece is convex, and its mesh is about its own centroid: Gazebo uses the position of a piece as its "
+        "centre of buoyancy.",
     )
     for index, piece in enumerate(model.pieces):
         collision = add(element, "collision", name=f"piece_{index}")
@@ -297,7 +284,7 @@ def _add_spheres(element: ET.Element, model: Model) -> None:
     count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MAX_SPHERES))
     add_comment(
         element,
-        ["Buoyancy at a free surface: spheres with the volumes of slices of the hull, without collision."],
+        "Buoyancy at a free surface: spheres with the volumes of slices of the hull, without collision.",
     )
     for index, (x, volume, _) in enumerate(slice_solid(body.outer, count)):
         collision = add(element, "collision", name=f"slice_{index}")
@@ -310,7 +297,7 @@ def _add_hydrodynamics(root: ET.Element, model: Model, gazebo: _Gazebo) -> None:
     link = model.link
     plugin = _add_plugin(root, gazebo, "hydrodynamics", "Hydrodynamics")
     add(plugin, "link_name", LINK)
-    add_comment(plugin, ["The current, world frame, m/s."])
+    add_comment(plugin, "The current, world frame, m/s.")
     add(plugin, "default_current", model.job.scenario.current())
     lines = {
         f"{_FORCES[i]}{_RATES[j]}": -link.linear_damping[i, j] for i, j in _list_entries(link.linear_damping)
@@ -319,13 +306,12 @@ def _add_hydrodynamics(root: ET.Element, model: Model, gazebo: _Gazebo) -> None:
         for i, j in _list_entries(link.quadratic_damping)
     }
     if lines:
-        add_comment(plugin, ["Damping, negative if it resists: force and moment per speed and rate."])
-    for tag, value in lines.items():
-        add(plugin, tag, value)
+        add_comment(plugin, "Damping, negative if it resists: force and moment per speed and rate.")
+    add_texts(plugin, **lines)
     if gazebo.solves_added_mass:
-        add_comment(plugin, ["The added mass is in the link; here it would count twice."])
+        add_comment(plugin, "The added mass is in the link; here it would count twice.")
         return
-    add_comment(plugin, ["Added mass, negative. Gazebo computes only the Coriolis forces of its diagonal."])
+    add_comment(plugin, "Added mass, negative. Gazebo computes only the Coriolis forces of its diagonal.")
     for i, j in _list_entries(link.added_mass):
         add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", -link.added_mass[i, j])
 

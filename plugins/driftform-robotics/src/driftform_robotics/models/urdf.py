@@ -122,12 +122,10 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
         root = ET.Element("robot", name=model.title)
         add_comment(
             root,
-            [
-                "The origin is the centre of gravity; x points forward along the axis; z points up.",
-                "URDF cannot describe water. The displaced volume is "
-                f"{format_number(link.volume)} m3, about {format_numbers(link.buoyancy)} m. The added mass is",
-                *(format_numbers(row) for row in link.added_mass),
-            ],
+            "The origin is the centre of gravity; x points forward along the axis; z points up.",
+            "URDF cannot describe water. The displaced volume is "
+            f"{format_number(link.volume)} m3, about {format_numbers(link.buoyancy)} m. The added mass is",
+            *(format_numbers(row) for row in link.added_mass),
         )
         # For MuJoCo, which drops the folders of meshes in a URDF; other programs ignore it.
         add(
