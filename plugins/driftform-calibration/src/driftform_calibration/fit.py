@@ -162,8 +162,6 @@ def _round(value: float) -> float:
     return float(f"{value:.4g}")
 
 
-# Matrices of a fit are small: threads would wait for each other longer than they compute.
-@threadpool_limits.wrap(limits=1)
 def fit_factors(
     films: Sequence[Filmed],
     names: Sequence[str] = Factors.names,
@@ -183,14 +181,16 @@ def fit_factors(
     WorkFailedError
         if no flight comes near a track.
     """
-    reasons = list_reasons(films, names)
-    free, last, notes = _solve(films, [name for name in names if name not in reasons], priors)
-    while absurd := _find_absurd(free, last):
-        reasons |= absurd
+    # Matrices of a fit are small: threads would wait for each other longer than they compute.
+    with threadpool_limits(1):
+        reasons = list_reasons(films, names)
         free, last, notes = _solve(films, [name for name in names if name not in reasons], priors)
-    if last is None:
-        return _finish(free, free, dict.fromkeys(CONTACT, "no track touches a wall") | reasons)
-    return _finish(free, last, reasons, notes)
+        while absurd := _find_absurd(free, last):
+            reasons |= absurd
+            free, last, notes = _solve(films, [name for name in names if name not in reasons], priors)
+        if last is None:
+            return _finish(free, free, dict.fromkeys(CONTACT, "no track touches a wall") | reasons)
+        return _finish(free, last, reasons, notes)
 
 
 def _solve(

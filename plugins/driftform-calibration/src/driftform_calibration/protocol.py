@@ -70,7 +70,7 @@ class DropPlan:
             for name, (half, known) in self.plan.expected.items()
         }
 
-    def tabulate(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    def tabulate(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
         """Return the drops as a table for people: its header and its rows."""
         rows = [
             (

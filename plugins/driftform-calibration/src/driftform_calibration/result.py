@@ -84,7 +84,7 @@ class CalibrationResult:
             ["# For any study: driftform evolve STUDY --calibration FILE", "[calibration]", *rows, ""]
         )
 
-    def tabulate(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    def tabulate(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
         """Return the factors as a table for people: its header and its rows."""
         rows = []
         for name, found in self.factors.items():

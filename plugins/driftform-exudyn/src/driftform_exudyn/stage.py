@@ -70,16 +70,12 @@ class Stage:
         camera, scale = self._camera, self._scale
         offset = -scale * focus - self._away * camera.axes[2]
         shapes = [self._scale_letters(place(shape, scale, offset)) for shape in others]
-        self._set_shapes(scale * pose.position + offset, pose.rotation, shapes)
+        self._mbs.SetObjectParameter(self._body, "referencePosition", scale * pose.position + offset)
+        self._mbs.SetObjectParameter(self._body, "referenceRotation", pose.rotation)
+        self._mbs.SetObjectParameter(self._others, "VgraphicsData", shapes)
         self._aim(size, self._extent(shapes))
         image: Image = self._container.renderer.RedrawAndGetImage(useRaytracer=True)
         return image
-
-    def _set_shapes(self, position: FloatArray, rotation: FloatArray, shapes: Sequence[Shape]) -> None:
-        """Set the pose of the body and the shapes around it."""
-        self._mbs.SetObjectParameter(self._body, "referencePosition", position)
-        self._mbs.SetObjectParameter(self._body, "referenceRotation", rotation)
-        self._mbs.SetObjectParameter(self._others, "VgraphicsData", shapes)
 
     def _aim(self, size: tuple[int, int], extent: float) -> None:
         """Set the size of the image, the view and the largest distance."""

@@ -23,12 +23,6 @@ from driftform_frusta.csg import (
 )
 from driftform_frusta.solid import half_section, to_manifold
 
-_SIMPLIFY = 1e-6
-"""mm: clipping leaves vertices some 1e-8 mm apart, between which no face can be."""
-
-_NONE = 1e-9
-"""mm: a radius below this is on the axis."""
-
 
 def require_opencascade() -> None:
     """Check that Open CASCADE is installed.
@@ -64,11 +58,16 @@ def to_brep(node: Node) -> Any:
 
 def volume_of(shape: Any) -> float:
     """Return the volume of a shape, mm3; negative if it is inside out."""
+    return _measure(shape, "Volume")
+
+
+def _measure(shape: Any, what: str) -> float:
+    """Return the volume, or the area of the surface, of a shape."""
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
 
     properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties)
+    getattr(BRepGProp, f"{what}Properties_s")(shape, properties)
     return float(properties.Mass())
 
 
@@ -142,7 +141,6 @@ def _make_letters(node: Text) -> Any:
 
 def _make_face(polygons: Sequence[FloatArray]) -> Any:
     """Faces in one plane between closed polygons of (n, 3); what an odd number of them surrounds is inside."""
-    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
     from OCP.gp import gp_Pnt
 
@@ -162,18 +160,9 @@ def _make_face(polygons: Sequence[FloatArray]) -> Any:
             result = face(polygon)
             continue
         common = _combine("Common", [result, face(polygon)])
-        operation = BRepAlgoAPI_Cut if _area(common) > 0 else BRepAlgoAPI_Fuse
-        result = operation(result, face(polygon)).Shape()
+        operation = "Cut" if _measure(common, "Surface") > 0 else "Fuse"
+        result = _combine(operation, [result, face(polygon)])
     return result
-
-
-def _area(shape: Any) -> float:
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
-
-    properties = GProp_GProps()
-    BRepGProp.SurfaceProperties_s(shape, properties)
-    return float(properties.Mass())
 
 
 def _turn_outside_out(shape: Any) -> Any:

@@ -16,6 +16,7 @@ from manifold3d import CrossSection, FillRule, JoinType
 from driftform.agent import hull_volume, solid_of_revolution
 from driftform.types import Agent, Body, FloatArray, Module
 from driftform_frusta.csg import MM
+from driftform_frusta.scad import format_number
 from driftform_frusta.section import DOME_STEP
 
 _TOLERANCE = 5e-5
@@ -44,7 +45,8 @@ def hull_source(agent: Agent, segments: int, title: str) -> str:
     ``segments`` is the number of corners of every circle. Its volume is that of the closed form within 1e-4.
     """
     body = agent.body
-    clearance = _clearance(body)
+    # Both chains start from the dome at the core's equator.
+    clearance = MM * (_radius_at(body, 0.0) - body.core.radius - body.wall)
     rows, aft = _tabulate_modules(agent)
     if rows is not None and _renders_to_hull(body, rows, aft, clearance):
         geometry = _modules_text(body, rows, aft, clearance)
@@ -164,11 +166,6 @@ def _radius_at(body: Body, x: float) -> float:
     return float(np.interp([x - _BESIDE, x + _BESIDE], *body.outer.T).max())
 
 
-def _clearance(body: Body) -> float:
-    """Gap between core and dome, mm: both chains start from the dome at the core's equator."""
-    return MM * (_radius_at(body, 0.0) - body.core.radius - body.wall)
-
-
 def _tabulate_modules(agent: Agent) -> tuple[list[Row] | None, int]:
     """The modules as the builder would lay them, and how many lie aft; ``None`` for a body without modules."""
     body, morphology = agent.body, agent.morphology
@@ -240,27 +237,22 @@ def _modules_text(body: Body, rows: Sequence[Row], aft: int, clearance: float) -
         for row in rows
     )
     return _PARAMETERS.format(
-        wall=_number(MM * body.wall),
-        clearance=_number(clearance),
-        core=_number(MM * body.core.radius),
+        wall=format_number(MM * body.wall),
+        clearance=format_number(clearance),
+        core=format_number(MM * body.core.radius),
         rows=table,
         aft=aft,
-        step=_number(math.degrees(DOME_STEP)),
+        step=format_number(math.degrees(DOME_STEP)),
     )
 
 
 def _contours_text(body: Body) -> str:
     def points(contour: FloatArray) -> str:
-        return ",\n".join(f"    [{_number(r)}, {_number(z)}]" for z, r in (MM * contour).tolist())
+        return ",\n".join(f"    [{format_number(r)}, {format_number(z)}]" for z, r in (MM * contour).tolist())
 
     return _CONTOURS.format(
-        core=_number(MM * body.core.radius),
-        height=_number(-MM * float(body.outer[:, 0].min())),
+        core=format_number(MM * body.core.radius),
+        height=format_number(-MM * float(body.outer[:, 0].min())),
         outside=points(body.outer),
         hollow=points(body.cavity),
     )
-
-
-def _number(value: float) -> str:
-    text = f"{value:.6f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text

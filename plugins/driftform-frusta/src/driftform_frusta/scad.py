@@ -113,8 +113,8 @@ def _revolve(node: Revolve) -> list[str]:
         r_max = max(r for r, _ in node.outline)
         z_min, z_max = min(z for _, z in node.outline), max(z for _, z in node.outline)
         half_plane = _put_above(
-            f"translate([0, {_number(z_min - 1)}])",
-            [f"square([{_number(r_max + 1)}, {_number(z_max - z_min + 2)}]);"],
+            f"translate([0, {format_number(z_min - 1)}])",
+            [f"square([{format_number(r_max + 1)}, {format_number(z_max - z_min + 2)}]);"],
         )
         section = _block("intersection()", [section, half_plane])
     # Without convexity the preview draws what is behind a concave section in front of it.
@@ -126,7 +126,7 @@ def _revolve(node: Revolve) -> list[str]:
 def _text(node: Text) -> list[str]:
     ends = [f"[{_vector(start)}, {_vector(end)}]" for start, end in draw_strokes(node.text, node.size)]
     return [
-        f"letters({_number(node.height)}, {_number(node.size * STROKE)}, [  // {node.text}",
+        f"letters({format_number(node.height)}, {format_number(node.size * STROKE)}, [  // {node.text}",
         *(
             _INDENT + ", ".join(ends[i : i + _POINTS_PER_LINE]) + ","
             for i in range(0, len(ends), _POINTS_PER_LINE)
@@ -136,7 +136,7 @@ def _text(node: Text) -> list[str]:
 
 
 def _polygon(points: Sequence[Point]) -> list[str]:
-    texts = [f"[{_number(r)}, {_number(z)}]" for r, z in points]
+    texts = [f"[{format_number(r)}, {format_number(z)}]" for r, z in points]
     rows = [texts[i : i + _POINTS_PER_LINE] for i in range(0, len(texts), _POINTS_PER_LINE)]
     return ["polygon([", *(_INDENT + ", ".join(row) + "," for row in rows), "]);"]
 
@@ -150,9 +150,10 @@ def _put_above(head: str, child: Sequence[str]) -> list[str]:
 
 
 def _vector(values: Sequence[float]) -> str:
-    return f"[{', '.join(_number(v) for v in values)}]"
+    return f"[{', '.join(format_number(v) for v in values)}]"
 
 
-def _number(value: float) -> str:
+def format_number(value: float) -> str:
+    """Return a number with six decimals at most, without trailing zeros or a negative zero."""
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text

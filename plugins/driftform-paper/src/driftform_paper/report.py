@@ -86,9 +86,12 @@ def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Res
     ]
     shared = [100 - search.shared.mean(axis=0) for search in (paper, random)]
     for number, target in enumerate(scenario.target_names):
-        cells = [f"{value:.2f}" for search in (paper, random) for value in _summary(search.error[:, number])]
+        errors = [search.error[:, number] for search in (paper, random)]
+        cells = [f"{value:.2f}" for error in errors for value in (error.mean(), error.std(), error.max())]
         rows.append(f"| {target} | {' | '.join(cells)} | {shared[0][number]:.2f} | {shared[1][number]:.2f} |")
-    cells = [f"{v:.2f}" for search in (paper, random) for v in _overall(search.error)]
+    # Mean over all, mean of the targets' deviations, worst of all.
+    whole = [(s.error.mean(), s.error.std(axis=0).mean(), s.error.max()) for s in (paper, random)]
+    cells = [f"{value:.2f}" for values in whole for value in values]
     rows.append(f"| all | {' | '.join(cells)} | {shared[0].mean():.2f} | {shared[1].mean():.2f} |")
     claims = [
         "| claim of the paper | here, its GA | here, random search |",
@@ -117,15 +120,6 @@ def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Res
             "",
         ]
     )
-
-
-def _summary(errors: FloatArray) -> tuple[float, float, float]:
-    return float(errors.mean()), float(errors.std()), float(errors.max())
-
-
-def _overall(errors: FloatArray) -> tuple[float, float, float]:
-    """Mean over all, mean of the targets' deviations, worst of all."""
-    return float(errors.mean()), float(errors.std(axis=0).mean()), float(errors.max())
 
 
 def _again_table(scenario: Scenario, again: Resimulation) -> list[str]:
@@ -180,13 +174,9 @@ def write_figures(
 def trends(targets: Sequence[str], fitness: FloatArray, baseline: FloatArray) -> list[trend.Trend]:
     """Return the trends of (repeats, targets, flights) at the end of every generation."""
     ends = np.arange(GENERATION - 1, fitness.shape[2], GENERATION)
+    flights = np.asarray(ends + 1.0, dtype=np.float64)
     return [
-        trend.Trend(
-            target,
-            np.asarray(ends + 1.0, dtype=np.float64),
-            fitness[:, number, ends],
-            baseline[:, number, ends],
-        )
+        trend.Trend(target, flights, fitness[:, number, ends], baseline[:, number, ends])
         for number, target in enumerate(targets)
     ]
 

@@ -6,7 +6,7 @@ computes the forces of the water.
 
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -83,12 +83,14 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
     )
     add(root, "compiler", angle="radian", meshdir="meshes")
     down = [0.0, 0.0, -fluid.gravity]
-    water = {"density": fluid.density, "viscosity": "0", "wind": scenario.current()}
+    water: dict[str, Any] = {"density": fluid.density, "viscosity": "0", "wind": scenario.current()}
     add(root, "option", timestep=step, integrator="implicit", gravity=down, **water)
     friction = scenario.calibrated_contact().friction
     default = add(add(root, "default"), "default", class_="contact")
     # MuJoCo's solver fails for three zero coefficients: contacts without friction have one dimension instead.
-    rubbing = {"condim": "3", "friction": [friction, 0.005, 0.0001]} if friction else {"condim": "1"}
+    rubbing: dict[str, Any] = (
+        {"condim": "3", "friction": [friction, 0.005, 0.0001]} if friction else {"condim": "1"}
+    )
     add(default, "geom", **rubbing)
 
     assets = add(root, "asset")
@@ -131,7 +133,12 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
     )
     add(lifted, "inertial", pos="0 0 0", mass=small, diaginertia=[1e-12 * small] * 3)
     # For a body without an ellipsoid MuJoCo would compute the drag of a box, with edges of centimetres at this mass.
-    speck = {"type": "ellipsoid", "size": [1e-6] * 3, "fluidshape": "ellipsoid", "fluidcoef": "0 0 0 0 0"}
+    speck: dict[str, Any] = {
+        "type": "ellipsoid",
+        "size": [1e-6] * 3,
+        "fluidshape": "ellipsoid",
+        "fluidcoef": "0 0 0 0 0",
+    }
     add(lifted, "geom", **speck, group="4", **unseen)
     pose, velocity = (*link.position, *link.quaternion), (*link.velocity, 0.0, 0.0, 0.0)
     add(add(root, "keyframe"), "key", name="release", qpos=pose, qvel=velocity)
