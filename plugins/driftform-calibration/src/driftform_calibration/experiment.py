@@ -281,7 +281,8 @@ def _choose(
     bench: Bench,
     count: int,
 ) -> Plan:
-    priors = _prior_widths(bench, names)
+    problem = Problem([Filmed(bench, _blank(np.linspace(0, 1, 8)))], names, [1.0])
+    priors = np.array([p.prior for p in problem.parameters[: len(names)]])
     information, drops = np.diag(priors**-2.0), []
     for _ in range(count):
         before = np.linalg.slogdet(information)[1]
@@ -296,8 +297,3 @@ def _choose(
         expected[name] = (float(half), bool(half <= find_widest(bench, name, 1.0)))
     share = bench.hull_weight / max(abs(bench.net_weight), 1e-12)
     return Plan(tuple(drops), expected, dict(reasons), float(share))
-
-
-def _prior_widths(bench: Bench, names: Sequence[str]) -> FloatArray:
-    problem = Problem([Filmed(bench, _blank(np.linspace(0, 1, 8)))], names, [1.0])
-    return np.array([p.prior for p in problem.parameters[: len(names)]])

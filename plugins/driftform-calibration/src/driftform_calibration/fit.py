@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from driftform.types import Drag, FloatArray
+from driftform.types import FloatArray
 from driftform.water import Calibration, Factors
 from driftform_calibration.bench import Bench, Path
 from driftform_calibration.problem import (
@@ -314,7 +314,7 @@ def list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str
         if all(drag is None for drag in drags):
             why = "the agent's model has no drag (hydrodynamics.drag = 'strips')"
             reasons |= {"axial_drag": why, "cross_drag": why}
-        elif all(_is_round(drag) for drag in drags if drag is not None):
+        elif all(d.round_area > ROUND * 0.25 * np.pi * d.diameter**2 for d in drags if d is not None):
             reasons["axial_drag"] = "a sphere has one drag, which is that of cross_drag"
     if benches[0].hull_weight == 0.0:
         reasons["hull_density"] = "the agent has no hull"
@@ -346,11 +346,6 @@ def _judge(solution: Solution, names: Sequence[str]) -> tuple[list[int], FloatAr
         if not known or max(excess) <= 1.0:
             return known, moved, deviation
         known.pop(int(np.argmax(excess)))
-
-
-def _is_round(drag: Drag) -> bool:
-    """Return whether nearly all of a body's drag is that of a sphere."""
-    return bool(drag.round_area > ROUND * 0.25 * np.pi * drag.diameter**2)
 
 
 def _find_excess(solution: Solution, j: int, x: FloatArray, deviation: FloatArray) -> float:

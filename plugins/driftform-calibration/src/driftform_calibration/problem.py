@@ -159,7 +159,9 @@ class Problem:
             if name in ("restitution", "friction"):
                 step = _ROUGH
             if name == "restitution":
-                low, high = self._bound_restitution()
+                values = [film.bench.scenario.contact.restitution for film in self.films]
+                low = min(-1e-3, float(np.log(0.1 / min(values))))
+                high = max(1e-3, float(np.log(1.0 / max(values))))
             if name in priors:
                 start, width = priors[name]
             found.append(Parameter(-1, name, start, low, high, width, step))
@@ -186,10 +188,6 @@ class Problem:
         held[:, known] = self._anchor.rows
         centre[known] = self._anchor.centre
         return np.vstack([rows, held]), centre
-
-    def _bound_restitution(self) -> tuple[float, float]:
-        values = [film.bench.scenario.contact.restitution for film in self.films]
-        return min(-1e-3, float(np.log(0.1 / min(values)))), max(1e-3, float(np.log(1.0 / max(values))))
 
     def factors(self, x: FloatArray) -> Factors:
         """Return the factors of a point of the parameter space."""

@@ -204,7 +204,8 @@ class _Planner:
         kit = self.measure(None)
         pieces = _fill_seats(kit.held, required, density) if kit.held else ()
         seats = [next(ball for ball in kit.held if ball.x == piece.element.x) for piece in pieces]
-        if seats and all(_fits(piece, ball) for piece, ball in zip(pieces, seats, strict=True)):
+        off = [abs((p.diameter or 0.0) - ball.diameter) for p, ball in zip(pieces, seats, strict=True)]
+        if seats and all(o <= _SAME_SIZE * ball.diameter for o, ball in zip(off, seats, strict=True)):
             return _Plan(self.weight, required, pieces, tuple(seats))
         plan = replace(self.plan_seats(required, kit, self.measure), misfits=kit.held)
         if not plan.held and any(_is_in_the_way(ball, piece) for ball in kit.held for piece in plan.pieces):
@@ -272,10 +273,6 @@ class _Planner:
         whole = self.weight.mass + seats[0]
         cog = (printed.mass * printed.cog[0] + seats[1]) / whole
         return PrintWeight(float(whole), float(cog), self.weight.source)
-
-
-def _fits(piece: Piece, seat: HeldBall) -> bool:
-    return abs((piece.diameter or 0.0) - seat.diameter) <= _SAME_SIZE * seat.diameter
 
 
 def _is_in_the_way(seat: HeldBall, piece: Piece) -> bool:

@@ -30,7 +30,8 @@ def curve_svg(fleet: Fleet, title: str) -> str:
         _, y = place(0, percent / 100)
         svg.add(root, "line", x1=box.left, y1=y, x2=box.right, y2=y, stroke=style.GRID)
         layout.write(root, box.left - 8, y + 4, f"{percent}", 11, style.MUTED, "end")
-    for count in _choose_ticks(size):
+    step = next(step for step in (1, 2, 5, 10, 20, 50, 100, 1000) if size / step <= 12 or step == 1000)
+    for count in range(0, size + 1, step):
         layout.write(root, place(count, 0)[0], box.bottom + 18, f"{count}", 11, style.MUTED, "middle")
     layout.write(root, box.right, box.bottom + 36, "bodies", 11, style.MUTED, "end")
     lines = [
@@ -46,11 +47,6 @@ def curve_svg(fleet: Fleet, title: str) -> str:
         ink = style.INK if colour == style.MUTED else colour
         layout.write(root, box.right + 10, y + 4, f"{name} {100 * curve[-1]:.1f}", 12, ink)
     return svg.render(root)
-
-
-def _choose_ticks(size: int) -> list[int]:
-    step = next(step for step in (1, 2, 5, 10, 20, 50, 100, 1000) if size / step <= 12 or step == 1000)
-    return list(range(0, size + 1, step))
 
 
 def _spread(heights: list[float], least: float = 16.0) -> list[float]:

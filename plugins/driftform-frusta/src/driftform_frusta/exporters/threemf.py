@@ -12,6 +12,7 @@ from driftform.agent import Mesh
 from driftform.figures import files as picture_files
 from driftform.interfaces import ExportJob
 from driftform_frusta.colours import colour_of
+from driftform_frusta.csg import MM
 from driftform_frusta.exporters.base import File, PartExporter, list_facts
 from driftform_frusta.mesh import make_mesh
 from driftform_frusta.picture import plate_svg
@@ -19,8 +20,6 @@ from driftform_frusta.plate import arrange, fits
 
 if TYPE_CHECKING:
     from driftform_frusta.parts import Part
-
-_MM = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +90,7 @@ class ThreeMfExporter(PartExporter):
     def _bed(self) -> tuple[float, float, float]:
         """Width, depth and height, mm."""
         x, y, z = self.options.bed
-        return _MM * x, _MM * y, _MM * z
+        return MM * x, MM * y, MM * z
 
     def _pack(
         self, title: str, job: ExportJob, placed: Sequence[_Placed], attachments: dict[str, str]
@@ -108,7 +107,7 @@ class ThreeMfExporter(PartExporter):
         )
         items = [Item(p.part.name, p.colour, p.mesh, (width / 2 + p.x, depth / 2 + p.y)) for p in placed]
         hints = {
-            "layer_height_mm": f"{_MM * o.layer_height:g}",
+            "layer_height_mm": f"{MM * o.layer_height:g}",
             "perimeters": str(o.perimeters),
             "infill_percent": f"{100 * o.infill:g}",
             "material_density_kg_per_m3": f"{body.hull_density:g}",

@@ -134,14 +134,8 @@ def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
         range(len(kit.pieces)), key=lambda place: (place != first, abs(place - inner - 0.5), place > inner)
     )
     return tuple(
-        SheetPart(
-            number,
-            place,
-            kit.pieces[place],
-            piece_mass(kit.pieces[place], density),
-            overhang_area(kit.pieces[place].rings, kit.pieces[place].fore_down),
-        )
-        for number, place in enumerate(order, 1)
+        SheetPart(number, place, p, piece_mass(p, density), overhang_area(p.rings, p.fore_down))
+        for number, (place, p) in enumerate(((place, kit.pieces[place]) for place in order), 1)
     )
 
 

@@ -79,7 +79,9 @@ def make_package(
         topics of ``config/bridge.yaml``.
     """
     config = {"config/bridge.yaml": _format_bridges(bridges)} if bridges else {}
-    made = {f"launch/{launch[0]}": _notice() + launch[1], **config}
+    # The linters expect the notice at the top of a Python file.
+    notice = "".join(f"# {line}".rstrip() + "\n" for line in f"{_NOTICE}\n\n{_LICENCE}".splitlines())
+    made = {f"launch/{launch[0]}": f"{notice}\n{launch[1]}", **config}
     return {
         "package.xml": _format_manifest(name, description, depends),
         "CMakeLists.txt": _format_build(name, [*files, *made]),
@@ -87,11 +89,6 @@ def make_package(
         "README.md": readme,
         "LICENSE": f"MIT License\n\n{_NOTICE}\n\n{_LICENCE}",
     }
-
-
-def _notice() -> str:
-    """The notice that the linters expect at the top of a Python file."""
-    return "".join(f"# {line}".rstrip() + "\n" for line in f"{_NOTICE}\n\n{_LICENCE}".splitlines()) + "\n"
 
 
 def _format_manifest(name: str, description: str, depends: Sequence[str]) -> str:
