@@ -144,7 +144,15 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     first = kit.core_joint.joint
     facts: dict[str, Any] = {
         "joint": {"kind": first.kind, "x_mm": first.z, "why": kit.core_joint.reason},
-        "parts": [_facts_of_piece(piece, body.hull_density) for piece in kit.pieces],
+        "parts": [
+            {
+                "name": piece.name,
+                "mass_kg": piece_mass(piece, body.hull_density),
+                "height_mm": float(np.ptp(np.concatenate(piece.rings)[:, 1])),
+                "bed_end": piece.bed_end,
+            }
+            for piece in kit.pieces
+        ],
         "ballast": [
             {
                 "x_mm": held.ball.z,
@@ -187,16 +195,6 @@ def _list_balances(job: ExportJob, kit: Kit, options: PartOptions) -> list[dict[
 def piece_mass(piece: Piece, density: float) -> float:
     """Return the mass of a part of a material of ``density`` (kg/m3), kg."""
     return density * (moments(piece.rings).volume - (piece.engraved.volume if piece.engraved else 0.0))
-
-
-def _facts_of_piece(piece: Piece, density: float) -> dict[str, Any]:
-    z = np.concatenate([ring[:, 1] for ring in piece.rings])
-    return {
-        "name": piece.name,
-        "mass_kg": piece_mass(piece, density),
-        "height_mm": float(np.ptp(z)),
-        "bed_end": "fore" if piece.fore_down else "aft",
-    }
 
 
 def measure_flooding(kit: Kit, body: Body, water: float) -> float:

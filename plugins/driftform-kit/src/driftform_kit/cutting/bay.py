@@ -139,8 +139,13 @@ def draw_seat(
 ) -> CrossSection | None:
     """Return the section of a cone on one side of a ball that merges with a part and is clear of others; ``None`` without room."""
     taken = CrossSection.batch_boolean(list(others), OpType.Add)
-    for latitude in _LATITUDES_DEG:
-        section = _draw_cone(hull, ball, math.radians(latitude), side, gap)
+    far = 2 * float(np.abs(hull.skin).max())
+    for latitude in np.radians(_LATITUDES_DEG).tolist():
+        # A strip about the ray from the ball's centre at that latitude.
+        along = np.array([math.cos(latitude), side * math.sin(latitude)])
+        across = np.array([-along[1], along[0]]) * SEAT / 2
+        strip = np.array([-across, far * along - across, far * along + across, across])
+        section = _cut_nearest(hull, ball, strip, gap)
         if _fits(section, part, taken, gap):
             return section
     return None
@@ -164,16 +169,6 @@ def draw_tube(
 def _fits(section: CrossSection, part: CrossSection, taken: CrossSection, gap: float) -> bool:
     held = (grow(section, _TOUCHING) ^ part).area() > _AREA
     return bool(held and (grow(section, gap) ^ taken).area() < _AREA)
-
-
-def _draw_cone(hull: Hull, ball: Ball, latitude: float, side: int, gap: float) -> CrossSection:
-    """The section of a cone about the ray from a ball's centre at a latitude, from the ball to the nearest wall."""
-    along = np.array([math.cos(latitude), side * math.sin(latitude)])
-    across = np.array([-along[1], along[0]]) * SEAT / 2
-    far = 2 * float(np.abs(hull.skin).max())
-    return _cut_nearest(
-        hull, ball, np.array([-across, far * along - across, far * along + across, across]), gap
-    )
 
 
 def _cut_nearest(hull: Hull, ball: Ball, corners: FloatArray, gap: float) -> CrossSection:

@@ -51,6 +51,11 @@ class Piece:
         """Whether it is printed with its fore end on the bed."""
         return prints_fore_down(self.rings)
 
+    @property
+    def bed_end(self) -> str:
+        """The end that is printed on the bed."""
+        return "fore" if self.fore_down else "aft"
+
 
 @dataclass(frozen=True, eq=False)
 class Kit:

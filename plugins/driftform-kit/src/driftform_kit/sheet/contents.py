@@ -47,11 +47,6 @@ class SheetPart:
     overhang: float
 
     @property
-    def bed_end(self) -> str:
-        """The end that is printed on the bed."""
-        return "fore" if self.piece.fore_down else "aft"
-
-    @property
     def printed(self) -> tuple[Ring, ...]:
         """Its half section as printed: (r, z) in mm, the bed at z = 0."""
         up = -1.0 if self.piece.fore_down else 1.0

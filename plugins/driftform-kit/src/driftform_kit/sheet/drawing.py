@@ -201,7 +201,7 @@ def _draw_part(
     svg.add_line(root, svg.path_data([(middle - half, bed), (middle + half, bed)]), style.INK, 1.4, "bed")
     lines = [
         f"Ø {diameter:.1f} x {height:.1f} mm",
-        f"{part.bed_end} end down{', engraved' if part.piece.engraved is not None else ''}",
+        f"{part.piece.bed_end} end down{', engraved' if part.piece.engraved is not None else ''}",
     ]
     name = layout.shorten(part.piece.name, _TEXT, width - 20, bold=True)
     left = middle - layout.text_width(name, _TEXT, bold=True) / 2

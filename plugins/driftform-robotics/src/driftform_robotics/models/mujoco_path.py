@@ -82,11 +82,9 @@ class Paths:
 
 def compare_paths(link: Link, fluid: Fluid, current: FloatArray, reach: float = REACH) -> Paths:
     """Return the paths of a link in open water with a uniform ``current`` (m/s, (3,)), until it has gone ``reach`` (m)."""
-    rigid = np.zeros((6, 6))
-    rigid[:3, :3], rigid[3:, 3:] = link.mass * np.eye(3), link.inertia
-    total = rigid + link.added_mass
+    total = link.rigid_mass + link.added_mass
     seconds, true = _integrate(link, fluid, current, total, SECONDS, reach)
-    until, mujoco = _integrate(link, fluid, current, rigid, seconds, FAR * reach)
+    until, mujoco = _integrate(link, fluid, current, link.rigid_mass, seconds, FAR * reach)
     if until < seconds:
         _, true = _integrate(link, fluid, current, total, until, reach)
     return Paths(until, true, mujoco)
@@ -98,8 +96,7 @@ def _integrate(
     """Return when a body with the mass matrix ``inertia`` has gone ``reach``, and its displacement relative to the water."""
     from scipy.integrate import RK45
 
-    inverse, added, mass = np.linalg.inv(inertia), link.added_mass, np.zeros((6, 6))
-    mass[:3, :3], mass[3:, 3:] = link.mass * np.eye(3), link.inertia
+    inverse, added, mass = np.linalg.inv(inertia), link.added_mass, link.rigid_mass
     lift = fluid.density * link.volume * fluid.gravity
     weight = link.mass * fluid.gravity - lift
 

@@ -110,7 +110,7 @@ class SdfExporter(ModelExporter[SdfOptions]):
         # Nothing moves evenly with the water through a bend.
         if scenario.current().any() and _is_straight(scenario):
             drifting = _move_to_water_frame(model, self.options.drag_speed)
-            adrift = warn_of_flow(scenario) + _list_warnings(drifting, gazebo, PUSH_DRIFT)
+            adrift = [*warn_of_flow(scenario), *_list_warnings(drifting, gazebo, PUSH_DRIFT)]
             world = _make_world(drifting, gazebo, step, adrift, -scenario.current())
             files["drift.sdf"] = format_document(world)
             if drifting.link.velocity.any():

@@ -111,11 +111,11 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
             name,
             f"The agent {model.job.name} of driftform: its URDF, without water",
             [*files, HULL],
-            launch=("display.launch.py", _LAUNCH.replace("PACKAGE", name)),
+            launch=("display.launch.py", _LAUNCH),
             depends=("launch", "launch_ros", "robot_state_publisher", "rviz2"),
             readme=_README.format(agent=model.job.name, package=name),
         )
-        return files, warn_of_folding(model.job.agent.body)
+        return files, list(warn_of_folding(model.job.agent.body))
 
     def _make_robot(self, model: Model, package: str) -> ET.Element:
         link = model.link

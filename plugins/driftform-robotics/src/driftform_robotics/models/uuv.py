@@ -81,7 +81,7 @@ class UuvExporter(ModelExporter[UuvOptions]):
 
 def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
     scenario = model.job.scenario
-    found = warn_of_divergence(model.link, SMOOTHING) + model.list_warnings()
+    found = [*warn_of_divergence(model.link, SMOOTHING), *model.list_warnings()]
     axes = [
         axis for placed in scenario.pipe.layout.parts for axis in placed.part.list_axes(placed.part.length)
     ]
