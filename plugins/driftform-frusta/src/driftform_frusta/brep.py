@@ -10,17 +10,8 @@ import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
-from driftform_frusta.csg import (
-    Difference,
-    Intersection,
-    Named,
-    Node,
-    Revolve,
-    Rotate,
-    Text,
-    Translate,
-    Union,
-)
+from driftform_frusta import csg
+from driftform_frusta.csg import Node
 from driftform_frusta.solid import half_section, to_manifold
 
 
@@ -73,19 +64,19 @@ def _measure(shape: Any, what: str) -> float:
 
 def _interpret(node: Node) -> Any:
     match node:
-        case Revolve():
+        case csg.Revolve():
             shape = _revolve(half_section(node))
-        case Text():
+        case csg.Text():
             shape = _make_letters(node)
-        case Union():
+        case csg.Union():
             shape = _combine("Fuse", [_interpret(child) for child in node.children])
-        case Difference():
+        case csg.Difference():
             shape = _combine("Cut", [_interpret(child) for child in (node.base, *node.tools)])
-        case Intersection():
+        case csg.Intersection():
             shape = _combine("Common", [_interpret(child) for child in node.children])
-        case Translate() | Rotate():
+        case csg.Translate() | csg.Rotate():
             shape = _move(node)
-        case Named():
+        case csg.Named():
             shape = _interpret(node.child)
         case _:
             assert_never(node)
@@ -104,12 +95,12 @@ def _combine(operation: str, shapes: Sequence[Any]) -> Any:
     return result
 
 
-def _move(node: Translate | Rotate) -> Any:
+def _move(node: csg.Translate | csg.Rotate) -> Any:
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 
     transform = gp_Trsf()
-    if isinstance(node, Translate):
+    if isinstance(node, csg.Translate):
         transform.SetTranslation(gp_Vec(*node.offset))
     else:
         for axis, angle in zip(np.eye(3).tolist(), np.deg2rad(node.angles_deg).tolist(), strict=True):
@@ -129,7 +120,7 @@ def _revolve(polygons: Sequence[FloatArray]) -> Any:
     return _turn_outside_out(BRepPrimAPI_MakeRevol(face, axis).Shape())
 
 
-def _make_letters(node: Text) -> Any:
+def _make_letters(node: csg.Text) -> Any:
     """Letters as prisms of the outlines that the mesh has: they are polygons there, too."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Vec

@@ -7,18 +7,8 @@ the same factors, which are written as formulas of ``$fn``, so that a reader may
 from collections.abc import Iterator, Sequence
 from typing import assert_never
 
-from driftform_frusta.csg import (
-    Difference,
-    Intersection,
-    Named,
-    Node,
-    Point,
-    Revolve,
-    Rotate,
-    Text,
-    Translate,
-    Union,
-)
+from driftform_frusta import csg
+from driftform_frusta.csg import Node
 from driftform_frusta.lettering import STROKE, draw_strokes
 
 _INDENT = "    "
@@ -51,9 +41,9 @@ def write_definitions(nodes: Sequence[Node], segments: int) -> str:
         raise ValueError(f"a circle needs three segments or more, not {segments}")
     kinds = {type(n) for node in nodes for n in _walk(node)}
     parts = [f"$fn = {segments};\n"]
-    if Revolve in kinds:
+    if csg.Revolve in kinds:
         parts.append(_AREA_FACTOR)
-    if Text in kinds:
+    if csg.Text in kinds:
         parts.append(_LETTERS)
     return "\n".join(parts)
 
@@ -66,13 +56,13 @@ def write_module(name: str, node: Node) -> str:
 def _walk(node: Node) -> Iterator[Node]:
     yield node
     match node:
-        case Union() | Intersection():
+        case csg.Union() | csg.Intersection():
             children: tuple[Node, ...] = node.children
-        case Difference():
+        case csg.Difference():
             children = (node.base, *node.tools)
-        case Translate() | Rotate() | Named():
+        case csg.Translate() | csg.Rotate() | csg.Named():
             children = (node.child,)
-        case Revolve() | Text():
+        case csg.Revolve() | csg.Text():
             children = ()
         case _:
             assert_never(node)
@@ -82,21 +72,21 @@ def _walk(node: Node) -> Iterator[Node]:
 
 def _lines(node: Node) -> list[str]:
     match node:
-        case Revolve():
+        case csg.Revolve():
             lines = _revolve(node)
-        case Text():
+        case csg.Text():
             lines = _text(node)
-        case Union():
+        case csg.Union():
             lines = _block("union()", [_lines(c) for c in node.children])
-        case Difference():
+        case csg.Difference():
             lines = _block("difference()", [_lines(c) for c in (node.base, *node.tools)])
-        case Intersection():
+        case csg.Intersection():
             lines = _block("intersection()", [_lines(c) for c in node.children])
-        case Translate():
+        case csg.Translate():
             lines = _put_above(f"translate({_vector(node.offset)})", _lines(node.child))
-        case Rotate():
+        case csg.Rotate():
             lines = _put_above(f"rotate({_vector(node.angles_deg)})", _lines(node.child))
-        case Named():
+        case csg.Named():
             # A line break in a label would end the comment.
             lines = [f"// {' '.join(node.label.split())}".rstrip(), *_lines(node.child)]
         case _:
@@ -104,7 +94,7 @@ def _lines(node: Node) -> list[str]:
     return lines
 
 
-def _revolve(node: Revolve) -> list[str]:
+def _revolve(node: csg.Revolve) -> list[str]:
     section = _polygon(node.outline)
     if node.holes:
         section = _block("difference()", [section, *(_polygon(hole) for hole in node.holes)])
@@ -123,7 +113,7 @@ def _revolve(node: Revolve) -> list[str]:
     )
 
 
-def _text(node: Text) -> list[str]:
+def _text(node: csg.Text) -> list[str]:
     ends = [f"[{_vector(start)}, {_vector(end)}]" for start, end in draw_strokes(node.text, node.size)]
     return [
         f"letters({format_number(node.height)}, {format_number(node.size * STROKE)}, [  // {node.text}",
@@ -135,7 +125,7 @@ def _text(node: Text) -> list[str]:
     ]
 
 
-def _polygon(points: Sequence[Point]) -> list[str]:
+def _polygon(points: Sequence[csg.Point]) -> list[str]:
     texts = [f"[{format_number(r)}, {format_number(z)}]" for r, z in points]
     rows = [texts[i : i + _POINTS_PER_LINE] for i in range(0, len(texts), _POINTS_PER_LINE)]
     return ["polygon([", *(_INDENT + ", ".join(row) + "," for row in rows), "]);"]

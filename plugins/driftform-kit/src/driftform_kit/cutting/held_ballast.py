@@ -12,17 +12,10 @@ import numpy as np
 from manifold3d import CrossSection
 
 from driftform.errors import WorkFailedError
+from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, distance_along, draw_seat, draw_tube, is_held
 from driftform_kit.cutting.joint import Joint, takes_core_aft
-from driftform_kit.cutting.meridian import (
-    Hull,
-    Ring,
-    list_rings,
-    make_disc,
-    moments,
-    take_half,
-    take_right,
-)
+from driftform_kit.cutting.meridian import Hull, Ring
 from driftform_kit.cutting.upright import prints_fore_down
 
 _AREA = 1e-3
@@ -71,13 +64,13 @@ def hold_ballast(
         return ()
     core = hull.core - _ROUNDING
     # In the shell that takes the core, the core passes from the joint to the origin. The other shell is put over it.
-    path = make_disc(core) + make_disc(core).translate((0.0, core_joint.z))
+    path = meridian.make_disc(core) + meridian.make_disc(core).translate((0.0, core_joint.z))
     path += CrossSection.square((2 * core, abs(core_joint.z))).translate((-core, min(0.0, core_joint.z)))
     shell = joints.index(core_joint) + (not takes_core_aft(core_joint))
     held = []
     for ball in balls:
         part = sum(joint.z < ball.z for joint in joints)
-        kept_free = [path if part == shell else make_disc(core)]
+        kept_free = [path if part == shell else meridian.make_disc(core)]
         kept_free += [*(other.draw(-_ROUNDING) for other in balls if other is not ball)]
         if (ball.draw() ^ kept_free[0]).area() > _AREA:
             raise _refuse(ball, hull, "the core is there, or passes there")
@@ -157,7 +150,7 @@ def _support(
         return False, None
 
     def added_volume(section: CrossSection) -> float:
-        return moments(list_rings(take_right(section - parts[part]))).volume
+        return meridian.moments(meridian.list_rings(meridian.take_right(section - parts[part]))).volume
 
     return True, Seat(min(sections, key=added_volume), part)
 
@@ -168,7 +161,7 @@ def _opens_upward(hull: Hull, ball: Ball, side: int) -> bool:
 
 
 def _fore_down(section: CrossSection) -> bool:
-    return prints_fore_down(list_rings(take_half(section)))
+    return prints_fore_down(meridian.list_rings(meridian.take_half(section)))
 
 
 def pause_height(held: HeldBall, rings: Sequence[Ring]) -> float:

@@ -14,6 +14,7 @@ from driftform.agent import slice_solid
 from driftform.interfaces import Table, option
 from driftform.types import FloatArray
 from driftform.water import Scenario
+from driftform_robotics.models import xml
 from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions, piece_path
 from driftform_robotics.models.gazebo_package import WORLD, gazebo_package
 from driftform_robotics.models.link import make_link, warn_of_divergence, warn_of_flow
@@ -27,17 +28,7 @@ from driftform_robotics.models.scenery import (
     add_targets,
     make_static,
 )
-from driftform_robotics.models.xml import (
-    add,
-    add_comment,
-    add_texts,
-    format_document,
-    format_fields,
-    format_number,
-    format_numbers,
-    format_pose,
-    format_symmetric,
-)
+from driftform_robotics.models.xml import add, add_comment, add_texts
 
 LINK = "base_link"
 PUSH, PUSH_DRIFT = "push.sh", "push_drift.sh"
@@ -100,9 +91,9 @@ class SdfExporter(ModelExporter[SdfOptions]):
         _add_model(alone, model, gazebo, warnings)
         wall = make_wall(scenario.pipe)
         files = {
-            "world.sdf": format_document(_make_world(model, gazebo, step, warnings)),
-            "model.sdf": format_document(alone),
-            "model.config": format_document(_make_config(model, gazebo)),
+            "world.sdf": xml.format_document(_make_world(model, gazebo, step, warnings)),
+            "model.sdf": xml.format_document(alone),
+            "model.config": xml.format_document(_make_config(model, gazebo)),
             **({} if wall is None else {PIPE: obj_text(wall.mesh)}),
         }
         if model.link.velocity.any():
@@ -112,7 +103,7 @@ class SdfExporter(ModelExporter[SdfOptions]):
             drifting = _move_to_water_frame(model, self.options.drag_speed)
             adrift = [*warn_of_flow(scenario), *_list_warnings(drifting, gazebo, PUSH_DRIFT)]
             world = _make_world(drifting, gazebo, step, adrift, -scenario.current())
-            files["drift.sdf"] = format_document(world)
+            files["drift.sdf"] = xml.format_document(world)
             if drifting.link.velocity.any():
                 files[PUSH_DRIFT] = _make_push_script(drifting, gazebo, step)
         shared = [*files, HULL]
@@ -210,14 +201,14 @@ def _make_world(
         make_static(around)
     else:
         _add_motion(around, passing, gazebo)
-    place = format_pose(model.link.position, model.link.rotation)
+    place = xml.format_pose(model.link.position, model.link.rotation)
     _add_model(world, model, gazebo, warnings, place)
     return root
 
 
 def _describe_drift(title: str, passing: FloatArray) -> list[str]:
     """The header of the world in the frame of the water."""
-    velocity = format_numbers(passing)
+    velocity = xml.format_numbers(passing)
     return [
         "This world is in the frame of the water: the water is at rest, and the models 'pipe' and 'targets' move past it",
         f"at {velocity} m/s. The agent's motion relative to the pipe is that in the current.",
@@ -255,9 +246,9 @@ def _add_model(
     element = add(root, "link", name=LINK)
     inertial = add(element, "inertial")
     add(inertial, "mass", link.mass)
-    add_texts(add(inertial, "inertia"), **format_symmetric(link.inertia, "xyz", "i"))
+    add_texts(add(inertial, "inertia"), **xml.format_symmetric(link.inertia, "xyz", "i"))
     if gazebo.solves_added_mass:
-        added = format_symmetric(link.added_mass, _SDF_AXES)
+        added = xml.format_symmetric(link.added_mass, _SDF_AXES)
         add_texts(add(inertial, "fluid_added_mass"), **added)
     add_mesh(add(element, "visual", name="hull"), HULL)
     add_comment(
@@ -267,14 +258,14 @@ def _add_model(
     )
     for index, piece in enumerate(model.pieces):
         collision = add(element, "collision", name=f"piece_{index}")
-        add(collision, "pose", format_pose(model.axis_point(piece.x)))
+        add(collision, "pose", xml.format_pose(model.axis_point(piece.x)))
         add_mesh(collision, piece_path(index))
         add_friction(collision, job.scenario.calibrated_contact().friction)
     if job.scenario.fluid.water_level is not None:
         _add_spheres(element, model)
     # After the link: a frame can be attached only to a link that is already defined.
     core = add(root, "frame", name="core", attached_to=LINK)
-    add(core, "pose", format_pose(link.core))
+    add(core, "pose", xml.format_pose(link.core))
     _add_hydrodynamics(root, model, gazebo)
 
 
@@ -288,7 +279,7 @@ def _add_spheres(element: ET.Element, model: Model) -> None:
     )
     for index, (x, volume, _) in enumerate(slice_solid(body.outer, count)):
         collision = add(element, "collision", name=f"slice_{index}")
-        add(collision, "pose", format_pose(model.axis_point(x)))
+        add(collision, "pose", xml.format_pose(model.axis_point(x)))
         add(add(add(collision, "geometry"), "sphere"), "radius", np.cbrt(0.75 * volume / np.pi))
         add(add(add(collision, "surface"), "contact"), "collide_bitmask", "0")
 
@@ -325,14 +316,14 @@ def _list_entries(matrix: FloatArray) -> list[tuple[int, int]]:
 def _make_push_script(model: Model, gazebo: _Gazebo, step: float) -> str:
     """Return a script that gives the agent and its added mass the momentum of the release in one step."""
     force = model.link.momentum / step
-    velocity = format_numbers(model.link.velocity)
+    velocity = xml.format_numbers(model.link.velocity)
     return f"""#!/bin/sh
 # Releases the agent at {velocity} m/s: run this while the world is paused, then press play.
-# The wrench acts for the first step, {format_number(step)} s: it is the momentum of the agent and its added mass over that time.
+# The wrench acts for the first step, {xml.format_number(step)} s: it is the momentum of the agent and its added mass over that time.
 exec {gazebo.program} topic -t /world/{WORLD}/wrench -m {gazebo.messages}.EntityWrench -p '
 entity: {{name: "{model.title}::{LINK}", type: LINK}}
 wrench: {{
-  force: {format_fields(force[:3])}
-  torque: {format_fields(force[3:])}
+  force: {xml.format_fields(force[:3])}
+  torque: {xml.format_fields(force[3:])}
 }}'
 """

@@ -7,17 +7,11 @@ import xml.etree.ElementTree as ET
 from typing import ClassVar
 
 from driftform.interfaces import Table, option
+from driftform_robotics.models import xml
 from driftform_robotics.models.exporter import HULL, Model, ModelExporter, piece_path
 from driftform_robotics.models.link import warn_of_folding
 from driftform_robotics.models.ros2 import make_package
-from driftform_robotics.models.xml import (
-    add,
-    add_comment,
-    format_document,
-    format_number,
-    format_numbers,
-    format_symmetric,
-)
+from driftform_robotics.models.xml import add, add_comment
 
 ZERO = "0 0 0"
 
@@ -106,7 +100,7 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return ``agent.urdf`` and the files of a ROS 2 package, and the warnings."""
         name = f"{model.title}_description"
-        files = {"agent.urdf": format_document(self._make_robot(model, name))}
+        files = {"agent.urdf": xml.format_document(self._make_robot(model, name))}
         files |= make_package(
             name,
             f"The agent {model.job.name} of driftform: its URDF, without water",
@@ -124,8 +118,8 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
             root,
             "The origin is the centre of gravity; x points forward along the axis; z points up.",
             "URDF cannot describe water. The displaced volume is "
-            f"{format_number(link.volume)} m3, about {format_numbers(link.buoyancy)} m. The added mass is",
-            *(format_numbers(row) for row in link.added_mass),
+            f"{xml.format_number(link.volume)} m3, about {xml.format_numbers(link.buoyancy)} m. The added mass is",
+            *(xml.format_numbers(row) for row in link.added_mass),
         )
         # For MuJoCo, which drops the folders of meshes in a URDF; other programs ignore it.
         add(
@@ -152,7 +146,7 @@ def add_link(root: ET.Element, name: str, model: Model, folder: str) -> None:
     inertial = add(element, "inertial")
     add(inertial, "origin", xyz=ZERO, rpy=ZERO)
     add(inertial, "mass", value=link.mass)
-    add(inertial, "inertia", **format_symmetric(link.inertia, "xyz", "i"))
+    add(inertial, "inertia", **xml.format_symmetric(link.inertia, "xyz", "i"))
     visual = add(element, "visual", name="hull")
     add(visual, "origin", xyz=ZERO, rpy=ZERO)
     add(add(visual, "geometry"), "mesh", filename=f"{folder}/{HULL}")

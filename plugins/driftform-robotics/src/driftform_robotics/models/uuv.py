@@ -14,20 +14,12 @@ import numpy as np
 from driftform.interfaces import Table, option
 from driftform.types import Body, FloatArray
 from driftform.water import Scenario
+from driftform_robotics.models import xml
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.link import Link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.scenery import add_pipe, add_scene, add_targets, make_static
 from driftform_robotics.models.urdf import add_link
-from driftform_robotics.models.xml import (
-    add,
-    add_comment,
-    add_texts,
-    format_document,
-    format_fields,
-    format_number,
-    format_numbers,
-    roll_pitch_yaw,
-)
+from driftform_robotics.models.xml import add, add_comment, add_texts
 
 SMOOTHING = 0.3
 """Weight of the newest acceleration (``ComputeAcc`` in HydrodynamicModel.cc)."""
@@ -70,10 +62,10 @@ class UuvExporter(ModelExporter[UuvOptions]):
         offset = np.array([0.0, 0.0, -self.options.depth if level is None else -level])
         warnings = _list_warnings(model, offset)
         files = {
-            "launch/start.launch": format_document(_make_start_launch(title, link, offset)),
-            "launch/release.launch": format_document(_make_release_launch(title, link, offset)),
-            "urdf/agent.xacro": format_document(_make_robot(model, warnings)),
-            "worlds/pipe.world": format_document(_make_world(scenario, offset, self.options.step)),
+            "launch/start.launch": xml.format_document(_make_start_launch(title, link, offset)),
+            "launch/release.launch": xml.format_document(_make_release_launch(title, link, offset)),
+            "urdf/agent.xacro": xml.format_document(_make_robot(model, warnings)),
+            "worlds/pipe.world": xml.format_document(_make_world(scenario, offset, self.options.step)),
             **_package_files(model),
         }
         return files, warnings
@@ -142,7 +134,7 @@ def _add_hydrodynamics(element: ET.Element, link: Link, body: Body) -> None:
 
 
 def _format_rows(matrix: FloatArray) -> str:
-    return "".join(f"\n            {format_numbers(row)}" for row in matrix) + "\n          "
+    return "".join(f"\n            {xml.format_numbers(row)}" for row in matrix) + "\n          "
 
 
 def _make_world(scenario: Scenario, offset: FloatArray, step: float) -> ET.Element:
@@ -200,8 +192,8 @@ def _make_start_launch(title: str, link: Link, offset: FloatArray) -> ET.Element
     group = add(root, "group", ns="$(arg namespace)")
     xacro = f"$(find xacro)/xacro '$(find {title})/urdf/agent.xacro' debug:=$(arg debug) namespace:=$(arg namespace)"
     add(group, "param", name="robot_description", command=xacro)
-    x, y, z = (format_number(value) for value in link.position + offset)
-    roll, pitch, yaw = (format_number(value) for value in roll_pitch_yaw(link.rotation))
+    x, y, z = (xml.format_number(value) for value in link.position + offset)
+    roll, pitch, yaw = (xml.format_number(value) for value in xml.roll_pitch_yaw(link.rotation))
     add(
         group,
         "node",
@@ -223,11 +215,11 @@ def _make_release_launch(title: str, link: Link, offset: FloatArray) -> ET.Eleme
     root = ET.Element("launch")
     add(root, "arg", name="namespace", default=title)
 
-    turn = format_fields(np.roll(link.quaternion, -1), "xyzw")
+    turn = xml.format_fields(np.roll(link.quaternion, -1), "xyzw")
     state = (
         f"{{model_state: {{model_name: $(arg namespace), reference_frame: world, "
-        f"pose: {{position: {format_fields(link.position + offset)}, orientation: {turn}}}, "
-        f"twist: {{linear: {format_fields(link.velocity)}}}}}}}"
+        f"pose: {{position: {xml.format_fields(link.position + offset)}, orientation: {turn}}}, "
+        f"twist: {{linear: {xml.format_fields(link.velocity)}}}}}}}"
     )
     call = f"call --wait /gazebo/set_model_state '{state}'"
     add(root, "node", name="release", pkg="rosservice", type="rosservice", args=call)
@@ -248,4 +240,4 @@ find_package(catkin REQUIRED)
 catkin_package()
 install(DIRECTORY . DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}})
 """
-    return {"package.xml": format_document(root), "CMakeLists.txt": build}
+    return {"package.xml": xml.format_document(root), "CMakeLists.txt": build}
