@@ -213,18 +213,8 @@ def _examine(
         )
     points, _ = path.points_at(t)
     release = bench.scenario.release
-    drop = Drop(
-        release.pitch_deg,
-        -release.position[2],
-        release.ballast,
-        release.ballast_x,
-        duration,
-        end,
-        0.0,
-        points[:, [0, 2]],
-        bench.scenario,
-    )
-    return drop, information
+    start = (release.pitch_deg, -release.position[2], release.ballast, release.ballast_x)
+    return Drop(*start, duration, end, 0.0, points[:, [0, 2]], bench.scenario), information
 
 
 def _inform(bench: Bench, names: Sequence[str], t: FloatArray, noise: float, has_contact: bool) -> FloatArray:

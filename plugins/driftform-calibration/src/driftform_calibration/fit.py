@@ -147,15 +147,8 @@ class Fit:
             for name, found in self.estimates.items()
             if found.known and found.low is not None and found.high is not None
         }
-        return Calibration.model_validate(
-            {
-                **intervals,
-                "correlations": self.correlations,
-                "agent": agent,
-                "tracks": len(self.problem.films),
-                "residual": _round(self.residual),
-            }
-        )
+        about = {"agent": agent, "tracks": len(self.problem.films), "residual": _round(self.residual)}
+        return Calibration.model_validate({**intervals, "correlations": self.correlations, **about})
 
 
 def _round(value: float) -> float:

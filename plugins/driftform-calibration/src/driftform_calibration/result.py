@@ -157,26 +157,16 @@ class CalibrationResult:
         """Return the films against the model before and after calibration, as SVG."""
         problem, fit = self.fit.problem, self.fit
         panels = []
-        off = zip(problem.distances(fit.x_before), problem.distances(fit.x), strict=True)
-        for number, (before, after) in enumerate(off):
+        distances = zip(problem.distances(fit.x_before), problem.distances(fit.x), strict=True)
+        for number, (before, after) in enumerate(distances):
             track = problem.films[number].track
             delay = problem.camera(fit.x, number).delay
             t = np.linspace(track.t[0], track.t[-1], STATIONS)
-            panels.append(
-                TrackPanel(
-                    track.name,
-                    track.t - delay,
-                    _flatten(track.markers[0].points),
-                    t - delay,
-                    self._trace_path(fit.x_before, number, t),
-                    self._trace_path(fit.x, number, t),
-                    before[0],
-                    after[0],
-                )
-            )
-        found = (
-            f"root mean square distance {1000 * fit.before:.1f} mm before, {1000 * fit.residual:.1f} mm after"
-        )
+            seen, off = _flatten(track.markers[0].points), (before[0], after[0])
+            paths = (self._trace_path(x, number, t) for x in (fit.x_before, fit.x))
+            panels.append(TrackPanel(track.name, track.t - delay, seen, t - delay, *paths, *off))
+        before_after = f"{1000 * fit.before:.1f} mm before, {1000 * fit.residual:.1f} mm after"
+        found = f"root mean square distance {before_after}"
         return tracks_svg(panels, f"{self.name}: films and flights", found)
 
     def factors_svg(self) -> str:

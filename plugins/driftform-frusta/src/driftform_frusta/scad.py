@@ -117,18 +117,18 @@ def _text(node: csg.Text) -> list[str]:
     ends = [f"[{_vector(start)}, {_vector(end)}]" for start, end in draw_strokes(node.text, node.size)]
     return [
         f"letters({format_number(node.height)}, {format_number(node.size * STROKE)}, [  // {node.text}",
-        *(
-            _INDENT + ", ".join(ends[i : i + _POINTS_PER_LINE]) + ","
-            for i in range(0, len(ends), _POINTS_PER_LINE)
-        ),
+        *_rows(ends),
         "]);",
     ]
 
 
 def _polygon(points: Sequence[csg.Point]) -> list[str]:
-    texts = [f"[{format_number(r)}, {format_number(z)}]" for r, z in points]
-    rows = [texts[i : i + _POINTS_PER_LINE] for i in range(0, len(texts), _POINTS_PER_LINE)]
-    return ["polygon([", *(_INDENT + ", ".join(row) + "," for row in rows), "]);"]
+    return ["polygon([", *_rows([_vector(point) for point in points]), "]);"]
+
+
+def _rows(texts: Sequence[str]) -> Iterator[str]:
+    for i in range(0, len(texts), _POINTS_PER_LINE):
+        yield _INDENT + ", ".join(texts[i : i + _POINTS_PER_LINE]) + ","
 
 
 def _block(head: str, children: Sequence[Sequence[str]]) -> list[str]:

@@ -12,14 +12,8 @@ from driftform.figures import files as picture_files
 from driftform.figures import gallery, layout, svg, trend
 from driftform.types import FloatArray
 from driftform.water import Scenario
-from driftform_paper.repeats import (
-    GENERATION,
-    PER_TARGET,
-    RepeatedFlights,
-    Search,
-    add_turbulence,
-    repeat_flights,
-)
+from driftform_paper import repeats
+from driftform_paper.repeats import RepeatedFlights, Search
 from driftform_paper.spread import FlightSpread, compute_band, spread_svg
 
 TIMES = 10
@@ -49,8 +43,8 @@ def resimulate(study: Study, search: Search) -> Resimulation:
     pipeline = study.make_pipeline()
     genomes = [genome for genome, _, _ in search.best]
     return Resimulation(
-        repeat_flights(pipeline, genomes, [study.scenario] * TIMES),
-        repeat_flights(pipeline, genomes, add_turbulence(study.scenario, range(TIMES))),
+        repeats.repeat_flights(pipeline, genomes, [study.scenario] * TIMES),
+        repeats.repeat_flights(pipeline, genomes, repeats.add_turbulence(study.scenario, range(TIMES))),
     )
 
 
@@ -106,7 +100,7 @@ def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Res
     ]
     return "\n".join(
         [
-            f"{len(paper.error)} repeats of {PER_TARGET} flights for each target; errors in % of the farthest "
+            f"{len(paper.error)} repeats of {repeats.PER_TARGET} flights for each target; errors in % of the farthest "
             "distance in the pipe. The last two columns are the best of all flights of a repeat, whichever target "
             "they were flown for.",
             "",
@@ -173,7 +167,7 @@ def write_figures(
 
 def trends(targets: Sequence[str], fitness: FloatArray, baseline: FloatArray) -> list[trend.Trend]:
     """Return the trends of (repeats, targets, flights) at the end of every generation."""
-    ends = np.arange(GENERATION - 1, fitness.shape[2], GENERATION)
+    ends = np.arange(repeats.GENERATION - 1, fitness.shape[2], repeats.GENERATION)
     flights = np.asarray(ends + 1.0, dtype=np.float64)
     return [
         trend.Trend(target, flights, fitness[:, number, ends], baseline[:, number, ends])

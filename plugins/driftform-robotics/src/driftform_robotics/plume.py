@@ -214,14 +214,9 @@ def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: floa
     outward = outward / np.linalg.norm(outward)
     leak = start + along * axis + segment.radius * outward
     # With a negative speed the water carries the plume towards the inlet.
-    forward = scenario.flow.speed > 0
-    return Plume(
-        leak,
-        axis if forward else -axis,
-        outward,
-        segment.radius,
-        length - along if forward else along,
-        abs(scenario.flow.speed),
+    downstream, left = (axis, length - along) if scenario.flow.speed > 0 else (-axis, along)
+    spread, speed = (
         eddy_diffusivity(scenario) if diffusivity is None else diffusivity,
-        rate,
+        abs(scenario.flow.speed),
     )
+    return Plume(leak, downstream, outward, segment.radius, left, speed, spread, rate)

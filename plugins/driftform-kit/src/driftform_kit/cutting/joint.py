@@ -167,27 +167,15 @@ def _draw_relief(joint: Joint, line: Line) -> CrossSection:
         return CrossSection()
     surface = _plug_radius(joint, line)
     low, beyond = surface - LEAD, 5.0
-    cut = _draw_symmetric(
-        joint,
-        [
-            (low - 1, -joint.lap - 1),
-            (surface + beyond, -joint.lap + LEAD + beyond),
-            (surface + beyond, -joint.lap - 1),
-        ],
-    )
+    outer = surface + beyond
+    chamfer = [(low - 1, -joint.lap - 1), (outer, -joint.lap + LEAD + beyond), (outer, -joint.lap - 1)]
+    cut = _draw_symmetric(joint, chamfer)
     if joint.groove:
         bottom = surface - joint.groove
         width = GROOVE_WIDTH * joint.cord
         near = -(joint.lap - width - joint.groove) / 2
         far = near - width
-        cut += _draw_symmetric(
-            joint,
-            [
-                (surface + 1, near),
-                (bottom, near),
-                (bottom, far),
-                # The side that overhangs when the tip is up.
-                (surface + 1, far - joint.groove - 1),
-            ],
-        )
+        # The last side overhangs when the tip is up.
+        ring = [(surface + 1, near), (bottom, near), (bottom, far), (surface + 1, far - joint.groove - 1)]
+        cut += _draw_symmetric(joint, ring)
     return cut

@@ -49,16 +49,12 @@ _GAP = 26.0
 def sheet_svg(sheet: Sheet) -> str:
     """Return an assembly sheet: the closed kit, its parts as printed, the steps, and the weights."""
     count = len(sheet.parts)
-    root = svg.start_document(
-        _WIDTH,
-        _HEIGHT,
-        f"{sheet.title}: assembly sheet",
-        f"The {count} parts of a kit to scale, the order of their assembly, their weights, trim and sealing. "
-        + " ".join(sheet.steps),
-        unit="mm",
+    title = f"{sheet.title}: assembly sheet"
+    about = (
+        f"The {count} parts of a kit to scale, the order of their assembly, their weights, trim and sealing."
     )
-    title = layout.shorten(f"{sheet.title}: assembly sheet", 20, _RIGHT - _LEFT, bold=True)
-    layout.write(root, _LEFT, 56, title, 20, bold=True)
+    root = svg.start_document(_WIDTH, _HEIGHT, title, " ".join([about, *sheet.steps]), unit="mm")
+    layout.write(root, _LEFT, 56, layout.shorten(title, 20, _RIGHT - _LEFT, bold=True), 20, bold=True)
     what = f"{count} printed parts and a core ({sheet.core})"
     layout.write(root, _LEFT, 76, layout.shorten(what, _TEXT, _RIGHT - _LEFT), _TEXT, style.MUTED)
     layout.write(root, _LEFT, 90, "All positions are distances from the aft end, mm.", _TEXT, style.MUTED)

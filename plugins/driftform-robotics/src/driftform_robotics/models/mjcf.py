@@ -83,8 +83,8 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
     )
     add(root, "compiler", angle="radian", meshdir="meshes")
     down = [0.0, 0.0, -fluid.gravity]
-    water: dict[str, Any] = {"density": fluid.density, "viscosity": "0", "wind": scenario.current()}
-    add(root, "option", timestep=step, integrator="implicit", gravity=down, **water)
+    medium: dict[str, Any] = {"density": fluid.density, "viscosity": "0", "wind": scenario.current()}
+    add(root, "option", timestep=step, integrator="implicit", gravity=down, **medium)
     friction = scenario.calibrated_contact().friction
     default = add(add(root, "default"), "default", class_="contact")
     # MuJoCo's solver fails for three zero coefficients: contacts without friction have one dimension instead.
@@ -111,19 +111,11 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
     add_comment(
         body, "The ellipsoid for the forces of the water. Drag: blunt, slender, angular. Without lift."
     )
-    add(
-        body,
-        "geom",
-        name="water",
-        type="ellipsoid",
-        size=[ellipsoid.along, ellipsoid.across, ellipsoid.across],
-        pos=[ellipsoid.x, 0.0, 0.0],
-        fluidshape="ellipsoid",
-        fluidcoef=[ellipsoid.blunt, ellipsoid.slender, ellipsoid.angular, 0.0, 0.0],
-        group="4",
-        rgba="0.3 0.5 1 0.3",
-        **unseen,
-    )
+    size = [ellipsoid.along, ellipsoid.across, ellipsoid.across]
+    drag = [ellipsoid.blunt, ellipsoid.slender, ellipsoid.angular, 0.0, 0.0]
+    water: dict[str, Any] = {"pos": [ellipsoid.x, 0.0, 0.0], "fluidshape": "ellipsoid", "fluidcoef": drag}
+    look = {"group": "4", "rgba": "0.3 0.5 1 0.3"}
+    add(body, "geom", name="water", type="ellipsoid", size=size, **water, **look, **unseen)
     add_comment(
         body, "Buoyancy: a body of negligible mass at the centre of buoyancy, lifted by gravity compensation."
     )

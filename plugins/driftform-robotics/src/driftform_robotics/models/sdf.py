@@ -14,20 +14,12 @@ from driftform.agent import slice_solid
 from driftform.interfaces import Table, option
 from driftform.types import FloatArray
 from driftform.water import Scenario
-from driftform_robotics.models import xml
+from driftform_robotics.models import scenery, xml
 from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions, piece_path
 from driftform_robotics.models.gazebo_package import WORLD, gazebo_package
 from driftform_robotics.models.link import make_link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.meshes import obj_text
 from driftform_robotics.models.pipe import make_wall
-from driftform_robotics.models.scenery import (
-    add_friction,
-    add_mesh,
-    add_pipe,
-    add_scene,
-    add_targets,
-    make_static,
-)
 from driftform_robotics.models.xml import add, add_comment, add_texts
 
 LINK = "base_link"
@@ -194,11 +186,11 @@ def _make_world(
         add(graded, "default_density", fluid.density)
         add_texts(add(graded, "density_change"), above_depth=fluid.water_level, density="0")
     add(buoyancy, "enable", model.title)
-    add_scene(world)
-    pipe = add_pipe(world, scenario, np.zeros(3), PIPE)
-    around = [pipe, add_targets(world, scenario, np.zeros(3))]
+    scenery.add_scene(world)
+    pipe = scenery.add_pipe(world, scenario, np.zeros(3), PIPE)
+    around = [pipe, scenery.add_targets(world, scenario, np.zeros(3))]
     if passing is None:
-        make_static(around)
+        scenery.make_static(around)
     else:
         _add_motion(around, passing, gazebo)
     place = xml.format_pose(model.link.position, model.link.rotation)
@@ -250,7 +242,7 @@ def _add_model(
     if gazebo.solves_added_mass:
         added = xml.format_symmetric(link.added_mass, _SDF_AXES)
         add_texts(add(inertial, "fluid_added_mass"), **added)
-    add_mesh(add(element, "visual", name="hull"), HULL)
+    scenery.add_mesh(add(element, "visual", name="hull"), HULL)
     add_comment(
         element,
         "Each piece is convex, and its mesh is about its own centroid: Gazebo uses the position of a piece as its "
@@ -259,8 +251,8 @@ def _add_model(
     for index, piece in enumerate(model.pieces):
         collision = add(element, "collision", name=f"piece_{index}")
         add(collision, "pose", xml.format_pose(model.axis_point(piece.x)))
-        add_mesh(collision, piece_path(index))
-        add_friction(collision, job.scenario.calibrated_contact().friction)
+        scenery.add_mesh(collision, piece_path(index))
+        scenery.add_friction(collision, job.scenario.calibrated_contact().friction)
     if job.scenario.fluid.water_level is not None:
         _add_spheres(element, model)
     # After the link: a frame can be attached only to a link that is already defined.

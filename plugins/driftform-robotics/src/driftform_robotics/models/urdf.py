@@ -122,14 +122,8 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
             *(xml.format_numbers(row) for row in link.added_mass),
         )
         # For MuJoCo, which drops the folders of meshes in a URDF; other programs ignore it.
-        add(
-            add(root, "mujoco"),
-            "compiler",
-            meshdir="meshes",
-            strippath="true",
-            balanceinertia="false",
-            discardvisual="false",
-        )
+        kept = {"balanceinertia": "false", "discardvisual": "false"}
+        add(add(root, "mujoco"), "compiler", meshdir="meshes", strippath="true", **kept)
         if self.options.floating:
             add(root, "link", name="world")
             joint = add(root, "joint", name="floating", type="floating")
