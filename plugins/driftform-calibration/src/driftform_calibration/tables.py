@@ -246,8 +246,11 @@ def _find_names(path: Path, rows: list[list[str]]) -> tuple[int, list[_Column | 
 
 def _spread_names(row: Sequence[str], width: int) -> list[str]:
     """Return the name of the object above each column: a name holds until the next."""
-    cells: list[str] = [*row, *[""] * width][:width]
-    return list(accumulate(cells, lambda last, cell: cell or last))
+
+    def hold(last: str, cell: str) -> str:
+        return cell or last
+
+    return list(accumulate([*row, *[""] * width][:width], hold))
 
 
 def _gather_points(

@@ -194,16 +194,10 @@ def _make_start_launch(title: str, link: Link, offset: FloatArray) -> ET.Element
     add(group, "param", name="robot_description", command=xacro)
     x, y, z = (xml.format_number(value) for value in link.position + offset)
     roll, pitch, yaw = (xml.format_number(value) for value in xml.roll_pitch_yaw(link.rotation))
-    add(
-        group,
-        "node",
-        name="spawn",
-        pkg="gazebo_ros",
-        type="spawn_model",
-        output="screen",
-        args=f"-urdf -param robot_description -model $(arg namespace) "
-        f"-x {x} -y {y} -z {z} -R {roll} -P {pitch} -Y {yaw}",
-    )
+    spawner = {"pkg": "gazebo_ros", "type": "spawn_model", "output": "screen"}
+    place = f"-x {x} -y {y} -z {z} -R {roll} -P {pitch} -Y {yaw}"
+    given = f"-urdf -param robot_description -model $(arg namespace) {place}"
+    add(group, "node", name="spawn", **spawner, args=given)
     add(
         group, "node", name="robot_state_publisher", pkg="robot_state_publisher", type="robot_state_publisher"
     )
