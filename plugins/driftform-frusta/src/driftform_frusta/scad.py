@@ -4,7 +4,9 @@ The source renders to the same volume as :func:`driftform_frusta.solid.to_manifo
 the same factors, which are written as formulas of ``$fn``, so that a reader may change that number.
 """
 
+import re
 from collections.abc import Iterator, Sequence
+from importlib.resources import files
 from typing import assert_never
 
 from driftform_frusta import csg
@@ -33,6 +35,12 @@ module letters(height, pen, strokes) {
                         circle(d = pen, $fn = 8);
 }
 """
+
+
+def fill_source(name: str, **values: object) -> str:
+    """Return OpenSCAD source from the package's files, with a value in place of each name in angle brackets."""
+    text = files("driftform_frusta").joinpath("openscad", f"{name}.scad.in").read_text(encoding="utf-8")
+    return re.sub(r"<(\w+)>", lambda found: str(values[found[1]]), text)
 
 
 def write_definitions(nodes: Sequence[Node], segments: int) -> str:
