@@ -256,7 +256,7 @@ def test_a_body_that_bounces_without_loss_keeps_its_energy_and_stays_inside(name
     rows = rows_of(refined_surfaces(agent.body, spacing), scenario)
     model = open_model._replace(
         surfaces=rows,
-        touches=np.zeros((len(rows), 10)),
+        touches=np.zeros((len(rows) + 1, 10)),
         fittings=walls_of(scenario),
         pipe=np.empty((0, 8)),
     )
