@@ -7,7 +7,8 @@ import pytest
 
 from driftform.motion.model import flight_model
 from driftform.testing.agents import sphere_agent
-from driftform.water import Scenario, wall_distance, water_velocity
+from driftform.water import Scenario
+from driftform.water.field import wall_distance, water_velocity
 from driftform.water.velocity import water_motion
 
 R = 0.1

@@ -13,9 +13,10 @@ from itertools import accumulate
 import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType
 
-from driftform.agent import hull_volume, solid_of_revolution
+from driftform.agent import solid_of_revolution
 from driftform.types import Agent, Body, FloatArray, Module
 from driftform_frusta.csg import MM
+from driftform_frusta.hull import hull_volume
 from driftform_frusta.scad import fill_source, format_number
 from driftform_frusta.section import DOME_STEP
 

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 from manifold3d import Manifold, Mesh64
 
-from driftform.agent import Mesh
 from driftform.figures import svg
 from driftform.types import FloatArray
 from driftform_frusta.colours import channels
+from driftform_frusta.triangles import Mesh
 
 _ELEVATION, _AZIMUTH = np.deg2rad(24.0), np.deg2rad(-62.0)
 """Of the eye, seen from the middle of the bed: from the front, somewhat from the right and from above."""

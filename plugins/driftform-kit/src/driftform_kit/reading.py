@@ -8,9 +8,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.errors import InputError, WorkFailedError
 from driftform_frusta.csg import MM
+from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.rendering import render
 from driftform_kit.checks.threemf import check_counts, read_3mf
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from driftform import Design
-from driftform.agent import MassElement, reweigh
+from driftform.agent import MassElement
 from driftform.cli import formats
 from driftform.errors import InputError, WorkFailedError
 from driftform.types import Agent, FloatArray
@@ -89,7 +89,7 @@ def _trim(design: Design, weight: PrintWeight, density: float, measure: MeasureK
     water = pipeline.scenario.fluid.density
     plan = _Planner(agent, weight, density, measure).plan(water)
     trimmed, remedy = _load(agent, plan, water)
-    printed = reweigh(agent, weight.elements(agent))
+    printed = MassElement.reweigh(agent, weight.elements(agent))
     agents = {"simulated": agent, "untrimmed": printed} | ({"trimmed": trimmed} if trimmed else {})
     flights = dict(zip(agents, pipeline.fly_named(list(agents.values()), name), strict=True))
     targets = pipeline.scenario.target_names
@@ -204,7 +204,7 @@ class _Planner:
 
     def find_required(self, weight: PrintWeight) -> RequiredBallast:
         return ballast.required_ballast(
-            self.agent.mass, reweigh(self.agent, weight.elements(self.agent)).mass
+            self.agent.mass, MassElement.reweigh(self.agent, weight.elements(self.agent)).mass
         )
 
     def plan_seats(self, required: RequiredBallast, kit: KitReport, measure: MeasureKit) -> _Plan:
@@ -261,7 +261,7 @@ class _Planner:
 
     def add(self, seats: FloatArray) -> PrintWeight:
         """The weight of the print with seats of some mass (kg) and moment (kg m)."""
-        printed = reweigh(self.agent, self.weight.elements(self.agent)).mass
+        printed = MassElement.reweigh(self.agent, self.weight.elements(self.agent)).mass
         whole = self.weight.mass + seats[0]
         cog = (printed.mass * printed.cog[0] + seats[1]) / whole
         return PrintWeight(float(whole), float(cog), self.weight.source)
@@ -295,7 +295,7 @@ def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[s
         trimmed, buoyancy = _lift(agent, elements, required, water)
         buoyancy["hull_excess"] = -required.mass / hull.mass
     elif plan.pieces or required.mass < NEGLIGIBLE:
-        trimmed = reweigh(agent, elements)
+        trimmed = MassElement.reweigh(agent, elements)
         residual = trimmed.mass.mass * trimmed.mass.cog[0] - agent.mass.mass * agent.mass.cog[0]
     return trimmed, {
         "pieces": [
@@ -322,7 +322,7 @@ def _lift(
     volume = -required.mass / (water - ballast.FOAM)
     aft, fore = agent.body.outer[0, 0], agent.body.outer[-1, 0]
     x = float(np.clip(required.x if required.x is not None else 0.0, aft, fore))
-    loaded = reweigh(agent, [*elements, MassElement(ballast.FOAM * volume, x)])
+    loaded = MassElement.reweigh(agent, [*elements, MassElement(ballast.FOAM * volume, x)])
     displaced = agent.mass.volume + volume
     cob = (agent.mass.volume * agent.mass.cob[0] + volume * x) / displaced
     mass = replace(loaded.mass, volume=displaced, cob=np.array([cob, 0.0, 0.0]))

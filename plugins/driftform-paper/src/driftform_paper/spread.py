@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import layout, plot, style, svg
-from driftform.motion import closest_approach, interpolation
+from driftform.motion import approach, interpolation
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
 
@@ -60,7 +60,7 @@ def compute_band(
     """
     paths = []
     for flight in flights:
-        _, [closest] = closest_approach(flight, target[None])
+        _, [closest] = approach.closest_approach(flight, target[None])
         t = np.linspace(flight.t[0], max(closest, flight.t[0] + 1e-6), STATIONS)
         paths.append(interpolation.interpolate_positions(flight, np.minimum(t, flight.t[-1])))
     along = np.linspace(max(path[0, 0] for path in paths), min(path[:, 0].max() for path in paths), STATIONS)

@@ -10,10 +10,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.types import FloatArray
 from driftform_frusta.colours import colour_of, decode_srgb
 from driftform_frusta.exporters.base import JoinedFile
+from driftform_frusta.triangles import Mesh
 
 FRAME = 1e-3 * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """From the printed frame, mm with z up, to that of glTF, m with y up: a turn by -90 degrees about x."""

@@ -5,8 +5,8 @@ Format: Wavefront Technologies, "Object Files (.obj)", Advanced Visualizer manua
 
 from collections.abc import Mapping
 
-from driftform.agent import Mesh
 from driftform_frusta.exporters.base import JoinedFile
+from driftform_frusta.triangles import Mesh
 
 
 class ObjExporter(JoinedFile):

@@ -5,8 +5,8 @@ Format: G. Turk, "The PLY Polygon File Format" (1994); binary, little-endian.
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform_frusta.exporters.base import PartFiles
+from driftform_frusta.triangles import Mesh
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", (3,))])
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.figures import files as picture_files
 from driftform.interfaces import ExportJob
 from driftform_frusta.colours import colour_of
@@ -17,6 +16,7 @@ from driftform_frusta.exporters.base import File, PartExporter, list_facts
 from driftform_frusta.mesh import make_mesh
 from driftform_frusta.picture import plate_svg
 from driftform_frusta.plate import arrange, fits
+from driftform_frusta.triangles import Mesh
 
 if TYPE_CHECKING:
     from driftform_frusta.parts import Part

@@ -6,11 +6,12 @@ from typing import ClassVar, TypeAlias
 
 import numpy as np
 
-from driftform.agent import Mesh, hull_volume
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, FloatArray, State
 from driftform_frusta.csg import MM
+from driftform_frusta.hull import hull_volume
 from driftform_frusta.printable import MM3_PER_M3
+from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_kit.checks.shells import Shell, find_shells, orient_outward
 from driftform_kit.checks.slenderness import measure_slenderness

@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.types import FloatArray
+from driftform_frusta.triangles import Mesh
 
 _UNITS = {
     "micron": 1e-3,

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 from manifold3d import CrossSection
 
-from driftform.agent import hull_volume
 from driftform.errors import WorkFailedError
 from driftform.types import Body
+from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.printable import check_printable_section, refuse_other_volume
 from driftform_kit.cutting import meridian

@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.types import FloatArray
 from driftform.water import Pipe, Segment, pipe_parts
+from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.meshes import make_tube
 from driftform_robotics.models.walls import make_parts_mesh
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from driftform.agent import Mesh
 from driftform.types import FloatArray
 from driftform.water import Pipe, pipe_parts
+from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.meshes import SEGMENTS
 
 STEP = math.pi / SEGMENTS

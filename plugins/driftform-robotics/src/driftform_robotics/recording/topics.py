@@ -11,7 +11,7 @@ from driftform.interfaces import ExportJob
 from driftform.motion import forces
 from driftform.types import FloatArray, Trajectory
 from driftform.util import rotations
-from driftform.water import wall_distance
+from driftform.water import field
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.models.pipe import list_bores
@@ -91,7 +91,7 @@ class FlightTopics:
         straight = scenario.pipe.straight
         if not scenario.targets or scenario.flow.speed == 0 or straight is None:
             return []
-        gaps = wall_distance(scenario.target_array(), scenario)
+        gaps = field.wall_distance(scenario.target_array(), scenario)
         on_wall = gaps < ON_WALL * straight.radius
         return [
             make_plume(scenario, point, self.options.leak_rate, self.options.diffusivity)
@@ -205,7 +205,7 @@ class FlightTopics:
 
     def _make_ranges(self) -> Iterator[tuple[int, Any]]:
         scenario, noise = self.job.scenario, self.options.distance_noise
-        found = np.maximum(wall_distance(self.sensor_positions, scenario), 0.0)
+        found = np.maximum(field.wall_distance(self.sensor_positions, scenario), 0.0)
         # All directions: the distance is that of the nearest point of the wall.
         seen = {"field_of_view": 2 * np.pi, "max_range": scenario.pipe.layout.inlet.radius}
         return self._make_readings("sensor_msgs/Range", "range", found, noise, 2, **seen)
