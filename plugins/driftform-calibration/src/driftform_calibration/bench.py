@@ -106,7 +106,11 @@ class Bench:
         calibration = Calibration().with_factors(factors)
         scenario = self.scenario.model_copy(update={"calibration": calibration})
         model = stepping.flight_model(self.agent(factors), scenario)
-        start = stepping.release_state(model, self._release(scenario, error))
+        if error.pitch or error.yaw:
+            release, (pitch, yaw) = scenario.release, np.rad2deg([error.pitch, error.yaw]).tolist()
+            angles = {"pitch_deg": release.pitch_deg + pitch, "yaw_deg": release.yaw_deg + yaw}
+            scenario = scenario.model_copy(update={"release": release.model_copy(update=angles)})
+        start = stepping.release_state(model, scenario)
         start[7:10] += error.velocity
         start[2] += error.rise
         samples = integrator.integrate_once(model, start, max(until, 0.01), ACCURACY)
@@ -117,15 +121,3 @@ class Bench:
         axis, left, up = (np.ascontiguousarray(turned[..., k]) for k in range(3))
         rate = samples[:, 13:14] * left - samples[:, 12:13] * up
         return Path(samples[:, 0], samples[:, 1:4], samples[:, 8:11], axis, rate, contact)
-
-    def _release(self, scenario: Scenario, error: ReleaseError) -> Scenario:
-        if error.pitch == error.yaw == 0.0:
-            return scenario
-        release = scenario.release
-        turned = release.model_copy(
-            update={
-                "pitch_deg": release.pitch_deg + float(np.rad2deg(error.pitch)),
-                "yaw_deg": release.yaw_deg + float(np.rad2deg(error.yaw)),
-            }
-        )
-        return scenario.model_copy(update={"release": turned})

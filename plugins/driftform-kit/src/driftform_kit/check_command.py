@@ -116,15 +116,9 @@ def check(
         )
     failed = any(finding.state is State.FAIL for finding in findings)
     if json:
-        output.print_json(
-            {
-                "subject": subject,
-                "printable": not failed,
-                "lines": [
-                    {"check": f.check, "part": f.part, "state": f.state, "detail": f.detail} for f in findings
-                ],
-            }
-        )
+        keys = ("check", "part", "state", "detail")
+        lines = [{key: getattr(finding, key) for key in keys} for finding in findings]
+        output.print_json({"subject": subject, "printable": not failed, "lines": lines})
     else:
         _print(findings)
     if failed:
@@ -142,11 +136,8 @@ def _print(findings: "Sequence[Finding]") -> None:
     counts = Counter(f.state for f in findings)
     tally = ", ".join(f"{counts[state]} {state}" for state in State if counts[state])
     failed = [f.check for f in findings if f.state is State.FAIL]
-    print(
-        f"\nnot printable as it is, for {', '.join(dict.fromkeys(failed))}: {tally}"
-        if failed
-        else f"\nprintable: {tally}"
-    )
+    verdict = f"not printable as it is, for {', '.join(dict.fromkeys(failed))}" if failed else "printable"
+    print(f"\n{verdict}: {tally}")
 
 
 def _print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
