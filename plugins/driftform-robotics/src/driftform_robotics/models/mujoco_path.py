@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.motion.inertia import cross_matrix
 from driftform.types import FloatArray
 from driftform.water import Fluid
 from driftform_robotics.models.link import Link
@@ -104,12 +103,12 @@ def _integrate(
         R, nu = state[3:12].reshape(3, 3), state[12:]
         flow = added @ nu
         momentum = mass @ nu + flow
-        turn = cross_matrix(nu[3:])
+        turn = inertia.cross_matrix(nu[3:])
         force = -turn @ momentum[:3] - weight * R[2]
         torque = (
             -turn @ momentum[3:]
-            - cross_matrix(nu[:3]) @ flow[:3]
-            + lift * (cross_matrix(link.buoyancy) @ R[2])
+            - inertia.cross_matrix(nu[:3]) @ flow[:3]
+            + lift * (inertia.cross_matrix(link.buoyancy) @ R[2])
         )
         damping = link.linear_damping @ nu + link.quadratic_damping @ (np.abs(nu) * nu)
         return np.concatenate(
