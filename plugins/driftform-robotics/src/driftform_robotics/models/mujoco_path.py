@@ -90,12 +90,12 @@ def compare_paths(link: Link, fluid: Fluid, current: FloatArray, reach: float = 
 
 
 def _integrate(
-    link: Link, fluid: Fluid, current: FloatArray, inertia: FloatArray, seconds: float, reach: float
+    link: Link, fluid: Fluid, current: FloatArray, total: FloatArray, seconds: float, reach: float
 ) -> tuple[float, FloatArray]:
-    """Return when a body with the mass matrix ``inertia`` has gone ``reach``, and its displacement relative to the water."""
+    """Return when a body with the mass matrix ``total`` has gone ``reach``, and its displacement relative to the water."""
     from scipy.integrate import RK45
 
-    inverse, added, mass = np.linalg.inv(inertia), link.added_mass, link.rigid_mass
+    inverse, added, mass = np.linalg.inv(total), link.added_mass, link.rigid_mass
     lift = fluid.density * link.volume * fluid.gravity
     weight = link.mass * fluid.gravity - lift
 
