@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.motion import inertia
 from driftform.types import FloatArray
 from driftform.water import Fluid
 from driftform_robotics.models.link import Link
