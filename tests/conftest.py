@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from program import call, ideal_water, refused
+from program import call, ideal_water, install, refused
 
-__all__ = ["call", "ideal_water", "refused"]
+__all__ = ["call", "ideal_water", "install", "refused"]
 
 MOST_WORKERS = 8
 

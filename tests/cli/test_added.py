@@ -1,10 +1,8 @@
 """Commands that plugins add; the plugins are real ``.dist-info`` directories on the path."""
 
 import json
-import sys
 from collections.abc import Callable, Iterator
 from importlib import metadata
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -75,32 +73,6 @@ def add(name: str, text: str) -> str:
     return f'{HOOK}    app.command("{name}")(lambda: print("{text}"))\n'
 
 
-def forget() -> None:
-    load_added.cache_clear()
-
-
-@pytest.fixture
-def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install]:
-    """Install modules as distributions ``<module>-plugin 1.0``."""
-    monkeypatch.syspath_prepend(str(tmp_path))
-    modules: list[str] = []
-
-    def installed(**sources: str) -> None:
-        for module, source in sources.items():
-            (tmp_path / f"{module}.py").write_text(source)
-            info = tmp_path / f"{module}_plugin-1.0.dist-info"
-            info.mkdir()
-            (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}-plugin\nVersion: 1.0\n")
-            (info / "entry_points.txt").write_text(f"[driftform]\n{module} = {module}\n")
-            modules.append(module)
-        forget()
-
-    yield installed
-    for module in modules:
-        sys.modules.pop(module, None)
-    forget()
-
-
 @pytest.fixture
 def without_plugins(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Hide every distribution but driftform itself."""
@@ -110,9 +82,9 @@ def without_plugins(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         "importlib.metadata.entry_points",
         lambda **wanted: own if wanted == {"group": GROUP} else every(**wanted),
     )
-    forget()
+    load_added.cache_clear()
     yield
-    forget()
+    load_added.cache_clear()
 
 
 def test_a_command_and_a_group_of_a_plugin_are_listed_and_run(install: Install, call: Call) -> None:

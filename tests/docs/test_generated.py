@@ -172,10 +172,12 @@ def cli_page() -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
+@pytest.mark.peers
 def test_cli_page(docs: Path, up_to_date: Check) -> None:
     up_to_date(docs / "cli.md", cli_page())
 
 
+@pytest.mark.peers
 def test_every_command_has_a_written_part_and_every_part_a_command() -> None:
     root = typer.main.get_command(app)
     leaves = {" ".join(path) for path, command in commands(root) if path and not hasattr(command, "commands")}

@@ -1,6 +1,7 @@
 """Fixtures of the tests of driftform and of its plugins: the program, called in this process."""
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -47,3 +48,30 @@ def refused(call: Callable[..., Any], tmp_path: Path) -> Callable[..., str]:
 def ideal_water(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make the paper's scenario the default in this process: its numbers have closed forms, and it takes less time."""
     monkeypatch.setattr("driftform.study.study.DEFAULT", "paper")
+
+
+@pytest.fixture
+def install(
+    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Callable[..., None]]:
+    """Install modules as distributions ``<module>-plugin 1.0``, beside the directory that the program works in."""
+    from driftform.cli.added import load_added
+
+    site = tmp_path_factory.mktemp("site")
+    monkeypatch.syspath_prepend(str(site))
+    modules: list[str] = []
+
+    def installed(**sources: str) -> None:
+        for module, source in sources.items():
+            (site / f"{module}.py").write_text(source)
+            info = site / f"{module}_plugin-1.0.dist-info"
+            info.mkdir()
+            (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}-plugin\nVersion: 1.0\n")
+            (info / "entry_points.txt").write_text(f"[driftform]\n{module} = {module}\n")
+            modules.append(module)
+        load_added.cache_clear()
+
+    yield installed
+    for module in modules:
+        sys.modules.pop(module, None)
+    load_added.cache_clear()

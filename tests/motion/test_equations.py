@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.motion.coordinates import describe_motion
+from driftform.motion.coordinates import Motion
 from driftform.motion.equations import accelerations, damping_wrench, water_motion_at_cob
 from driftform.motion.model import flight_model
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent
@@ -124,7 +124,7 @@ def test_accelerations_of_coordinates_are_those_of_the_attitude_that_their_rotat
         random_agent(rng, damped=True), scenario_of(TurbulentFlow(), level=0.1, friction=0.3)
     )
     turn, position, velocity, omega = rng.normal(size=(4, 3)) * [[1], [0.3], [1], [3]]
-    motion = describe_motion(model, np.eye(13)[3])
+    motion = Motion.of(model, np.eye(13)[3])
     coordinates, rates = np.concatenate([position, turn]), np.concatenate([velocity, omega])
     R = Rotation.from_rotvec(turn).as_matrix()
     found = motion.accelerations(1.3, coordinates, rates, motion.values)

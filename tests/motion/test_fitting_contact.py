@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from solids import solid_agent
 
 from driftform.motion.contact import deepest_depth
 from driftform.motion.fitting_contact import (
@@ -21,7 +22,6 @@ from driftform.motion.flight import energies, release_state
 from driftform.motion.integrator import Accuracy, integrate_once
 from driftform.motion.model import flight_model
 from driftform.motion.surfaces import refined_surfaces, touching_surfaces
-from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import cylinder_body, dome_body
 from driftform.types import Coefficients
 from driftform.water import Scenario
@@ -256,7 +256,7 @@ def test_a_body_that_bounces_without_loss_keeps_its_energy_and_stays_inside(name
     rows = rows_of(refined_surfaces(agent.body, spacing), scenario)
     model = open_model._replace(
         surfaces=rows,
-        touches=np.zeros((len(rows), 10)),
+        touches=np.zeros((len(rows) + 1, 10)),
         fittings=walls_of(scenario),
         pipe=np.empty((0, 8)),
     )

@@ -14,7 +14,8 @@ from driftform.motion.model import flight_model
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, tumbling_agent
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Agent, Coefficients, Drag, End
-from driftform.water import Fluid, Pipe, Scenario, Segment, water_velocity
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.field import water_velocity
 from driftform.water.flow import LogLawFlow, TurbulentFlow, UniformFlow
 from driftform.water.scenario import Contact, FlightLimits, Release
 

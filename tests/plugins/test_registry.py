@@ -1,10 +1,8 @@
 """What is installed, and what is wrong with it; plugins are real ``.dist-info`` directories on the path."""
 
 import importlib.util
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib import metadata
-from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
@@ -64,24 +62,14 @@ def driftform_strategy():
 
 
 @pytest.fixture
-def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install]:
-    """Install modules as distributions ``<module>-plugin 1.0``, and return a registry that has looked for them."""
-    monkeypatch.syspath_prepend(str(tmp_path))
-    modules: list[str] = []
+def install(install: Callable[..., None]) -> Install:
+    """Install modules as distributions, and return a registry that has looked for them."""
 
     def installed(**sources: str) -> Registry:
-        for module, source in sources.items():
-            (tmp_path / f"{module}.py").write_text(source)
-            info = tmp_path / f"{module}_plugin-1.0.dist-info"
-            info.mkdir()
-            (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}-plugin\nVersion: 1.0\n")
-            (info / "entry_points.txt").write_text(f"[driftform]\n{module} = {module}\n")
-            modules.append(module)
+        install(**sources)
         return Registry()
 
-    yield installed
-    for module in modules:
-        sys.modules.pop(module, None)
+    return installed
 
 
 def row(found: Registry, name: str) -> Contribution:
@@ -98,7 +86,7 @@ def test_our_own_plugins_are_found_with_their_distribution_and_version():
         ("hydrodynamics", "panels"): "driftform-panels",
         ("simulator", "exudyn"): "driftform-exudyn",
         ("fitness", "closest-approach"): "driftform",
-        ("strategy", "paper"): "driftform",
+        ("strategy", "paper"): "driftform-paper",
         ("strategy", "random"): "driftform",
         ("exporter", "stl"): "driftform-frusta",
         ("exporter", "scad"): "driftform-frusta",

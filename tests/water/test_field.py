@@ -8,7 +8,8 @@ import pytest
 from driftform.motion.flight import release_state
 from driftform.motion.model import flight_model
 from driftform.testing.agents import sphere_agent
-from driftform.water import Scenario, wall_distance, water_velocity
+from driftform.water import Scenario
+from driftform.water.field import wall_distance, water_velocity
 from driftform.water.scenario import Release
 
 R = 0.1

@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from solids import solid_agent
 
 from driftform.motion.flight import finish_trajectory, release_state
 from driftform.motion.integrator import Accuracy, integrate
 from driftform.motion.model import flight_model
 from driftform.motion.way import name_outlet
-from driftform.testing.agents import solid_agent, sphere_agent
+from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Coefficients, End
 from driftform.water import Scenario

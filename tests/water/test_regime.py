@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from driftform.study import load_study
-from driftform.water import Scenario, water_velocity
+from driftform.water import Scenario
+from driftform.water.field import water_velocity
 from driftform.water.regime import entry_length, warn_of_regime
 from driftform.water.validity import RANGES, Range, find_departures
 

@@ -54,8 +54,9 @@ class FlightModel(NamedTuple):
     strips
         of drag: see :class:`driftform.types.Drag`, (n, 4); (0, 4) without any.
     touches
-        room for what is known of each surface that touches, (surfaces, 10): in space its lever, the wall's normal, twice the
-        energy of the spring, half of its derivatives by depth and angle, and the index of the surface.
+        room for what is known of each surface that touches, and for a row that ends them, (surfaces + 1, 10): in space its
+        lever, the wall's normal, twice the energy of the spring, half of its derivatives by depth and angle, and the index
+        of the surface.
     bristles
         of the surfaces, if there is friction: their deflections times the contact's frequency, world frame, m/s (rows
         of the first half), and room for the rates of these, m/s2 (second half); (2 surfaces, 3) or (0, 3). See

@@ -5,23 +5,24 @@ import csv
 import numpy as np
 import pytest
 from scipy.interpolate import RegularGridInterpolator
+from solids import solid_agent
 
 from driftform.errors import InputError
 from driftform.motion.flight import finish_trajectory, release_state
 from driftform.motion.integrator import Accuracy, integrate
 from driftform.motion.interpolation import interpolate_positions
 from driftform.motion.model import flight_model
-from driftform.testing.agents import solid_agent, sphere_agent
+from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Coefficients
 from driftform.water import Scenario
-from driftform.water.currents import COLUMNS, MOST_NODES, sample_current, usual_spacing, write_current
 from driftform.water.fitting_walls import wall_gaps
 from driftform.water.fittings import fitting_array
 from driftform.water.grid_files import read_grid
 from driftform.water.grid_flow import grid_velocities
 from driftform.water.profiles import AT_A_POINT
 from driftform.water.velocity import flow_array, water_motion
+from driftform_tees.currents import COLUMNS, MOST_NODES, sample_current, usual_spacing, write_current
 
 BEND = [{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"length": 0.5}]
 
