@@ -1,7 +1,7 @@
 """driftform: evolve the shape of a passive underwater agent so that the current alone carries it.
 
 The data flow is ``genome -> morphology -> body -> coefficients -> trajectory -> fitness``;
-:mod:`driftform.pipeline` reads top to bottom like that line. Importing this package imports nothing heavy: what it
+``driftform.pipeline`` reads top to bottom like that line. Importing this package imports nothing heavy: what it
 offers to notebooks and scripts is imported when it is first asked for.
 """
 

@@ -2,7 +2,6 @@ import pluggy
 
 from .api import Run as Run
 from .api import evolve as evolve
-from .api import export_flow as export_flow
 from .api import load_study as load_study
 from .api import open_agent as open_agent
 from .api import open_run as open_run

@@ -1,9 +1,8 @@
 """driftform in notebooks and scripts: from a scenario to an evolved agent to its mesh.
 
-``import driftform as df`` offers :func:`load_study`, :func:`evolve`, :func:`open_run`, :func:`open_agent`,
-and :func:`export_flow`. What they return shows itself in a notebook: a run as its overview and a table of targets, an agent
-as a drawing of its section, a flight as its path. Quantities are in SI units, fitness is in percent, frames are those
-of :mod:`driftform.types`.
+``import driftform as df`` offers :func:`load_study`, :func:`evolve`, :func:`open_run` and :func:`open_agent`. What
+they return shows itself in a notebook: a run as its overview and a table of targets, an agent as a drawing of its section, a
+flight as its path. Quantities are in SI units, fitness is in percent, frames are those of :mod:`driftform.types`.
 """
 
 import os
@@ -37,8 +36,6 @@ from driftform.study import Study, load_study
 from driftform.types import Trajectory
 from driftform.util.notebook import show_picture, show_table
 from driftform.util.progress import count_progress
-from driftform.water.currents import sample_current, warn_of_flow, write_current
-from driftform.water.grid_files import VelocityGrid
 
 __all__ = [
     "Design",
@@ -46,7 +43,6 @@ __all__ = [
     "NoTargetError",
     "Run",
     "evolve",
-    "export_flow",
     "load_study",
     "open_agent",
     "open_run",
@@ -327,37 +323,6 @@ def open_agent(
         if there is no such agent.
     """
     return opening.open_agent(os.fspath(text), scenario, settings, use)
-
-
-def export_flow(study: Study, path: str | os.PathLike[str], *, spacing: float | None = None) -> VelocityGrid:
-    """Write the mean current in the pipe of a study on a regular grid as CSV, and return the grid.
-
-    The file is for Gazebo, and for ``flow.kind = "grid"``.
-
-    Parameters
-    ----------
-    study
-        from :func:`load_study`.
-    path
-        of the file; an older one is replaced.
-    spacing
-        of the nodes, m; ``None`` for a twentieth of the narrowest bore, or more in a long pipe.
-
-    Raises
-    ------
-    InputError
-        in open water, or if the spacing does not suit the pipe.
-
-    Warns
-    -----
-    UserWarning
-        if gusts, or the acceleration of a current, are left out.
-    """
-    grid = sample_current(study.scenario, spacing)
-    for warning in warn_of_flow(study.scenario):
-        warnings.warn(warning, stacklevel=2)
-    write_current(Path(path), grid)
-    return grid
 
 
 def _make_executor(study: Study, workers: int) -> InProcess | LocalProcesses:

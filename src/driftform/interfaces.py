@@ -119,6 +119,20 @@ class Grammar(Plugin[OptionsT_co]):
             genome = self.flip(genome, int(index), rng)
         return genome
 
+    def breed(
+        self, one: Genome, other: Genome, rng: np.random.Generator, *, crossover: float, mutation_rate: float
+    ) -> tuple[Genome, bool]:
+        """Return a child that differs from both parents, and True if it descends from ``other`` too.
+
+        ``crossover`` is the probability of two parents, ``mutation_rate`` that of each symbol to flip. If the child equals a
+        parent, one of its symbols is flipped: otherwise it would fly as the parent did.
+        """
+        crossed = bool(rng.random() < crossover)
+        child = self.mutate(self.crossover(one, other, rng)[0] if crossed else one, rng, mutation_rate)
+        if child in (one, other) and child.symbols:
+            child = self.flip(child, int(rng.integers(len(child.symbols))), rng)
+        return child, crossed
+
 
 class PhenotypeBuilder(Plugin[OptionsT_co]):
     """Morphology -> body: adds the wall and the ends to the modules, and places the core."""
@@ -499,7 +513,7 @@ class Checker(Plugin[OptionsT_co]):
     """Printable files -> findings: whether the printed agent will match the simulated one.
 
     The contract checks STL files in text form; driftform writes binary ones. A checker that reads STL must read both, as
-    :func:`driftform.agent.read_mesh` does, or skip what it does not read.
+    ``read_meshes`` of driftform-kit does, or skip what it does not read.
 
     ``program`` is the name of the program on PATH that the checker runs, ``""`` if it runs no other program.
     """

@@ -79,6 +79,13 @@ def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> F
     return array
 
 
+def freeze_fields(value: object, **shapes: tuple[int | None, ...]) -> None:
+    """Freeze fields of a frozen dataclass as :func:`freeze` does, each with its shape."""
+    for name, shape in shapes.items():
+        what = f"{type(value).__name__}.{name}"
+        object.__setattr__(value, name, freeze(getattr(value, name), shape, what))
+
+
 @dataclass(frozen=True)
 class Genome:
     """A genotype: a flat tuple of symbols; only the named grammar knows their structure."""
@@ -226,9 +233,7 @@ class Body:
     fittings: Fittings = Fittings()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "outer", freeze(self.outer, (None, 2), "Body.outer"))
-        object.__setattr__(self, "cavity", freeze(self.cavity, (None, 2), "Body.cavity"))
-        object.__setattr__(self, "joints", freeze(self.joints, (None,), "Body.joints"))
+        freeze_fields(self, outer=(None, 2), cavity=(None, 2), joints=(None,))
 
     @property
     def length(self) -> float:
@@ -278,9 +283,7 @@ class MassProperties:
     cob: FloatArray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cog", freeze(self.cog, (3,), "MassProperties.cog"))
-        object.__setattr__(self, "inertia", freeze(self.inertia, (3, 3), "MassProperties.inertia"))
-        object.__setattr__(self, "cob", freeze(self.cob, (3,), "MassProperties.cob"))
+        freeze_fields(self, cog=(3,), inertia=(3, 3), cob=(3,))
 
     def net_buoyancy(self, fluid: FluidProperties) -> float:
         """Return the buoyancy of the submerged body less its weight, N, upward positive."""
@@ -342,7 +345,7 @@ class Drag:
     blocking: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "strips", freeze(self.strips, (None, 4), "Drag.strips"))
+        freeze_fields(self, strips=(None, 4))
 
     def scale(self, axial: float, across: float | None = None) -> "Drag":
         """Return the drag with the resistances times ``axial`` along the axis, and times ``across`` across it.
@@ -391,9 +394,7 @@ class Coefficients:
     drag: Drag | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "origin", freeze(self.origin, (3,), "Coefficients.origin"))
-        for name in ("added_mass", "linear_damping", "quadratic_damping"):
-            object.__setattr__(self, name, freeze(getattr(self, name), (6, 6), f"Coefficients.{name}"))
+        freeze_fields(self, origin=(3,), added_mass=(6, 6), linear_damping=(6, 6), quadratic_damping=(6, 6))
 
     def scale_damping(self, axial: float, across: float | None = None) -> "Coefficients":
         """Return the coefficients with damping and drag times ``axial`` along the axis, and ``across`` across it.
@@ -486,9 +487,7 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         k = np.shape(self.t)[0]
-        object.__setattr__(self, "t", freeze(self.t, (k,), "Trajectory.t"))
-        for name, width in (("position", 3), ("quaternion", 4), ("velocity", 6)):
-            object.__setattr__(self, name, freeze(getattr(self, name), (k, width), f"Trajectory.{name}"))
+        freeze_fields(self, t=(k,), position=(k, 3), quaternion=(k, 4), velocity=(k, 6))
         for name in ("contact", "energy_drift", "error"):
             if (value := getattr(self, name)) is not None:
                 object.__setattr__(self, name, float(value))
@@ -570,9 +569,9 @@ class Evaluation:
     offsets: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "fitness", freeze(self.fitness, (None,), "Evaluation.fitness"))
+        freeze_fields(self, fitness=(None,))
         if self.offsets is not None:
-            object.__setattr__(self, "offsets", freeze(self.offsets, (None, 3), "Evaluation.offsets"))
+            freeze_fields(self, offsets=(None, 3))
 
     @classmethod
     def failed(

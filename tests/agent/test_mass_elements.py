@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.agent import MassElement, hull_mass, mass_properties, reweigh
+from driftform.agent import MassElement, hull_mass, mass_properties
 from driftform.agent.mass import hull_moments
 from driftform.testing.bodies import hollow_body
 from driftform.types import Agent, Coefficients
@@ -17,7 +17,7 @@ AGENT = Agent(BODY, MASS, Coefficients(0.01 * np.eye(6)))
 
 def print_agent(mass: float, x: float | None = None) -> Agent:
     """The agent as printed."""
-    return reweigh(AGENT, MassElement.of_print(BODY, mass, x))
+    return MassElement.reweigh(AGENT, MassElement.of_print(BODY, mass, x))
 
 
 def test_hull_and_core_are_the_body_as_simulated() -> None:
@@ -36,7 +36,9 @@ def test_a_print_of_the_simulated_mass_and_balance_is_the_simulated_body() -> No
 
 
 def test_two_balls_are_a_dumbbell() -> None:
-    found = reweigh(AGENT, [MassElement.of_ball(1.0, -0.3, 0.1), MassElement.of_ball(3.0, 0.1, 0.2)]).mass
+    found = MassElement.reweigh(
+        AGENT, [MassElement.of_ball(1.0, -0.3, 0.1), MassElement.of_ball(3.0, 0.1, 0.2)]
+    ).mass
     assert found.mass == 4.0
     assert found.cog[0] == pytest.approx(0.0, abs=1e-15)
     own = 0.4 * (1.0 * 0.1**2 + 3.0 * 0.2**2)
@@ -71,4 +73,4 @@ def test_a_print_lighter_than_its_core_is_refused() -> None:
     with pytest.raises(ValueError, match="core"):
         print_agent(BODY.core.mass)
     with pytest.raises(ValueError, match="mass above 0"):
-        reweigh(AGENT, [MassElement(1.0, 0.0), MassElement(-1.0, 0.1)])
+        MassElement.reweigh(AGENT, [MassElement(1.0, 0.0), MassElement(-1.0, 0.1)])

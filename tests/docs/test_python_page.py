@@ -129,5 +129,5 @@ def test_every_function_of_the_package_is_on_the_page(pages: dict[str, str]) -> 
     import driftform
 
     functions = {name for name in driftform.__all__ if inspect.isfunction(getattr(driftform, name))}
-    assert len(functions) > 4
+    assert len(functions) >= 4
     assert [name for name in functions if f"df.{name}(" not in pages[PAGE]] == []

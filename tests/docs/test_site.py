@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+from public import find_homes
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -39,13 +41,11 @@ def test_fenced_blocks_are_blocks_and_show_their_file(site: Path) -> None:
 
 
 def test_the_reference_holds_what_the_package_offers(site: Path) -> None:
-    import driftform
-    from driftform import api
-
     reference = text_of(site, "reference")
-    for name in {*driftform.__all__, *api.__all__} - {"__version__", "hookimpl"}:
-        assert f'id="driftform.api.{name}"' in reference or f'id="driftform.study.{name}"' in reference, name
-    assert "Distance of the closest approach to each target, m." in reference
+    for name, home in find_homes("driftform").items():
+        if not name.startswith("__"):
+            assert f'id="{home}.{name}"' in reference, name
+    assert "strictly increasing from 0" in reference
     assert not re.search(r":(class|func|mod|meth):", reference)
 
 

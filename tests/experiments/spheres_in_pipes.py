@@ -15,9 +15,9 @@ the bore is increased as measured on the axis of a tube.
 import math
 
 import numpy as np
+from solids import solid_agent
 
 from driftform.motion.body_drag import estimate_drag
-from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Coefficients
 from driftform.water import Fluid, Pipe, Scenario, Segment

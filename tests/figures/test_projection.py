@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.figures.projection import PLAN, SIDE, drawing_times, silhouette, simplify_polyline
-from driftform.motion.approach import find_approaches
+from driftform.motion.approach import closest_approach
 from driftform.motion.interpolation import interpolate_positions
 
 unit = (
@@ -52,7 +52,8 @@ def test_the_path_passes_through_the_samples_and_ends_at_the_given_time(fly):
 
 
 def test_the_closest_approach_to_a_straight_flight_is_the_foot_of_the_perpendicular(fly):
-    (approach,) = find_approaches(fly(samples=4), np.array([[4.2, 0.3, 0.4]]))
-    assert approach.distance == pytest.approx(0.5)
-    assert approach.position == pytest.approx([4.2, 0, 0], abs=1e-9)
-    assert approach.t == pytest.approx(4.2)
+    flight = fly(samples=4)
+    [distance], times = closest_approach(flight, np.array([[4.2, 0.3, 0.4]]))
+    assert distance == pytest.approx(0.5)
+    assert interpolate_positions(flight, times) == pytest.approx(np.array([[4.2, 0, 0]]), abs=1e-9)
+    assert times == pytest.approx([4.2])

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from solids import solid_agent
 
 from driftform.motion.clearance import wall_clearances
 from driftform.study import load_study
-from driftform.testing.agents import solid_agent, sphere_agent
+from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Coefficients, End, Trajectory
 from driftform.util.rotations import quaternion_from_rotation_vector

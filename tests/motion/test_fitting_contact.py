@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from solids import solid_agent
 
 from driftform.motion.contact import deepest_depth
 from driftform.motion.fitting_contact import (
@@ -21,7 +22,6 @@ from driftform.motion.flight import energies, release_state
 from driftform.motion.integrator import Accuracy, integrate_once
 from driftform.motion.model import flight_model
 from driftform.motion.surfaces import refined_surfaces, touching_surfaces
-from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import cylinder_body, dome_body
 from driftform.types import Coefficients
 from driftform.water import Scenario

@@ -7,9 +7,8 @@ import pytest
 
 from driftform.agent import mass_properties
 from driftform.motion.forces import acceleration_at, accelerations_along, net_wrench
-from driftform.motion.interpolation import interpolate_attitudes, interpolate_positions
+from driftform.motion.interpolation import even_times, interpolate_attitudes, interpolate_positions, resample
 from driftform.motion.path import world_velocity
-from driftform.motion.resampling import even_times, resample
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drifting_trajectory

@@ -86,7 +86,7 @@ def test_our_own_plugins_are_found_with_their_distribution_and_version():
         ("hydrodynamics", "panels"): "driftform-panels",
         ("simulator", "exudyn"): "driftform-exudyn",
         ("fitness", "closest-approach"): "driftform",
-        ("strategy", "paper"): "driftform",
+        ("strategy", "paper"): "driftform-paper",
         ("strategy", "random"): "driftform",
         ("exporter", "stl"): "driftform-frusta",
         ("exporter", "scad"): "driftform-frusta",

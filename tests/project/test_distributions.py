@@ -21,6 +21,13 @@ PROJECTS = [ROOT, *sorted(path.parent for path in (ROOT / "plugins").glob("*/pyp
 
 pytestmark = pytest.mark.installs
 
+COMMANDS_ALONE = {
+    "driftform-networks": "network",
+    "driftform-paper": "reproduce",
+    "driftform-studio": "studio",
+}
+"""The command of each plugin that adds commands and nothing to a seam."""
+
 
 def project(folder: Path) -> dict[str, Any]:
     table: dict[str, Any] = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -111,6 +118,10 @@ def test_pip_installs_a_program_that_evolves_outside_the_repository(
 
 def test_every_plugin_is_found_there(installed: Path, outside: Callable[..., str], tmp_path: Path) -> None:
     rows = json.loads(outside(installed / "driftform", "plugins", "list", "--json", cwd=tmp_path))["plugins"]
-    seams = [folder for folder in PROJECTS if "driftform" in project(folder)["entry-points"]]
-    assert {row["distribution"] for row in rows} == {project(folder)["name"] for folder in seams}
+    hooked = {
+        project(folder)["name"] for folder in PROJECTS if "driftform" in project(folder)["entry-points"]
+    }
+    assert {row["distribution"] for row in rows} == hooked - set(COMMANDS_ALONE)
     assert {row["state"] for row in rows} == {"ok"}
+    for command in COMMANDS_ALONE.values():
+        assert f"driftform {command}" in outside(installed / "driftform", command, "--help", cwd=tmp_path)

@@ -23,6 +23,8 @@ LAYERS = (
 )
 """The modules and packages of the core from the ground up: each may import those before it, and no others."""
 
+MOST_ROOMS, MOST_FLOORS = 24, 14
+
 
 def list_imports(source: str) -> Iterator[str]:
     """Every module that a source names in an import, also inside functions, and each name after ``from``."""
@@ -65,6 +67,20 @@ def find_forbidden(imports: Mapping[str, set[str]]) -> list[str]:
     ]
 
 
+def count_floors(imports: Mapping[str, set[str]]) -> int:
+    """The number of rooms in the longest chain of which each imports the next; a room is a module or package of the core."""
+    below: dict[str, set[str]] = {}
+    for module, names in imports.items():
+        if module != "driftform":
+            room = module.split(".")[1]
+            below.setdefault(room, set()).update({name.split(".")[1] for name in names} - {room})
+
+    def find_floor(room: str) -> int:
+        return 1 + max(map(find_floor, below[room]), default=0)
+
+    return max(map(find_floor, below))
+
+
 def find_circle(imports: Mapping[str, set[str]]) -> list[str]:
     """Modules of which each imports the next and the last the first, empty where there are none."""
     done: set[str] = set()
@@ -86,6 +102,22 @@ def find_circle(imports: Mapping[str, set[str]]) -> list[str]:
 def test_every_part_of_the_core_has_its_layer() -> None:
     parts = {path.stem for path in CORE.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()}
     assert parts - {"__init__", "__main__"} == set(LAYERS)
+
+
+def test_the_core_has_few_rooms_on_few_floors() -> None:
+    floors = count_floors(read_imports(CORE))
+    print(f"{len(LAYERS)} rooms on {floors} floors")
+    assert len(LAYERS) <= MOST_ROOMS and floors <= MOST_FLOORS
+
+
+def test_floors_are_counted_along_the_longest_chain() -> None:
+    imports = {
+        "driftform.a.x": {"driftform.b.y", "driftform.c"},
+        "driftform.b.y": {"driftform.c", "driftform.b.z"},
+        "driftform.b.z": set[str](),
+        "driftform.c": set[str](),
+    }
+    assert count_floors(imports) == 3
 
 
 def test_each_part_of_the_core_imports_only_those_below_it() -> None:

@@ -11,7 +11,7 @@ from public import list_public
 ROOT = Path(__file__).parents[2]
 PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"))
 
-MOST_MODULES, MOST_NAMES = 12, 137
+MOST_MODULES, MOST_NAMES = 12, 120
 
 
 def find_private_imports(source: str, public: dict[str, list[str]]) -> Iterator[str]:

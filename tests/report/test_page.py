@@ -279,12 +279,12 @@ def test_a_page_of_ten_agents_is_small(run_with_page):
 
 def test_the_page_names_the_agents_that_are_outside_of_what_was_tested(run_with_page, monkeypatch):
     contents = collect_contents(Run.open(run_with_page))
-    monkeypatch.setattr("driftform.design.limits.WIDEST", 0.0)
+    monkeypatch.setattr("driftform.study.limits.WIDEST", 0.0)
     page = " ".join(page_html(contents).split())
     assert "Outside of what was tested" in page
     for group in contents.agents:
         assert f"<li>{', '.join(entry.target for entry in group)}: its diameter is" in page
-    monkeypatch.setattr("driftform.design.limits.WIDEST", 1.0)
+    monkeypatch.setattr("driftform.study.limits.WIDEST", 1.0)
     assert "Outside of what was tested" not in page_html(contents)
 
 

@@ -9,7 +9,7 @@ from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
 from driftform.water import Scenario
-from driftform.water.currents import sample_current, write_current
+from driftform_tees.currents import sample_current, write_current
 
 pytestmark = pytest.mark.slow
 

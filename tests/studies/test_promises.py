@@ -26,7 +26,7 @@ from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
 from driftform.water.disturbances import disturb_body, draw_conditions
-from driftform.water.flow import LogLawFlow, TurbulentFlow, friction_factor
+from driftform.water.gusts import eddy_diffusivity
 
 pytestmark = pytest.mark.slow
 
@@ -133,14 +133,14 @@ def tracer_floor(study: Study) -> FloatArray:
     of standard deviation s and integral time T: 2 s^2 T^2 (t / T - 1 + exp(-t / T)) along each axis (Taylor 1922,
     Diffusion by continuous movements). The distance in the plane across the flow is then Rayleigh distributed.
     """
-    scenario, gusts = study.scenario, TurbulentFlow()
-    assert isinstance(scenario.flow, LogLawFlow)
-    diameter = 2 * scenario.pipe.segments[0].radius
-    reynolds = scenario.flow.speed * diameter / scenario.fluid.viscosity
-    friction = friction_factor(reynolds, scenario.flow.roughness / diameter)
-    s = gusts.intensity * scenario.flow.speed * np.sqrt(friction / 8)
-    t = study.scenario.target_array()[:, 0] / scenario.flow.speed / gusts.memory
-    deviation = s * gusts.memory * np.sqrt(2 * (t - 1 + np.exp(-t)))
+    scenario, gusts = study.scenario, study.scenario.gusts
+    s = gusts.strength * scenario.friction_velocity()
+    memory = gusts.memory * eddy_diffusivity(
+        scenario.pipe.layout.inlet.radius, scenario.pipe.layout.inlet.radius
+    )
+    memory *= scenario.friction_velocity() / s**2
+    t = study.scenario.target_array()[:, 0] / scenario.flow.speed / memory
+    deviation = s * memory * np.sqrt(2 * (t - 1 + np.exp(-t)))
     return np.asarray(deviation * np.sqrt(-2 * np.log(1 - PROMISED)))
 
 

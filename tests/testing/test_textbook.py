@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from solids import solid_agent
 from textbook import distance_from_textbook, textbook_rate
 
 from driftform.motion.body_drag import estimate_drag
 from driftform.motion.model import flight_model
 from driftform.motion.rates import fill_rate_in_space
 from driftform.study import load_study
-from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import spheroid_body
 
 MILLIMETRE = 1e-3

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from driftform.water import Pipe, Scenario
-from driftform.water.currents import write_current
 from driftform.water.fittings import fitting_array
 from driftform.water.grid_files import VelocityGrid
 from driftform.water.grid_flow import grid_motion, grid_velocities, inlet_speed, make_grid, wall_leakage
+from driftform_tees.currents import write_current
 
 RADIUS, LENGTH, SPACING = 0.1, 1.0, 0.02
 OPEN = Pipe()

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from driftform.motion.coordinates import describe_motion
+from driftform.motion.coordinates import Motion
 from driftform.motion.model import flight_model
 from driftform.motion.stability import stable_rest
 from driftform.study import load_study
@@ -22,7 +22,7 @@ def exudyn_frequencies(model, height, pitch):
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     quaternion = np.array([math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0])
-    motion = describe_motion(model, np.array([0.0, 0.0, height, *quaternion, *np.zeros(6)]))
+    motion = Motion.of(model, np.array([0.0, 0.0, height, *quaternion, *np.zeros(6)]))
     node = mbs.AddNode(
         items.NodeRigidBodyRotVecLG(
             referenceCoordinates=[0.0] * 6,

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.interfaces import Renderer
-from driftform.motion.interpolation import interpolate_attitudes
-from driftform.motion.resampling import even_times
+from driftform.motion.interpolation import even_times, interpolate_attitudes
 from driftform.options import Table
 from driftform.testing import RendererContract
 from driftform.types import WrittenFile

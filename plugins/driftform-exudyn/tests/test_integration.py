@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.motion.coordinates import describe_motion
+from driftform.motion.coordinates import Motion
 from driftform.motion.flight import release_state
 from driftform.motion.integrator import greatest_distance
 from driftform.motion.model import flight_model
@@ -28,7 +28,7 @@ def motions(seed):
     damped = model._replace(numbers=model.numbers.copy())
     damped.numbers["is_damped"] = 1.0
     start = release_state(model, scenario)
-    return [describe_motion(m, start) for m in (model, damped)]
+    return [Motion.of(m, start) for m in (model, damped)]
 
 
 @pytest.mark.parametrize("seed", range(6))

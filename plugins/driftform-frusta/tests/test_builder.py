@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from driftform.agent import hull_mass, hull_volume, mass_properties, solid_of_revolution
+from driftform.agent import hull_mass, mass_properties, solid_of_revolution
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.hull import build_hull
+from driftform_frusta.hull import build_hull, hull_volume
 from driftform_frusta.solid import to_solid
 
 WALL, DOME = 0.00125, 0.01145

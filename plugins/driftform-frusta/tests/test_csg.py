@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold, OpType
 
-from driftform.agent.meshes import area_factor
 from driftform.errors import WorkFailedError
 from driftform_frusta.csg import (
     Difference,
@@ -23,6 +22,7 @@ from driftform_frusta.csg import (
 )
 from driftform_frusta.hull import build_hull
 from driftform_frusta.solid import to_manifold
+from driftform_frusta.triangles import area_factor
 
 TRIANGLE = ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
 

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from pydantic import ValidationError
 
-from driftform.agent import Mesh, hull_mass, hull_volume
+from driftform.agent import hull_mass
 from driftform.errors import WorkFailedError
 from driftform_frusta import printable
 from driftform_frusta.boundary import Solid
@@ -19,7 +19,9 @@ from driftform_frusta.exporters.ply import PlyExporter
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
+from driftform_frusta.hull import hull_volume
 from driftform_frusta.solid import to_manifold
+from driftform_frusta.triangles import Mesh
 
 EACH = pytest.mark.parametrize(
     "exporter", [StlExporter, ScadExporter, GlbExporter, ObjExporter, PlyExporter, ThreeMfExporter]

@@ -8,12 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import CrossSection, FillRule
 
-from driftform.agent import Mesh
-from driftform.agent.meshes import area_factor
 from driftform.errors import WorkFailedError
 from driftform_frusta.hull import build_hull
 from driftform_frusta.revolution import revolve_profiles
 from driftform_frusta.solid import to_solid
+from driftform_frusta.triangles import Mesh, area_factor
 
 CYLINDER = [(0, 0), (5, 0), (5, 7), (0, 7)]
 BALLS_IN_TOUCH = [(0, 0), (3, 2), (0, 4), (3, 6), (0, 8)]

@@ -8,8 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform.agent import hull_volume
-from driftform.agent.meshes import area_factor
 from driftform.errors import WorkFailedError
 from driftform_frusta.csg import (
     Difference,
@@ -21,10 +19,11 @@ from driftform_frusta.csg import (
     Translate,
     Union,
 )
-from driftform_frusta.hull import build_hull
+from driftform_frusta.hull import build_hull, hull_volume
 from driftform_frusta.revolution import revolve_profiles
 from driftform_frusta.scad import write_definitions, write_module
 from driftform_frusta.solid import to_manifold, to_solid
+from driftform_frusta.triangles import area_factor
 
 SEGMENTS = [3, 12, 13, 64, 1024]
 

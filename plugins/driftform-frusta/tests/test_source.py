@@ -6,12 +6,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from driftform.agent import hull_volume, mass_properties
+from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
 from driftform.study import load_study
 from driftform.types import Agent, Coefficients, Module, Morphology
 from driftform.water import Scenario
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import make_parts
 from driftform_frusta.parametric import hull_source

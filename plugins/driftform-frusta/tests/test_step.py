@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.agent import hull_volume
 from driftform.errors import WorkFailedError
 from driftform_frusta.brep import to_brep, volume_of
 from driftform_frusta.csg import (
@@ -22,6 +21,7 @@ from driftform_frusta.csg import (
     Union,
 )
 from driftform_frusta.exporters.step import StepExporter
+from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import make_parts
 from driftform_frusta.solid import to_manifold

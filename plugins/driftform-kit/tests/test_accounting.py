@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from driftform.agent import MassElement, mass_properties, reweigh
+from driftform.agent import MassElement, mass_properties
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform.study import Document, load_study
@@ -177,7 +177,7 @@ def test_a_gram_more_of_an_agent_made_as_a_kit_is_spread_as_its_parts_are():
     modules = tuple(Module(0.01, 0.0) for _ in range(5))
     body = FrustaBuilder(FrustaOptions(made_as="kit")).build(Morphology(modules, modules[:2]))
     agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
-    same = reweigh(agent, MassElement.of_print(agent.body, agent.mass.mass)).mass
+    same = MassElement.reweigh(agent, MassElement.of_print(agent.body, agent.mass.mass)).mass
     assert same.cog == pytest.approx(agent.mass.cog, rel=1e-12)
     assert same.inertia == pytest.approx(agent.mass.inertia, rel=1e-12)
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from driftform.agent import MassElement, mass_properties, reweigh
+from driftform.agent import MassElement, mass_properties
 from driftform.types import Agent, Body, Coefficients, Core
 from driftform_kit.ballast import (
     MATERIALS,
@@ -56,12 +56,12 @@ def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[
 @settings(deadline=None)
 def test_print_and_ballast_weigh_and_balance_as_simulated(missing: float, x: float) -> None:
     mass = SIMULATED.mass - missing
-    printed = reweigh(AGENT, MassElement.of_print(BODY, mass, x))
+    printed = MassElement.reweigh(AGENT, MassElement.of_print(BODY, mass, x))
     wanted = required_ballast(SIMULATED, printed.mass)
     found = place_ballast(BODY, wanted, LEAD)
     assume(found)
     elements = [*MassElement.of_print(BODY, mass, x), *(piece.element for piece in found)]
-    trimmed = reweigh(AGENT, elements).mass
+    trimmed = MassElement.reweigh(AGENT, elements).mass
     assert trimmed.mass == pytest.approx(SIMULATED.mass, rel=1e-9)
     assert trimmed.cog[0] == pytest.approx(SIMULATED.cog[0], abs=1e-7)
 
@@ -148,7 +148,7 @@ def test_nothing_missing_needs_no_place() -> None:
 
 
 def test_too_heavy_a_print_needs_buoyancy_where_its_excess_is() -> None:
-    heavier = reweigh(AGENT, MassElement.of_print(BODY, SIMULATED.mass + 0.004))
+    heavier = MassElement.reweigh(AGENT, MassElement.of_print(BODY, SIMULATED.mass + 0.004))
     wanted = required_ballast(SIMULATED, heavier.mass)
     assert wanted.mass == pytest.approx(-0.004)
     # The excess is spread as the hull's material: at its middle.

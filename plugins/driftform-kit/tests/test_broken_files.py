@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from driftform.agent import hull_volume
 from driftform.design.design import Design
 from driftform.design.opening import open_agent
 from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, State
+from driftform_frusta.hull import hull_volume
 
 CheckMesh = Callable[..., dict[str, Finding]]
 Written = Callable[..., Path]

@@ -10,16 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Error, Manifold, Mesh64
 
-from driftform.agent import Mesh, hull_volume, solid_of_revolution
-from driftform.agent.meshes import area_factor
+from driftform.agent import solid_of_revolution
 from driftform.errors import WorkFailedError
 from driftform.study import load_study
 from driftform.types import Body, Core, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.csg import Revolve
+from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import make_parts
 from driftform_frusta.solid import to_manifold
+from driftform_frusta.triangles import Mesh, area_factor
 from driftform_kit.cutting.pieces import make_kit
 
 WALL = 1.25e-3

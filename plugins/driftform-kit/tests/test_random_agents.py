@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.agent import hull_volume
 from driftform.interfaces import ExportJob, PrintJob
 from driftform.study import load_study
 from driftform.types import State
+from driftform_frusta.hull import hull_volume
 from driftform_kit.checks.mesh import MeshChecker, MeshOptions
 
 # What it stands on, and whether it fits a bed, is for the agent to decide.

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from driftform.agent import Mesh
 from driftform.errors import InputError, WorkFailedError
+from driftform_frusta.triangles import Mesh
 from driftform_kit.reading import read_meshes
 
 MODEL = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from manifold3d import CrossSection
 
-from driftform.agent import Mesh
 from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, State
+from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.mesh import MeshChecker, MeshOptions
 from driftform_kit.checks.slenderness import Slenderness, measure_section, measure_slenderness
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from driftform.agent import Mesh
+from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import Orientation, choose_orientation, list_orientations
 
 BED = np.array([250.0, 210.0, 210.0])

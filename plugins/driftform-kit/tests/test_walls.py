@@ -6,7 +6,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform.agent import Mesh
+from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.walls import REACH, find_thinnest_wall
 
 

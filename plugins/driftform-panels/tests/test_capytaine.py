@@ -15,9 +15,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from solids import remus_body
 
 from driftform.agent import solid_of_revolution
-from driftform.testing.bodies import cylinder_body, make_body, remus_body
+from driftform.testing.bodies import cylinder_body, make_body
 from driftform.types import FloatArray
 from driftform.water import Fluid
 from driftform_panels.solve import solve

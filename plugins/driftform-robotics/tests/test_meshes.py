@@ -6,9 +6,10 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.agent import Mesh, solid_of_revolution
+from driftform.agent import solid_of_revolution
 from driftform.interfaces import ExportJob
 from driftform.water import Segment
+from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.meshes import convex_pieces, make_tube, revolve_contour
 from driftform_robotics.models.pipe import PLANKS, make_bore
 from driftform_robotics.models.xml import roll_pitch_yaw

@@ -11,7 +11,7 @@ from driftform.testing.bodies import cylinder_body, hollow_body
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Agent, Coefficients, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Fluid, Pipe, Scenario, Segment, wall_distance
+from driftform.water import Fluid, Pipe, Scenario, Segment, field
 from driftform.water.flow import UniformFlow
 from driftform_robotics import sensors
 
@@ -111,7 +111,7 @@ def test_clearance_is_that_of_the_nearest_of_many_points_on_the_rims() -> None:
     rim = np.column_stack([0 * around, 0.15 * np.cos(around), 0.15 * np.sin(around)])
     points = np.concatenate([rim + offset, rim - offset])
     nearest = [
-        wall_distance(place + points @ R.T, Scenario(pipe=PIPE)).min()
+        field.wall_distance(place + points @ R.T, Scenario(pipe=PIPE)).min()
         for place, R in zip(position, matrix_from_quaternion(turned), strict=True)
     ]
     assert sensors.clearance(flight, cylinder, PIPE) == pytest.approx(nearest, abs=1e-6)

@@ -10,11 +10,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from driftform.agent import Mesh
 from driftform.interfaces import ExportJob
 from driftform.water import Scenario
 from driftform.water.fittings import fitting_array
 from driftform.water.grid_flow import wall_gaps
+from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.pipe import RELATIVE_THICKNESS, make_wall
 
 WALL = RELATIVE_THICKNESS * 0.05

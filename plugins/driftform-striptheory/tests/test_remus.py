@@ -6,9 +6,10 @@ T. Prestero, Verification of a six-degree of freedom simulation model for the RE
 
 import numpy as np
 import pytest
+from solids import remus_body
 
 from driftform.motion.inertia import added_mass_at
-from driftform.testing.bodies import make_body, remus_body, spheroid_body
+from driftform.testing.bodies import make_body, spheroid_body
 from driftform.types import Body
 from driftform.water import Fluid
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions

@@ -1,4 +1,4 @@
-"""What an agent is: exact volumes, masses and inertia of bodies of revolution, and their meshes."""
+"""What an agent is: exact volumes, masses and inertia of bodies of revolution."""
 
 import lazy_loader
 

@@ -1,9 +1,6 @@
 from .distance import distance_from as distance_from
 from .mass import hull_mass as hull_mass
-from .mass import hull_volume as hull_volume
 from .mass import mass_properties as mass_properties
 from .mass_elements import MassElement as MassElement
-from .mass_elements import reweigh as reweigh
-from .meshes import Mesh as Mesh
 from .slices import slice_solid as slice_solid
 from .solids import solid_of_revolution as solid_of_revolution

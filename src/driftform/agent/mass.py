@@ -8,11 +8,6 @@ from driftform.agent.solids import solid_of_revolution
 from driftform.types import Body, MassProperties, Moments
 
 
-def hull_volume(body: Body) -> float:
-    """Return the volume of the hull's wall, m3: outer contour less cavity, without fittings."""
-    return wall_moments(body).volume
-
-
 def hull_moments(body: Body) -> Moments:
     """Return the volume integrals of the hull's material: its wall and its fittings."""
     return wall_moments(body) + body.fittings.material

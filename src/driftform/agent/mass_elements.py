@@ -58,23 +58,25 @@ class MassElement:
         )
         return element, cls.of_ball(body.core.mass, 0.0, body.core.radius)
 
+    @staticmethod
+    def reweigh(agent: Agent, elements: "Iterable[MassElement]") -> Agent:
+        """Return the agent with the mass properties of elements as one body (Steiner).
 
-def reweigh(agent: Agent, elements: Iterable[MassElement]) -> Agent:
-    """Return the agent with the mass properties of elements as one body (Steiner).
+        Its shape is unchanged, and so are its coefficients and what it displaces.
 
-    Its shape is unchanged, and so are its coefficients and what it displaces.
-
-    Raises
-    ------
-    ValueError
-        if their mass is not above zero.
-    """
-    elements = list(elements)
-    mass = sum(element.mass for element in elements)
-    if not mass > 0:
-        raise ValueError(f"a body needs a mass above 0, not {mass:g} kg")
-    x = sum(element.mass * element.x for element in elements) / mass
-    axial = sum(element.axial for element in elements)
-    transverse = sum(element.transverse + element.mass * (element.x - x) ** 2 for element in elements)
-    inertia = np.diag([axial, transverse, transverse])
-    return replace(agent, mass=replace(agent.mass, mass=mass, cog=np.array([x, 0.0, 0.0]), inertia=inertia))
+        Raises
+        ------
+        ValueError
+            if their mass is not above zero.
+        """
+        elements = list(elements)
+        mass = sum(element.mass for element in elements)
+        if not mass > 0:
+            raise ValueError(f"a body needs a mass above 0, not {mass:g} kg")
+        x = sum(element.mass * element.x for element in elements) / mass
+        axial = sum(element.axial for element in elements)
+        transverse = sum(element.transverse + element.mass * (element.x - x) ** 2 for element in elements)
+        inertia = np.diag([axial, transverse, transverse])
+        return replace(
+            agent, mass=replace(agent.mass, mass=mass, cog=np.array([x, 0.0, 0.0]), inertia=inertia)
+        )

@@ -27,10 +27,9 @@ def driftform_recorder() -> "list[type[Recorder[Any]]]":
 
 @hookimpl
 def driftform_strategy() -> "list[type[Strategy[Any]]]":
-    """Return MAP-Elites, evolution by single symbols, the paper's genetic algorithm, and random search."""
+    """Return MAP-Elites, evolution by single symbols, and random search."""
     from driftform.search.strategies.atlas import AtlasStrategy
     from driftform.search.strategies.evolution import EvolutionStrategy
-    from driftform.search.strategies.paper import PaperStrategy
     from driftform.search.strategies.random import RandomStrategy
 
-    return [AtlasStrategy, EvolutionStrategy, PaperStrategy, RandomStrategy]
+    return [AtlasStrategy, EvolutionStrategy, RandomStrategy]

@@ -15,6 +15,7 @@ BROUGHT_BY: Mapping[str, str] = {
     "calibrate": "driftform-calibration",
     "check": "driftform-kit",
     "drop": "driftform-calibration",
+    "export-flow": "driftform-tees",
     "network": "driftform[networks]",
     "reproduce": "driftform-paper",
     "studio": "driftform[studio]",

@@ -16,7 +16,6 @@ from driftform.cli import (
     export,
     export_data,
     export_flight,
-    export_flow,
     inspect,
     pick,
     plugins,
@@ -148,6 +147,5 @@ command("inspect")(inspect.inspect)
 command("pick", context_settings=pick.NUMBERS)(pick.pick)
 command("export")(export.export)
 command("export-flight")(export_flight.export_flight)
-command("export-flow")(export_flow.export_flow)
 app.add_typer(plugins.app, name="plugins")
 app.add_typer(scenarios.app, name="scenarios")

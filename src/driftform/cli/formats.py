@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from driftform.water.pipe import Vector
 
 MM_PER_M = 1000.0
+"""Files for printers are in millimetres."""
 
 
 def parse_formats(text: str, seam: str, example: str) -> list[str]:

@@ -9,6 +9,7 @@ AGENT_HELP = (
     "An agent.json, RUN:TARGET (the best of a run for a target), or a word such as "
     '"addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB".'
 )
+"""How an agent is named in a command."""
 
 Agent: TypeAlias = Annotated[str, typer.Argument(metavar="AGENT", help=AGENT_HELP)]
 RunArgument: TypeAlias = Annotated[Path, typer.Argument(metavar="RUN", help="A run directory.")]

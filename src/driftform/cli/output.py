@@ -10,6 +10,8 @@ from typing import Any, TextIO
 
 from driftform.errors import escape_controls
 
+__all__ = ["escape_controls", "format_miss", "print_json", "print_table", "print_text", "reserve_stdout"]
+
 _reserved: list[TextIO] = []
 
 
@@ -92,35 +94,6 @@ def print_text(text: str) -> None:
     from rich.text import Text
 
     Console(highlight=False).print(Text(text))
-
-
-def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
-    """Print lines of a state, a subject and a detail, aligned; on a terminal coloured by state and folded to fit.
-
-    The state ``fail`` is in capitals, so that it is seen without colours.
-    """
-    rows = list(rows)
-    states = max((len(state) for state, _, _ in rows), default=0)
-    subjects = max((len(subject) for _, subject, _ in rows), default=0)
-    shown = [
-        ("FAIL" if state == "fail" else state, styles.get(state, ""), *map(escape_controls, rest))
-        for state, *rest in rows
-    ]
-    if not sys.stdout.isatty():
-        for state, _, subject, detail in shown:
-            print(f"{state:{states}}  {subject:{subjects}}  {detail}")
-        return
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table.grid(padding=(0, 2))
-    table.add_column(no_wrap=True)
-    table.add_column(overflow="fold", max_width=24)
-    table.add_column(overflow="fold")
-    for state, style, subject, detail in shown:
-        table.add_row(Text(state, style), Text(subject), Text(detail))
-    Console(highlight=False).print(table)
 
 
 def _to_plain(value: Any) -> Any:

@@ -13,11 +13,11 @@ from driftform.agent import hull_mass
 from driftform.design.departures import list_departures
 from driftform.design.flight import DisturbedFlights, Flight
 from driftform.design.inspection import compare_added_mass, inspect_agent
-from driftform.design.limits import list_limits
 from driftform.errors import InputError, WorkFailedError
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Renderer
-from driftform.motion.resampling import check_rate, resample
+from driftform.motion.interpolation import resample
+from driftform.motion.resampling import check_rate
 from driftform.motion.way import find_offsets, name_outlet
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
@@ -25,6 +25,7 @@ from driftform.plugins.registry import registry
 from driftform.plugins.seams import require_facts, require_file, require_files
 from driftform.runs.agent_file import StoredAgent
 from driftform.study import Document, Study, load_study
+from driftform.study.limits import list_limits
 from driftform.types import (
     Agent,
     Coefficients,

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from driftform.agent import hull_mass
-from driftform.design.limits import list_limits
 from driftform.design.sensitivity import measure_gram_sensitivity
 from driftform.errors import WorkFailedError, describe_error
 from driftform.motion.body_drag import estimate_drag, wake_factor
@@ -16,6 +15,7 @@ from driftform.motion.stability import stable_rest
 from driftform.motion.terminal import terminal_speeds
 from driftform.pipeline import Pipeline
 from driftform.plugins.registry import registry
+from driftform.study.limits import list_limits
 from driftform.types import Agent, FloatArray
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import Factors

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from driftform.agent.mass_elements import MassElement, reweigh
+from driftform.agent.mass_elements import MassElement
 from driftform.pipeline import Pipeline
 from driftform.types import Agent, FloatArray
 
@@ -33,5 +33,5 @@ def measure_gram_sensitivity(pipeline: Pipeline, agent: Agent, name: str) -> Sen
     if agent.mass.mass - agent.body.core.mass <= GRAM:
         return None
     masses = (agent.mass.mass - GRAM, agent.mass.mass + GRAM)
-    others = [reweigh(agent, MassElement.of_print(agent.body, mass)) for mass in masses]
+    others = [MassElement.reweigh(agent, MassElement.of_print(agent.body, mass)) for mass in masses]
     return Sensitivity(*(100 - one.fitness for one in pipeline.simulate([agent, *others], name)))

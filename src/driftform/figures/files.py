@@ -1,4 +1,4 @@
-"""Pictures as files: SVG, and PNG or PDF beside it if the extra ``png`` or ``pdf`` is installed."""
+"""Pictures as files: SVG, and PNG beside it if the extra ``png`` is installed."""
 
 from pathlib import Path
 
@@ -26,15 +26,6 @@ def write_picture(path: Path, svg: str) -> tuple[Path, ...]:
     image = path.with_suffix(".png")
     write_whole(image, lambda part: part.write_bytes(png))
     return path, image
-
-
-def make_pdf(svg: str) -> bytes | None:
-    """Return a picture as a page of PDF in its size, or ``None`` if the extra ``pdf`` or the Cairo library is not installed."""
-    try:
-        from cairosvg import svg2pdf
-    except (ImportError, OSError):
-        return None
-    return bytes(svg2pdf(bytestring=svg.encode(), dpi=DPI))
 
 
 def rasterise(svg: str) -> bytes | None:

@@ -10,14 +10,14 @@ from driftform.figures.layout import MARGIN, WIDTH, draw_scale_bar, shorten, tex
 from driftform.figures.style import GRID, INK, MUTED, SERIES, tint
 from driftform.types import Agent, Body, Trajectory
 
-COLUMNS = 5
-TALLEST = 150.0
+_COLUMNS = 5
+_TALLEST = 150.0
 GAP, NARROWEST = 24.0, 132.0
 
 
 @dataclass(frozen=True, eq=False)
 class GalleryEntry:
-    """The best flight for a target: the target's name, the agent, its path, and its result, a ``value`` in ``unit``."""
+    """The best flight for a target: the target's ``name``, the ``agent``, its ``trajectory``, and its result, a ``value`` in ``unit``."""
 
     name: str
     agent: Agent
@@ -36,7 +36,7 @@ def group_shared(flights: Sequence[GalleryEntry]) -> list[list[GalleryEntry]]:
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """Bodies side by side: each with its entries, colour and width of its cell; height of the tallest and of the row (px)."""
+    """Bodies side by side: ``cells``, each with its entries, colour and width; height of the ``tallest`` and of the row (px)."""
 
     cells: list[tuple[list[GalleryEntry], str, float]]
     tallest: float
@@ -49,14 +49,14 @@ def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
         return [], 1.0
     bodies = [flight.agent.body for flight in flights]
     pairs = [(group, SERIES[i % len(SERIES)]) for i, group in enumerate(group_shared(flights))]
-    split = [pairs[first : first + COLUMNS] for first in range(0, len(pairs), COLUMNS)]
+    split = [pairs[first : first + _COLUMNS] for first in range(0, len(pairs), _COLUMNS)]
     inner = WIDTH - 2 * MARGIN
 
     def cells(row: list[tuple[list[GalleryEntry], str]], px_per_m: float) -> list[float]:
         return [max(group[0].agent.body.length * px_per_m + GAP, NARROWEST) for group, _ in row]
 
     # Bisect for the largest scale at which every row fits: widths only grow with the scale.
-    low, high = 0.0, TALLEST / max(body.max_diameter for body in bodies)
+    low, high = 0.0, _TALLEST / max(body.max_diameter for body in bodies)
     for _ in range(50):
         middle = (low + high) / 2
         fits = all(sum(cells(row, middle)) <= inner for row in split)
@@ -65,7 +65,7 @@ def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
     for row in split:
         widths = cells(row, low)
         # A short last row is aligned to the left, in cells as wide as those above.
-        spare = (inner - sum(widths)) / len(row) if len(row) == COLUMNS else 0.0
+        spare = (inner - sum(widths)) / len(row) if len(row) == _COLUMNS else 0.0
         tallest = max(group[0].agent.body.max_diameter for group, _ in row) * low
         rows.append(
             Row([(g, c, w + spare) for (g, c), w in zip(row, widths, strict=True)], tallest, tallest + 66)

@@ -106,7 +106,7 @@ def draw_scale_bar(
 
 @dataclass(frozen=True)
 class Box:
-    """A rectangle on the page."""
+    """A rectangle on the page: ``left`` and ``right``, ``top`` and ``bottom``, px."""
 
     left: float
     top: float

@@ -149,24 +149,13 @@ def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
             svg.add(root, "path", d=line, stroke=WALL, stroke_width=0.8, stroke_dasharray="3 4")
     for a, b, c, d in _segment_corners(window, pipe):
         for ends in ((a, b), (d, c)):
+            data = svg.path_data(np.array(ends))
             svg.add(
-                root,
-                "path",
-                class_="wall",
-                d=svg.path_data(np.array(ends)),
-                stroke=WALL,
-                stroke_width=2.5,
-                stroke_linecap="square",
+                root, "path", class_="wall", d=data, stroke=WALL, stroke_width=2.5, stroke_linecap="square"
             )
         for ends in ((a, d), (b, c)):
-            svg.add(
-                root,
-                "path",
-                d=svg.path_data(np.array(ends)),
-                stroke=WALL,
-                stroke_width=0.8,
-                stroke_dasharray="3 4",
-            )
+            data = svg.path_data(np.array(ends))
+            svg.add(root, "path", d=data, stroke=WALL, stroke_width=0.8, stroke_dasharray="3 4")
 
 
 def pipe_points(pipe: Pipe, view: View) -> FloatArray:

@@ -14,6 +14,8 @@ from driftform.water import Pipe, Scenario
 from driftform.water.flow import UniformFlow
 from driftform.water.pipe_parts import Straight
 
+__all__ = ["agent_data", "read_viewer", "scene_data", "simplify_polyline"]
+
 MAX_SAMPLES = 240
 """Greatest number of samples of a flight on a page."""
 
@@ -24,21 +26,9 @@ PROFILE = 9
 """Number of radii at which a page has the speed of the current."""
 
 
-PATH_TOLERANCE = 2e-3
-"""Tolerance to which a path is simplified for a side view, m: a tenth of what a screen shows of a pipe."""
-
-
 def read_viewer() -> str:
     """Return the script that draws a scene on a canvas of a page."""
     return files("driftform.figures").joinpath("viewer.js").read_text(encoding="utf-8")
-
-
-def simplify_path(flight: Trajectory) -> FloatArray:
-    """Return the samples of a flight that its side view needs, m, (n, 3)."""
-    side = flight.position[:, [0, 2]]
-    kept = simplify_polyline(side, PATH_TOLERANCE)
-    # Simplifying keeps points of the path, whose other coordinate is that of the sample.
-    return flight.position[[int(np.argmin(((side - point) ** 2).sum(axis=1))) for point in kept]]
 
 
 def scene_data(scenario: Scenario, paths: Sequence[FloatArray] = ()) -> dict[str, Any]:
@@ -92,15 +82,13 @@ def _speed_profile(scenario: Scenario, row: FloatArray) -> FloatArray:
     """Return the mean speed half-way down a segment of the pipe, m/s: :data:`PROFILE` values from the axis to the wall."""
     if isinstance(scenario.flow, UniformFlow):
         return np.full(PROFILE, scenario.flow.speed)
-    from driftform.water.velocity import flow_array, water_motion
+    from driftform.water.field import water_velocity
 
     start, along, radius = row[:3], row[3:6] - row[:3], row[6]
-    length = float(np.linalg.norm(along))
-    axis = along / length
+    axis = along / np.linalg.norm(along)
     aside = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     points = start + along / 2 + np.linspace(0, radius, PROFILE)[:, None] * aside / np.linalg.norm(aside)
-    pipe, flow = np.array([[*start, *axis, length, radius]]), flow_array(scenario)
-    return np.array([axis @ water_motion((x, y, z), 0.0, pipe, flow)[0] for x, y, z in points.tolist()])
+    return np.asarray(water_velocity(points, 0.0, scenario) @ axis)
 
 
 def agent_data(agent: Agent, flight: Trajectory, closest: Sequence[float], colour: str) -> dict[str, Any]:

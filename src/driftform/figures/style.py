@@ -9,10 +9,12 @@ MUTED = "#586673"
 GRID = "#e6ebef"
 WATER = "#f1f7fb"
 WALL = "#4a5967"
+"""Neutral colours: ``INK`` and ``MUTED`` of text, ``GRID`` of lines behind data, ``WATER`` and ``WALL`` of pipes."""
 
 BLUE = "#0072b2"
 ORANGE = "#e69f00"
 VERMILLION = "#d55e00"
+"""``BLUE`` of what is measured, ``ORANGE`` of bodies and marks, ``VERMILLION`` of targets and warnings."""
 
 SERIES = (
     "#0072b2",

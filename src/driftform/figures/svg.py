@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+"""Fonts of all pictures: those of the reader's system."""
 
 PX_PER_MM = 96 / 25.4
 """CSS defines the pixel as 1/96 inch, so a picture can be printed to scale."""

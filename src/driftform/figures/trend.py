@@ -22,12 +22,12 @@ from driftform.figures.layout import (
 from driftform.figures.style import BLUE, GRID, INK, MUTED, tint
 from driftform.types import FloatArray
 
-COLUMNS = 5
+_COLUMNS = 5
 HEIGHT, GUTTER, LEFT, TOP = 132.0, 40.0, 52.0, 108.0
 
-ROW_GAP = 70.0
+_ROW_GAP = 70.0
 
-BASELINE = "#7f8b96"
+_BASELINE = "#7f8b96"
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +57,12 @@ def trend_svg(trends: Sequence[Trend], title: str, strategy: str, baseline: str 
 
     All panels share their axes. With one repeat, no deviation is drawn.
     """
-    rows = ceil(len(trends) / COLUMNS)
+    rows = ceil(len(trends) / _COLUMNS)
     repeats = max((len(trend.fitness) for trend in trends), default=0)
     over = f"mean and standard deviation over {repeats} repeats" if repeats > 1 else "one run"
     has_baseline = any(len(trend.baseline) for trend in trends)
     root = start_page(
-        TOP + rows * (HEIGHT + ROW_GAP) - 20,
+        TOP + rows * (HEIGHT + _ROW_GAP) - 20,
         title,
         f"Best fitness so far (%) against flights for the target: {over}",
         f"For each target, the best fitness so far of {strategy} against flights"
@@ -70,10 +70,10 @@ def trend_svg(trends: Sequence[Trend], title: str, strategy: str, baseline: str 
     )
     _draw_legend(root, strategy, baseline if has_baseline else "")
     low = _find_lowest(trends)
-    width = (WIDTH - LEFT - MARGIN - (COLUMNS - 1) * GUTTER) / COLUMNS
+    width = (WIDTH - LEFT - MARGIN - (_COLUMNS - 1) * GUTTER) / _COLUMNS
     for number, trend in enumerate(trends):
-        row, column = divmod(number, COLUMNS)
-        left, top = LEFT + column * (width + GUTTER), TOP + row * (HEIGHT + ROW_GAP)
+        row, column = divmod(number, _COLUMNS)
+        left, top = LEFT + column * (width + GUTTER), TOP + row * (HEIGHT + _ROW_GAP)
         _draw_panel(root, trend, Box(left, top, left + width, top + HEIGHT), low)
     return svg.render(root)
 
@@ -114,9 +114,9 @@ def _draw_panel(root: ET.Element, trend: Trend, box: Box, low: float) -> None:
     if len(trend.baseline):
         mean, spread = trend.baseline.mean(axis=0), trend.baseline.std(axis=0)
         band = np.vstack([place(trend.flights, mean + spread), place(trend.flights, mean - spread)[::-1]])
-        svg.add(root, "path", class_="band", d=svg.path_data(band, closed=True), fill=tint(BASELINE, 0.3))
+        svg.add(root, "path", class_="band", d=svg.path_data(band, closed=True), fill=tint(_BASELINE, 0.3))
         line = svg.path_data(place(trend.flights, mean))
-        svg.add_line(root, line, BASELINE, 1.4, stroke_dasharray="4 3")
+        svg.add_line(root, line, _BASELINE, 1.4, stroke_dasharray="4 3")
     mean, spread = trend.fitness.mean(axis=0), trend.fitness.std(axis=0)
     if len(trend.fitness) > 1:
         tops, feet = place(trend.flights, mean + spread), place(trend.flights, mean - spread)
@@ -136,6 +136,6 @@ def _draw_legend(root: ET.Element, strategy: str, baseline: str) -> None:
     write(root, x + 28, y, strategy, 12, INK)
     if baseline:
         x += 250
-        svg.add(root, "rect", x=x, y=y - 10, width=22, height=12, fill=tint(BASELINE, 0.3))
-        svg.add_segment(root, x, y - 4, x + 22, y - 4, BASELINE, 1.4, stroke_dasharray="4 3")
+        svg.add(root, "rect", x=x, y=y - 10, width=22, height=12, fill=tint(_BASELINE, 0.3))
+        svg.add_segment(root, x, y - 4, x + 22, y - 4, _BASELINE, 1.4, stroke_dasharray="4 3")
         write(root, x + 28, y, baseline, 12, INK)

@@ -1,15 +1,17 @@
-"""The closest approach of a trajectory's path to given points."""
+"""The closest approach of a trajectory's path to given points, and of the agent to the wall."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.clearance import wall_clearances
 from driftform.motion.path import row_vector, stretch_cubic, world_velocity
 from driftform.types import FloatArray, Trajectory
 from driftform.util.compiled import allocating
 from driftform.util.cubic import cubic_point, nearest_on_cubic
 from driftform.util.small_vectors import add, distance_between, norm, scale, subtract
+
+__all__ = ["Approach", "closest_approach", "wall_clearances"]
 
 _STATIONS = 4
 """Points of each stretch, its start among them, that are compared before Newton's method starts."""
@@ -28,13 +30,6 @@ class Approach:
     distance: float
     t: float
     position: FloatArray
-
-
-def find_approaches(trajectory: Trajectory, points: FloatArray) -> list[Approach]:
-    """Return the closest approach to each of ``points``, world frame, m, (n, 3)."""
-    distances, times = closest_approach(trajectory, points)
-    positions = interpolate_positions(trajectory, times)
-    return [Approach(float(d), float(t), p) for d, t, p in zip(distances, times, positions, strict=True)]
 
 
 def closest_approach(trajectory: Trajectory, points: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -68,42 +68,42 @@ class Motion:
     bristles: int = 0
     touches: Callable[[FloatArray, FloatArray], bool] | None = None
 
+    @classmethod
+    def of(cls, model: FlightModel, start: FloatArray) -> "Motion":
+        """Return the motion from the state ``start`` (13,): in the vertical plane if it stays there, otherwise in space."""
+        # Samples of a motion in the plane lie in y = 0.
+        if start[1] == 0.0 and stays_in_plane(start, model):
+            fill_plane(model)
+            pitch = 2.0 * math.atan2(start[5], start[3])
+            return cls(
+                np.array([start[0], start[2], pitch]),
+                start[[7, 9, 11]],
+                pack(model),
+                _accelerations_in_plane,
+                _fill_sample_in_plane,
+                *_find_inner_states(model, len(model.bristles) // 2),
+                _can_touch_in_plane,
+            )
+        coordinates = np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])])
+        inner, fittings = _find_inner_states(model, model.bristles.size // 2), model.fittings
+        if fittings is None:
+            functions = _accelerations_in_space, _fill_sample_in_space, *inner, _can_touch
+            return cls(coordinates, start[7:13], pack(model), *functions)
 
-def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
-    """Return the motion from the state ``start`` (13,): in the vertical plane if it stays there, otherwise in space."""
-    # Samples of a motion in the plane lie in y = 0.
-    if start[1] == 0.0 and stays_in_plane(start, model):
-        fill_plane(model)
-        pitch = 2.0 * math.atan2(start[5], start[3])
-        return Motion(
-            np.array([start[0], start[2], pitch]),
-            start[[7, 9, 11]],
-            pack(model),
-            _accelerations_in_plane,
-            _fill_sample_in_plane,
-            *_find_inner_states(model, len(model.bristles) // 2),
-            _can_touch_in_plane,
-        )
-    coordinates = np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])])
-    inner, fittings = _find_inner_states(model, model.bristles.size // 2), model.fittings
-    if fittings is None:
-        functions = _accelerations_in_space, _fill_sample_in_space, *inner, _can_touch
-        return Motion(coordinates, start[7:13], pack(model), *functions)
+        def accelerate(
+            t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+        ) -> tuple[float, ...]:
+            return _accelerations_in_space(t, coordinates, rates, values, fittings)
 
-    def accelerate(
-        t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
-    ) -> tuple[float, ...]:
-        return _accelerations_in_space(t, coordinates, rates, values, fittings)
+        def fill_sample(
+            sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+        ) -> bool:
+            return _fill_sample_in_space(sample, t, coordinates, rates, values, fittings)
 
-    def fill_sample(
-        sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
-    ) -> bool:
-        return _fill_sample_in_space(sample, t, coordinates, rates, values, fittings)
+        def can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
+            return _can_touch(coordinates, values, fittings)
 
-    def can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
-        return _can_touch(coordinates, values, fittings)
-
-    return Motion(coordinates, start[7:13], pack(model), accelerate, fill_sample, *inner, can_touch)
+        return cls(coordinates, start[7:13], pack(model), accelerate, fill_sample, *inner, can_touch)
 
 
 def _find_inner_states(

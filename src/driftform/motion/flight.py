@@ -10,7 +10,7 @@ from driftform.motion.model import FlightModel, pack, unpack
 from driftform.motion.path import evaluate_path
 from driftform.motion.runge_kutta import copy
 from driftform.types import End, FloatArray, Trajectory
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import compiled
 from driftform.util.cubic import Cubic, cubic_between, cubic_point, cubic_slope
 from driftform.util.rotations import quaternion_rate, rotation_from_quaternion
 from driftform.util.small_vectors import Vector, add, dot, scale, subtract, to_body
@@ -171,7 +171,7 @@ def _finish(
 
     The fields are filled with the samples before the first that is not finite, in strictly ascending order, cut at the
     outlet. The result is how many samples these are; whether one is not finite, whether the flight has left the pipe,
-    and whether by an outlet; then that of :func:`find_contact`. ``room`` is (2, 14).
+    and whether by an outlet; then that of :func:`_find_contact`. ``room`` is (2, 14).
     """
     model, after, between = unpack(values, fittings), room[0], room[1]
     count, before, last, broken = 0, 0, 0, False
@@ -262,16 +262,9 @@ def _quaternion_rate(row: FloatArray) -> tuple[float, float, float, float]:
     return quaternion_rate(row[4], row[5], row[6], row[7], row[11], row[12], row[13])
 
 
-@allocating
-def find_contact(
-    rows: FloatArray, values: FloatArray, fittings: FloatArray | None = None
-) -> tuple[int, float]:
-    """Return the first sample at which a surface touches, and the time (s) of the contact; the number of samples without one."""
-    return _find_contact(rows, unpack(values, fittings), np.empty(SAMPLE))
-
-
 @compiled
 def _find_contact(rows: FloatArray, model: FlightModel, room: FloatArray) -> tuple[int, float]:
+    """Return the first sample at which a surface touches, and the time (s) of the contact; the number of samples without one."""
     for k in range(rows.shape[0]):
         if _contact_depth(rows[k], model) > 0.0:
             return k, rows[0, 0] if k == 0 else _locate_contact(rows[k - 1], rows[k], model, room)

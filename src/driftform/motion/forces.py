@@ -1,11 +1,23 @@
-"""Accelerations and forces along a trajectory."""
+"""Accelerations and forces along a trajectory, and what still water does to a body."""
 
 import numpy as np
 
+from driftform.motion.body_drag import estimate_drag
+from driftform.motion.drag import still_water_wrench
 from driftform.motion.path import world_velocity
+from driftform.motion.terminal import terminal_speeds
 from driftform.types import Agent, FloatArray, MassProperties, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
+
+__all__ = [
+    "acceleration_at",
+    "accelerations_along",
+    "estimate_drag",
+    "net_wrench",
+    "still_water_wrench",
+    "terminal_speeds",
+]
 
 
 def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario) -> FloatArray:

@@ -12,13 +12,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.motion.flight import SAMPLE, is_finite, position_of, sample_path
-from driftform.motion.loop import take_all_steps
+from driftform.motion.loop import grow_tolerance, take_all_steps
 from driftform.motion.model import FlightModel, pack
 from driftform.motion.plane import fill_plane, stays_in_plane
 from driftform.types import FloatArray
 from driftform.util.compiled import allocating, compiled
 from driftform.util.cubic import cubic_point
 from driftform.util.small_vectors import dot, subtract
+
+__all__ = [
+    "Accuracy",
+    "IntegrationResult",
+    "greatest_distance",
+    "grow_tolerance",
+    "integrate",
+    "integrate_once",
+]
 
 TOLERANCE_RATIO = 10.0
 """Ratio of the tolerances of the two integrations that are compared."""

@@ -1,12 +1,23 @@
-"""Positions and attitudes between the samples of a trajectory."""
+"""Positions and attitudes between the samples of a trajectory, and the same trajectory with other samples."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from driftform.motion.path import evaluate_path, locate_stretches, world_velocity
+from driftform.motion.path import evaluate_path, hermite_coefficients, locate_stretches, world_velocity
 from driftform.types import FloatArray, Trajectory
-from driftform.util.rotations import quaternion_from_rotation_vector
+from driftform.util.rotations import matrix_from_quaternion, quaternion_from_rotation_vector
+
+__all__ = [
+    "Pose",
+    "evaluate_path",
+    "even_times",
+    "interpolate_attitudes",
+    "interpolate_pose",
+    "interpolate_positions",
+    "interpolate_turns",
+    "resample",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +79,40 @@ def interpolate_turns(trajectory: Trajectory, t: FloatArray) -> tuple[FloatArray
     spin = slope - (1 - np.cos(angle)) / angle**2 * across
     spin = spin + (angle - np.sin(angle)) / angle**3 * np.cross(vector, across)
     return _multiply(first, quaternion_from_rotation_vector(vector)), spin
+
+
+def even_times(duration: float, step: float) -> FloatArray:
+    """Return times from 0 to ``duration`` every ``step``; the last interval may be shorter, (n,); all in s.
+
+    >>> even_times(0.5, 0.2)
+    array([0. , 0.2, 0.4, 0.5])
+    """
+    # A remainder of less than a thousandth of a step is rounding of the duration, not another step.
+    return np.append(np.arange(np.ceil(duration / step - 1e-3)) * step, duration)
+
+
+def resample(trajectory: Trajectory, rate: float) -> Trajectory:
+    """Return the trajectory with ``rate`` samples per second, and a last sample at its end.
+
+    Positions lie on the cubic path that fitness measures, attitudes on the cubic rotation between samples; velocities
+    are the derivatives of both.
+    """
+    if len(trajectory.t) == 1:
+        return trajectory
+    t = even_times(float(trajectory.t[-1]), 1 / rate)
+    quaternion, omega = interpolate_turns(trajectory, t)
+    i, step, u = locate_stretches(trajectory.t, t)
+    curve = hermite_coefficients(trajectory.t, trajectory.position, world_velocity(trajectory))[i]
+    slope = (curve[:, 1] + u * (2 * curve[:, 2] + 3 * u * curve[:, 3])) / step
+    along = np.einsum("kji,kj->ki", matrix_from_quaternion(quaternion), slope)
+    velocity = np.column_stack([along, omega])
+    return replace(
+        trajectory,
+        t=t,
+        position=interpolate_positions(trajectory, t),
+        quaternion=quaternion,
+        velocity=velocity,
+    )
 
 
 def _multiply(p: FloatArray, q: FloatArray) -> FloatArray:

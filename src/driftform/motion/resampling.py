@@ -1,16 +1,11 @@
-"""A trajectory with other samples: at a given rate, or thinned."""
-
-from dataclasses import replace
+"""The samples of a trajectory: the rates that may be asked for, and thinning."""
 
 import numpy as np
 import numpy.typing as npt
 
 from driftform.errors import InputError
-from driftform.motion.interpolation import interpolate_positions, interpolate_turns
-from driftform.motion.path import hermite_coefficients, locate_stretches, world_velocity
-from driftform.types import FloatArray, Trajectory
+from driftform.types import FloatArray
 from driftform.util.compiled import allocating
-from driftform.util.rotations import matrix_from_quaternion
 
 MAX_RATE_HZ = 10_000.0
 """Highest rate of samples, 1/s: a flight of 20 s then has two hundred thousand of them."""
@@ -26,40 +21,6 @@ def check_rate(rate_hz: float) -> None:
     """
     if not 0 <= rate_hz <= MAX_RATE_HZ:
         raise InputError(f"--rate-hz {rate_hz:g}: should be from 0 to {MAX_RATE_HZ:g}")
-
-
-def even_times(duration: float, step: float) -> FloatArray:
-    """Return times from 0 to ``duration`` every ``step``; the last interval may be shorter, (n,); all in s.
-
-    >>> even_times(0.5, 0.2)
-    array([0. , 0.2, 0.4, 0.5])
-    """
-    # A remainder of less than a thousandth of a step is rounding of the duration, not another step.
-    return np.append(np.arange(np.ceil(duration / step - 1e-3)) * step, duration)
-
-
-def resample(trajectory: Trajectory, rate: float) -> Trajectory:
-    """Return the trajectory with ``rate`` samples per second, and a last sample at its end.
-
-    Positions lie on the cubic path that fitness measures, attitudes on the cubic rotation between samples; velocities
-    are the derivatives of both.
-    """
-    if len(trajectory.t) == 1:
-        return trajectory
-    t = even_times(float(trajectory.t[-1]), 1 / rate)
-    quaternion, omega = interpolate_turns(trajectory, t)
-    i, step, u = locate_stretches(trajectory.t, t)
-    curve = hermite_coefficients(trajectory.t, trajectory.position, world_velocity(trajectory))[i]
-    slope = (curve[:, 1] + u * (2 * curve[:, 2] + 3 * u * curve[:, 3])) / step
-    along = np.einsum("kji,kj->ki", matrix_from_quaternion(quaternion), slope)
-    velocity = np.column_stack([along, omega])
-    return replace(
-        trajectory,
-        t=t,
-        position=interpolate_positions(trajectory, t),
-        quaternion=quaternion,
-        velocity=velocity,
-    )
 
 
 @allocating

@@ -1,27 +1,29 @@
-"""What a simulator with an integrator of its own needs: the rate of a state, and whether the agent has left the pipe."""
+"""What a simulator with an integrator of its own needs, from the model of a flight to its trajectory."""
 
 import numpy as np
 
-from driftform.motion.flight import has_left_pipe
-from driftform.motion.model import FlightModel
+from driftform.motion.flight import finish_trajectory, has_left_pipe, release_state
+from driftform.motion.model import FlightModel, flight_model
 from driftform.motion.rates import fill_rate_in_space
 from driftform.types import FloatArray
 
+__all__ = ["FlightModel", "compute_rate", "finish_trajectory", "flight_model", "has_left", "release_state"]
+
 
 def compute_rate(t: float, state: FloatArray, model: FlightModel) -> FloatArray:
-    """Return the time derivative of a state, (13,).
+    """Return the time derivative of a state, (13,), or (17,) in gusts.
 
     Parameters
     ----------
     t
         time since the release, s.
     state
-        position (m), quaternion, velocity (m/s) and angular velocity (rad/s, body axes), (13,), as
-        :func:`driftform.motion.release_state` returns it; all but the last three in the world frame.
+        position (m), quaternion, velocity (m/s) and angular velocity (rad/s, body axes), and in gusts their four numbers, as
+        :func:`driftform.motion.release_state` returns it; all but the angular velocity in the world frame.
     model
-        an agent in a scenario, from :func:`driftform.motion.flight_model`.
+        an agent in a scenario, from :func:`flight_model`.
     """
-    out = np.empty(13)
+    out = np.empty(len(state))
     fill_rate_in_space(t, state, model, out)
     return out
 

@@ -34,12 +34,6 @@ def touching_vertices(body: Body) -> FloatArray:
     return _find_upper_hull(_sort_along(body.outer))
 
 
-def touching_rims(body: Body) -> FloatArray:
-    """Return the vertices (x, r) of the body's convex hull that are off the axis, m, (k, 2)."""
-    hull = touching_vertices(body)
-    return hull[hull[:, 1] > 0.0]
-
-
 def touching_surfaces(body: Body) -> FloatArray:
     """Return the surfaces of a body that can touch a wall, (k, 5).
 

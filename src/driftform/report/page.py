@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from driftform.agent import hull_mass
-from driftform.design.limits import list_limits
 from driftform.figures import scene, style
 from driftform.figures.section import section_svg
 from driftform.interfaces import Fitness
 from driftform.report.contents import Contents, collect_contents
 from driftform.runs.run import Run
 from driftform.runs.wording import summarise
+from driftform.study.limits import list_limits
 from driftform.types import Verdict
 from driftform.util.files import make_directory, write_text
 

@@ -121,9 +121,7 @@ class PipeGrid:
 
     def cell_of(self, points: FloatArray) -> IntArray:
         """Return the cell that contains each world point (n, 3), or -1, (n,)."""
-        place = np.floor(self._scale(points, offset=True)).astype(np.int64)
-        inside = ((place >= 0) & (place < (*self.shape, 1))).all(axis=1)
-        return np.where(inside, place[:, 0] * self.shape[1] + place[:, 1], -1)
+        return self._cell_at(self._place(points))
 
     def find_crossed(self, trajectory: Trajectory) -> tuple[IntArray, FloatArray]:
         """Return the cells that a flight crosses, ascending (k,), and its least distances from their centres, m, (k,).
@@ -134,25 +132,28 @@ class PipeGrid:
         from driftform.motion.crossing import lower_distances
         from driftform.motion.path import world_velocity
 
-        place = self._scale(trajectory.position, offset=True)
+        place = self._place(trajectory.position)
         nearest = np.full(self.cell_count, np.inf)
         if len(trajectory.t) == 1:
             cells = self.cell_of(trajectory.position)
             offset = (place - np.floor(place) - 0.5) * self.size
             nearest[cells[cells >= 0]] = np.linalg.norm(offset, axis=1)[cells >= 0]
         else:
-            rate = self._scale(world_velocity(trajectory), offset=False)
+            rate = world_velocity(trajectory) @ (self.axes.T / self.size)
             lower_distances(trajectory.t, place, rate, self.size, self.shape, nearest)
         found = np.flatnonzero(np.isfinite(nearest))
         return found, nearest[found]
 
-    def _scale(self, vectors: FloatArray, offset: bool) -> FloatArray:
-        """Return world points (or velocities) on the map, in sides of a cell from the lower upstream corner, (n, 3)."""
+    def _place(self, points: FloatArray) -> FloatArray:
+        """Return world points on the map, in sides of a cell from the lower upstream corner, (n, 3)."""
         to_cells = self.axes.T / self.size
-        scaled = vectors @ to_cells
-        if offset:
-            scaled += np.array([0.0, self.shape[1] / 2, 0.5]) - self.origin @ to_cells
-        return np.asarray(scaled)
+        corner = np.array([0.0, self.shape[1] / 2, 0.5]) - self.origin @ to_cells
+        return np.asarray(points @ to_cells + corner)
+
+    def _cell_at(self, place: FloatArray) -> IntArray:
+        cell = np.floor(place).astype(np.int64)
+        inside = ((cell >= 0) & (cell < (*self.shape, 1))).all(axis=1)
+        return np.where(inside, cell[:, 0] * self.shape[1] + cell[:, 1], -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,10 +248,6 @@ class UnrolledGrid(PipeGrid):
                 found[here] = foot + points[here, 1:] * axes[:, 2]
         return found
 
-    def cell_of(self, points: FloatArray) -> IntArray:
-        """Return the cell that contains each world point (n, 3), or -1, (n,)."""
-        return self._cell_at(self._place(points))
-
     def find_crossed(self, trajectory: Trajectory) -> tuple[IntArray, FloatArray]:
         """Return the cells that a flight crosses, ascending (k,), and its least distances from their centres, m, (k,).
 
@@ -275,11 +272,6 @@ class UnrolledGrid(PipeGrid):
     def _place(self, points: FloatArray) -> FloatArray:
         """Return world points on the map, in sides of a cell from the lower corner, (n, 3)."""
         return np.asarray(self.to_map(points) / self.size + [0.0, self.shape[1] / 2, 0.5])
-
-    def _cell_at(self, place: FloatArray) -> IntArray:
-        cell = np.floor(place).astype(np.int64)
-        inside = ((cell >= 0) & (cell < (*self.shape, 1))).all(axis=1)
-        return np.where(inside, cell[:, 0] * self.shape[1] + cell[:, 1], -1)
 
 
 class CoverageMap:

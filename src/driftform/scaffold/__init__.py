@@ -55,12 +55,6 @@ class Names:
     options_name: str
 
 
-def list_scaffolds() -> tuple[str, ...]:
-    """Return the seams that have templates."""
-    folders = [folder for folder in resources.files(__name__).iterdir() if (folder / "about.toml").is_file()]
-    return tuple(sorted(folder.name for folder in folders))
-
-
 def make_names(name: str, seam: str) -> Names:
     """Check the name of a new distribution, and return all names that follow from it.
 

@@ -8,11 +8,11 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import ellipj, ellipk
 
-from driftform.agent import solid_of_revolution
 from driftform.motion.inertia import added_mass_at, rigid_body_mass
 from driftform.testing.bodies import spheroid_body
-from driftform.types import Agent, Body, Coefficients, FloatArray, MassProperties, Trajectory
+from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
 
@@ -44,27 +44,6 @@ def sphere_agent(radius: float, mass: float, added: float = 0.5, drag: float = 0
             np.diag([added * DENSITY * volume] * 3 + [0.0] * 3),
             quadratic_damping=np.diag([quadratic] * 3 + [0.0] * 3),
         ),
-    )
-
-
-def solid_agent(body: Body, density: float, coefficients: Coefficients, offset: float = 0.0) -> Agent:
-    """Return the agent of a homogeneous solid with the contour of ``body``.
-
-    Parameters
-    ----------
-    density
-        mean density, kg/m3.
-    offset
-        distance of the centre of gravity ahead of that of the volume, m; the inertia remains that of the solid.
-    """
-    solid = solid_of_revolution(body.outer)
-    mass, transverse = density * solid.volume, solid.transverse - solid.volume * solid.centroid**2
-    centre = np.array([solid.centroid, 0.0, 0.0])
-    inertia = density * np.diag([solid.polar, transverse, transverse])
-    return Agent(
-        body,
-        MassProperties(mass, centre + np.array([offset, 0.0, 0.0]), inertia, solid.volume, centre),
-        coefficients,
     )
 
 
@@ -164,11 +143,7 @@ class Libration:
     @property
     def period(self) -> float:
         """Time (s) until the motion repeats: four quarter periods of the pendulum."""
-        # K(k) by the arithmetic-geometric mean.
-        a, b = 1.0, self._rest
-        while abs(a - b) > 1e-15:
-            a, b = (a + b) / 2, math.sqrt(a * b)
-        return 4 * math.pi / (2 * a) / self._sigma
+        return 4 * float(ellipk(self._k**2)) / self._sigma
 
     @property
     def max_yaw_rate(self) -> float:
@@ -177,7 +152,7 @@ class Libration:
 
     def motion_at(self, t: float) -> tuple[float, float, float, float]:
         """Return surge, sway (m/s), yaw rate (rad/s) and heading (rad, 0 at the start) at time ``t`` (s)."""
-        sn, cn, dn = _jacobi(self._sigma * t, self._k)
+        sn, cn, dn, _ = map(float, ellipj(self._sigma * t, self._k**2))
         sine, cosine = -self._k * cn / dn, self._rest / dn
         return (
             -self._impulse * sine / self._along,
@@ -185,18 +160,6 @@ class Libration:
             -self._sigma * self._k * self._rest * sn / dn,
             self._start - (math.atan2(sine, cosine) + math.pi / 2),
         )
-
-
-def _jacobi(argument: float, k: float) -> tuple[float, float, float]:
-    """Return sn, cn and dn of modulus k, by descending means (Abramowitz and Stegun, 16.4)."""
-    a, b, c = [1.0], math.sqrt(1 - k * k), [k]
-    while abs(c[-1]) > 1e-15:
-        a, b, c = [*a, (a[-1] + b) / 2], math.sqrt(a[-1] * b), [*c, (a[-1] - b) / 2]
-    phase = 2 ** (len(a) - 1) * a[-1] * argument
-    for n in range(len(a) - 1, 0, -1):
-        phase = (math.asin(c[n] / a[n] * math.sin(phase)) + phase) / 2
-    sn, cn = math.sin(phase), math.cos(phase)
-    return sn, cn, math.sqrt(1 - (k * sn) ** 2)
 
 
 def tumbling_agent(*, damped: bool = False) -> Agent:

@@ -44,29 +44,6 @@ def dome_body(radius: float, edges: int = 32) -> Body:
     return make_body([*contour, (0.0, 0.0)])
 
 
-def remus_body(edges: int = 40) -> Body:
-    """Return the bare hull of the vehicle REMUS 100, 1.333 m long and 0.191 m thick, with ``edges`` each for bow and stern.
-
-    Myring's profile with a little of nose and tail cut off (Prestero, Verification of a six-degree of freedom
-    simulation model for the REMUS autonomous underwater vehicle, MIT 2001, eq. 2.1 and 2.2, table 2.1). The origin
-    is the thesis's, 0.611 m behind the nose.
-    """
-    a, b, c, d, theta = 0.191, 0.654, 0.541, 0.191, 0.436
-    blunt, cut = 0.0165, 0.0368
-    # Distances from the nose: the bow has shorter edges where it is steep; the stern follows the middle body.
-    bow = (a - blunt) * (1 - np.cos(np.linspace(0, np.pi / 2, edges + 1)))
-    stern = np.linspace(0, c - cut, edges + 1)
-    slope = np.tan(theta)
-    r = np.concatenate(
-        [
-            d / 2 * np.sqrt(1 - ((bow + blunt - a) / a) ** 2),
-            d / 2 - (3 * d / (2 * c**2) - slope / c) * stern**2 + (d / c**3 - slope / c**2) * stern**3,
-        ]
-    )
-    x = 0.611 - np.concatenate([bow, a + b - blunt + stern])
-    return make_body([(x[-1], 0.0), *zip(x[::-1], r[::-1], strict=True), (x[0], 0.0)])
-
-
 def hollow_body() -> Body:
     """Return a capped tube, 60 mm long and 30 mm thick, wide enough for a core of 10 mm radius at the origin."""
     hull = [(-0.03, 0), (-0.03, 0.015), (0.02, 0.015), (0.03, 0.012), (0.03, 0)]

@@ -13,7 +13,7 @@ from driftform.agent import distance_from, mass_properties, solid_of_revolution
 from driftform.interfaces import PhenotypeBuilder
 from driftform.plugins.seams import require_body
 from driftform.testing.bodies import crosses_itself, lies_inside, mirrored_contour
-from driftform.testing.contract import Contract
+from driftform.testing.contract import SeamContract
 from driftform.types import Body, FloatArray, Module, Morphology
 
 
@@ -48,7 +48,7 @@ MORPHOLOGIES: dict[str, Callable[[], Morphology]] = {
 every_morphology = pytest.mark.parametrize("kind", MORPHOLOGIES)
 
 
-class BuilderContract(Contract):
+class BuilderContract(SeamContract[PhenotypeBuilder[Any]]):
     """Inherit this class, and make the builder::
 
         class TestMyBuilder(BuilderContract):
@@ -62,10 +62,6 @@ class BuilderContract(Contract):
     """
 
     slack: ClassVar[float] = 2e-7
-
-    def plugin(self) -> PhenotypeBuilder[Any]:
-        """Return the builder to be tested."""
-        raise NotImplementedError
 
     def build(self, kind: str) -> Body:
         """Return the body of one of the morphologies."""

@@ -10,7 +10,7 @@ import pytest
 from driftform.errors import DriftformError
 from driftform.interfaces import Checker, PrintJob
 from driftform.plugins.seams import require_findings
-from driftform.testing.contract import Contract
+from driftform.testing.contract import SeamContract
 from driftform.types import Finding, State
 
 _FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
@@ -30,7 +30,7 @@ def write_box(path: Path, side: float = 20.0) -> Path:
     return path
 
 
-class CheckerContract(Contract):
+class CheckerContract(SeamContract[Checker[Any]]):
     """Inherit this class, and make the checker::
 
     class TestMyChecker(CheckerContract):
@@ -39,10 +39,6 @@ class CheckerContract(Contract):
 
     A checker that runs a program may skip its checks if the program is not on PATH.
     """
-
-    def plugin(self) -> Checker[Any]:
-        """Return the checker to be tested."""
-        raise NotImplementedError
 
     def find(self, *files: Path) -> list[Finding]:
         """Return the findings in files of unknown origin."""

@@ -4,11 +4,13 @@ import functools
 import inspect
 import threading
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import pytest
 
 from driftform.errors import DriftformError
+
+PluginT_co = TypeVar("PluginT_co", covariant=True)
 
 
 class Contract:
@@ -29,6 +31,14 @@ class Contract:
             for name, test in list(vars(cls).items()):
                 if name.startswith("test_"):
                     setattr(cls, name, _explain(test))
+
+
+class SeamContract(Contract, Generic[PluginT_co]):
+    """Base class of the contracts of seams whose plugins are made from their options alone."""
+
+    def plugin(self) -> PluginT_co:
+        """Return the plugin to be tested."""
+        raise NotImplementedError
 
 
 def _explain(test: Callable[..., None]) -> Callable[..., None]:

@@ -2,7 +2,7 @@
 
 import pickle
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -12,30 +12,32 @@ from driftform.errors import DriftformError
 from driftform.interfaces import Exporter, ExportJob
 from driftform.plugins.seams import require_files
 from driftform.testing.bodies import hollow_body
-from driftform.testing.contract import Contract
+from driftform.testing.contract import PluginT_co, SeamContract
 from driftform.types import Agent, Coefficients, WrittenFile
-from driftform.water import Pipe, Scenario, Segment
+from driftform.water import Pipe, Scenario, Segment, Vector
 
 
-class ExporterContract(Contract):
+class JobContract(SeamContract[PluginT_co]):
+    """Base class of the contracts of exporters and recorders, which receive the same job; ``leak`` is its target, m."""
+
+    leak: ClassVar[Vector] = (4.0, 0.0, -0.9)
+
+    def export_job(self) -> ExportJob:
+        """Return an agent that can be exported: a capped hollow tube, without a genome, in a pipe with a target."""
+        body = hollow_body()
+        agent = Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
+        segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
+        scenario = Scenario(pipe=Pipe(segments=(segment,)), targets={"leak": self.leak})
+        return ExportJob("agent", agent, scenario)
+
+
+class ExporterContract(JobContract[Exporter[Any]]):
     """Inherit this class, and make the exporter::
 
     class TestMyExporter(ExporterContract):
         def plugin(self) -> MyExporter:
             return MyExporter(MyOptions())
     """
-
-    def plugin(self) -> Exporter[Any]:
-        """Return the exporter to be tested."""
-        raise NotImplementedError
-
-    def export_job(self) -> ExportJob:
-        """Return an agent that can be exported: a capped hollow tube, without a genome, in a pipe."""
-        body = hollow_body()
-        agent = Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
-        segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
-        scenario = Scenario(pipe=Pipe(segments=(segment,)), targets={"leak": (4.0, 0.0, -0.9)})
-        return ExportJob("agent", agent, scenario)
 
     def path(self, directory: Path) -> Path:
         """Return the path that commands pass to the exporter."""
@@ -65,7 +67,7 @@ class ExporterContract(Contract):
     def test_no_other_files_remain(self, tmp_path: Path) -> None:
         """Temporary files are removed in the end, and every file that is written is reported."""
         written = self.write(self.path(tmp_path))
-        assert _files(tmp_path) == sorted(Path(file.path) for file in written)
+        assert list_files(tmp_path) == sorted(Path(file.path) for file in written)
 
     def test_an_existing_file_is_replaced(self, tmp_path: Path) -> None:
         """A second export replaces the files of the first completely."""
@@ -74,10 +76,12 @@ class ExporterContract(Contract):
         for directory in (fresh, old):
             directory.mkdir()
             for _ in range(1 if directory == fresh else 2):
-                for path in _files(directory):
+                for path in list_files(directory):
                     path.write_bytes(b"old " * 1_000_000)
                 self.plugin().write(self.export_job(), self.path(directory))
-            sizes.append([(path.relative_to(directory), path.stat().st_size) for path in _files(directory)])
+            sizes.append(
+                [(path.relative_to(directory), path.stat().st_size) for path in list_files(directory)]
+            )
         assert sizes[0] == sizes[1]
 
     def test_an_older_folder_is_replaced_completely(self, tmp_path: Path) -> None:
@@ -120,5 +124,6 @@ class ExporterContract(Contract):
         assert all(Path(file.path).is_file() for file in copy.write(self.export_job(), self.path(tmp_path)))
 
 
-def _files(directory: Path) -> list[Path]:
-    return sorted(path for path in directory.rglob("*") if path.is_file())
+def list_files(path: Path) -> list[Path]:
+    """Return the file itself, or all files of a folder, in order."""
+    return [path] if path.is_file() else sorted(found for found in path.rglob("*") if found.is_file())

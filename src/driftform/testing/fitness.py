@@ -9,7 +9,7 @@ import pytest
 from driftform.interfaces import Fitness
 from driftform.plugins.seams import require, require_scores
 from driftform.testing.agents import sphere_agent
-from driftform.testing.contract import Contract
+from driftform.testing.contract import SeamContract
 from driftform.types import Agent, End, FloatArray, Trajectory, Verdict
 from driftform.water import Pipe, Scenario, Segment
 from driftform.water.pipe import Vector
@@ -34,7 +34,7 @@ def straight_trajectory(start: Vector, end: Vector, times: FloatArray) -> Trajec
     )
 
 
-class FitnessContract(Contract):
+class FitnessContract(SeamContract[Fitness[Any]]):
     """Inherit this class, and make the fitness::
 
         class TestMyFitness(FitnessContract):
@@ -50,10 +50,6 @@ class FitnessContract(Contract):
     """
 
     rewards_closeness: ClassVar[bool] = False
-
-    def plugin(self) -> Fitness[Any]:
-        """Return the fitness to be tested."""
-        raise NotImplementedError
 
     def agent(self) -> Agent:
         """Return what flies: a sphere of 50 g with a radius of 10 mm."""

@@ -9,13 +9,13 @@ import pytest
 from driftform.errors import InputError
 from driftform.interfaces import Grammar
 from driftform.plugins.seams import require, require_genome, require_morphology
-from driftform.testing.contract import Contract
+from driftform.testing.contract import SeamContract
 from driftform.types import Genome, Morphology
 
 SEEDS = range(12)
 
 
-class GrammarContract(Contract):
+class GrammarContract(SeamContract[Grammar[Any]]):
     """Inherit this class, and make the grammar::
 
         class TestMyGrammar(GrammarContract):
@@ -29,10 +29,6 @@ class GrammarContract(Contract):
     """
 
     nonsense: ClassVar[tuple[str, ...]] = ("", "   ", "nonsense", "?!", "a genome\nin two lines", "\0")
-
-    def plugin(self) -> Grammar[Any]:
-        """Return the grammar to be tested."""
-        raise NotImplementedError
 
     def draw(self, seed: int, count: int = 1) -> list[Genome]:
         """Return random genomes of the grammar."""

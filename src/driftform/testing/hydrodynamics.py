@@ -19,7 +19,7 @@ from driftform.testing.bodies import (
     scaled_body,
     spheroid_body,
 )
-from driftform.testing.contract import Contract
+from driftform.testing.contract import SeamContract
 from driftform.types import Body, Coefficients, FloatArray
 from driftform.water import Fluid
 
@@ -41,7 +41,7 @@ every_body = pytest.mark.parametrize("kind", BODIES)
 MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 
 
-class HydrodynamicsContract(Contract):
+class HydrodynamicsContract(SeamContract[Hydrodynamics[Any]]):
     """Inherit this class, and make the model::
 
         class TestMyModel(HydrodynamicsContract):
@@ -56,10 +56,6 @@ class HydrodynamicsContract(Contract):
     """
 
     tolerance: ClassVar[float] = 1e-6
-
-    def plugin(self) -> Hydrodynamics[Any]:
-        """Return the model to be tested."""
-        raise NotImplementedError
 
     def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
         """Return the coefficients of a body."""

@@ -7,7 +7,7 @@ from typing import Any
 from driftform.interfaces import Inspector
 from driftform.plugins.seams import require_facts
 from driftform.testing.agents import Spheroid, sphere_agent
-from driftform.testing.contract import Contract
+from driftform.testing.contract import SeamContract
 from driftform.types import Agent
 from driftform.water import Pipe, Scenario, Segment
 
@@ -18,17 +18,13 @@ PIPE = Scenario(
 """A straight pipe with a target."""
 
 
-class InspectorContract(Contract):
+class InspectorContract(SeamContract[Inspector[Any]]):
     """Inherit this class, and make the inspector::
 
     class TestMyInspector(InspectorContract):
         def plugin(self) -> MyInspector:
             return MyInspector(MyOptions())
     """
-
-    def plugin(self) -> Inspector[Any]:
-        """Return the inspector to be tested."""
-        raise NotImplementedError
 
     def describe(self, agent: Agent, scenario: Scenario = PIPE) -> dict[str, Any]:
         """Return the facts of an agent."""

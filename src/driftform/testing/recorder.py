@@ -5,21 +5,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from driftform.agent import mass_properties
 from driftform.errors import DriftformError
-from driftform.interfaces import ExportJob, Recorder
+from driftform.interfaces import Recorder
 from driftform.plugins.seams import require_files
-from driftform.testing.bodies import hollow_body
-from driftform.testing.contract import Contract
+from driftform.testing.exporter import JobContract, list_files
 from driftform.testing.renderer import drifting_trajectory
-from driftform.types import Agent, Coefficients, End, Trajectory
-from driftform.water import Pipe, Scenario, Segment
+from driftform.types import End, Trajectory
+from driftform.water import Scenario
 
 
-class RecorderContract(Contract):
+class RecorderContract(JobContract[Recorder[Any]]):
     """Inherit this class, and make the recorder::
 
     class TestMyRecorder(RecorderContract):
@@ -27,17 +24,7 @@ class RecorderContract(Contract):
             return MyRecorder(MyOptions())
     """
 
-    def plugin(self) -> Recorder[Any]:
-        """Return the recorder to be tested."""
-        raise NotImplementedError
-
-    def export_job(self) -> ExportJob:
-        """Return the agent of the flight: a capped hollow tube, without a genome, in a pipe with a target."""
-        body = hollow_body()
-        agent = Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
-        segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
-        scenario = Scenario(pipe=Pipe(segments=(segment,)), targets={"leak": (0.1, 0.0, -1.0)})
-        return ExportJob("agent", agent, scenario)
+    leak = (0.1, 0.0, -1.0)
 
     def record(
         self, path: Path, trajectory: Trajectory | None = None, scenario: Scenario | None = None
@@ -61,21 +48,21 @@ class RecorderContract(Contract):
         path = self.record(tmp_path)
         assert list(tmp_path.iterdir()) == [path]
         written = self.plugin().write(self.export_job(), drifting_trajectory(), path)
-        assert _files(tmp_path) == sorted(Path(file.path) for file in written)
+        assert list_files(tmp_path) == sorted(Path(file.path) for file in written)
 
     def test_the_same_flight_gives_the_same_content(self, tmp_path: Path) -> None:
         """The content is the same from a recorder that was sent to another process, and when files are replaced."""
         first = self.record(tmp_path / "first")
-        sizes = [(p.relative_to(first), p.stat().st_size) for p in _files(first)]
-        for old in _files(first):
+        sizes = [(p.relative_to(first), p.stat().st_size) for p in list_files(first)]
+        for old in list_files(first):
             old.write_bytes(b"old " * 100_000)
         self.record(tmp_path / "first")
-        assert [(p.relative_to(first), p.stat().st_size) for p in _files(first)] == sizes
+        assert [(p.relative_to(first), p.stat().st_size) for p in list_files(first)] == sizes
         copy: Recorder[Any] = pickle.loads(pickle.dumps(self.plugin()))
         second = tmp_path / "second" / first.name
         copy.write(self.export_job(), drifting_trajectory(), second)
-        assert [(p.relative_to(second), p.read_bytes()) for p in _files(second)] == [
-            (p.relative_to(first), p.read_bytes()) for p in _files(first)
+        assert [(p.relative_to(second), p.read_bytes()) for p in list_files(second)] == [
+            (p.relative_to(first), p.read_bytes()) for p in list_files(first)
         ]
 
     def test_a_flight_of_one_sample_is_recorded_too(self, tmp_path: Path) -> None:
@@ -98,7 +85,7 @@ class RecorderContract(Contract):
         contents = []
         for turn in (1.0, -1.0):
             path = self.record(tmp_path / str(turn), drifting_trajectory(turn=turn))
-            contents.append([file.read_bytes() for file in _files(path)])
+            contents.append([file.read_bytes() for file in list_files(path)])
         assert contents[0] != contents[1]
 
     def test_a_failed_write_leaves_nothing_behind(self, tmp_path: Path) -> None:
@@ -115,8 +102,3 @@ class RecorderContract(Contract):
             self.record(blocked.parent)
         assert list(blocked.parent.iterdir()) == [blocked]
         assert blocked.is_file() or not list(blocked.iterdir())
-
-
-def _files(path: Path) -> list[Path]:
-    """Return the file itself, or all files of a folder."""
-    return [path] if path.is_file() else sorted(found for found in path.rglob("*") if found.is_file())

@@ -14,7 +14,7 @@ from driftform.errors import InputError
 from driftform.interfaces import Renderer
 from driftform.plugins.seams import require_file
 from driftform.testing.bodies import hollow_body
-from driftform.testing.contract import Contract
+from driftform.testing.contract import SeamContract
 from driftform.types import Agent, Coefficients, End, Trajectory, WrittenFile
 from driftform.water import Pipe, Scenario, Segment
 
@@ -52,7 +52,7 @@ def drifting_trajectory(seconds: float = 0.4, turn: float = 1.0) -> Trajectory:
     return Trajectory(t, position, quaternion, velocity, End.HORIZON)
 
 
-class RendererContract(Contract):
+class RendererContract(SeamContract[Renderer[Any]]):
     """Inherit this class, make the renderer, and set the rate and the size of its films::
 
     class TestMyRenderer(RendererContract):
@@ -73,10 +73,6 @@ class RendererContract(Contract):
 
     rate: float = 25.0
     size: tuple[int, int] = (640, 360)
-
-    def plugin(self) -> Renderer[Any]:
-        """Return the renderer to be tested."""
-        raise NotImplementedError
 
     def read(self, path: Path) -> Frames:
         """Return the frames of a film; override it for formats that ffmpeg does not read."""

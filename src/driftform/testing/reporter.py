@@ -9,7 +9,7 @@ from typing import Any
 from driftform.interfaces import Flown, Reporter, ReportJob
 from driftform.plugins.seams import require
 from driftform.testing.agents import Spheroid
-from driftform.testing.contract import Contract
+from driftform.testing.contract import SeamContract
 from driftform.testing.inspector import PIPE
 from driftform.testing.renderer import drifting_trajectory
 from driftform.water import Scenario
@@ -50,17 +50,13 @@ class _Elements(HTMLParser):
         self.open.pop()
 
 
-class ReporterContract(Contract):
+class ReporterContract(SeamContract[Reporter[Any]]):
     """Inherit this class, and make the reporter::
 
     class TestMyReporter(ReporterContract):
         def plugin(self) -> MyReporter:
             return MyReporter(MyOptions())
     """
-
-    def plugin(self) -> Reporter[Any]:
-        """Return the reporter to be tested."""
-        raise NotImplementedError
 
     def report_job(self, name: str = "run") -> ReportJob:
         """Return the run: one target, and a spheroid that drifts."""

@@ -1,12 +1,12 @@
+from . import field as field
+from . import grid_files as grid_files
 from . import pipe_parts as pipe_parts
+from . import tee_store as tee_store
 from . import tee_wall as tee_wall
 from .factors import Calibration as Calibration
 from .factors import Factors as Factors
-from .field import wall_distance as wall_distance
-from .field import water_velocity as water_velocity
 from .pipe import Pipe as Pipe
 from .pipe import Segment as Segment
 from .pipe import Vector as Vector
 from .scenario import Fluid as Fluid
 from .scenario import Scenario as Scenario
-from .tee_store import TeePotentials as TeePotentials

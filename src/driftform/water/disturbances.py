@@ -111,7 +111,7 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
     """Return the scenario under a disturbed condition."""
     flow, gusts = scenario.flow, scenario.gusts
     flow = flow.model_copy(update={"speed": flow.speed * condition.current})
-    if condition.gusts is not None:
+    if condition.gusts is not None and scenario.can_have_gusts:
         gusts = gusts.model_copy(update={"always": True, "seed": condition.gusts})
     release = scenario.release.model_copy(
         update={

@@ -27,6 +27,8 @@ class Factors:
         of the hull's material, so that a print weighs what it does.
     restitution, friction
         of the coefficients of the contact with walls.
+    least, most
+        bounds of every factor.
     """
 
     least: ClassVar[float] = 0.01

@@ -1,22 +1,29 @@
-"""Velocities on regular grids, from files of CFD programs: CSV, NetCDF and VTK."""
+"""Velocities on regular grids, from files of CFD programs: CSV, NetCDF and VTK; and nodes without one, filled."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from warnings import catch_warnings
 
 import numpy as np
 
 from driftform.errors import describe_error
-from driftform.types import FloatArray
+from driftform.types import BoolArray, FloatArray
+
+__all__ = ["VelocityGrid", "fill_nodes", "read_grid"]
+
+Nodes = TypeVar("Nodes", FloatArray, BoolArray)
 
 MOST_NODES = 20_000_000
 """Most nodes of a grid: their velocities take 500 MB."""
 
 UNEVEN = 1e-3
 """Largest deviation of a node from its place in a regular grid, in spacings."""
+
+LINEAR_LAYERS = 3
+"""Layers of nodes beyond the water that are extrapolated linearly; further out the velocity is constant."""
 
 _PLACES = (("x", "y", "z"), ("Points:0", "Points:1", "Points:2"), ("Points_0", "Points_1", "Points_2"))
 _VELOCITIES = (
@@ -297,3 +304,45 @@ def _average_cells(mesh: Any, name: str) -> FloatArray:
         np.add.at(count, corners, 1.0)
     with np.errstate(invalid="ignore"):
         return np.asarray(total / count[:, None])
+
+
+def fill_nodes(velocity: FloatArray, known: BoolArray) -> FloatArray:
+    """Return velocities at all nodes: extrapolated linearly from known neighbours, and constant further away.
+
+    Parameters
+    ----------
+    velocity
+        (nx, ny, nz, 3).
+    known
+        whether the velocity of a node is known, (nx, ny, nz).
+    """
+    from scipy.ndimage import distance_transform_edt
+
+    values: FloatArray = np.where(known[..., None], velocity, 0.0)
+    known = known.copy()
+    if not known.any():
+        raise ValueError("has no node in the pipe: do their origins and units agree?")
+    for _ in range(LINEAR_LAYERS):
+        total, count = np.zeros_like(values), np.zeros(known.shape)
+        for axis in range(3):
+            for step in (-1, 1):
+                near, far = (_neighbour(values, axis, k * step) for k in (1, 2))
+                both = _neighbour(known, axis, step) & _neighbour(known, axis, 2 * step)
+                total += np.where(both[..., None], 2 * near - far, 0.0)
+                count += both
+        new = ~known & (count > 0)
+        values[new] = total[new] / count[new, None]
+        known |= new
+    nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    return np.asarray(values[tuple(nearest)])
+
+
+def _neighbour(values: Nodes, axis: int, step: int) -> Nodes:
+    """Return the values ``step`` nodes further along an axis, 0 beyond the last."""
+    shifted = np.zeros_like(values)
+    here, there = [slice(None)] * values.ndim, [slice(None)] * values.ndim
+    here[axis], there[axis] = (
+        (slice(None, -step), slice(step, None)) if step > 0 else (slice(-step, None), slice(None, step))
+    )
+    shifted[tuple(here)] = values[tuple(there)]
+    return shifted

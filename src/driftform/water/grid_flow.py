@@ -7,7 +7,6 @@ are smooth up to the wall.
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from driftform.util.small_vectors import ZERO, Rotation, Vector, add, scale
 from driftform.water import Pipe
 from driftform.water.fitting_walls import HEAD, PART, wall_gaps
 from driftform.water.flow import GridFlow
-from driftform.water.grid_files import VelocityGrid, read_grid
+from driftform.water.grid_files import VelocityGrid, fill_nodes, read_grid
 from driftform.water.pipe_parts import Axis
 from driftform.water.profiles import AT_A_POINT, Spread
 from driftform.water.tee_spline import cubic_bends, cubic_slopes, cubic_values
@@ -36,12 +35,6 @@ SPEED_TOLERANCE = 0.1
 
 FEWEST_CELLS = 4
 """Fewest cells of a grid across the narrowest bore."""
-
-LINEAR_LAYERS = 3
-"""Layers of nodes beyond the water that are extrapolated linearly; further out the velocity is constant."""
-
-
-Nodes = TypeVar("Nodes", FloatArray, BoolArray)
 
 
 def load_grid(flow: GridFlow, pipe: Pipe, walls: FloatArray) -> FloatArray:
@@ -160,48 +153,6 @@ def _find_bore_beyond(grid: VelocityGrid, bores: Sequence[Axis]) -> FloatArray |
 def format_point(point: FloatArray) -> str:
     """Return a point as text, such as (1, 0, -0.5)."""
     return f"({', '.join(f'{x:.4g}' for x in point)})"
-
-
-def fill_nodes(velocity: FloatArray, known: BoolArray) -> FloatArray:
-    """Return velocities at all nodes: extrapolated linearly from known neighbours, and constant further away.
-
-    Parameters
-    ----------
-    velocity
-        (nx, ny, nz, 3).
-    known
-        whether the velocity of a node is known, (nx, ny, nz).
-    """
-    from scipy.ndimage import distance_transform_edt
-
-    values: FloatArray = np.where(known[..., None], velocity, 0.0)
-    known = known.copy()
-    if not known.any():
-        raise ValueError("has no node in the pipe: do their origins and units agree?")
-    for _ in range(LINEAR_LAYERS):
-        total, count = np.zeros_like(values), np.zeros(known.shape)
-        for axis in range(3):
-            for step in (-1, 1):
-                near, far = (_neighbour(values, axis, k * step) for k in (1, 2))
-                both = _neighbour(known, axis, step) & _neighbour(known, axis, 2 * step)
-                total += np.where(both[..., None], 2 * near - far, 0.0)
-                count += both
-        new = ~known & (count > 0)
-        values[new] = total[new] / count[new, None]
-        known |= new
-    nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
-    return np.asarray(values[tuple(nearest)])
-
-
-def _neighbour(values: Nodes, axis: int, step: int) -> Nodes:
-    """Return the values ``step`` nodes further along an axis, 0 beyond the last."""
-    shifted = np.zeros_like(values)
-    here, there = [slice(None)] * values.ndim, [slice(None)] * values.ndim
-    here[axis], there[axis] = (
-        (slice(None, -step), slice(step, None)) if step > 0 else (slice(-step, None), slice(None, step))
-    )
-    shifted[tuple(here)] = values[tuple(there)]
-    return shifted
 
 
 def check_grid(grid: VelocityGrid, array: FloatArray, pipe: Pipe, reference: float) -> None:

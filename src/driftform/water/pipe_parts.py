@@ -37,7 +37,7 @@ class Opening:
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """Points of the axis of a bore from one end to the other, m, (k, 3), with the radius of the bore at each, m, (k,)."""
+    """``points`` of the axis of a bore from one end to the other, m, (k, 3), with the ``radii`` of the bore there, m, (k,)."""
 
     points: FloatArray
     radii: FloatArray
@@ -223,7 +223,7 @@ class Tee(PipePart):
     """A run with a branch, whose axis leaves that of the run at ``angle`` (rad, from downstream) towards z.
 
     The edge between the two bores is rounded: a ball of the radius ``fillet`` (m) that rolls in the wall along both.
-    ``share`` is that of the water that leaves by the branch.
+    ``branch_radius`` (m) is that of the branch's bore, ``share`` that of the water that leaves by it.
     """
 
     branch_radius: float

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from driftform.water.flow import (
     KARMAN,
     DevelopedFlow,
+    DevelopedProfile,
     DevelopingFlow,
     Flow,
     PipeFlow,
@@ -61,14 +62,16 @@ def list_bores(scenario: "Scenario") -> list[tuple[str, float, float]]:
 
 def warn_of_regime(scenario: "Scenario") -> list[str]:
     """Return where the profile of ``flow.kind`` does not hold, one line each: quantity, value, range and next step."""
-    flow, found = scenario.flow, []
+    flow = scenario.flow
+    found: list[str] = []
     if not isinstance(flow, PipeFlow) or scenario.pipe.is_open:
         return found
     laminar, turbulent = RANGES["laminar profile"][0].high, RANGES["logarithmic law"][0].low
     formula = "power law" if isinstance(flow, PowerLawFlow) else "logarithmic law"
     for key, radius, speed in list_bores(scenario):
         reynolds = 2 * radius * speed / scenario.fluid.viscosity
-        where = f"flow.kind = '{flow.kind}' in {key} ({2 * radius:.4g} m wide, {speed:.3g} m/s)"
+        place = "the pipe" if scenario.pipe.straight else key
+        where = f"flow.kind = '{flow.kind}' in {place} ({2 * radius:.4g} m wide, {speed:.3g} m/s)"
         if laminar <= reynolds < turbulent and isinstance(flow, DevelopedFlow):
             found.append(
                 f"{where}: Reynolds number Re_D = {reynolds:.4g}: nobody knows the profile from {laminar:g} to "
@@ -89,19 +92,20 @@ def _advise(reynolds: float, laminar: float) -> str:
 def _warn_of_entry(scenario: "Scenario") -> list[str]:
     """Return a line if the pipe is shorter than the length in which its flow develops from a uniform one."""
     layout, flow = scenario.pipe.layout, scenario.flow
-    if isinstance(flow, DevelopingFlow) or flow.speed <= 0:
+    if not isinstance(flow, DevelopedProfile) or flow.speed <= 0:
         return []
     radius = layout.inlet.radius
     reynolds = 2 * radius * flow.speed / scenario.fluid.viscosity
     laminar = is_laminar(flow, radius, flow.speed, scenario.fluid.viscosity)
     entry = entry_length(reynolds, laminar) * 2 * radius
     ends = [depth + placed.part.length for depth, placed in zip(layout.depths, layout.parts, strict=True)]
-    length = max(ends)
+    length = max(ends) + flow.upstream
     if length >= entry:
         return []
     return [
-        f"flow.kind = '{flow.kind}' has the developed profile from the inlet on: behind a wide inlet it develops within "
-        f"{entry:.3g} m at Re_D = {reynolds:.3g}, and the pipe is {length:.3g} m long; the water must come from a longer pipe"
+        f"flow.kind = '{flow.kind}': from a uniform inlet the profile develops within {entry:.3g} m (Re_D = {reynolds:.3g}), and "
+        f"the pipe is {length:.3g} m long: set flow.upstream to the length of the same bore before the inlet, or take "
+        "flow.kind = 'developing'"
     ]
 
 

@@ -13,8 +13,11 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
-LEVELS, HEAD, LEVEL_SIZE = 0, 1, 8
-"""Where the number of levels is, where the first level begins, and numbers of a level."""
+HEAD = 1
+"""Where the first level begins, after the number of levels."""
+
+LEVEL_SIZE = 8
+"""Numbers of a level."""
 
 Derivatives: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 """Derivatives in x, y, z, xx, xy, xz, yy, yz, zz."""

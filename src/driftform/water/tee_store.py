@@ -2,7 +2,6 @@
 
 import math
 import sys
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -19,10 +18,13 @@ from driftform.util.preparation import preparing
 from driftform.water.tee_spline import HEAD, LEVEL_SIZE
 from driftform.water.tee_wall import Junction
 
+__all__ = ["HEAD", "LEVEL_SIZE", "TeePotentials", "load_tee", "save_tee"]
+
 METHOD = 2
 """Number of the method: a change of the solver or of the files counts it up, and old files are not read."""
 
 PACKAGED = Path(__file__).parent / "tees"
+"""The folder of the tees that come with driftform."""
 
 SOLVERS = "driftform.tees"
 """Group of entry points for functions that solve the flow in a tee: a :class:`Junction` to :class:`TeePotentials`."""
@@ -54,29 +56,6 @@ class TeePotentials:
     through: FloatArray
     branch: FloatArray
     leakage: FloatArray
-
-    @classmethod
-    def of_levels(
-        cls, levels: Sequence[tuple[float, Sequence[int], FloatArray, FloatArray]], leakage: FloatArray
-    ) -> "TeePotentials":
-        """Return the potentials of a hierarchical spline.
-
-        Parameters
-        ----------
-        levels
-            of each level, the coarsest first: width of a cell, the cell with which its box begins along x, y and z (0
-            along y), and the coefficients of the two flows, (nx, ny, nz), NaN where no cell of the region needs them.
-        leakage
-            see :attr:`leakage`.
-        """
-        head = np.zeros(HEAD + LEVEL_SIZE * len(levels))
-        head[0], place = len(levels), len(head)
-        for row, (width, low, values, _) in zip(head[HEAD:].reshape(-1, LEVEL_SIZE), levels, strict=True):
-            row[:] = width, *low, *values.shape, place
-            place += values.size
-        through = np.concatenate([values.ravel() for _, _, values, _ in levels])
-        branch = np.concatenate([values.ravel() for _, _, _, values in levels])
-        return cls(head, through - np.nanmean(through), branch - np.nanmean(branch), leakage)
 
 
 @lru_cache(maxsize=8)

@@ -23,6 +23,7 @@ CELLS = 6.0
 """Widths of the finest cells in the radius of the fillet."""
 
 Point: TypeAlias = tuple[float, float, float]
+"""A point of the frame of a tee, m."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from driftform.interfaces import SearchSpace
 from driftform.options import Table
 from driftform.runs.coverage import CoverageMap, PipeGrid
 from driftform.search.strategies.atlas import AtlasOptions, AtlasStrategy, breeding_probabilities
-from driftform.search.strategies.breeding import breed
 from driftform.study import load_study
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
@@ -112,13 +111,13 @@ def test_a_child_that_would_equal_a_parent_has_one_symbol_flipped():
     rng = np.random.default_rng(0)
     parent = GRAMMAR.random(rng)
     for _ in range(50):
-        child = breed(GRAMMAR, parent, parent, rng, crossover=0.5, mutation_rate=0.0)[0]
+        child = GRAMMAR.breed(parent, parent, rng, crossover=0.5, mutation_rate=0.0)[0]
         assert sum(a != b for a, b in zip(child.symbols, parent.symbols, strict=True)) == 1
 
 
 def test_a_genome_without_symbols_is_bred_as_it_is():
     empty = Genome("none", ())
-    assert breed(GRAMMAR, empty, empty, np.random.default_rng(0), crossover=0, mutation_rate=0.5) == (
+    assert GRAMMAR.breed(empty, empty, np.random.default_rng(0), crossover=0, mutation_rate=0.5) == (
         empty,
         False,
     )

@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform import Pipeline
 from driftform.agent import hull_mass, mass_properties
-from driftform.motion import evaluate_path, finish_trajectory, flight_model, integrator, release_state
+from driftform.motion import integrator, interpolation, stepping
 from driftform.types import Agent, Body, Coefficients, FloatArray, Morphology
 from driftform.util import rotations
 from driftform.water import Calibration, Factors, Scenario
@@ -64,8 +64,8 @@ class Path:
         within = np.clip(times, 0.0, self.t[-1])
         if len(self.t) == 1:
             return np.repeat(self.position, len(times), axis=0), np.repeat(self.axis, len(times), axis=0)
-        position = evaluate_path(self.t, self.position, self.velocity, within)
-        axis = evaluate_path(self.t, self.axis, self.axis_rate, within)
+        position = interpolation.evaluate_path(self.t, self.position, self.velocity, within)
+        axis = interpolation.evaluate_path(self.t, self.axis, self.axis_rate, within)
         late = np.maximum(times - self.t[-1], 0.0)[:, None]
         return position + late * self.velocity[-1], axis / np.linalg.norm(axis, axis=1, keepdims=True)
 
@@ -105,27 +105,19 @@ class Bench:
         """Return the flight with these factors and this release, up to the time ``until``, s."""
         calibration = Calibration().with_factors(factors)
         scenario = self.scenario.model_copy(update={"calibration": calibration})
-        model = flight_model(self.agent(factors), scenario)
-        start = release_state(model, self._release(scenario, error))
+        model = stepping.flight_model(self.agent(factors), scenario)
+        if error.pitch or error.yaw:
+            release, (pitch, yaw) = scenario.release, np.rad2deg([error.pitch, error.yaw]).tolist()
+            angles = {"pitch_deg": release.pitch_deg + pitch, "yaw_deg": release.yaw_deg + yaw}
+            scenario = scenario.model_copy(update={"release": release.model_copy(update=angles)})
+        start = stepping.release_state(model, scenario)
         start[7:10] += error.velocity
         start[2] += error.rise
         samples = integrator.integrate_once(model, start, max(until, 0.01), ACCURACY)
         samples = np.ascontiguousarray(samples[np.isfinite(samples).all(axis=1)])
-        touched = finish_trajectory(samples, model, until, ACCURACY.step_limit).contact
+        touched = stepping.finish_trajectory(samples, model, until, ACCURACY.step_limit).contact
         contact = np.inf if touched is None else touched
         turned = rotations.matrix_from_quaternion(samples[:, 4:8])
         axis, left, up = (np.ascontiguousarray(turned[..., k]) for k in range(3))
         rate = samples[:, 13:14] * left - samples[:, 12:13] * up
         return Path(samples[:, 0], samples[:, 1:4], samples[:, 8:11], axis, rate, contact)
-
-    def _release(self, scenario: Scenario, error: ReleaseError) -> Scenario:
-        if error.pitch == error.yaw == 0.0:
-            return scenario
-        release = scenario.release
-        turned = release.model_copy(
-            update={
-                "pitch_deg": release.pitch_deg + float(np.rad2deg(error.pitch)),
-                "yaw_deg": release.yaw_deg + float(np.rad2deg(error.yaw)),
-            }
-        )
-        return scenario.model_copy(update={"release": turned})

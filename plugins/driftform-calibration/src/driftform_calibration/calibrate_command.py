@@ -130,33 +130,25 @@ def _print(found: "CalibrationResult", paths: list[Path]) -> None:
     from shlex import quote
 
     from driftform.cli import output
-    from driftform_calibration.result import describe_estimate
 
-    rows = [
-        (name.replace("_", " "), *describe_estimate(estimate)) for name, estimate in found.factors.items()
-    ]
-    output.print_table(("factor", "value", "90 % interval", ""), rows, right=(1,))
+    output.print_table(*found.tabulate(), right=(1,))
     hull = found.fit.estimates["hull_density"]
     if hull.low is not None and hull.high is not None and not hull.low < 1 < hull.high:
         output.print_text(
             f"the hull weighs {hull.value:.4g} times what was simulated: that changes the net weight"
         )
-    document = found.document()
     print()
-    output.print_table(
-        ("track", "points", "noise mm", "before mm", "after mm"),
+    tracks = [
         (
-            (
-                row["track"],
-                str(row["points"]),
-                f"{1000 * row['noise']:.2f}",
-                f"{1000 * row['residual_before']:.1f}",
-                f"{1000 * row['residual']:.1f}",
-            )
-            for row in document["tracks"]
-        ),
-        right=range(1, 5),
-    )
+            row["track"],
+            str(row["points"]),
+            f"{1000 * row['noise']:.2f}",
+            f"{1000 * row['residual_before']:.1f}",
+            f"{1000 * row['residual']:.1f}",
+        )
+        for row in found.document()["tracks"]
+    ]
+    output.print_table(("track", "points", "noise mm", "before mm", "after mm"), tracks, right=range(1, 5))
     output.print_text(
         f"root mean square distance of films and flights: {1000 * found.fit.before:.1f} mm before, "
         f"{1000 * found.residual:.1f} mm after"

@@ -51,15 +51,11 @@ def see_points(path: Path, track: Track, view: FloatArray, camera: Camera) -> tu
     """Return where a film shows the markers, (markers, n, d) in m, and the angle of the axis in it, (n,) in rad."""
     core, axis = path.points_at(track.t - camera.delay)
     stretch = np.array([np.exp(camera.aspect), *[1.0] * (len(view) - 1)])
-    turn = turn_matrix(camera.tilt, len(view)) @ (stretch[:, None] * view)
+    turn = stretch[:, None] * view
+    if len(view) == 2:
+        c, s = np.cos(camera.tilt), np.sin(camera.tilt)
+        turn = np.array([[c, -s], [s, c]]) @ turn
     seen = np.array([(core + marker.x * axis) @ turn.T for marker in track.markers])
     points = np.exp(camera.scale) * seen + np.array(camera.offset)
     right, up = (axis @ turn.T).T[:2] if len(view) == 2 else (axis[:, 0], axis[:, 2])
     return points, np.arctan2(up, right)
-
-
-def turn_matrix(tilt: float, dimension: int) -> FloatArray:
-    """Return the turn of a picture by ``tilt`` (rad), counterclockwise; tracks in space are not turned."""
-    if dimension == 3:
-        return np.eye(3)
-    return np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])

@@ -106,14 +106,15 @@ def drop_design(
         if no release can be filmed.
     """
 
+    given = f"--tank {' '.join(f'{size:g}' for size in tank)}"
     if not all(0 < size < 50 for size in tank):
-        raise InputError(f"--tank {' '.join(f'{size:g}' for size in tank)}: sizes should be from 0 to 50 m")
-    smallest, reach = min(tank), max(design.length, design.max_diameter)
-    if smallest < design.max_diameter or max(tank) < reach:
+        raise InputError(f"{given}: sizes should be from 0 to 50 m")
+    if min(tank) < design.max_diameter or max(tank) < max(design.length, design.max_diameter):
         raise InputError(
-            f"--tank {' '.join(f'{size:g}' for size in tank)}: the agent is {design.length:.3g} m long and "
-            f"{design.max_diameter:.3g} m wide; the tank must be larger, in m"
+            f"{given}: the agent is {design.length:.3g} m long and {design.max_diameter:.3g} m wide; the tank must be "
+            "larger, in m"
         )
     assert design.agent.morphology is not None
-    plan = plan_drops(design.pipeline, design.agent.morphology, Tank(*tank), drops, fps, noise, progress)
-    return DropPlan(design.name, design.agent, Tank(*tank), plan, design.study.document)
+    inside = Tank(*tank)
+    plan = plan_drops(design.pipeline, design.agent.morphology, inside, drops, fps, noise, progress)
+    return DropPlan(design.name, design.agent, inside, plan, design.study.document)

@@ -63,38 +63,15 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
     from driftform.cli import output
 
     document = plan.document()
-    output.print_table(
-        ("drop", "pitch deg", "core below surface mm", "ballast g", "film s", "ends at", "bits"),
-        (
-            (
-                str(number),
-                f"{row['pitch_deg']:+.0f}",
-                f"{1000 * row['depth']:.0f}",
-                f"{1000 * row['ballast']:.1f}",
-                f"{row['duration']:.2f}",
-                row["end"],
-                f"{row['gain_bits']:.1f}",
-            )
-            for number, row in enumerate(document["drops"], start=1)
-        ),
-        right=(0, 1, 2, 3, 4, 6),
-    )
+    output.print_table(*plan.tabulate(), right=(0, 1, 2, 3, 4, 6))
     print()
-    output.print_table(
-        ("factor", "expected 90 % interval", ""),
-        (
-            *(
-                (
-                    name.replace("_", " "),
-                    f"+-{100 * row['half_width']:.0f} %",
-                    _describe_width(name, row["known"]),
-                )
-                for name, row in document["expected"].items()
-            ),
-            *((name.replace("_", " "), "-", why) for name, why in document["reasons"].items()),
-        ),
-        right=(1,),
-    )
+    rows = [
+        (name, f"+-{100 * row['half_width']:.0f} %", _describe_width(name, row["known"]))
+        for name, row in document["expected"].items()
+    ]
+    rows += [(name, "-", why) for name, why in document["reasons"].items()]
+    shown = [(name.replace("_", " "), *rest) for name, *rest in rows]
+    output.print_table(("factor", "expected 90 % interval", ""), shown, right=(1,))
     output.print_text(
         f"weigh the print with its core: {1000 * document['mass']:.2f} g as simulated; calibrate takes it as --printed-mass"
     )

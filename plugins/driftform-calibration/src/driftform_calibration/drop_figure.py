@@ -1,6 +1,6 @@
 """Drops in a tank, seen from the camera: where the agent is released, how it hangs, and where it should go."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,20 +40,9 @@ def drop_svg(drop: DropPicture, body: Body, length: float, depth: float) -> str:
     svg.add_line(root, svg.path_data(walls), style.WALL, 2.5, "tank")
     svg.add_line(root, window.path_data(drop.path), style.BLUE, 1.8, "path", stroke_dasharray="4 3")
     start = np.array([drop.path[0, 0], 0.0, drop.path[0, 1]])
-    side = plot.Window(
-        (0, 2),
-        layout.Box(window.box.left, window.box.top, window.box.right, window.box.bottom),
-        window.low,
-        window.px_per_m,
-    )
-    plot.draw_silhouette(
-        root,
-        side,
-        body,
-        interpolation.Pose(start, drop.quaternion),
-        1.0,
-        (style.tint(style.BLUE, 0.25), style.INK, style.ORANGE),
-    )
+    colours = (style.tint(style.BLUE, 0.25), style.INK, style.ORANGE)
+    pose = interpolation.Pose(start, drop.quaternion)
+    plot.draw_silhouette(root, replace(window, view=(0, 2)), body, pose, 1.0, colours)
     layout.draw_scale_bar(root, right - 4, bottom - 8, window.px_per_m, (right - left) / 3, style.MUTED)
     layout.write(root, 6, height - 8, drop.caption, 11, style.MUTED)
     return svg.render(root)
@@ -71,12 +60,6 @@ def ruler_svg(length_mm: int = 150) -> str:
             layout.write(root, x, 19 * px, f"{mm}", 14, style.INK, "middle")
     ends = [(10 * px, 4 * px), ((10 + length_mm) * px, 4 * px)]
     svg.add_line(root, svg.path_data(ends), style.INK, 1.6)
-    layout.write(
-        root,
-        10 * px,
-        24.5 * px,
-        f"{length_mm} mm from 0 to {length_mm}, if it was printed at 100 %",
-        11,
-        style.MUTED,
-    )
+    note = f"{length_mm} mm from 0 to {length_mm}, if it was printed at 100 %"
+    layout.write(root, 10 * px, 24.5 * px, note, 11, style.MUTED)
     return svg.render(root)

@@ -17,7 +17,7 @@ from driftform import Pipeline
 from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray, Morphology
 from driftform.water import Calibration, Factors, Pipe, Scenario, Segment
-from driftform_calibration.bench import Bench, ReleaseError
+from driftform_calibration.bench import Bench, Path, ReleaseError
 from driftform_calibration.fit import CONTACT, find_widest, list_reasons
 from driftform_calibration.problem import Filmed, Problem, factor_of
 from driftform_calibration.tracks import Marker, Track
@@ -126,14 +126,8 @@ def plan_drops(
     ----------
     pipeline
         its scenario has the water, and the coefficients of contact with the floor.
-    count
-        number of drops.
-    fps
-        frames of the film for each second.
-    noise
-        standard deviation of a tracked point, m.
-    on_candidate
-        called with the number of releases that were examined, and of all.
+    count, fps, noise, on_candidate
+        as ``drops``, ``fps``, ``noise`` and ``progress`` of :func:`driftform_calibration.designs.drop_design`.
 
     Raises
     ------
@@ -202,7 +196,7 @@ def _examine(
 ) -> tuple[Drop, FloatArray] | None:
     """Return a drop, and the information of its film about the factors, (factors, factors); ``None`` if it is too short."""
     path = bench.fly(Factors(), ReleaseError(), LONGEST)
-    duration, end = _find_end(bench.body, path.t, path.position, path.axis, path.contact, tank)
+    duration, end = _find_end(bench.body, path, tank)
     t = np.arange(0.0, duration, 1 / fps)
     if len(t) < FEWEST_FRAMES:
         return None
@@ -219,18 +213,8 @@ def _examine(
         )
     points, _ = path.points_at(t)
     release = bench.scenario.release
-    drop = Drop(
-        release.pitch_deg,
-        -release.position[2],
-        release.ballast,
-        release.ballast_x,
-        duration,
-        end,
-        0.0,
-        points[:, [0, 2]],
-        bench.scenario,
-    )
-    return drop, information
+    start = (release.pitch_deg, -release.position[2], release.ballast, release.ballast_x)
+    return Drop(*start, duration, end, 0.0, points[:, [0, 2]], bench.scenario), information
 
 
 def _inform(bench: Bench, names: Sequence[str], t: FloatArray, noise: float, has_contact: bool) -> FloatArray:
@@ -250,11 +234,10 @@ def _blank(t: FloatArray) -> Track:
     return Track("", t, (Marker(0.0, np.zeros((len(t), 2))),), np.full(len(t), np.nan))
 
 
-def _find_end(
-    body: Body, t: FloatArray, position: FloatArray, axis: FloatArray, contact: float, tank: Tank
-) -> tuple[float, str]:
+def _find_end(body: Body, path: Path, tank: Tank) -> tuple[float, str]:
     """Return when (s) a film ends, and where the agent is then."""
-    pitch = -np.arcsin(np.clip(axis[:, 2], -1, 1))
+    t, position = path.t, path.position
+    pitch = -np.arcsin(np.clip(path.axis[:, 2], -1, 1))
     top = position[:, 2] + np.array([_reach_up(body, p) for p in pitch])
     wide = np.abs(position[:, 0]) + np.array([_half_width(body, p) for p in pitch])
     ends = {"time": float(t[-1])}
@@ -262,8 +245,8 @@ def _find_end(
         ends["surface"] = float(t[np.argmax(top > 0)])
     if (wide > tank.length / 2).any():
         ends["side"] = float(t[np.argmax(wide > tank.length / 2)])
-    if contact < np.inf:
-        ends["floor"] = contact + AFTER_FLOOR
+    if path.contact < np.inf:
+        ends["floor"] = path.contact + AFTER_FLOOR
     first = min(ends, key=lambda name: ends[name])
     return ends[first], first
 
@@ -288,7 +271,8 @@ def _choose(
     bench: Bench,
     count: int,
 ) -> Plan:
-    priors = _prior_widths(bench, names)
+    problem = Problem([Filmed(bench, _blank(np.linspace(0, 1, 8)))], names, [1.0])
+    priors = np.array([p.prior for p in problem.parameters[: len(names)]])
     information, drops = np.diag(priors**-2.0), []
     for _ in range(count):
         before = np.linalg.slogdet(information)[1]
@@ -303,8 +287,3 @@ def _choose(
         expected[name] = (float(half), bool(half <= find_widest(bench, name, 1.0)))
     share = bench.hull_weight / max(abs(bench.net_weight), 1e-12)
     return Plan(tuple(drops), expected, dict(reasons), float(share))
-
-
-def _prior_widths(bench: Bench, names: Sequence[str]) -> FloatArray:
-    problem = Problem([Filmed(bench, _blank(np.linspace(0, 1, 8)))], names, [1.0])
-    return np.array([p.prior for p in problem.parameters[: len(names)]])

@@ -7,6 +7,7 @@ import numpy as np
 
 from driftform.agent import hull_mass
 from driftform.errors import InputError, did_you_mean
+from driftform.types import FloatArray
 from driftform.water import Factors
 from driftform_calibration.bench import Bench, ReleaseError
 from driftform_calibration.camera import VIEWS
@@ -63,9 +64,7 @@ def _check_motion(label: str, film: Filmed) -> None:
     _check_direction(label, film, moved)
 
 
-def _check_direction(
-    label: str, film: Filmed, moved: np.ndarray[tuple[int, ...], np.dtype[np.float64]]
-) -> None:
+def _check_direction(label: str, film: Filmed, moved: FloatArray) -> None:
     track, bench = film.track, film.bench
     up = int(np.argmax(film.axes[:, 2]))
     if film.axes[up, 2] == 0 or not film.seen_axes[up] or bench.scenario.release.ballast:

@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from driftform.types import Drag, FloatArray
+from driftform.types import FloatArray
 from driftform.water import Calibration, Factors
 from driftform_calibration.bench import Bench, Path
 from driftform_calibration.problem import (
@@ -147,15 +147,8 @@ class Fit:
             for name, found in self.estimates.items()
             if found.known and found.low is not None and found.high is not None
         }
-        return Calibration.model_validate(
-            {
-                **intervals,
-                "correlations": self.correlations,
-                "agent": agent,
-                "tracks": len(self.problem.films),
-                "residual": _round(self.residual),
-            }
-        )
+        about = {"agent": agent, "tracks": len(self.problem.films), "residual": _round(self.residual)}
+        return Calibration.model_validate({**intervals, "correlations": self.correlations, **about})
 
 
 def _round(value: float) -> float:
@@ -183,21 +176,14 @@ def fit_factors(
     """
     # Matrices of a fit are small: threads would wait for each other longer than they compute.
     with threadpool_limits(1):
-        return _fit(films, names, priors)
-
-
-def _fit(films: Sequence[Filmed], names: Sequence[str], priors: dict[str, tuple[float, float]] | None) -> Fit:
-    reasons = list_reasons(films, names)
-    free, last, notes = _solve(films, [name for name in names if name not in reasons], priors)
-    while absurd := _find_absurd(free, last):
-        reasons |= absurd
+        reasons = list_reasons(films, names)
         free, last, notes = _solve(films, [name for name in names if name not in reasons], priors)
-    if last is None:
-        reasons |= {
-            name: "no track touches a wall" for name in CONTACT if name in names and name not in reasons
-        }
-        return _finish(free, free, reasons)
-    return _finish(free, last, reasons, notes)
+        while absurd := _find_absurd(free, last):
+            reasons |= absurd
+            free, last, notes = _solve(films, [name for name in names if name not in reasons], priors)
+        if last is None:
+            return _finish(free, free, dict.fromkeys(CONTACT, "no track touches a wall") | reasons)
+        return _finish(free, last, reasons, notes)
 
 
 def _solve(
@@ -236,17 +222,12 @@ def _find_absurd(*solutions: Solution | None) -> dict[str, str]:
     the films show of them, and the residuals say how well.
     """
     found = {}
-    for solution in solutions:
-        if solution is None:
-            continue
+    for solution in filter(None, solutions):
+        deviation = np.sqrt(np.diag(solution.covariance))
         for j, name in enumerate(solution.problem.names):
             least, most = PLAUSIBLE.get(name, (Factors.least, Factors.most))
             value = _limit(factor_of(name, float(solution.x[j])))
-            deviation = float(np.sqrt(solution.covariance[j, j]))
-            if (
-                not least <= value <= most
-                and _find_excess(solution, j, float(solution.x[j]), deviation) < 1.0
-            ):
+            if not least <= value <= most and _find_excess(solution, j, solution.x, deviation) < 1.0:
                 found[name] = value
     if not found:
         return {}
@@ -326,7 +307,7 @@ def list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str
         if all(drag is None for drag in drags):
             why = "the agent's model has no drag (hydrodynamics.drag = 'strips')"
             reasons |= {"axial_drag": why, "cross_drag": why}
-        elif all(_is_round(drag) for drag in drags if drag is not None):
+        elif all(d.round_area > ROUND * 0.25 * np.pi * d.diameter**2 for d in drags if d is not None):
             reasons["axial_drag"] = "a sphere has one drag, which is that of cross_drag"
     if benches[0].hull_weight == 0.0:
         reasons["hull_density"] = "the agent has no hull"
@@ -337,21 +318,8 @@ def list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str
     return reasons
 
 
-@dataclass(frozen=True, eq=False)
-class _Judgement:
-    """Which factors of a solution are known, and how well.
-
-    ``x`` are the unknowns with those factors at 1 that are not known; ``deviation`` (factors,) contains how far the
-    others moved thereby.
-    """
-
-    known: tuple[int, ...]
-    x: FloatArray
-    deviation: FloatArray
-
-
-def _judge(solution: Solution, names: Sequence[str]) -> _Judgement:
-    """Return which of the factors ``names`` are known.
+def _judge(solution: Solution, names: Sequence[str]) -> tuple[list[int], FloatArray, FloatArray]:
+    """Return which of the factors ``names`` are known, all unknowns with the others at 1, and the deviations of factors.
 
     One after the other, the factor whose interval is too wide by most is left at 1. The others move to what fits best
     with that, and their variance grows by the square of the move: it may be as wrong as it is large.
@@ -367,22 +335,17 @@ def _judge(solution: Solution, names: Sequence[str]) -> _Judgement:
             gain = covariance[:, left] @ np.linalg.pinv(covariance[np.ix_(left, left)], hermitian=True)
             moved = x - gain @ x[left]
         deviation = np.sqrt(np.diag(covariance)[:count] + (moved - x)[:count] ** 2)
-        excess = [_find_excess(solution, j, float(moved[j]), float(deviation[j])) for j in known]
+        excess = [_find_excess(solution, j, moved, deviation) for j in known]
         if not known or max(excess) <= 1.0:
-            return _Judgement(tuple(known), moved, deviation)
+            return known, moved, deviation
         known.pop(int(np.argmax(excess)))
 
 
-def _is_round(drag: Drag) -> bool:
-    """Return whether nearly all of a body's drag is that of a sphere."""
-    return bool(drag.round_area > ROUND * 0.25 * np.pi * drag.diameter**2)
-
-
-def _find_excess(solution: Solution, j: int, value: float, deviation: float) -> float:
-    """Return half of the interval of a factor over the widest that counts as known."""
-    name = solution.problem.names[j]
-    low, middle, high = _find_interval(solution, name, value, deviation)
-    return (high - low) / 2 / find_widest(solution.problem.films[0].bench, name, middle)
+def _find_excess(solution: Solution, j: int, x: FloatArray, deviation: FloatArray) -> float:
+    """Return half of the interval of factor ``j`` over the widest that counts as known."""
+    low, middle, high = _find_interval(solution, j, x, deviation)
+    problem = solution.problem
+    return (high - low) / 2 / find_widest(problem.films[0].bench, problem.names[j], middle)
 
 
 def find_widest(bench: Bench, name: str, factor: float) -> float:
@@ -397,23 +360,26 @@ def find_widest(bench: Bench, name: str, factor: float) -> float:
 
 
 def _find_interval(
-    solution: Solution, name: str, value: float, deviation: float
+    solution: Solution, j: int, x: FloatArray, deviation: FloatArray
 ) -> tuple[float, float, float]:
-    """Return low, value and high of a factor from its parameter and the deviation of that."""
+    """Return low, value and high of factor ``j`` from the unknowns and the deviations of factors."""
     from scipy.stats import t as student
 
-    problem = solution.problem
+    problem, value = solution.problem, float(x[j])
     freedom = max(3.0, sum(problem.counts) - len(problem.parameters))
-    width = float(student.ppf(0.5 + CONFIDENCE / 2, freedom)) * deviation
-    low, middle, high = (_limit(factor_of(name, v)) for v in (value - width, value, value + width))
+    width = float(student.ppf(0.5 + CONFIDENCE / 2, freedom)) * float(deviation[j])
+    low, middle, high = (
+        _limit(factor_of(problem.names[j], v)) for v in (value - width, value, value + width)
+    )
     return low, middle, high
 
 
 def _estimate(
-    solution: Solution, judgement: _Judgement, names: Sequence[str], reasons: Mapping[str, str]
+    solution: Solution, names: Sequence[str], reasons: Mapping[str, str]
 ) -> dict[str, FactorEstimate]:
     """Return what is known of the factors ``names``; ``reasons`` are why some cannot be."""
-    problem, deviation = solution.problem, judgement.deviation
+    problem = solution.problem
+    known, judged, deviation = _judge(solution, names)
     own = np.sqrt(np.diag(solution.covariance))
     correlation = solution.covariance / np.outer(own, own)
     found = {}
@@ -422,16 +388,16 @@ def _estimate(
             found[name] = FactorEstimate(reason=reasons[name])
             continue
         j = problem.names.index(name)
-        if j in judgement.known:
-            low, middle, high = _find_interval(solution, name, float(judgement.x[j]), float(deviation[j]))
+        if j in known:
+            low, middle, high = _find_interval(solution, j, judged, deviation)
             found[name] = FactorEstimate(middle, low, high, True)
             continue
         others = [k for k in range(len(problem.names)) if k != j and abs(correlation[j, k]) > ALIKE]
-        low, middle, high = _find_interval(solution, name, float(solution.x[j]), float(own[j]))
+        low, middle, high = _find_interval(solution, j, solution.x, own)
         if own[j] > 0.9 * problem.parameters[j].prior:
             why = "it has no effect on these tracks"
-        elif _find_excess(solution, j, float(solution.x[j]), float(own[j])) <= 1.0:
-            left = [k for k in range(len(problem.names)) if k != j and k not in judgement.known]
+        elif _find_excess(solution, j, solution.x, own) <= 1.0:
+            left = [k for k in range(len(problem.names)) if k != j and k not in known]
             most = max(left, key=lambda k: abs(correlation[j, k] * solution.x[k] / own[k]), default=j)
             why = f"it would be {middle:.2g}, but depends on {shown_name(problem.names[most])}, which is not known"
         elif others:
@@ -461,10 +427,7 @@ def _finish(free: Solution, last: Solution, reasons: dict[str, str], notes: Sequ
     """Return the fit: drag and weight as free flight has shown them, restitution and friction as contact has."""
     touched = [name for name in last.problem.names if name not in free.problem.names]
     falling = [name for name in Factors.names if name not in touched]
-    found = {
-        **_estimate(free, _judge(free, falling), falling, reasons),
-        **_estimate(last, _judge(last, touched), touched, reasons),
-    }
+    found = _estimate(free, falling, reasons) | _estimate(last, touched, reasons)
     estimates = {name: found[name] for name in Factors.names}
     problem, bench = last.problem, last.problem.films[0].bench
     nuisance = range(len(problem.names), len(last.x))

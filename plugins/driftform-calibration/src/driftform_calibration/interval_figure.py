@@ -16,27 +16,14 @@ def intervals_svg(
     """
     count = len(intervals) + len(unknown)
     width, height = 560.0, 92 + ROW * count
-    root = svg.start_document(
-        width, height, title, "; ".join(f"{n}: {v[0]:.3g}" for n, v in intervals.items())
-    )
-    layout.write(
-        root,
-        layout.MARGIN,
-        24,
-        layout.shorten(title, 14, width - 2 * layout.MARGIN, bold=True),
-        14,
-        bold=True,
-    )
-    layout.write(
-        root,
-        layout.MARGIN,
-        42,
-        "factor on the model, with its 90 % interval; 1 is the model as it was",
-        11,
-        style.MUTED,
-    )
-    values = [v for interval in intervals.values() for v in interval]
-    low, high = min([0.8, *values]), max([1.25, *values])
+    values = "; ".join(f"{name}: {value:.3g}" for name, (value, _, _) in intervals.items())
+    root = svg.start_document(width, height, title, values)
+    heading = layout.shorten(title, 14, width - 2 * layout.MARGIN, bold=True)
+    layout.write(root, layout.MARGIN, 24, heading, 14, bold=True)
+    note = "factor on the model, with its 90 % interval; 1 is the model as it was"
+    layout.write(root, layout.MARGIN, 42, note, 11, style.MUTED)
+    shown = [v for interval in intervals.values() for v in interval]
+    low, high = min([0.8, *shown]), max([1.25, *shown])
     low, high = low - 0.05 * (high - low), high + 0.05 * (high - low)
     left, right, top = layout.MARGIN + NAMES_WIDTH, width - 76, 60.0
 
@@ -50,22 +37,14 @@ def intervals_svg(
     svg.add_segment(root, x_of(1), top, x_of(1), bottom, style.MUTED, 1.4)
     for number, name in enumerate([*intervals, *unknown]):
         y = top + ROW * (number + 0.5)
-        layout.write(
-            root,
-            left - 14,
-            y + 4,
-            name.replace("_", " "),
-            12,
-            style.INK if name in intervals else style.MUTED,
-            "end",
-        )
+        ink = style.INK if name in intervals else style.MUTED
+        layout.write(root, left - 14, y + 4, name.replace("_", " "), 12, ink, "end")
         if name not in intervals:
             layout.write(root, x_of(1) + 8, y + 4, "not known, left at 1", 11, style.MUTED, halo=True)
             continue
         value, least, most = intervals[name]
-        svg.add_segment(
-            root, x_of(least), y, x_of(most), y, style.tint(style.BLUE, 0.55), 7, class_="interval"
-        )
+        pale = style.tint(style.BLUE, 0.55)
+        svg.add_segment(root, x_of(least), y, x_of(most), y, pale, 7, class_="interval")
         svg.add_circle(root, x_of(value), y, 4.5, style.BLUE, class_="value")
         layout.write(root, width - layout.MARGIN, y + 4, f"{value:.3g}", 12, style.INK, "end")
     return svg.render(root)

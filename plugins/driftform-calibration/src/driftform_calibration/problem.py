@@ -159,7 +159,9 @@ class Problem:
             if name in ("restitution", "friction"):
                 step = _ROUGH
             if name == "restitution":
-                low, high = self._bound_restitution()
+                values = [film.bench.scenario.contact.restitution for film in self.films]
+                low = min(-1e-3, float(np.log(0.1 / min(values))))
+                high = max(1e-3, float(np.log(1.0 / max(values))))
             if name in priors:
                 start, width = priors[name]
             found.append(Parameter(-1, name, start, low, high, width, step))
@@ -187,10 +189,6 @@ class Problem:
         centre[known] = self._anchor.centre
         return np.vstack([rows, held]), centre
 
-    def _bound_restitution(self) -> tuple[float, float]:
-        values = [film.bench.scenario.contact.restitution for film in self.films]
-        return min(-1e-3, float(np.log(0.1 / min(values)))), max(1e-3, float(np.log(1.0 / max(values))))
-
     def factors(self, x: FloatArray) -> Factors:
         """Return the factors of a point of the parameter space."""
         values = {p.name: float(v) for p, v in zip(self.parameters, x, strict=True) if p.owner == -1}
@@ -201,13 +199,9 @@ class Problem:
         v = self._values(x, number)
         axes = self.films[number].axes
         right, up = (axes[0], axes[1]) if len(axes) == 2 else (axes[0], axes[2])
-        velocity = v.get("right", 0.0) * right + v.get("up", 0.0) * up
-        return ReleaseError(
-            v.get("pitch", 0.0),
-            v.get("yaw", 0.0),
-            (float(velocity[0]), float(velocity[1]), float(velocity[2])),
-            v.get("rise", 0.0),
-        )
+        x_rate, y_rate, z_rate = (v.get("right", 0.0) * right + v.get("up", 0.0) * up).tolist()
+        velocity = x_rate, y_rate, z_rate
+        return ReleaseError(v.get("pitch", 0.0), v.get("yaw", 0.0), velocity, v.get("rise", 0.0))
 
     def camera(self, x: FloatArray, number: int) -> Camera:
         """Return the camera of a track."""
@@ -234,7 +228,8 @@ class Problem:
 
     def residuals(self, x: FloatArray) -> FloatArray:
         """Return differences of model and tracks over the noise, then those of the parameters from their priors."""
-        return np.concatenate([*(r for _, r in self._state(x.tobytes())), self._prior_residuals(x)])
+        known_before = self.prior_rows @ (x - self.prior_centre)
+        return np.concatenate([*(r for _, r in self._state(x.tobytes())), known_before])
 
     def _compute_state(self, key: bytes) -> list[tuple[Path, FloatArray]]:
         x = np.frombuffer(key)
@@ -266,9 +261,6 @@ class Problem:
     def paths(self, x: FloatArray) -> list[Path]:
         """Return the flights of all tracks."""
         return [path for path, _ in self._state(x.tobytes())]
-
-    def _prior_residuals(self, x: FloatArray) -> FloatArray:
-        return np.asarray(self.prior_rows @ (x - self.prior_centre))
 
     def jacobian(self, x: FloatArray) -> FloatArray:
         """Return the derivatives of :meth:`residuals`, (residuals, parameters)."""

@@ -13,7 +13,7 @@ from driftform_calibration.experiment import Drop, Plan, Tank
 from driftform_calibration.page import make_page
 from driftform_calibration.problem import shown_name
 
-TABLES = ("pipe", "flow", "fluid", "release", "contact", "flight", "robustness")
+TABLES = ("pipe", "flow", "gusts", "fluid", "release", "contact", "flight", "robustness")
 """Tables of a drop's study file; its plugins are those of the study that it was planned in."""
 
 DISTANCE = 8.0
@@ -69,6 +69,22 @@ class DropPlan:
             shown_name(name): (half * self.plan.hull_share if name == "hull_density" else half, known)
             for name, (half, known) in self.plan.expected.items()
         }
+
+    def tabulate(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+        """Return the drops as a table for people: its header and its rows."""
+        rows = [
+            (
+                f"{number}",
+                f"{drop.pitch_deg:+.0f}",
+                f"{1000 * drop.depth:.0f}",
+                f"{1000 * drop.ballast:.1f}",
+                f"{drop.duration:.2f}",
+                drop.end,
+                f"{drop.gain:.1f}",
+            )
+            for number, drop in enumerate(self.drops, start=1)
+        ]
+        return ("drop", "pitch deg", "core below surface mm", "ballast g", "film s", "ends at", "bits"), rows
 
     def write(self, directory: Path) -> list[Path]:
         """Write the page and a study file for each drop, and return their paths."""
@@ -172,19 +188,7 @@ class DropPlan:
         return f"<DropPlan of {self.name}: {len(self.drops)} drops>"
 
     def _repr_html_(self) -> str:
-        rows = [
-            (
-                str(n),
-                f"{d.pitch_deg:+.0f}",
-                f"{1000 * d.depth:.0f}",
-                f"{1000 * d.ballast:.1f}",
-                f"{d.gain:.1f}",
-            )
-            for n, d in enumerate(self.drops, start=1)
-        ]
-        return notebook.show_table(
-            ("drop", "pitch deg", "depth mm", "ballast g", "bits"), rows, repr(self)[1:-1]
-        )
+        return notebook.show_table(*self.tabulate(), repr(self)[1:-1])
 
 
 def _describe_known(name: str, known: bool) -> str:

@@ -84,6 +84,16 @@ class CalibrationResult:
             ["# For any study: driftform evolve STUDY --calibration FILE", "[calibration]", *rows, ""]
         )
 
+    def tabulate(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+        """Return the factors as a table for people: its header and its rows."""
+        rows = []
+        for name, found in self.factors.items():
+            shown = ("1", "not known", found.reason)
+            if found.low is not None and found.high is not None:
+                shown = (f"{found.value:.3g}", f"{found.low:.3g} to {found.high:.3g}", "")
+            rows.append((name.replace("_", " "), *shown))
+        return ("factor", "value", "90 % interval", ""), rows
+
     def document(self) -> dict[str, Any]:
         """Return what ``driftform calibrate --json`` prints; SI units."""
         problem = self.fit.problem
@@ -132,13 +142,12 @@ class CalibrationResult:
 
     def html(self) -> str:
         """Return a page with the factors, the films against the flights, and what was found on the way."""
-        rows = [(name.replace("_", " "), *describe_estimate(found)) for name, found in self.factors.items()]
         notes = "".join(f"<li>{escape(note)}</li>" for note in self.notes)
         return make_page(
             f"Calibration of {self.name}",
             f"<p>Root mean square distance of films and flights: {1000 * self.fit.before:.1f} mm before, "
             f"{1000 * self.residual:.1f} mm after.</p>"
-            f"<h2>Factors</h2>{notebook.show_table(('factor', 'value', '90 % interval', ''), rows)}{self.factors_svg()}"
+            f"<h2>Factors</h2>{notebook.show_table(*self.tabulate())}{self.factors_svg()}"
             f"<h2>Films and flights</h2>{self.tracks_svg()}"
             + (f"<h2>Notes</h2><ul>{notes}</ul>" if notes else "")
             + f"<h2>For any study</h2><pre>{escape(self.toml())}</pre>",
@@ -148,26 +157,16 @@ class CalibrationResult:
         """Return the films against the model before and after calibration, as SVG."""
         problem, fit = self.fit.problem, self.fit
         panels = []
-        off = zip(problem.distances(fit.x_before), problem.distances(fit.x), strict=True)
-        for number, (before, after) in enumerate(off):
+        distances = zip(problem.distances(fit.x_before), problem.distances(fit.x), strict=True)
+        for number, (before, after) in enumerate(distances):
             track = problem.films[number].track
             delay = problem.camera(fit.x, number).delay
             t = np.linspace(track.t[0], track.t[-1], STATIONS)
-            panels.append(
-                TrackPanel(
-                    track.name,
-                    track.t - delay,
-                    _flatten(track.markers[0].points),
-                    t - delay,
-                    self._trace_path(fit.x_before, number, t),
-                    self._trace_path(fit.x, number, t),
-                    before[0],
-                    after[0],
-                )
-            )
-        found = (
-            f"root mean square distance {1000 * fit.before:.1f} mm before, {1000 * fit.residual:.1f} mm after"
-        )
+            seen, off = _flatten(track.markers[0].points), (before[0], after[0])
+            paths = (self._trace_path(fit.x_before, number, t), self._trace_path(fit.x, number, t))
+            panels.append(TrackPanel(track.name, track.t - delay, seen, t - delay, *paths, *off))
+        before_after = f"{1000 * fit.before:.1f} mm before, {1000 * fit.residual:.1f} mm after"
+        found = f"root mean square distance {before_after}"
         return tracks_svg(panels, f"{self.name}: films and flights", found)
 
     def factors_svg(self) -> str:
@@ -194,19 +193,11 @@ class CalibrationResult:
         return self.factors_svg()
 
     def _repr_html_(self) -> str:
-        rows = [(name, *describe_estimate(found)) for name, found in self.factors.items()]
         return (
             notebook.show_picture(self.factors_svg(), repr(self))
             + notebook.show_picture(self.tracks_svg(), "films and flights")
-            + notebook.show_table(("factor", "value", "90 % interval", ""), rows)
+            + notebook.show_table(*self.tabulate())
         )
-
-
-def describe_estimate(found: FactorEstimate) -> tuple[str, str, str]:
-    """Return value, interval and remark of a factor, for people."""
-    if not found.known or found.low is None or found.high is None:
-        return "1", "not known", found.reason
-    return f"{found.value:.3g}", f"{found.low:.3g} to {found.high:.3g}", ""
 
 
 def _state(found: FactorEstimate) -> dict[str, Any]:

@@ -9,6 +9,7 @@ numbers frames. Cells are separated by commas, semicolons, tabs or spaces; with 
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
@@ -245,11 +246,11 @@ def _find_names(path: Path, rows: list[list[str]]) -> tuple[int, list[_Column | 
 
 def _spread_names(row: Sequence[str], width: int) -> list[str]:
     """Return the name of the object above each column: a name holds until the next."""
-    names, last = [], ""
-    for cell in [*row, *[""] * width][:width]:
-        last = cell or last
-        names.append(last)
-    return names
+
+    def hold(last: str, cell: str) -> str:
+        return cell or last
+
+    return list(accumulate([*row, *[""] * width][:width], hold))
 
 
 def _gather_points(

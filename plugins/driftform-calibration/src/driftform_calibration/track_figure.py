@@ -89,11 +89,9 @@ def _fit_window(panel: TrackPanel, top: float) -> plot.Window:
 def _draw_paths(root: ET.Element, panel: TrackPanel, window: plot.Window) -> None:
     plot.draw_axes(root, window, ("right", "up"))
     for path, name, line in ((panel.before, "before", BEFORE), (panel.after, "after", AFTER)):
-        svg.add_line(
-            root, window.path_data(path), line.colour, line.width, name, stroke_dasharray=line.dashes
-        )
+        line.draw(root, window.path_data(path), name)
     for x, y in window.to_page(panel.seen[np.isfinite(panel.seen).all(axis=1)]):
-        svg.add(root, "circle", class_="seen", cx=x, cy=y, r=1.8, fill=style.INK)
+        svg.add_circle(root, x, y, 1.8, style.INK, class_="seen")
 
 
 def _draw_heights(root: ET.Element, panel: TrackPanel, box: layout.Box) -> None:
@@ -108,7 +106,7 @@ def _draw_heights(root: ET.Element, panel: TrackPanel, box: layout.Box) -> None:
         chart.draw_line(root, panel.t_path, 1000 * path[:, column], name, line)
     seen = np.isfinite(panel.seen[:, column])
     for x, y in chart.place(panel.t[seen], 1000 * panel.seen[seen, column]):
-        svg.add(root, "circle", class_="seen", cx=x, cy=y, r=1.8, fill=style.INK)
+        svg.add_circle(root, x, y, 1.8, style.INK, class_="seen")
 
 
 @dataclass(frozen=True)
@@ -116,6 +114,9 @@ class _Line:
     colour: str
     width: float
     dashes: str
+
+    def draw(self, root: ET.Element, data: str, name: str) -> None:
+        svg.add_line(root, data, self.colour, self.width, name, stroke_dasharray=self.dashes)
 
 
 BEFORE = _Line(style.tint(style.VERMILLION, 0.8), 1.6, "5 3")
@@ -143,34 +144,19 @@ class _Chart:
         for value in layout.tick_values(low, high, step):
             y = self.place(np.array([start]), np.array([value]))[0, 1]
             svg.add(root, "line", x1=box.left - 4, y1=y, x2=box.right, y2=y, stroke=style.GRID)
-            layout.write(
-                root,
-                box.left - 8,
-                y + 4,
-                layout.format_signed(value, _count_digits(step)),
-                11,
-                style.MUTED,
-                "end",
-            )
+            text = layout.format_signed(value, _count_digits(step))
+            layout.write(root, box.left - 8, y + 4, text, 11, style.MUTED, "end")
         step = layout.floor_to_nice_number(max(end - start, 1e-9) / 4)
         for value in layout.tick_values(start, end, step):
             x = self.place(np.array([value]), np.array([low]))[0, 0]
             svg.add(root, "line", x1=x, y1=box.bottom, x2=x, y2=box.bottom + 4, stroke=style.MUTED)
-            layout.write(
-                root,
-                x,
-                box.bottom + 17,
-                layout.format_signed(value, _count_digits(step)),
-                11,
-                style.MUTED,
-                "middle",
-            )
+            text = layout.format_signed(value, _count_digits(step))
+            layout.write(root, x, box.bottom + 17, text, 11, style.MUTED, "middle")
         layout.write(root, box.right, box.bottom + 32, "t (s)", 11, style.MUTED, "end")
         layout.write(root, box.left - 8, box.top - 10, label, 11, style.MUTED)
 
     def draw_line(self, root: ET.Element, t: FloatArray, values: FloatArray, name: str, line: _Line) -> None:
-        data = svg.path_data(self.place(t, values))
-        svg.add_line(root, data, line.colour, line.width, name, stroke_dasharray=line.dashes)
+        line.draw(root, svg.path_data(self.place(t, values)), name)
 
 
 def _count_digits(step: float) -> int:

@@ -1,10 +1,11 @@
 """A track: where a film shows points of an agent's axis, and when. What is wrong with one, and what was mended."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.errors import InputError, did_you_mean
 from driftform.types import Body, FloatArray
@@ -230,7 +231,7 @@ def _find_times(path: Path, table: TrackTable, reading: Reading) -> FloatArray:
     return np.asarray(table.t / reading.fps)
 
 
-def _pick_rows(track: Track, rows: Sequence[int] | np.ndarray[tuple[int], np.dtype[np.intp]]) -> Track:
+def _pick_rows(track: Track, rows: npt.NDArray[np.intp]) -> Track:
     markers = tuple(replace(marker, points=marker.points[rows]) for marker in track.markers)
     return replace(track, t=track.t[rows], markers=markers, angle=track.angle[rows])
 

@@ -79,7 +79,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         scene = Scene(agent, trajectory, scenario, t, self._letter_height)
 
         def render(frames: Iterable[int]) -> "Iterator[Image]":
-            yield from map(self._make_view(scene), frames)
+            return map(self._make_view(scene), frames)
 
         def render_all() -> "Iterator[Image]":
             for done, image in enumerate(render(range(len(t))), start=1):
@@ -103,9 +103,8 @@ class ExudynRenderer(Renderer[FilmOptions]):
         self.check_still(path)
         t = np.union1d(_even_times(float(trajectory.t[-1]), PATH_STEP), at)
         moment = int(np.searchsorted(t, at))
-        picture = png_bytes(
-            self._make_view(Scene(agent, trajectory, scenario, t, self._letter_height, moment))(moment)
-        )
+        scene = Scene(agent, trajectory, scenario, t, self._letter_height, moment)
+        picture = png_bytes(self._make_view(scene)(moment))
         _save(path, lambda part: part.write_bytes(picture))
         return WrittenFile(self.name, str(path), {"t": at, "size_px": self._size})
 

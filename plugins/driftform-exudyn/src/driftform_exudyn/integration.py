@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.motion import Motion, grow_tolerance
+from driftform.motion import Motion, integrator
 from driftform.types import FloatArray
 from driftform_exudyn.headless import exudyn
 from driftform_exudyn.headless import items as typed_items
@@ -97,7 +97,7 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
         tries = 0
         if t >= due:
             # Exudyn reads this at every step.
-            integration.absoluteTolerance = grow_tolerance(tolerance, t)
+            integration.absoluteTolerance = integrator.grow_tolerance(tolerance, t)
             due = t + TOLERANCE_PERIOD
         if b and motion.touches is not None and not motion.touches(coordinates, values):
             inner[:b] = 0.0

@@ -90,27 +90,21 @@ class ExudynSimulator(Simulator[ExudynOptions]):
     def _fly(
         self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
     ) -> Trajectory:
-        from driftform.motion import (
-            describe_motion,
-            finish_trajectory,
-            flight_model,
-            integrator,
-            release_state,
-        )
+        from driftform.motion import Motion, integrator, stepping
 
         options, horizon = self.options, scenario.flight.horizon
-        model = flight_model(agent, scenario)
-        start = release_state(model, scenario)
+        model = stepping.flight_model(agent, scenario)
+        start = stepping.release_state(model, scenario)
         accuracy = integrator.Accuracy(REFERENCE_SHARE * options.accuracy, step_limit=options.step_limit)
         first: FloatArray | None = None
         if matters is not None:
             first = integrator.integrate_once(model, start, horizon, accuracy)
-            screened = finish_trajectory(first, model, horizon, options.step_limit)
+            screened = stepping.finish_trajectory(first, model, horizon, options.step_limit)
             if not matters(screened):
                 return screened
         reference = integrator.integrate(model, start, horizon, accuracy, first)
         if matters is not None:
-            screened = finish_trajectory(
+            screened = stepping.finish_trajectory(
                 reference.samples, model, horizon, options.step_limit, reference.error, options.accuracy
             )
             if not matters(screened):
@@ -118,7 +112,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         # Exudyn takes longer to import than most flights take.
         from driftform_exudyn.integration import integrate_motion, make_settings
 
-        motion = describe_motion(model, start)
+        motion = Motion.of(model, start)
         tolerance = options.tolerance
         while True:
             settings = make_settings(options.integrator, horizon, tolerance, options.max_step)
@@ -135,7 +129,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             )
             last = options.integrator != "DOPRI5" or tolerance < options.tightest or hopeless
             if error <= accepted or last:
-                return finish_trajectory(
+                return stepping.finish_trajectory(
                     samples, model, horizon, options.step_limit, error, accepted, reference.samples
                 )
             accuracy = replace(accuracy, position=TIGHTENING * accuracy.position)

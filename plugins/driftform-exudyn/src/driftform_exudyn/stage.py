@@ -69,17 +69,19 @@ class Stage:
         """Return an image of ``size`` (width and height, px) with ``focus`` (world, m, (3,)) in its middle."""
         camera, scale = self._camera, self._scale
         offset = -scale * focus - self._away * camera.axes[2]
-        shapes = [self._scale_letters(place(shape, scale, offset)) for shape in others]
-        self._set_shapes(scale * pose.position + offset, pose.rotation, shapes)
+        shapes = [place(shape, scale, offset) for shape in others]
+        if self._away:
+            # With perspective, the size of letters refers to the origin, and is half as large at the focus.
+            shapes = [
+                {**shape, "fontSize": 2 * shape["fontSize"]} if "fontSize" in shape else shape
+                for shape in shapes
+            ]
+        self._mbs.SetObjectParameter(self._body, "referencePosition", scale * pose.position + offset)
+        self._mbs.SetObjectParameter(self._body, "referenceRotation", pose.rotation)
+        self._mbs.SetObjectParameter(self._others, "VgraphicsData", shapes)
         self._aim(size, self._extent(shapes))
         image: Image = self._container.renderer.RedrawAndGetImage(useRaytracer=True)
         return image
-
-    def _set_shapes(self, position: FloatArray, rotation: FloatArray, shapes: Sequence[Shape]) -> None:
-        """Set the pose of the body and the shapes around it."""
-        self._mbs.SetObjectParameter(self._body, "referencePosition", position)
-        self._mbs.SetObjectParameter(self._body, "referenceRotation", rotation)
-        self._mbs.SetObjectParameter(self._others, "VgraphicsData", shapes)
 
     def _aim(self, size: tuple[int, int], extent: float) -> None:
         """Set the size of the image, the view and the largest distance."""
@@ -101,10 +103,6 @@ class Stage:
         """Return the largest distance from the origin: Exudyn does not draw beyond a few times that distance."""
         points = (shape[key] for shape in shapes for key in POINT_KEYS if key in shape)
         return float(max([1.0, self._away, *(np.abs(point).max() for point in points)]))
-
-    def _scale_letters(self, shape: Shape) -> Shape:
-        """Double the size of letters with perspective: it refers to the origin, and is half as large at the focus."""
-        return {**shape, "fontSize": 2 * shape["fontSize"]} if self._away and "fontSize" in shape else shape
 
 
 def _set_up(settings: Any, rays: int, pen: float) -> None:

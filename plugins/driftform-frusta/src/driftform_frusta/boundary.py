@@ -34,7 +34,6 @@ class Solid:
     shells: FloatArray
 
     def __post_init__(self) -> None:
-        """Raise ``WorkFailedError`` for an empty solid."""
         if not self.volume > 0:
             raise WorkFailedError(f"the solid is empty or inside out: its volume is {self.volume:g} mm3")
 

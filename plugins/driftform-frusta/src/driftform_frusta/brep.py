@@ -10,24 +10,9 @@ import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
-from driftform_frusta.csg import (
-    Difference,
-    Intersection,
-    Named,
-    Node,
-    Revolve,
-    Rotate,
-    Text,
-    Translate,
-    Union,
-)
+from driftform_frusta import csg
+from driftform_frusta.csg import Node
 from driftform_frusta.solid import half_section, to_manifold
-
-_SIMPLIFY = 1e-6
-"""mm: clipping leaves vertices some 1e-8 mm apart, between which no face can be."""
-
-_NONE = 1e-9
-"""mm: a radius below this is on the axis."""
 
 
 def require_opencascade() -> None:
@@ -64,29 +49,34 @@ def to_brep(node: Node) -> Any:
 
 def volume_of(shape: Any) -> float:
     """Return the volume of a shape, mm3; negative if it is inside out."""
+    return _measure(shape, "Volume")
+
+
+def _measure(shape: Any, what: str) -> float:
+    """Return the volume, or the area of the surface, of a shape."""
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
 
     properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties)
+    getattr(BRepGProp, f"{what}Properties_s")(shape, properties)
     return float(properties.Mass())
 
 
 def _interpret(node: Node) -> Any:
     match node:
-        case Revolve():
+        case csg.Revolve():
             shape = _revolve(half_section(node))
-        case Text():
+        case csg.Text():
             shape = _make_letters(node)
-        case Union():
+        case csg.Union():
             shape = _combine("Fuse", [_interpret(child) for child in node.children])
-        case Difference():
+        case csg.Difference():
             shape = _combine("Cut", [_interpret(child) for child in (node.base, *node.tools)])
-        case Intersection():
+        case csg.Intersection():
             shape = _combine("Common", [_interpret(child) for child in node.children])
-        case Translate() | Rotate():
+        case csg.Translate() | csg.Rotate():
             shape = _move(node)
-        case Named():
+        case csg.Named():
             shape = _interpret(node.child)
         case _:
             assert_never(node)
@@ -105,12 +95,12 @@ def _combine(operation: str, shapes: Sequence[Any]) -> Any:
     return result
 
 
-def _move(node: Translate | Rotate) -> Any:
+def _move(node: csg.Translate | csg.Rotate) -> Any:
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 
     transform = gp_Trsf()
-    if isinstance(node, Translate):
+    if isinstance(node, csg.Translate):
         transform.SetTranslation(gp_Vec(*node.offset))
     else:
         for axis, angle in zip(np.eye(3).tolist(), np.deg2rad(node.angles_deg).tolist(), strict=True):
@@ -130,7 +120,7 @@ def _revolve(polygons: Sequence[FloatArray]) -> Any:
     return _turn_outside_out(BRepPrimAPI_MakeRevol(face, axis).Shape())
 
 
-def _make_letters(node: Text) -> Any:
+def _make_letters(node: csg.Text) -> Any:
     """Letters as prisms of the outlines that the mesh has: they are polygons there, too."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Vec
@@ -142,7 +132,6 @@ def _make_letters(node: Text) -> Any:
 
 def _make_face(polygons: Sequence[FloatArray]) -> Any:
     """Faces in one plane between closed polygons of (n, 3); what an odd number of them surrounds is inside."""
-    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
     from OCP.gp import gp_Pnt
 
@@ -162,18 +151,9 @@ def _make_face(polygons: Sequence[FloatArray]) -> Any:
             result = face(polygon)
             continue
         common = _combine("Common", [result, face(polygon)])
-        operation = BRepAlgoAPI_Cut if _area(common) > 0 else BRepAlgoAPI_Fuse
-        result = operation(result, face(polygon)).Shape()
+        operation = "Cut" if _measure(common, "Surface") > 0 else "Fuse"
+        result = _combine(operation, [result, face(polygon)])
     return result
-
-
-def _area(shape: Any) -> float:
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
-
-    properties = GProp_GProps()
-    BRepGProp.SurfaceProperties_s(shape, properties)
-    return float(properties.Mass())
 
 
 def _turn_outside_out(shape: Any) -> Any:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from pydantic import field_validator, model_validator
 
 from driftform.interfaces import PhenotypeBuilder, Table, option
-from driftform.types import Body, Core, Fittings, Module, Morphology
+from driftform.types import Body, Core, Module, Morphology
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.section import hull_section, lay_chains, open_section
@@ -147,7 +147,12 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
             wall=o.wall,
             hull_density=o.hull_density,
         )
-        return body if o.kit is None else replace(body, fittings=_measure_fittings(body, o.kit))
+        if o.kit is None:
+            return body
+        # The sections of parts take a while to import, and most studies weigh the hull in one piece.
+        from driftform_frusta.kits import find_maker
+
+        return replace(body, fittings=find_maker().measure_fittings(body, o.kit))
 
 
 def _check_modules(side: str, modules: Sequence[Module]) -> None:
@@ -157,10 +162,3 @@ def _check_modules(side: str, modules: Sequence[Module]) -> None:
                 f"module {number} {side} of the core cannot be built: it is {1000 * module.length:g} mm long with a tilt "
                 f"of {math.degrees(module.tilt):g} deg; a length is more than 0, and a tilt less than 90 deg"
             )
-
-
-def _measure_fittings(body: Body, options: KitOptions) -> Fittings:
-    # The sections of parts take a while to import, and most studies weigh the hull in one piece.
-    from driftform_frusta.kits import find_maker
-
-    return find_maker().measure_fittings(body, options)

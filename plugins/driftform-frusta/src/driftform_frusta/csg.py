@@ -42,7 +42,6 @@ class Revolve:
     holes: tuple[tuple[Point, ...], ...] = ()
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for numbers that describe no solid."""
         for polygon in (self.outline, *self.holes):
             _check(len(polygon) >= 3, f"a polygon needs three points or more, not {len(polygon)}")
             _check(
@@ -63,7 +62,6 @@ class Text:
     height: float
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(0 < self.size < math.inf, f"a text's size must be positive, not {self.size}")
         _check(0 < self.height < math.inf, f"a text's height must be positive, not {self.height}")
         _check(bool(self.text.strip()), "a text needs a letter")
@@ -78,7 +76,6 @@ class Union:
     children: "tuple[Node, ...]"
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(len(self.children) > 0, "a union needs a child")
 
 
@@ -97,7 +94,6 @@ class Intersection:
     children: "tuple[Node, ...]"
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(len(self.children) > 0, "an intersection needs a child")
 
 
@@ -109,7 +105,6 @@ class Translate:
     child: "Node"
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(all(map(math.isfinite, self.offset)), f"an offset must be finite, not {self.offset}")
 
 
@@ -121,7 +116,6 @@ class Rotate:
     child: "Node"
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(all(map(math.isfinite, self.angles_deg)), f"angles must be finite, not {self.angles_deg}")
 
 

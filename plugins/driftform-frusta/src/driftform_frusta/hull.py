@@ -6,15 +6,19 @@ loose in the cavity and is not part of the hull.
 
 import numpy as np
 
+from driftform.agent import solid_of_revolution
 from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray
-from driftform_frusta.csg import Named, Node, Point, Revolve
-
-_MM_PER_M = 1000.0
+from driftform_frusta.csg import MM, Named, Node, Point, Revolve
 
 # Coordinates are rounded to multiples of 2^-30 mm (about 1e-9 mm): sums and differences of such numbers are
 # exact in double precision, so that two frustums which share a vertex of the section meet without a gap.
 _GRID = 2.0**30
+
+
+def hull_volume(body: Body) -> float:
+    """Return the volume of the hull's wall, m3: outer contour less cavity, without fittings."""
+    return solid_of_revolution(body.outer).volume - solid_of_revolution(body.cavity).volume
 
 
 def build_hull(body: Body) -> Node:
@@ -53,7 +57,7 @@ def read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
             )
         printed = np.array(contour)
         printed[:, 0] -= body.outer[:, 0].min()
-        printed = np.round(printed * _MM_PER_M * _GRID) / _GRID
+        printed = np.round(printed * MM * _GRID) / _GRID
         if printed[0, 1] or printed[-1, 1]:
             raise WorkFailedError(f"the hull has no solid: its {what} does not begin and end on the axis")
         if not (printed[:, 1] > 0).any():

@@ -6,10 +6,10 @@ rounding and welding that must be closed and keep its volume, and that is the on
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
 from driftform_frusta.boundary import Solid
+from driftform_frusta.triangles import Mesh
 
 
 def make_mesh(solid: Solid, name: str = "hull", frame: FloatArray | None = None) -> Mesh:

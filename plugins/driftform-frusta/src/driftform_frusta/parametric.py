@@ -13,9 +13,11 @@ from itertools import accumulate
 import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType
 
-from driftform.agent import hull_volume, solid_of_revolution
+from driftform.agent import solid_of_revolution
 from driftform.types import Agent, Body, FloatArray, Module
 from driftform_frusta.csg import MM
+from driftform_frusta.hull import hull_volume
+from driftform_frusta.scad import fill_source, format_number
 from driftform_frusta.section import DOME_STEP
 
 _TOLERANCE = 5e-5
@@ -44,7 +46,8 @@ def hull_source(agent: Agent, segments: int, title: str) -> str:
     ``segments`` is the number of corners of every circle. Its volume is that of the closed form within 1e-4.
     """
     body = agent.body
-    clearance = _clearance(body)
+    # Both chains start from the dome at the core's equator.
+    clearance = MM * (_radius_at(body, 0.0) - body.core.radius - body.wall)
     rows, aft = _tabulate_modules(agent)
     if rows is not None and _renders_to_hull(body, rows, aft, clearance):
         geometry = _modules_text(body, rows, aft, clearance)
@@ -66,107 +69,13 @@ def hull_source(agent: Agent, segments: int, title: str) -> str:
         "// A polygon has a smaller area than its circle: radii are scaled so that the two are equal.\n"
         "area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));\n\n"
         f"{rest}"
-        f"{_REVOLVED}"
+        f"{fill_source('revolved')}"
     )
-
-
-_REVOLVED = """\
-module hull() {
-    rotate_extrude(angle = section ? 180 : 360, convexity = 10)
-        scale([area_factor, 1])
-            intersection() {
-                difference() { outline(); cavity(); }
-                translate([0, -1000]) square([1000, 2000]);
-            }
-}
-
-translate([0, 0, core_height]) {
-    hull();
-    if (show_core) %sphere(core_radius);
-}
-"""
-
-_PARAMETERS = """\
-/* [Hull] */
-wall = {wall};        // thickness, measured normal to the wall
-clearance = {clearance};    // gap between the core and the hull
-core_radius = {core};
-
-// The modules from aft to fore: name, length along the axis, radius at the aft end, radius at the fore end.
-modules = [
-{rows}
-];
-aft_modules = {aft};    // how many of them lie aft of the core's centre
-
-//---
-// The dome over the core is a polyline of this step, in degrees.
-dome_step = {step};
-dome_radius = core_radius + clearance + wall;
-
-// Height of the aft end of module k over the core's centre.
-function height(k) = length_of(0, k) - length_of(0, aft_modules);
-function length_of(i, k) = i < k ? modules[i][1] + length_of(i + 1, k) : 0;
-
-core_height = max(-height(0), dome_radius);
-
-module frustum(k) {{
-    z0 = height(k);
-    z1 = height(k + 1);
-    r0 = modules[k][2];
-    r1 = modules[k][3];
-    polygon([[-r0, z0], [r0, z0], [r1, z1], [-r1, z1]]);
-}}
-
-module disc(radius) {{
-    polygon([for (a = [0 : dome_step : 360 - dome_step]) radius * [cos(a), sin(a)]]);
-}}
-
-// Sections through the axis, on both sides of it: the offset must know no edge along the axis.
-module outline() {{
-    for (k = [0 : 1 : len(modules) - 1]) frustum(k);
-    disc(dome_radius);
-}}
-
-module cavity() {{
-    offset(delta = -wall) outline();
-    disc(dome_radius - wall / cos(dome_step / 2));
-}}
-
-"""
-
-_CONTOURS = """\
-/* [Core] */
-core_radius = {core};
-core_height = {height};
-
-//---
-// Half sections, [radius, height over the core's centre], from the aft end to the fore end.
-outside = [
-{outside}
-];
-hollow = [
-{hollow}
-];
-
-module outline() {{
-    polygon(outside);
-}}
-
-module cavity() {{
-    if (len(hollow) > 0) polygon(hollow);
-}}
-
-"""
 
 
 def _radius_at(body: Body, x: float) -> float:
     """Radius of the outline, m; the greater one where it has a step."""
     return float(np.interp([x - _BESIDE, x + _BESIDE], *body.outer.T).max())
-
-
-def _clearance(body: Body) -> float:
-    """Gap between core and dome, mm: both chains start from the dome at the core's equator."""
-    return MM * (_radius_at(body, 0.0) - body.core.radius - body.wall)
 
 
 def _tabulate_modules(agent: Agent) -> tuple[list[Row] | None, int]:
@@ -239,28 +148,25 @@ def _modules_text(body: Body, rows: Sequence[Row], aft: int, clearance: float) -
         f'    ["{row.name}",{" " * (8 - len(row.name))}{row.length:10.6f}, {row.aft:10.6f}, {row.fore:10.6f}]'
         for row in rows
     )
-    return _PARAMETERS.format(
-        wall=_number(MM * body.wall),
-        clearance=_number(clearance),
-        core=_number(MM * body.core.radius),
+    return fill_source(
+        "modules",
+        wall=format_number(MM * body.wall),
+        clearance=format_number(clearance),
+        core=format_number(MM * body.core.radius),
         rows=table,
         aft=aft,
-        step=_number(math.degrees(DOME_STEP)),
+        step=format_number(math.degrees(DOME_STEP)),
     )
 
 
 def _contours_text(body: Body) -> str:
     def points(contour: FloatArray) -> str:
-        return ",\n".join(f"    [{_number(r)}, {_number(z)}]" for z, r in (MM * contour).tolist())
+        return ",\n".join(f"    [{format_number(r)}, {format_number(z)}]" for z, r in (MM * contour).tolist())
 
-    return _CONTOURS.format(
-        core=_number(MM * body.core.radius),
-        height=_number(-MM * float(body.outer[:, 0].min())),
+    return fill_source(
+        "contours",
+        core=format_number(MM * body.core.radius),
+        height=format_number(-MM * float(body.outer[:, 0].min())),
         outside=points(body.outer),
         hollow=points(body.cavity),
     )
-
-
-def _number(value: float) -> str:
-    text = f"{value:.6f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 from manifold3d import Manifold, Mesh64
 
-from driftform.agent import Mesh
 from driftform.figures import svg
 from driftform.types import FloatArray
 from driftform_frusta.colours import channels
+from driftform_frusta.triangles import Mesh
 
 _ELEVATION, _AZIMUTH = np.deg2rad(24.0), np.deg2rad(-62.0)
 """Of the eye, seen from the middle of the bed: from the front, somewhat from the right and from above."""
@@ -136,23 +136,15 @@ def _add_bed(
                     ends[:, along] = -half[along], half[along]
                     lines.append(svg.path_data(view.project(ends)))
         svg.add(root, "path", d="".join(lines), stroke=colour, stroke_width=0.5, fill="none")
-    shadows = [_triangles(view.project(_cast(mesh.vertices))[_facing(mesh, _LIGHT)[0]]) for mesh in meshes]
+    shadows = []
+    for mesh in meshes:
+        cast = mesh.vertices - mesh.vertices[:, 2:] * (_LIGHT / _LIGHT[2])
+        shadows.append(_triangles(view.project(cast)[_facing(mesh, _LIGHT)[0]]))
     svg.add(root, "path", d="".join(shadows), fill="#000000", fill_opacity=0.2)
     # What is cast beside the bed is covered again.
-    svg.add(
-        root,
-        "path",
-        d=svg.path_data(page, closed=True) + svg.path_data(corners, closed=True),
-        fill=_PAPER,
-        fill_rule="evenodd",
-    )
+    around = svg.path_data(page, closed=True) + svg.path_data(corners, closed=True)
+    svg.add(root, "path", d=around, fill=_PAPER, fill_rule="evenodd")
     svg.add(root, "path", d=svg.path_data(corners, closed=True), stroke=_EDGE, stroke_width=0.5, fill="none")
-
-
-def _cast(vertices: FloatArray) -> FloatArray:
-    """Return where light casts vertices on the bed, mm."""
-    cast: FloatArray = vertices - vertices[:, 2:] * (_LIGHT / _LIGHT[2])
-    return cast
 
 
 def _facing(mesh: Mesh, direction: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray]:

@@ -5,12 +5,12 @@ A mesh whose cavity is turned inside out is closed and manifold too: only its vo
 
 import numpy as np
 
-from driftform.agent import distance_from, hull_volume
+from driftform.agent import distance_from
 from driftform.errors import WorkFailedError
 from driftform.types import Body
 from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import Node
-from driftform_frusta.hull import build_hull, read_contours
+from driftform_frusta.hull import build_hull, hull_volume, read_contours
 from driftform_frusta.solid import to_solid
 
 MM3_PER_M3 = 1e9

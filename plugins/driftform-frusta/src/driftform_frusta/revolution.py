@@ -10,9 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.types import FloatArray
 from driftform_frusta.boundary import Solid
+from driftform_frusta.triangles import Mesh
 
 
 def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:

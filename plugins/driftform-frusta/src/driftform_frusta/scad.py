@@ -4,21 +4,13 @@ The source renders to the same volume as :func:`driftform_frusta.solid.to_manifo
 the same factors, which are written as formulas of ``$fn``, so that a reader may change that number.
 """
 
+import re
 from collections.abc import Iterator, Sequence
+from importlib.resources import files
 from typing import assert_never
 
-from driftform_frusta.csg import (
-    Difference,
-    Intersection,
-    Named,
-    Node,
-    Point,
-    Revolve,
-    Rotate,
-    Text,
-    Translate,
-    Union,
-)
+from driftform_frusta import csg
+from driftform_frusta.csg import Node
 from driftform_frusta.lettering import STROKE, draw_strokes
 
 _INDENT = "    "
@@ -45,15 +37,21 @@ module letters(height, pen, strokes) {
 """
 
 
+def fill_source(name: str, **values: object) -> str:
+    """Return OpenSCAD source from the package's files, with a value in place of each name in angle brackets."""
+    text = files("driftform_frusta").joinpath("openscad", f"{name}.scad.in").read_text(encoding="utf-8")
+    return re.sub(r"<(\w+)>", lambda found: str(values[found[1]]), text)
+
+
 def write_definitions(nodes: Sequence[Node], segments: int) -> str:
     """Return the definitions that the source of trees uses: the number of corners, factors on radii, and modules."""
     if segments < 3:
         raise ValueError(f"a circle needs three segments or more, not {segments}")
     kinds = {type(n) for node in nodes for n in _walk(node)}
     parts = [f"$fn = {segments};\n"]
-    if Revolve in kinds:
+    if csg.Revolve in kinds:
         parts.append(_AREA_FACTOR)
-    if Text in kinds:
+    if csg.Text in kinds:
         parts.append(_LETTERS)
     return "\n".join(parts)
 
@@ -66,13 +64,13 @@ def write_module(name: str, node: Node) -> str:
 def _walk(node: Node) -> Iterator[Node]:
     yield node
     match node:
-        case Union() | Intersection():
+        case csg.Union() | csg.Intersection():
             children: tuple[Node, ...] = node.children
-        case Difference():
+        case csg.Difference():
             children = (node.base, *node.tools)
-        case Translate() | Rotate() | Named():
+        case csg.Translate() | csg.Rotate() | csg.Named():
             children = (node.child,)
-        case Revolve() | Text():
+        case csg.Revolve() | csg.Text():
             children = ()
         case _:
             assert_never(node)
@@ -82,21 +80,21 @@ def _walk(node: Node) -> Iterator[Node]:
 
 def _lines(node: Node) -> list[str]:
     match node:
-        case Revolve():
+        case csg.Revolve():
             lines = _revolve(node)
-        case Text():
+        case csg.Text():
             lines = _text(node)
-        case Union():
+        case csg.Union():
             lines = _block("union()", [_lines(c) for c in node.children])
-        case Difference():
+        case csg.Difference():
             lines = _block("difference()", [_lines(c) for c in (node.base, *node.tools)])
-        case Intersection():
+        case csg.Intersection():
             lines = _block("intersection()", [_lines(c) for c in node.children])
-        case Translate():
+        case csg.Translate():
             lines = _put_above(f"translate({_vector(node.offset)})", _lines(node.child))
-        case Rotate():
+        case csg.Rotate():
             lines = _put_above(f"rotate({_vector(node.angles_deg)})", _lines(node.child))
-        case Named():
+        case csg.Named():
             # A line break in a label would end the comment.
             lines = [f"// {' '.join(node.label.split())}".rstrip(), *_lines(node.child)]
         case _:
@@ -104,7 +102,7 @@ def _lines(node: Node) -> list[str]:
     return lines
 
 
-def _revolve(node: Revolve) -> list[str]:
+def _revolve(node: csg.Revolve) -> list[str]:
     section = _polygon(node.outline)
     if node.holes:
         section = _block("difference()", [section, *(_polygon(hole) for hole in node.holes)])
@@ -113,8 +111,8 @@ def _revolve(node: Revolve) -> list[str]:
         r_max = max(r for r, _ in node.outline)
         z_min, z_max = min(z for _, z in node.outline), max(z for _, z in node.outline)
         half_plane = _put_above(
-            f"translate([0, {_number(z_min - 1)}])",
-            [f"square([{_number(r_max + 1)}, {_number(z_max - z_min + 2)}]);"],
+            f"translate([0, {format_number(z_min - 1)}])",
+            [f"square([{format_number(r_max + 1)}, {format_number(z_max - z_min + 2)}]);"],
         )
         section = _block("intersection()", [section, half_plane])
     # Without convexity the preview draws what is behind a concave section in front of it.
@@ -123,22 +121,22 @@ def _revolve(node: Revolve) -> list[str]:
     )
 
 
-def _text(node: Text) -> list[str]:
+def _text(node: csg.Text) -> list[str]:
     ends = [f"[{_vector(start)}, {_vector(end)}]" for start, end in draw_strokes(node.text, node.size)]
     return [
-        f"letters({_number(node.height)}, {_number(node.size * STROKE)}, [  // {node.text}",
-        *(
-            _INDENT + ", ".join(ends[i : i + _POINTS_PER_LINE]) + ","
-            for i in range(0, len(ends), _POINTS_PER_LINE)
-        ),
+        f"letters({format_number(node.height)}, {format_number(node.size * STROKE)}, [  // {node.text}",
+        *_rows(ends),
         "]);",
     ]
 
 
-def _polygon(points: Sequence[Point]) -> list[str]:
-    texts = [f"[{_number(r)}, {_number(z)}]" for r, z in points]
-    rows = [texts[i : i + _POINTS_PER_LINE] for i in range(0, len(texts), _POINTS_PER_LINE)]
-    return ["polygon([", *(_INDENT + ", ".join(row) + "," for row in rows), "]);"]
+def _polygon(points: Sequence[csg.Point]) -> list[str]:
+    return ["polygon([", *_rows([_vector(point) for point in points]), "]);"]
+
+
+def _rows(texts: Sequence[str]) -> Iterator[str]:
+    for i in range(0, len(texts), _POINTS_PER_LINE):
+        yield _INDENT + ", ".join(texts[i : i + _POINTS_PER_LINE]) + ","
 
 
 def _block(head: str, children: Sequence[Sequence[str]]) -> list[str]:
@@ -150,9 +148,10 @@ def _put_above(head: str, child: Sequence[str]) -> list[str]:
 
 
 def _vector(values: Sequence[float]) -> str:
-    return f"[{', '.join(_number(v) for v in values)}]"
+    return f"[{', '.join(format_number(v) for v in values)}]"
 
 
-def _number(value: float) -> str:
+def format_number(value: float) -> str:
+    """Return a number with six decimals at most, without trailing zeros or a negative zero."""
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text

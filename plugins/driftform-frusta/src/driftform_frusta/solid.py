@@ -8,19 +8,9 @@ from manifold3d import CrossSection, Error, FillRule, Manifold, OpType
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
+from driftform_frusta import csg
 from driftform_frusta.boundary import Solid
-from driftform_frusta.csg import (
-    Difference,
-    Intersection,
-    Named,
-    Node,
-    Point,
-    Revolve,
-    Rotate,
-    Text,
-    Translate,
-    Union,
-)
+from driftform_frusta.csg import Node
 from driftform_frusta.lettering import STROKE, draw_strokes
 from driftform_frusta.revolution import revolve_profiles
 
@@ -47,11 +37,11 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
     """
     _refuse_too_few(segments)
     match node:
-        case Named():
+        case csg.Named():
             return to_solid(node.child, segments)
-        case Translate():
+        case csg.Translate():
             return to_solid(node.child, segments).translate(node.offset)
-        case Revolve():
+        case csg.Revolve():
             return revolve_profiles(half_section(node), segments)
         case _:
             return Solid.from_manifold(to_manifold(node, segments))
@@ -78,21 +68,21 @@ def _interpret(node: Node, segments: int) -> Manifold:
         return [_interpret(n, segments) for n in nodes]
 
     match node:
-        case Revolve():
+        case csg.Revolve():
             solid = revolve_profiles(half_section(node), segments).to_manifold()
-        case Text():
+        case csg.Text():
             solid = draw_letters(node.text, node.size).extrude(node.height)
-        case Union():
+        case csg.Union():
             solid = Manifold.batch_boolean(solids(node.children), OpType.Add)
-        case Difference():
+        case csg.Difference():
             solid = Manifold.batch_boolean(solids((node.base, *node.tools)), OpType.Subtract)
-        case Intersection():
+        case csg.Intersection():
             solid = Manifold.batch_boolean(solids(node.children), OpType.Intersect)
-        case Translate():
+        case csg.Translate():
             solid = _interpret(node.child, segments).translate(node.offset)
-        case Rotate():
+        case csg.Rotate():
             solid = _interpret(node.child, segments).rotate(node.angles_deg)
-        case Named():
+        case csg.Named():
             solid = _interpret(node.child, segments)
         case _:
             assert_never(node)
@@ -110,13 +100,13 @@ def draw_letters(text: str, size: float) -> CrossSection:
     return CrossSection.batch_boolean(drawn, OpType.Add)
 
 
-def half_section(node: Revolve) -> list[FloatArray]:
+def half_section(node: csg.Revolve) -> list[FloatArray]:
     """Return the section less its holes at r >= 0, as polygons of (r, z) in mm that do not cross.
 
     Polygons around matter run counterclockwise, those around holes clockwise.
     """
 
-    def section(polygon: tuple[Point, ...]) -> CrossSection:
+    def section(polygon: tuple[csg.Point, ...]) -> CrossSection:
         # Even-odd, as OpenSCAD does, so that the sense of rotation does not matter.
         return CrossSection([np.array(polygon)], FillRule.EvenOdd)
 

@@ -11,71 +11,7 @@ from driftform_frusta.csg import MM
 from driftform_frusta.parametric import hull_source
 from driftform_frusta.parts import Part
 from driftform_frusta.plate import GAP
-from driftform_frusta.scad import write_definitions, write_module
-
-_KIT = """\
-// {title}: a kit of {count} parts.
-// Written by driftform. Lengths in millimetres; the axis is z, the fore end is up.
-// Colours, the cut, core and ballast are shown by the preview (F5); a rendering (F6, --render) is of one colour, and whole.
-
-/* [View] */
-part = "all";        // [all, {names}]
-assembled = false;   // as they are joined, not as they are printed
-section = true;      // cut open on the side of the default view, in the preview only
-show_core = true;    // and the ballast, in the preview only
-
-/* [Mesh] */
-{definitions}
-{modules}
-module make(name) {{
-{choices}
-}}
-
-// Name, how high its lower end lies in the assembled hull, its height, whether its fore end is printed on the bed,
-// where on the bed it stands, and its colour.
-parts = [
-{table}
-];
-
-core_radius = {core};
-core_height = {height};  // of its centre in the assembled hull
-
-module on_bed(p) {{
-    translate([part == "all" ? p[4] : 0, 0, p[3] ? p[1] + p[2] : -p[1]])
-        rotate([p[3] ? 180 : 0, 0, 0])
-            children();
-}}
-
-module shown(p) {{
-    if (assembled) make(p[0]);
-    else on_bed(p) make(p[0]);
-}}
-
-// The default view is from the side of negative y. The preview shows a cut correctly only from outside what is cut away,
-// so that is no larger than it must be.
-module opened(colour) {{
-    if (section && $preview) difference() {{
-        children();
-        color(colour) translate([-{reach:g}, -{reach:g}, -1]) cube([{reach:g} + {wide:g}, {reach:g}, {tall:g}]);
-    }}
-    else children();
-}}
-
-for (p = parts)
-    if (part == "all" || part == p[0]) opened(p[5]) color(p[5]) shown(p);
-
-if (show_core && $preview && part == "all")
-    color("{core_colour}")
-        translate(assembled ? [0, 0, core_height] : [-core_radius - {gap:g}, 0, core_radius])
-            sphere(core_radius);
-
-// Of each ball of ballast its height in the assembled hull, its radius, and where on the bed it lies.
-ballast = [{balls}];
-
-if (show_core && $preview && part == "all")
-    for (ball = ballast)
-        color("{ballast_colour}") translate(assembled ? [0, 0, ball[0]] : [ball[2], 0, ball[1]]) sphere(ball[1]);
-"""
+from driftform_frusta.scad import fill_source, write_definitions, write_module
 
 
 def write_source(
@@ -100,7 +36,8 @@ def write_source(
             f'    ["{part.name}", {low[2]:.6f}, {high[2] - low[2]:.6f}, {turned}, {x:.3f}, "{colour_of(index)}"],'
         )
         x += radius + GAP
-    return _KIT.format(
+    return fill_source(
+        "kit",
         title=" ".join(job.name.split()),
         count=len(parts),
         names=", ".join(modules),
@@ -113,7 +50,7 @@ def write_source(
         core_colour=style.ORANGE,
         balls=", ".join(_list_balls(body, ballast)),
         ballast_colour=style.INK,
-        gap=GAP,
+        gap=f"{GAP:g}",
         reach=math.ceil(500 * body.max_diameter) + 1,
         wide=math.ceil(x) + 1,
         tall=math.ceil(MM * body.length) + 2,

@@ -7,10 +7,10 @@ Conventions) for the package: a zip archive of parts, with their content types a
 import io
 import zipfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
-from driftform.agent import Mesh
+from driftform_frusta.triangles import Mesh
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _OURS = "https://driftform.invalid/2026/print"
@@ -40,47 +40,41 @@ class Item:
     position: tuple[float, float]
 
 
-@dataclass(frozen=True, eq=False)
-class Package:
-    """The contents of a file.
+def package_bytes(
+    title: str,
+    items: Sequence[Item],
+    facts: Mapping[str, str],
+    hints: Mapping[str, str],
+    thumbnail: bytes,
+    attachments: Mapping[str, str],
+) -> bytes:
+    """Return a 3MF file.
 
-    Attributes
+    Parameters
     ----------
     title
         shown by slicers.
     items
         the parts on the plate, whose corner is the origin.
-    facts
-        metadata by the names of the specification, such as ``Description``.
-    hints
-        metadata of our own, by names of letters.
+    facts, hints
+        metadata by the names of the specification, such as ``Description``, and of our own, by names of letters.
     thumbnail
-        a PNG picture.
+        a PNG picture, empty for none.
     attachments
         other files by their names; known endings are ``.json`` and ``.scad``.
     """
-
-    title: str
-    items: Sequence[Item]
-    facts: Mapping[str, str] = field(default_factory=dict)
-    hints: Mapping[str, str] = field(default_factory=dict)
-    thumbnail: bytes = b""
-    attachments: Mapping[str, str] = field(default_factory=dict)
-
-
-def package_bytes(package: Package) -> bytes:
-    """Return a 3MF file."""
     entries: dict[str, bytes | str] = {"[Content_Types].xml": _content_types()}
     relations = [("/3D/3dmodel.model", _MODEL_RELATION)]
-    if package.thumbnail:
+    if thumbnail:
         relations.append(("/Metadata/thumbnail.png", f"{_PACKAGE}/relationships/metadata/thumbnail"))
-        entries["Metadata/thumbnail.png"] = package.thumbnail
-    attached = [(f"/Metadata/{name}", _ATTACHMENT_RELATION) for name in package.attachments]
+        entries["Metadata/thumbnail.png"] = thumbnail
     entries["_rels/.rels"] = _relations(relations)
-    if attached:
+    if attachments:
+        attached = [(f"/Metadata/{name}", _ATTACHMENT_RELATION) for name in attachments]
         entries["3D/_rels/3dmodel.model.rels"] = _relations(attached)
-    entries["3D/3dmodel.model"] = _model(package)
-    entries |= {f"Metadata/{name}": text for name, text in package.attachments.items()}
+    own = {f"driftform:{name}": value for name, value in hints.items()}
+    entries["3D/3dmodel.model"] = _model(items, {"Title": title, "Application": "driftform", **facts, **own})
+    entries |= {f"Metadata/{name}": text for name, text in attachments.items()}
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         for name, data in entries.items():
@@ -111,22 +105,17 @@ def _relations(targets: Sequence[tuple[str, str]]) -> str:
     )
 
 
-def _model(package: Package) -> str:
-    metadata = [("Title", package.title), ("Application", "driftform"), *package.facts.items()]
-    metadata += [(f"driftform:{name}", value) for name, value in package.hints.items()]
+def _model(items: Sequence[Item], metadata: Mapping[str, str]) -> str:
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<model unit="millimeter" xml:lang="en" xmlns="{_CORE}" xmlns:driftform="{_OURS}">',
-        *(f"<metadata name={quoteattr(name)}>{escape(value)}</metadata>" for name, value in metadata),
+        *(f"<metadata name={quoteattr(name)}>{escape(value)}</metadata>" for name, value in metadata.items()),
         "<resources>",
         '<basematerials id="1">',
-        *(
-            f'<base name={quoteattr(item.name)} displaycolor="{item.colour.upper()}FF"/>'
-            for item in package.items
-        ),
+        *(f'<base name={quoteattr(item.name)} displaycolor="{item.colour.upper()}FF"/>' for item in items),
         "</basematerials>",
     ]
-    for index, item in enumerate(package.items):
+    for index, item in enumerate(items):
         lines += [
             f'<object id="{index + 2}" type="model" name={quoteattr(item.name)} pid="1" pindex="{index}"><mesh>',
             _vertices(item.mesh),
@@ -136,7 +125,7 @@ def _model(package: Package) -> str:
     lines += ["</resources>", "<build>"]
     lines += [
         f'<item objectid="{index + 2}" transform="1 0 0 0 1 0 0 0 1 {item.position[0]:.6g} {item.position[1]:.6g} 0"/>'
-        for index, item in enumerate(package.items)
+        for index, item in enumerate(items)
     ]
     return "\n".join([*lines, "</build>", "</model>", ""])
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from driftform import Design, Study, load_study, open_agent
-from driftform.agent import hull_volume
 from driftform.errors import InputError, WorkFailedError, describe_error
 from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, State, WrittenFile
 from driftform.util import files
+from driftform_frusta.hull import hull_volume
 from driftform_frusta.kits import KIT_FILE
 from driftform_kit.settings import list_kit_settings, read_kit_settings
 

@@ -1,6 +1,7 @@
 """``driftform check``."""
 
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -115,15 +116,9 @@ def check(
         )
     failed = any(finding.state is State.FAIL for finding in findings)
     if json:
-        output.print_json(
-            {
-                "subject": subject,
-                "printable": not failed,
-                "lines": [
-                    {"check": f.check, "part": f.part, "state": f.state, "detail": f.detail} for f in findings
-                ],
-            }
-        )
+        keys = ("check", "part", "state", "detail")
+        lines = [{key: getattr(finding, key) for key in keys} for finding in findings]
+        output.print_json({"subject": subject, "printable": not failed, "lines": lines})
     else:
         _print(findings)
     if failed:
@@ -133,17 +128,44 @@ def check(
 def _print(findings: "Sequence[Finding]") -> None:
     from collections import Counter
 
-    from driftform.cli import output
     from driftform.types import State
 
-    output.print_states(
+    _print_states(
         [(str(f.state), f"{f.check}, {f.part}" if f.part else f.check, f.detail) for f in findings], STYLES
     )
     counts = Counter(f.state for f in findings)
     tally = ", ".join(f"{counts[state]} {state}" for state in State if counts[state])
     failed = [f.check for f in findings if f.state is State.FAIL]
-    print(
-        f"\nnot printable as it is, for {', '.join(dict.fromkeys(failed))}: {tally}"
-        if failed
-        else f"\nprintable: {tally}"
-    )
+    verdict = f"not printable as it is, for {', '.join(dict.fromkeys(failed))}" if failed else "printable"
+    print(f"\n{verdict}: {tally}")
+
+
+def _print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
+    """Print lines of a state, a subject and a detail, aligned; on a terminal coloured by state and folded to fit.
+
+    The state ``fail`` is in capitals, so that it is seen without colours.
+    """
+    from driftform.cli import output
+
+    rows = list(rows)
+    states = max((len(state) for state, _, _ in rows), default=0)
+    subjects = max((len(subject) for _, subject, _ in rows), default=0)
+    shown = [
+        ("FAIL" if state == "fail" else state, styles.get(state, ""), *map(output.escape_controls, rest))
+        for state, *rest in rows
+    ]
+    if not sys.stdout.isatty():
+        for state, _, subject, detail in shown:
+            print(f"{state:{states}}  {subject:{subjects}}  {detail}")
+        return
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table.grid(padding=(0, 2))
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold", max_width=24)
+    table.add_column(overflow="fold")
+    for state, style, subject, detail in shown:
+        table.add_row(Text(state, style), Text(subject), Text(detail))
+    Console(highlight=False).print(table)

@@ -8,9 +8,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.errors import InputError, WorkFailedError
 from driftform_frusta.csg import MM
+from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.rendering import render
 from driftform_kit.checks.threemf import check_counts, read_3mf
 
@@ -62,7 +62,9 @@ def _read(path: Path, _changed: int, _size: int) -> tuple[Mesh, ...]:
     for part in parts:
         if not np.isfinite(part.vertices).all():
             raise InputError(f"{path}: {part.name} has coordinates that are not finite")
-    return tuple(replace(part, name=_clean_name(part.name)) for part in parts)
+    # Names that are safe in a line of a report: without control characters, and not too long.
+    names = ("".join(filter(str.isprintable, part.name))[:_LONGEST_NAME] or "part" for part in parts)
+    return tuple(replace(part, name=name) for part, name in zip(parts, names, strict=True))
 
 
 def provide_stl(files: Sequence[Path], folder: Path) -> list[Path]:
@@ -77,11 +79,6 @@ def provide_stl(files: Sequence[Path], folder: Path) -> list[Path]:
             copy.write_bytes(part.to_stl())
             found.append(copy)
     return found
-
-
-def _clean_name(name: str) -> str:
-    """Return a name that is safe in a line of a report: without control characters, and not too long."""
-    return "".join(c for c in name if c.isprintable())[:_LONGEST_NAME] or "part"
 
 
 def _read_with_trimesh(path: Path) -> tuple[Mesh, ...]:

@@ -9,25 +9,13 @@ from typing import Any
 import numpy as np
 
 from driftform import Design
-from driftform.agent import MassElement, reweigh
+from driftform.agent import MassElement
 from driftform.cli import formats
 from driftform.errors import InputError, WorkFailedError
 from driftform.types import Agent, FloatArray
 from driftform_frusta.kit_options import PartOptions
-from driftform_kit.ballast import (
-    FOAM,
-    MATERIALS,
-    NEGLIGIBLE,
-    Piece,
-    RequiredBallast,
-    make_ball,
-    place_by_hand,
-    place_nearest_ball,
-    place_nearest_by_hand,
-    place_one_ball,
-    place_two_balls,
-    required_ballast,
-)
+from driftform_kit import ballast
+from driftform_kit.ballast import NEGLIGIBLE, Piece, RequiredBallast
 from driftform_kit.kit import HeldBall, KitReport, report_kit
 
 GRAMS_FOR_KG = 20
@@ -45,7 +33,7 @@ _SETTLED = 2e-4
 _SAME_SIZE = 0.1
 """Share of its diameter by which a ball may differ from that of its seat: it then lies within a twentieth of it."""
 
-LEAD = MATERIALS["lead"]
+LEAD = ballast.MATERIALS["lead"]
 """kg/m3, of the ballast where nothing else is asked for."""
 
 
@@ -101,7 +89,7 @@ def _trim(design: Design, weight: PrintWeight, density: float, measure: MeasureK
     water = pipeline.scenario.fluid.density
     plan = _Planner(agent, weight, density, measure).plan(water)
     trimmed, remedy = _load(agent, plan, water)
-    printed = reweigh(agent, weight.elements(agent))
+    printed = MassElement.reweigh(agent, weight.elements(agent))
     agents = {"simulated": agent, "untrimmed": printed} | ({"trimmed": trimmed} if trimmed else {})
     flights = dict(zip(agents, pipeline.fly_named(list(agents.values()), name), strict=True))
     targets = pipeline.scenario.target_names
@@ -199,12 +187,15 @@ class _Planner:
         if density <= water:
             raise InputError(f"--ballast-density {density:g}: is no more than the water's {water:g} kg/m3")
         if self.measure is None:
-            pieces = place_by_hand(body, required, density) or place_nearest_by_hand(body, required, density)
+            pieces = ballast.place_by_hand(body, required, density) or ballast.place_nearest_by_hand(
+                body, required, density
+            )
             return _Plan(self.weight, required, pieces)
         kit = self.measure(None)
         pieces = _fill_seats(kit.held, required, density) if kit.held else ()
         seats = [next(ball for ball in kit.held if ball.x == piece.element.x) for piece in pieces]
-        if seats and all(_fits(piece, ball) for piece, ball in zip(pieces, seats, strict=True)):
+        off = [abs((p.diameter or 0.0) - ball.diameter) for p, ball in zip(pieces, seats, strict=True)]
+        if seats and all(o <= _SAME_SIZE * ball.diameter for o, ball in zip(off, seats, strict=True)):
             return _Plan(self.weight, required, pieces, tuple(seats))
         plan = replace(self.plan_seats(required, kit, self.measure), misfits=kit.held)
         if not plan.held and any(_is_in_the_way(ball, piece) for ball in kit.held for piece in plan.pieces):
@@ -212,7 +203,9 @@ class _Planner:
         return plan
 
     def find_required(self, weight: PrintWeight) -> RequiredBallast:
-        return required_ballast(self.agent.mass, reweigh(self.agent, weight.elements(self.agent)).mass)
+        return ballast.required_ballast(
+            self.agent.mass, MassElement.reweigh(self.agent, weight.elements(self.agent)).mass
+        )
 
     def plan_seats(self, required: RequiredBallast, kit: KitReport, measure: MeasureKit) -> _Plan:
         """Ballast that the kit holds by seats, which weigh too; or any of the right moment; or the nearest ball that it holds."""
@@ -225,15 +218,15 @@ class _Planner:
                 reasons.append(str(error))
                 return None
 
-        exact: list[Callable[..., tuple[Piece, ...]]] = [place_one_ball]
-        exact += [partial(place_two_balls, between=distance) for distance in _BETWEEN]
+        exact: list[Callable[..., tuple[Piece, ...]]] = [ballast.place_one_ball]
+        exact += [partial(ballast.place_two_balls, between=distance) for distance in _BETWEEN]
         for place in exact:
             if plan := settle(place):
                 return plan
-        pieces = place_by_hand(body, required, self.density)
-        if not pieces and (plan := settle(place_nearest_ball)):
+        pieces = ballast.place_by_hand(body, required, self.density)
+        if not pieces and (plan := settle(ballast.place_nearest_ball)):
             return plan
-        pieces = pieces or place_nearest_by_hand(body, required, self.density)
+        pieces = pieces or ballast.place_nearest_by_hand(body, required, self.density)
         unheld = reasons[0] if reasons else "no ball has room where it is needed"
         return _Plan(self.weight, required, pieces, unheld=unheld)
 
@@ -268,14 +261,10 @@ class _Planner:
 
     def add(self, seats: FloatArray) -> PrintWeight:
         """The weight of the print with seats of some mass (kg) and moment (kg m)."""
-        printed = reweigh(self.agent, self.weight.elements(self.agent)).mass
+        printed = MassElement.reweigh(self.agent, self.weight.elements(self.agent)).mass
         whole = self.weight.mass + seats[0]
         cog = (printed.mass * printed.cog[0] + seats[1]) / whole
         return PrintWeight(float(whole), float(cog), self.weight.source)
-
-
-def _fits(piece: Piece, seat: HeldBall) -> bool:
-    return abs((piece.diameter or 0.0) - seat.diameter) <= _SAME_SIZE * seat.diameter
 
 
 def _is_in_the_way(seat: HeldBall, piece: Piece) -> bool:
@@ -290,11 +279,11 @@ def _is_in_the_way(seat: HeldBall, piece: Piece) -> bool:
 def _fill_seats(held: Sequence[HeldBall], required: RequiredBallast, density: float) -> tuple[Piece, ...]:
     """The balls that lie on the seats of a kit: mass and moment are right with two of them, the mass with one."""
     if len(held) == 1:
-        return (make_ball(required.mass, held[0].x, density),)
+        return (ballast.make_ball(required.mass, held[0].x, density),)
     aft, fore = sorted(ball.x for ball in held)
     share = min(max((required.moment / required.mass - aft) / (fore - aft), 0.0), 1.0)
     masses = ((aft, (1 - share) * required.mass), (fore, share * required.mass))
-    return tuple(make_ball(mass, x, density) for x, mass in masses if mass >= NEGLIGIBLE)
+    return tuple(ballast.make_ball(mass, x, density) for x, mass in masses if mass >= NEGLIGIBLE)
 
 
 def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[str, Any]]:
@@ -306,7 +295,7 @@ def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[s
         trimmed, buoyancy = _lift(agent, elements, required, water)
         buoyancy["hull_excess"] = -required.mass / hull.mass
     elif plan.pieces or required.mass < NEGLIGIBLE:
-        trimmed = reweigh(agent, elements)
+        trimmed = MassElement.reweigh(agent, elements)
         residual = trimmed.mass.mass * trimmed.mass.cog[0] - agent.mass.mass * agent.mass.cog[0]
     return trimmed, {
         "pieces": [
@@ -330,14 +319,14 @@ def _lift(
     agent: Agent, elements: Sequence[MassElement], required: RequiredBallast, water: float
 ) -> tuple[Agent, dict[str, Any]]:
     """With foam on the outside that carries the excess weight; the water does not feel its shape."""
-    volume = -required.mass / (water - FOAM)
+    volume = -required.mass / (water - ballast.FOAM)
     aft, fore = agent.body.outer[0, 0], agent.body.outer[-1, 0]
     x = float(np.clip(required.x if required.x is not None else 0.0, aft, fore))
-    loaded = reweigh(agent, [*elements, MassElement(FOAM * volume, x)])
+    loaded = MassElement.reweigh(agent, [*elements, MassElement(ballast.FOAM * volume, x)])
     displaced = agent.mass.volume + volume
     cob = (agent.mass.volume * agent.mass.cob[0] + volume * x) / displaced
     mass = replace(loaded.mass, volume=displaced, cob=np.array([cob, 0.0, 0.0]))
-    return replace(agent, mass=mass), {"volume": volume, "density": FOAM, "x": x}
+    return replace(agent, mass=mass), {"volume": volume, "density": ballast.FOAM, "x": x}
 
 
 def trim_design(

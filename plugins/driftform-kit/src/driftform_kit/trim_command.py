@@ -103,15 +103,11 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: "Commands")
         "hull": "; not measured: where the hull's material has it",
         "kit": "; not measured: where the parts of the kit have it",
     }[facts["cog_source"]]
-    rows = [
-        ("simulated", f"{1000 * facts['simulated_mass']:.3f} g", describe_place(facts["simulated_cog"], aft)),
-        (
-            "printed",
-            f"{1000 * facts['printed_mass']:.3f} g",
-            describe_place(facts["printed_cog"], aft) + source,
-        ),
+    masses = [
+        (case, f"{1000 * facts[f'{case}_mass']:.3f} g", describe_place(facts[f"{case}_cog"], aft) + remark)
+        for case, remark in (("simulated", ""), ("printed", source))
     ]
-    output.print_table(("", "mass", "centre of gravity"), rows, right=(1,))
+    output.print_table(("", "mass", "centre of gravity"), masses, right=(1,))
     print()
     for line in describe_remedy(facts, commands):
         print(line)
@@ -120,20 +116,12 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: "Commands")
     # A failed flight costs its column, not the others.
     columns = {name: facts[name] or {} for name in names}
     targets = list(dict.fromkeys(target for column in columns.values() for target in column))
-    output.print_table(
-        ("target", *names),
-        (
-            (
-                target,
-                *(
-                    f"{fitness.measure(columns[name][target]):.3f}" if columns[name] else "-"
-                    for name in names
-                ),
-            )
-            for target in targets
-        ),
-        right=range(1, 1 + len(names)),
-    )
+    cells = {
+        name: [f"{fitness.measure(column[target]):.3f}" if column else "-" for target in targets]
+        for name, column in columns.items()
+    }
+    rows = zip(targets, *cells.values(), strict=True)
+    output.print_table(("target", *names), rows, right=range(1, 1 + len(names)))
     for name in names:
         end = facts["ends"][name]
         x, y, z = end["position"]

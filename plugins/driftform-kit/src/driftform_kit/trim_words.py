@@ -98,8 +98,7 @@ def _describe_holding(facts: dict[str, Any], commands: Commands) -> list[str]:
     """How the ballast gets in, and what holds it there."""
     held, lines = facts["held"], _name_misfits(facts)
     if not held:
-        unheld = facts["unheld"]
-        pieces = facts["pieces"]
+        unheld, pieces = facts["unheld"], facts["pieces"]
         setting = ";"
         if any(piece["diameter"] is not None for piece in pieces):
             setting = f", and set it in epoxy putty, which counts as ballast with {PUTTY:g} kg/m3;"

@@ -95,14 +95,14 @@ class NativeSimulator(Simulator[NativeOptions]):
         self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
     ) -> Trajectory:
         # Imported here, because compiled code loads the compiler, and listing the plugins must not.
-        from driftform.motion import finish_trajectory, flight_model, integrator, release_state
+        from driftform.motion import integrator, stepping
 
         horizon, accuracy = scenario.flight.horizon, self._choose_accuracy(scenario)
-        model = flight_model(agent, scenario)
-        start = release_state(model, scenario)
+        model = stepping.flight_model(agent, scenario)
+        start = stepping.release_state(model, scenario)
         first = integrator.integrate_once(model, start, horizon, accuracy)
         if matters is not None:
-            screened = finish_trajectory(first, model, horizon, accuracy.step_limit)
+            screened = stepping.finish_trajectory(first, model, horizon, accuracy.step_limit)
             if not matters(screened):
                 return screened
         flown = integrator.integrate(model, start, horizon, accuracy, first)
@@ -112,7 +112,7 @@ class NativeSimulator(Simulator[NativeOptions]):
             # The other flight that gave the error.
             last = replace(accuracy, tolerance=flown.tolerance)
             other = integrator.integrate_once(model, start, horizon, last)
-        return finish_trajectory(
+        return stepping.finish_trajectory(
             flown.samples, model, horizon, accuracy.step_limit, flown.error, accepted, other
         )
 

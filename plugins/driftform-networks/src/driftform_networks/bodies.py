@@ -159,7 +159,7 @@ def _name_trim(buoyancy: float) -> str:
 def make_sphere(diameter: float, scenario: "Scenario", buoyancy: float = 0.0) -> Agent:
     """Return a homogeneous sphere, whose added mass is half of that of the water it displaces; ``buoyancy`` in N."""
     from driftform.agent import mass_properties
-    from driftform.motion import estimate_drag
+    from driftform.motion import forces
 
     radius, fluid = diameter / 2, scenario.fluid
     angle = np.linspace(0, np.pi, 65)
@@ -173,7 +173,9 @@ def make_sphere(diameter: float, scenario: "Scenario", buoyancy: float = 0.0) ->
     body = make_body(fluid.density * (1 - buoyancy / (fluid.gravity * displaced)))
     added = np.diag([displaced / 2] * 3 + [0.0] * 3)
     return Agent(
-        body, mass_properties(body), Coefficients(added, drag=estimate_drag(body, fluid.viscosity, 0.0))
+        body,
+        mass_properties(body),
+        Coefficients(added, drag=forces.estimate_drag(body, fluid.viscosity, 0.0)),
     )
 
 

@@ -2,8 +2,6 @@
 
 import hashlib
 import json
-import os
-import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -20,17 +18,8 @@ T = TypeVar("T")
 
 
 def find_cache(directory: Path | None = None) -> Path:
-    """Return the directory for results: the given one, or ``driftform/networks`` in the user's directory for caches."""
-    if directory is not None:
-        return directory
-    match sys.platform:
-        case "win32":
-            base = os.environ.get("LOCALAPPDATA", "~/AppData/Local")
-        case "darwin":
-            base = "~/Library/Caches"
-        case _:
-            base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    return Path(base).expanduser() / "driftform" / "networks"
+    """Return the directory for results: the given one, or ``networks`` in the user's cache of driftform."""
+    return directory or files.cache_folder() / "networks"
 
 
 def hash_content(content: Any) -> str:
@@ -63,10 +52,10 @@ def load_arrays(path: Path) -> Arrays | None:
 
 def save_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
     """Write a file of arrays, completely or not at all; without room for it the next run makes them again."""
+
+    def write(part: Path) -> None:
+        with part.open("wb") as file:
+            np.savez_compressed(file, allow_pickle=False, **arrays)
+
     with suppress(OSError):
-        files.write_whole(path, lambda part: _write(part, arrays))
-
-
-def _write(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
-    with path.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays)
+        files.write_whole(path, write)

@@ -9,15 +9,7 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from driftform.types import FloatArray
 from driftform_networks.network import IntArray
-from driftform_networks.passage import (
-    LEAST,
-    Ending,
-    Passage,
-    count_junctions,
-    find_reachable,
-    leave,
-    merge_ends,
-)
+from driftform_networks.passage import LEAST, Ending, Passage, leave, make_passage
 from driftform_networks.routing import Routing
 from driftform_networks.snapshot import Snapshot, divide_flow
 
@@ -72,21 +64,8 @@ def follow(routing: Routing, release: int) -> Passage:
     left = _sum_up(head, entries * leaves, nodes)
     left[release] += max(0.0, 1 - float(first.sum()))
     rests, stops = (_sum_up(link, entries * share, links) for share in (held, stays))
-    flown, divided = count_junctions([routing], probability)
     ends = _list_ends(routing, left, rests, stops, LOST * float(entries.sum()))
-    return Passage(
-        network,
-        release,
-        snapshot.hour,
-        visits,
-        probability,
-        age,
-        seen,
-        find_reachable(network, release, [snapshot.step]),
-        merge_ends(ends),
-        flown=flown,
-        divided=divided,
-    )
+    return make_passage([routing], release, snapshot.hour, (visits, probability, age), seen, ends)
 
 
 def _sum_up(place: IntArray, values: FloatArray, count: int) -> FloatArray:

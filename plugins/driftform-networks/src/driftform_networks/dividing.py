@@ -34,9 +34,8 @@ def divide_bodies(
     """
     body, outlets = traveller.agent.body, len(junction.bores)
     nothing = np.zeros((BANDS, outlets))
-    arrival = np.broadcast_to(MIXED, (BANDS, outlets, BANDS))
-    if points is not None:
-        arrival = np.broadcast_to(np.eye(BANDS)[:, None, :], (BANDS, outlets, BANDS))
+    band = MIXED if points is None else np.eye(BANDS)[:, None, :]
+    arrival = np.broadcast_to(band, (BANDS, outlets, BANDS))
     if junction.stores:
         return RoutingTable(nothing, arrival, np.ones(BANDS))
     leaves = junction.exit if body.max_diameter < service_bore else 0.0

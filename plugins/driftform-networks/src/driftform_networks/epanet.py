@@ -101,15 +101,13 @@ def _solve(engine: Any, model: Any, path: Path) -> Hydraulics:
     nodes = [engine.ENgetnodeindex(name) for name in model.node_name_list]
     links = [engine.ENgetlinkindex(name) for name in model.link_name_list]
     times: list[int] = []
-    flow: list[Any] = []
-    outflow: list[Any] = []
-    head: list[Any] = []
+    states: list[tuple[list[float], ...]] = []
     try:
         engine.ENopenH()
         engine.ENinitH(0)
         while True:
             time = engine.ENrunH()
-            row = (
+            state = (
                 [engine.ENgetlinkvalue(index, _FLOW) * units.factor for index in links],
                 [engine.ENgetnodevalue(index, _DEMAND) * units.factor for index in nodes],
                 [engine.ENgetnodevalue(index, _HEAD) * metre for index in nodes],
@@ -118,17 +116,15 @@ def _solve(engine: Any, model: Any, path: Path) -> Hydraulics:
             # The state at the end of the simulation holds for no time.
             if step > 0 or not times:
                 times.append(time)
-                for rows, values in zip((flow, outflow, head), row, strict=True):
-                    rows.append(values)
+                states.append(state)
             if step <= 0:
                 break
         engine.ENcloseH()
     except Exception as error:
         raise InputError(f"{path}: EPANET cannot solve the network: {error}") from None
     said = tuple(dict.fromkeys(" ".join(line.split()) for line in engine.errcodelist))
-    return Hydraulics(
-        np.array(times, float), float(time), np.array(flow), np.array(outflow), np.array(head), said
-    )
+    flow, outflow, head = map(np.array, zip(*states, strict=True))
+    return Hydraulics(np.array(times, float), float(time), flow, outflow, head, said)
 
 
 def _make_network(model: Any, hydraulics: Hydraulics, name: str, digest: str) -> Network:

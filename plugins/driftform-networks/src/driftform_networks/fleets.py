@@ -223,17 +223,10 @@ def plan_fleet(
         Member(names[row], passages[row], float(seen[row] @ length / length.sum()), float(gain))
         for row, gain in zip(chosen.tolist(), (-np.diff(missed, prepend=1.0)).tolist(), strict=True)
     )
-    return Fleet(
-        network,
-        reachable,
-        1 - np.prod(1 - seen[chosen], axis=0),
-        members,
-        curve,
-        choice_bound,
-        _choose_water(cases, length, size, retained=False),
-        _choose_water(cases, length, size, retained=True),
-        np.array([bound_steering(snapshots, nodes, reachable, count + 1) for count in range(size)]),
-    )
+    tracers, retained = (_choose_water(cases, length, size, stay) for stay in (False, True))
+    bound = np.array([bound_steering(snapshots, nodes, reachable, count + 1) for count in range(size)])
+    by_any = 1 - np.prod(1 - seen[chosen], axis=0)
+    return Fleet(network, reachable, by_any, members, curve, choice_bound, tracers, retained, bound)
 
 
 def _choose_water(

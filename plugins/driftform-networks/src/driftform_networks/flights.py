@@ -122,7 +122,8 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
             continue
         rows = _cross_cells(flight, frame, _LEAD * bore, cell)
         middle = locate_middle(flight, rows, traveller.agent.mass.cob)
-        where = _relative(middle @ frame, bore)
+        # To the right and upward, relative to the bore's radius.
+        where = (middle @ frame)[:, 1:] * (-1.0, 1.0) / (bore / 2)
         bands = find_band(where, room)
         for (before, start), (after, end) in pairwise(zip(bands, rows, strict=True)):
             count(before, after, flight.t[end] - flight.t[start])
@@ -154,15 +155,8 @@ def _make_scenarios(
     rise = length * slope
     document = traveller.scenario.model_dump(include={"fluid", "flow", "gusts", "contact"})
     document["flow"] |= {"speed": max(speed, 1e-4)}
-    document["pipe"] = {
-        "segments": [
-            {
-                "start": (0.0, 0.0, 0.0),
-                "end": (float(np.sqrt(length**2 - rise**2)), 0.0, float(rise)),
-                "radius": bore / 2,
-            }
-        ]
-    }
+    end = (float(np.sqrt(length**2 - rise**2)), 0.0, float(rise))
+    document["pipe"] = {"segments": [{"start": (0.0, 0.0, 0.0), "end": end, "radius": bore / 2}]}
     document["flight"] = {"horizon": PATIENCE * CELLS * cell / speed}
     room = max(1 - traveller.agent.body.max_diameter / bore, 0.0)
     numbers = spread_numbers(BANDS * PER_BAND, 4, _SEED)
@@ -172,10 +166,8 @@ def _make_scenarios(
         place = sample_band(band, room, numbers[index : index + 1, :2])[0]
         document["gusts"]["seed"] = index
         attitude = draw_attitude(numbers[index, 2:])
-        found = release(traveller, document, _LEAD * bore, place * bore / 2, *attitude)
-        if found is not None:
-            scenarios.append(found)
-    return scenarios
+        scenarios.append(release(traveller, document, _LEAD * bore, place * bore / 2, *attitude))
+    return [scenario for scenario in scenarios if scenario is not None]
 
 
 def _cross_cells(flight: Trajectory, frame: FloatArray, start: float, cell: float) -> list[int]:
@@ -188,8 +180,3 @@ def _cross_cells(flight: Trajectory, frame: FloatArray, start: float, cell: floa
             break
         rows.append(int(beyond[0]))
     return rows
-
-
-def _relative(points: FloatArray, bore: float) -> FloatArray:
-    """Return points of the pipe's frame to the right and upward, relative to the bore's radius, (n, 2)."""
-    return np.column_stack([-points[:, 1], points[:, 2]]) / (bore / 2)

@@ -34,6 +34,11 @@ class Mark:
     text: str
     colour: str = style.INK
 
+    @property
+    def is_bold(self) -> bool:
+        """Whether it matters more than others."""
+        return self.colour != style.INK
+
 
 def passage_svg(passage: Passage, title: str) -> str:
     """Return the map of a passage: probability as colour and width of a link, arrival times, stuck places.
@@ -112,15 +117,7 @@ def network_svg(
             _draw_source(root, kind, x, y, class_=kind)
     for mark in marks:
         x, y = page.to_page(network.places[[mark.node]])[0]
-        svg.add(
-            root,
-            "circle",
-            class_="mark",
-            cx=x,
-            cy=y,
-            r=5 if mark.colour != style.INK else 2.6,
-            fill=mark.colour,
-        )
+        svg.add_circle(root, x, y, 5 if mark.is_bold else 2.6, mark.colour, class_="mark")
     crosses = _draw_stuck(root, page, network, stuck)
     ink = np.vstack([layout.resample_polyline(line, 3) for line in lines if len(line) > 1])
     _write_marks(root, page, network, [*marks, *crosses], ink)
@@ -176,16 +173,8 @@ def _draw_stuck(root: ET.Element, page: plot.Window, network: Network, stuck: Se
             continue
         arm = 3 + 6 * np.sqrt(end.probability)
         strokes = np.array([x, y]) + arm * np.array([[(-1, -1), (1, 1)], [(-1, 1), (1, -1)]])
-        data = svg.lines_data(strokes)
-        svg.add(
-            root,
-            "path",
-            class_="stuck",
-            d=data,
-            stroke=style.VERMILLION,
-            stroke_width=2.2,
-            stroke_linecap="round",
-        )
+        look = {"stroke": style.VERMILLION, "stroke_width": "2.2", "stroke_linecap": "round"}
+        svg.add(root, "path", class_="stuck", d=svg.lines_data(strokes), **look)
         if number < 4 and end.place in nodes:
             marks.append(Mark(nodes[end.place], f"{100 * end.probability:.0f} % stuck", style.VERMILLION))
     return marks
@@ -227,25 +216,11 @@ def _write_marks(
         return
     anchors = page.to_page(network.places[[mark.node for mark in marks]])
     texts = [layout.shorten(mark.text, 12, 140, bold=True) for mark in marks]
-    widths = [
-        layout.text_width(text, 12, bold=mark.colour != style.INK)
-        for text, mark in zip(texts, marks, strict=True)
-    ]
-    for text, mark, box in zip(
-        texts, marks, layout.place_labels(anchors, widths, 14, ink, page.box), strict=True
-    ):
-        middle = (box.left + box.right) / 2
-        layout.write(
-            root,
-            middle,
-            box.bottom - 3,
-            text,
-            12,
-            mark.colour,
-            "middle",
-            bold=mark.colour != style.INK,
-            halo=True,
-        )
+    widths = [layout.text_width(text, 12, bold=mark.is_bold) for text, mark in zip(texts, marks, strict=True)]
+    boxes = layout.place_labels(anchors, widths, 14, ink, page.box)
+    for text, mark, box in zip(texts, marks, boxes, strict=True):
+        middle, base, bold = (box.left + box.right) / 2, box.bottom - 3, mark.is_bold
+        layout.write(root, middle, base, text, 12, mark.colour, "middle", bold=bold, halo=True)
 
 
 def _draw_legend(root: ET.Element, page: plot.Window, network: Network, text: str, has_shares: bool) -> None:

@@ -158,6 +158,35 @@ class Passage:
         return {field.name: [getattr(end, field.name) for end in self.ends] for field in fields(Ending)}
 
 
+def make_passage(
+    routings: Sequence[Routing],
+    release: int,
+    hour: float,
+    arrivals: tuple[FloatArray, FloatArray, FloatArray],
+    seen: FloatArray,
+    ends: Iterable[Ending],
+    **more: Any,
+) -> Passage:
+    """Return the passage of a body by its tables: what they say of junctions, and of the water, is the same for all.
+
+    Parameters
+    ----------
+    routings
+        tables of the hydraulic steps on its way.
+    release, hour, seen, ends, more
+        attributes of :class:`Passage`; ends at the same place may be several.
+    arrivals
+        ``visits``, ``probability`` and ``age``.
+    """
+    network, (_, probability, _) = routings[0].snapshot.network, arrivals
+    reachable = find_reachable(network, release, [routing.snapshot.step for routing in routings])
+    flown, divided = _count_junctions(routings, probability)
+    found = merge_ends(ends)
+    return Passage(
+        network, release, hour, *arrivals, seen, reachable, found, flown=flown, divided=divided, **more
+    )
+
+
 def find_reachable(network: Network, release: int, steps: Sequence[int]) -> BoolArray:
     """Return whether water of a node may reach each link by the flows of some hydraulic steps, (links,)."""
     flow = network.hydraulics.flow[list(steps)]
@@ -170,7 +199,7 @@ def find_reachable(network: Network, release: int, steps: Sequence[int]) -> Bool
     return np.asarray((forward & reached[network.start]) | (backward & reached[network.end]))
 
 
-def count_junctions(routings: Sequence[Routing], probability: FloatArray) -> tuple[int, int]:
+def _count_junctions(routings: Sequence[Routing], probability: FloatArray) -> tuple[int, int]:
     """Return at how many nodes that bodies come to flights divide them, and at how many others streamtubes do."""
     flown, divided = set[int](), set[int]()
     for routing in routings:

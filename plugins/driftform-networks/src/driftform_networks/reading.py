@@ -63,16 +63,16 @@ def _find_file(text: str) -> Path:
 
 def _pack(network: Network) -> Arrays:
     """Return the values of a network as arrays; those of its hydraulics have a prefix."""
-    values = {
+    own = {
         name: value
         for name, value in vars(network).items()
         if name not in ("hydraulics", "vertices", "scale")
     }
-    values |= {f"{_HYDRAULICS}{name}": value for name, value in vars(network.hydraulics).items()}
+    flows = {f"{_HYDRAULICS}{name}": value for name, value in vars(network.hydraulics).items()}
     return {
         **{
             name: np.array(value, np.str_ if isinstance(value, tuple) else None)
-            for name, value in values.items()
+            for name, value in (own | flows).items()
         },
         "vertices": np.vstack([np.zeros((0, 2)), *network.vertices]),
         "counts": np.array([len(points) for points in network.vertices], np.int64),

@@ -44,12 +44,8 @@ def show_network(source: str, hour: float, map: Path | None, cache: Path | None,
     text += [f"  {name:10}  {value}" for name, value in rows]
     text += [TextTable(("water comes from", "kind", "litres/s"), supply, right=(2,))]
     text += [f"warning: EPANET: {line}" for line in network.hydraulics.warnings]
-    present(
-        facts,
-        text,
-        () if map is None else picture_files.write_picture(map, _draw(network, snapshot, hour)),
-        json,
-    )
+    drawn = () if map is None else picture_files.write_picture(map, _draw(network, snapshot, hour))
+    present(facts, text, drawn, json)
 
 
 def _draw(network: Network, snapshot: Snapshot, hour: float) -> str:

@@ -1,15 +1,16 @@
 """The tables of a body in a network: made from flights, kept on disk, shared by all networks."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import chain
+from itertools import chain, product
 from pathlib import Path
 
 import numpy as np
 
 from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
+from driftform_networks import tees
 from driftform_networks.bodies import SCENARIO, Traveller
 from driftform_networks.bore import BANDS, MIRROR, MIXED
 from driftform_networks.cache import find_cache
@@ -21,18 +22,7 @@ from driftform_networks.network import Network
 from driftform_networks.routing import Routing, RoutingTable, TransferTable
 from driftform_networks.snapshot import Snapshot
 from driftform_networks.tee_flights import TeeTask
-from driftform_networks.tees import (
-    ANGLES_DEG,
-    BRANCH,
-    NARROW,
-    RUN,
-    SLOWEST_MIXED,
-    Tee,
-    find_branch,
-    match_ratio,
-    send_all,
-    weigh_shares,
-)
+from driftform_networks.tees import Tee
 
 SPEED_STEP = 1.5
 """Flights are made at speeds that differ by this factor, and serve the speeds around them."""
@@ -102,26 +92,17 @@ class Traveling:
         self._travel = travel
         self._retained = traveller.agent.body.max_diameter >= travel.service_bore
 
-    def list_straights(self, snapshots: Iterable[Snapshot]) -> list[StraightTask]:
-        """Return the flights through straight pipes that these snapshots need."""
-        found = (
-            self._find_straight(snapshot, link)
-            for snapshot in snapshots
-            for link in range(len(snapshot.links))
-            if self._needs_flights(snapshot, link)
-        )
-        return list(dict.fromkeys(found))
+    def list_straights(self, snapshot: Snapshot) -> Iterator[StraightTask]:
+        """Yield the flights through straight pipes that a snapshot needs."""
+        for link in range(len(snapshot.links)):
+            if self._needs_flights(snapshot, link):
+                yield self._find_straight(snapshot, link)
 
-    def list_tees(self, snapshots: Iterable[Snapshot]) -> list[TeeTask]:
-        """Return the flights through tees that these snapshots need."""
-        found = (
-            task
-            for snapshot in snapshots
-            for link in range(len(snapshot.links))
-            for task, _ in self._find_tees(snapshot, link, self._describe(snapshot, link))
-            if task.tee.share not in _ALL_INTO
-        )
-        return list(dict.fromkeys(found))
+    def list_tees(self, snapshot: Snapshot) -> Iterator[TeeTask]:
+        """Yield the flights through tees that a snapshot needs."""
+        for link in range(len(snapshot.links)):
+            found = self._find_tees(snapshot, link, self._describe(snapshot, link))
+            yield from (task for task, _ in found if task.tee.share not in _ALL_INTO)
 
     def route(self, snapshot: Snapshot) -> Routing:
         """Return the tables of the body in a snapshot; flights that were not made are made."""
@@ -178,45 +159,47 @@ class Traveling:
 
     def _find_tees(self, snapshot: Snapshot, link: int, junction: Junction) -> list[tuple[TeeTask, float]]:
         """Return flights through tees that stand for a junction, with weights; none for one that streamtubes divide."""
-        branch = find_branch(junction)
+        branch = tees.find_branch(junction)
         size = self._traveller.agent.body.max_diameter / (junction.bore or np.inf)
         is_pipe = snapshot.network.link_kinds[snapshot.links[link]] == "pipe"
         is_mixed = not self._needs_flights(snapshot, link)
-        if branch is None or not is_pipe or size >= 1 or (is_mixed and size < NARROW):
+        if branch is None or not is_pipe or size >= 1 or (is_mixed and size < tees.NARROW):
             return []
         straight = self._find_straight(snapshot, link)
         right, up = junction.directions[branch]
         speed, clock = straight.speed, np.rad2deg(np.arctan2(abs(right), up))
         if is_mixed:
             # Neither gravity nor what lies upstream matters.
-            speed, clock = _match_speed(max(speed, SLOWEST_MIXED)), 90.0
+            speed, clock = _match_speed(max(speed, tees.SLOWEST_MIXED)), 90.0
         turn = float(np.rad2deg(junction.turns[branch]))
-        angle = min(ANGLES_DEG, key=lambda known: abs(known - turn))
-        ratio = match_ratio(float(junction.bores[branch]) / junction.bore, size)
-        shares = weigh_shares(float(junction.shares[branch]), size if is_mixed else 0.0)
-        tees = [Tee(straight.bore, speed, ratio, angle, round(float(clock)), share) for share, _ in shares]
+        angle = min(tees.ANGLES_DEG, key=lambda known: abs(known - turn))
+        ratio = tees.match_ratio(float(junction.bores[branch]) / junction.bore, size)
+        shares = tees.weigh_shares(float(junction.shares[branch]), size if is_mixed else 0.0)
         main = None if is_mixed else straight
-        return [
-            (TeeTask(self._traveller, self._folder, tee, main), weight)
-            for tee, (_, weight) in zip(tees, shares, strict=True)
-        ]
+        found = []
+        for share, weight in shares:
+            tee = Tee(straight.bore, speed, ratio, angle, round(float(clock)), share)
+            found.append((TeeTask(self._traveller, self._folder, tee, main), weight))
+        return found
 
-    def _fly_on(self, junction: Junction, tees: list[tuple[TeeTask, float]]) -> FloatArray | None:
+    def _fly_on(self, junction: Junction, tasks: list[tuple[TeeTask, float]]) -> FloatArray | None:
         """Return the probability of each outlet and band by flights, (bands, outlets, bands); ``None`` without tees."""
-        branch = find_branch(junction)
-        if branch is None or not tees:
+        branch = tees.find_branch(junction)
+        if branch is None or not tasks:
             return None
         onward = np.zeros((BANDS, 2, BANDS))
-        for task, weight in tees:
+        for task, weight in tasks:
             whole = task.tee.share in _ALL_INTO
-            onward += weight * (send_all(_ALL_INTO[task.tee.share]) if whole else self._read_tee(task).onward)
+            onward += weight * (
+                tees.send_all(_ALL_INTO[task.tee.share]) if whole else self._read_tee(task).onward
+            )
         if junction.directions[branch, 0] < -1e-6:
             # Flights are those of a branch at the right.
             onward = onward[MIRROR][:, :, MIRROR]
-        return np.asarray(onward[:, [RUN, BRANCH] if branch == 1 else [BRANCH, RUN]])
+        return np.asarray(onward[:, [tees.RUN, tees.BRANCH] if branch == 1 else [tees.BRANCH, tees.RUN]])
 
 
-_ALL_INTO = {0.0: RUN, 1.0: BRANCH}
+_ALL_INTO = {0.0: tees.RUN, 1.0: tees.BRANCH}
 """Outlet that all bodies take if the branch has this share of the water."""
 
 
@@ -252,10 +235,11 @@ def make_flights(
     WorkFailedError
         if a body cannot be flown, or workers die again and again.
     """
+    cases = list(product(travelings, snapshots))
     # Flights through tees begin where those through straight pipes end.
     stages = [
-        _find_missing(task for traveling in travelings for task in traveling.list_straights(snapshots)),
-        _find_missing(task for traveling in travelings for task in traveling.list_tees(snapshots)),
+        _find_missing(task for traveling, snap in cases for task in traveling.list_straights(snap)),
+        _find_missing(task for traveling, snap in cases for task in traveling.list_tees(snap)),
     ]
     total = sum(map(len, stages))
     if workers == 1 or total < 2:

@@ -7,15 +7,7 @@ import numpy as np
 
 from driftform.types import FloatArray
 from driftform_networks.network import IntArray, Network
-from driftform_networks.passage import (
-    QUANTILES,
-    Ending,
-    Passage,
-    count_junctions,
-    find_reachable,
-    leave,
-    merge_ends,
-)
+from driftform_networks.passage import QUANTILES, Ending, Passage, leave, make_passage
 from driftform_networks.routing import Routing
 from driftform_networks.snapshot import STILL
 
@@ -161,10 +153,7 @@ class _Walkers:
             choices.append(choice)
             arrivals.append(arrival)
         self._outlets = np.concatenate(outlets)
-        self._choice, self._arrival = (
-            _accumulate(np.concatenate(choices)),
-            _accumulate(np.concatenate(arrivals)),
-        )
+        self._choice, self._arrival = (_accumulate(np.concatenate(part)) for part in (choices, arrivals))
         self._transfer = _accumulate(np.concatenate([routing.transfer for routing in routings]))
         self._slowness = np.concatenate([routing.slowness for routing in routings])
 
@@ -285,7 +274,7 @@ def _accumulate(probability: FloatArray) -> FloatArray:
 
 def summarise_walks(walks: Walks, routings: Sequence[Routing]) -> Passage:
     """Return the passage of bodies that were followed one by one, with quantiles of their arrival times."""
-    network, nodes = walks.network, len(walks.network.nodes)
+    nodes = len(walks.network.nodes)
     node, time = walks.first_arrivals()
     arrivals = np.bincount(node, minlength=nodes)
     probability = arrivals / walks.count
@@ -294,21 +283,10 @@ def summarise_walks(walks: Walks, routings: Sequence[Routing]) -> Passage:
     probability[walks.release], age[walks.release] = 1.0, 0.0
     visits = np.bincount(walks.node[walks.node >= 0], minlength=nodes) / walks.count
     visits[walks.release] += 1
-    flown, divided = count_junctions(routings, probability)
-    return Passage(
-        network,
-        walks.release,
-        float(walks.began.min()) / 3600,
-        visits,
-        probability,
-        age,
-        walks.measure_sight(),
-        find_reachable(network, walks.release, [routing.snapshot.step for routing in routings]),
-        merge_ends(_count_ends(walks, routings)),
-        measure_quantiles(walks),
-        unsteady=True,
-        flown=flown,
-        divided=divided,
+    arrived, sight, hour = (visits, probability, age), walks.measure_sight(), float(walks.began.min()) / 3600
+    ends, quantiles = _count_ends(walks, routings), measure_quantiles(walks)
+    return make_passage(
+        routings, walks.release, hour, arrived, sight, ends, quantiles=quantiles, unsteady=True
     )
 
 

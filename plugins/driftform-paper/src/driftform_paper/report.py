@@ -12,14 +12,8 @@ from driftform.figures import files as picture_files
 from driftform.figures import gallery, layout, svg, trend
 from driftform.types import FloatArray
 from driftform.water import Scenario
-from driftform_paper.repeats import (
-    GENERATION,
-    PER_TARGET,
-    RepeatedFlights,
-    Search,
-    add_turbulence,
-    repeat_flights,
-)
+from driftform_paper import repeats
+from driftform_paper.repeats import RepeatedFlights, Search
 from driftform_paper.spread import FlightSpread, compute_band, spread_svg
 
 TIMES = 10
@@ -49,8 +43,8 @@ def resimulate(study: Study, search: Search) -> Resimulation:
     pipeline = study.make_pipeline()
     genomes = [genome for genome, _, _ in search.best]
     return Resimulation(
-        repeat_flights(pipeline, genomes, [study.scenario] * TIMES),
-        repeat_flights(pipeline, genomes, add_turbulence(study.scenario, range(TIMES))),
+        repeats.repeat_flights(pipeline, genomes, [study.scenario] * TIMES),
+        repeats.repeat_flights(pipeline, genomes, repeats.add_turbulence(study.scenario, range(TIMES))),
     )
 
 
@@ -91,9 +85,12 @@ def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Res
     ]
     shared = [100 - search.shared.mean(axis=0) for search in (paper, random)]
     for number, target in enumerate(scenario.target_names):
-        cells = [f"{value:.2f}" for search in (paper, random) for value in _summary(search.error[:, number])]
+        errors = [search.error[:, number] for search in (paper, random)]
+        cells = [f"{value:.2f}" for error in errors for value in (error.mean(), error.std(), error.max())]
         rows.append(f"| {target} | {' | '.join(cells)} | {shared[0][number]:.2f} | {shared[1][number]:.2f} |")
-    cells = [f"{v:.2f}" for search in (paper, random) for v in _overall(search.error)]
+    # Mean over all, mean of the targets' deviations, worst of all.
+    whole = [(s.error.mean(), s.error.std(axis=0).mean(), s.error.max()) for s in (paper, random)]
+    cells = [f"{value:.2f}" for values in whole for value in values]
     rows.append(f"| all | {' | '.join(cells)} | {shared[0].mean():.2f} | {shared[1].mean():.2f} |")
     claims = [
         "| claim of the paper | here, its GA | here, random search |",
@@ -108,7 +105,7 @@ def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Res
     ]
     return "\n".join(
         [
-            f"{len(paper.error)} repeats of {PER_TARGET} flights for each target; errors in % of the farthest "
+            f"{len(paper.error)} repeats of {repeats.PER_TARGET} flights for each target; errors in % of the farthest "
             "distance in the pipe. The last two columns are the best of all flights of a repeat, whichever target "
             "they were flown for.",
             "",
@@ -122,15 +119,6 @@ def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Res
             "",
         ]
     )
-
-
-def _summary(errors: FloatArray) -> tuple[float, float, float]:
-    return float(errors.mean()), float(errors.std()), float(errors.max())
-
-
-def _overall(errors: FloatArray) -> tuple[float, float, float]:
-    """Mean over all, mean of the targets' deviations, worst of all."""
-    return float(errors.mean()), float(errors.std(axis=0).mean()), float(errors.max())
 
 
 def _again_table(scenario: Scenario, again: Resimulation) -> list[str]:
@@ -185,14 +173,10 @@ def write_figures(
 
 def trends(targets: Sequence[str], fitness: FloatArray, baseline: FloatArray) -> list[trend.Trend]:
     """Return the trends of (repeats, targets, flights) at the end of every generation."""
-    ends = np.arange(GENERATION - 1, fitness.shape[2], GENERATION)
+    ends = np.arange(repeats.GENERATION - 1, fitness.shape[2], repeats.GENERATION)
+    flights = np.asarray(ends + 1.0, dtype=np.float64)
     return [
-        trend.Trend(
-            target,
-            np.asarray(ends + 1.0, dtype=np.float64),
-            fitness[:, number, ends],
-            baseline[:, number, ends],
-        )
+        trend.Trend(target, flights, fitness[:, number, ends], baseline[:, number, ends])
         for number, target in enumerate(targets)
     ]
 

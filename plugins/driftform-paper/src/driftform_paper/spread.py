@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import layout, plot, style, svg
-from driftform.motion import closest_approach, interpolation
+from driftform.motion import approach, interpolation
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
 
@@ -39,19 +39,14 @@ def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, 
     """
     width = (layout.WIDTH - LEFT - layout.MARGIN - (COLUMNS - 1) * GUTTER) / COLUMNS
     shown = np.vstack([plot.pipe_points(scenario.pipe, SIDE), scenario.target_array()])
-    panels = [
-        plot.Window.around(SIDE, shown, LEFT + (i % COLUMNS) * (width + GUTTER), 0, width, 260, 6)
-        for i in range(len(repeats))
-    ]
-    tallest = max((w.box.bottom - w.box.top for w in panels), default=0.0)
+    tallest = plot.Window.around(SIDE, shown, LEFT, 0, width, 260, 6).box.bottom
     rows = ceil(len(repeats) / COLUMNS)
     height = TOP + rows * (tallest + 74)
     root = layout.start_page(height, title, subtitle, f"{subtitle} A panel for each target.")
     for number, repeated in enumerate(repeats):
         row, column = divmod(number, COLUMNS)
-        window = plot.Window.around(
-            SIDE, shown, LEFT + column * (width + GUTTER), TOP + row * (tallest + 74), width, 260, 6
-        )
+        left, top = LEFT + column * (width + GUTTER), TOP + row * (tallest + 74)
+        window = plot.Window.around(SIDE, shown, left, top, width, 260, 6)
         _draw_panel(root, window, repeated, scenario, style.SERIES[number % len(style.SERIES)])
     return svg.render(root)
 
@@ -65,7 +60,7 @@ def compute_band(
     """
     paths = []
     for flight in flights:
-        _, [closest] = closest_approach(flight, target[None])
+        _, [closest] = approach.closest_approach(flight, target[None])
         t = np.linspace(flight.t[0], max(closest, flight.t[0] + 1e-6), STATIONS)
         paths.append(interpolation.interpolate_positions(flight, np.minimum(t, flight.t[-1])))
     along = np.linspace(max(path[0, 0] for path in paths), min(path[:, 0].max() for path in paths), STATIONS)

@@ -8,7 +8,6 @@ from ribs.archives import ArchiveBase
 from ribs.emitters import EmitterBase
 
 from driftform.interfaces import Grammar
-from driftform.search import breed
 from driftform.types import Genome
 
 ObjectArray = npt.NDArray[np.object_]
@@ -60,8 +59,7 @@ class SymbolEmitter(EmitterBase):
         genomes, evaluations = elites["solution"], elites["evaluation"]
         self.parents, offspring = [], []
         for i, j in self._rng.integers(len(genomes), size=(self._batch, 2)):
-            child, crossed = breed(
-                self._grammar,
+            child, crossed = self._grammar.breed(
                 genomes[i],
                 genomes[j],
                 self._rng,

@@ -21,7 +21,7 @@ from functools import lru_cache
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.water import Scenario, Segment, Vector
+from driftform.water import Scenario, Vector
 
 KARMAN = 0.4
 """Von Karman's constant kappa."""
@@ -201,7 +201,9 @@ def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: floa
         )
     if scenario.flow.speed == 0:
         raise ValueError("the water is at rest: it carries no plume")
-    start, axis, length = _locate_segment(segment)
+    start, way = np.array(segment.start), np.subtract(segment.end, segment.start)
+    length = float(np.linalg.norm(way))
+    axis = way / length
     along = float(axis @ (np.array(point) - start))
     outward = np.array(point) - start - along * axis
     if np.linalg.norm(outward) < 1e-9 * segment.radius:
@@ -212,20 +214,9 @@ def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: floa
     outward = outward / np.linalg.norm(outward)
     leak = start + along * axis + segment.radius * outward
     # With a negative speed the water carries the plume towards the inlet.
-    forward = scenario.flow.speed > 0
-    return Plume(
-        leak,
-        axis if forward else -axis,
-        outward,
-        segment.radius,
-        length - along if forward else along,
-        abs(scenario.flow.speed),
+    downstream, left = (axis, length - along) if scenario.flow.speed > 0 else (-axis, along)
+    spread, speed = (
         eddy_diffusivity(scenario) if diffusivity is None else diffusivity,
-        rate,
+        abs(scenario.flow.speed),
     )
-
-
-def _locate_segment(segment: Segment) -> tuple[FloatArray, FloatArray, float]:
-    start, end = np.array(segment.start), np.array(segment.end)
-    length = float(np.linalg.norm(end - start))
-    return start, (end - start) / length, length
+    return Plume(leak, downstream, outward, segment.radius, left, speed, spread, rate)

@@ -12,7 +12,7 @@ from driftform import Design, Run, StoredAgent
 from driftform.agent import hull_mass
 from driftform.errors import InputError, did_you_mean
 from driftform.figures import scene, style
-from driftform.motion import closest_approach
+from driftform.motion import approach
 from driftform.search import PipeGrid
 from driftform.types import FloatArray
 from driftform.util import progress
@@ -31,7 +31,7 @@ def describe_agent(run: Run, key: str, design: Design) -> dict[str, Any]:
         flight = design.fly()
     is_best = key in scenario.targets
     point = scenario.target_points()[key] if is_best else tuple(result["point"])
-    [distance], [t] = closest_approach(flight, np.array([point], dtype=np.float64))
+    [distance], [t] = approach.closest_approach(flight, np.array([point], dtype=np.float64))
     names = list(scenario.targets)
     number = names.index(key) if is_best else len(names)
     colour = style.SERIES[number % len(style.SERIES)] if is_best else style.SERIES[-1]

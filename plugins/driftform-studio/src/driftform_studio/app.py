@@ -3,6 +3,7 @@
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
 from secrets import token_hex
@@ -102,12 +103,8 @@ class Studio:
             errors = locate_errors([str(line) for line in error.args], text)
             return {"text": text, "errors": errors, "outline": _outline_without_targets(draft)}
         self._warm_up()
-        return {
-            "text": text,
-            "errors": [],
-            "outline": _outline(study.scenario),
-            "evaluations": study.evaluations,
-        }
+        outline = _outline(study.scenario)
+        return {"text": text, "errors": [], "outline": outline, "evaluations": study.evaluations}
 
     def examine(self, parameters: Parameters, document: Any) -> Any:
         """Return what takes a moment of a sound draft: the current over the section, and what is likely to be wrong."""
@@ -118,7 +115,7 @@ class Studio:
         """Import what the next questions need, once a first picture is on its way."""
         if not self._is_warm:
             self._is_warm = True
-            Thread(target=_import_kernels, daemon=True).start()
+            Thread(target=import_module, args=("driftform_studio.agents",), daemon=True).start()
 
     def list_runs(self, parameters: Parameters, document: Any) -> Any:
         """Return the runs of the folder, the newest first."""
@@ -449,7 +446,3 @@ def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
 
 def _list_fields(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     return [{**row, "default": str(row["default"])} for row in rows if row["option"] != "kind"]
-
-
-def _import_kernels() -> None:
-    import driftform_studio.agents  # noqa: F401

@@ -9,6 +9,7 @@ import numpy as np
 from driftform import Design, Run, StoredAgent
 from driftform.errors import InputError
 from driftform.figures import scene
+from driftform.types import FloatArray, Trajectory
 from driftform_studio.folder import DATABASE
 from driftform_studio.marks import PROGRESS
 from driftform_studio.searches import Searches
@@ -18,6 +19,9 @@ RUNNING, WRITING, FINISHED, STOPPED = "running", "writing the best agents", "fin
 
 STARTING, PAUSING, PAUSED, FAILED = "starting", "pausing", "paused", "failed"
 """States that the page has besides these."""
+
+PATH_TOLERANCE = 2e-3
+"""Tolerance to which a path is simplified for a side view, m: a tenth of what a screen shows of a pipe."""
 
 COLUMNS = 120
 """Points of the curve of a target."""
@@ -162,7 +166,7 @@ class LiveRun:
         flight = self.run.read_flight(evaluation)
         if flight is None:
             raise InputError(f"{self.directory.name}: has no flight {evaluation}")
-        path: list[list[float]] = np.round(scene.simplify_path(flight), 4).tolist()
+        path: list[list[float]] = np.round(_simplify_path(flight), 4).tolist()
         return path
 
 
@@ -183,3 +187,11 @@ def _is_complete(run: Run, targets: list[dict[str, Any]]) -> bool:
     return promised and all(
         (run.path / "best" / target["name"] / "agent.json").is_file() for target in targets
     )
+
+
+def _simplify_path(flight: Trajectory) -> FloatArray:
+    """Return the samples of a flight that its side view needs, m, (n, 3)."""
+    side = flight.position[:, [0, 2]]
+    kept = scene.simplify_polyline(side, PATH_TOLERANCE)
+    # Simplifying keeps points of the path, whose other coordinate is that of the sample.
+    return flight.position[[int(np.argmin(((side - point) ** 2).sum(axis=1))) for point in kept]]

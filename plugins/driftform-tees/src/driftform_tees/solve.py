@@ -13,7 +13,7 @@ from scipy.sparse import coo_array, csr_array, diags_array
 
 from driftform.types import FloatArray
 from driftform.util import allocating
-from driftform.water import TeePotentials, tee_wall
+from driftform.water import tee_store, tee_wall
 from driftform_tees.cells import cut_stiffness, gradient_rows, value_rows
 from driftform_tees.hierarchy import BoolArray, IntArray, Level, build_levels, coefficient_matrices
 from driftform_tees.region import distance_beyond_ends, distance_from_ball, water_level
@@ -31,7 +31,7 @@ TOLERANCE = 1e-8
 """Relative residual at which the conjugate gradients stop."""
 
 
-def solve_tee(junction: tee_wall.Junction) -> TeePotentials:
+def solve_tee(junction: tee_wall.Junction) -> tee_store.TeePotentials:
     """Compute the two flows in a tee, as driftform stores them; this takes a minute or so."""
     wall = junction.array()
     levels = make_levels(junction)
@@ -55,7 +55,32 @@ def solve_tee(junction: tee_wall.Junction) -> TeePotentials:
         touched = level.touched()[:, first:]
         through, branch = (np.where(touched, value[:, first:], np.nan) for value in values)
         packed.append((level.width, (int(level.low[0]), 0, int(level.low[2])), through, branch))
-    return TeePotentials.of_levels(packed, leakage)
+    return _pack_levels(packed, leakage)
+
+
+def _pack_levels(
+    levels: Sequence[tuple[float, Sequence[int], FloatArray, FloatArray]], leakage: FloatArray
+) -> tee_store.TeePotentials:
+    """Return the potentials of a hierarchical spline.
+
+    Parameters
+    ----------
+    levels
+        of each level, the coarsest first: width of a cell, the cell with which its box begins along x, y and z (0
+        along y), and the coefficients of the two flows, (nx, ny, nz), NaN where no cell of the region needs them.
+    leakage
+        see :class:`driftform.water.tee_store.TeePotentials`.
+    """
+    head = np.zeros(tee_store.HEAD + tee_store.LEVEL_SIZE * len(levels))
+    head[0], place = len(levels), len(head)
+    for row, (width, low, values, _) in zip(
+        head[tee_store.HEAD :].reshape(-1, tee_store.LEVEL_SIZE), levels, strict=True
+    ):
+        row[:] = width, *low, *values.shape, place
+        place += values.size
+    through = np.concatenate([values.ravel() for _, _, values, _ in levels])
+    branch = np.concatenate([values.ravel() for _, _, _, values in levels])
+    return tee_store.TeePotentials(head, through - np.nanmean(through), branch - np.nanmean(branch), leakage)
 
 
 def make_levels(junction: tee_wall.Junction) -> list[Level]:

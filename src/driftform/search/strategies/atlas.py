@@ -7,7 +7,6 @@ import numpy as np
 from driftform.interfaces import SearchSpace, Strategy
 from driftform.options import Table, option
 from driftform.runs.coverage import CoverageMap, IntArray, PipeGrid
-from driftform.search.strategies.breeding import breed
 from driftform.types import Candidate, Evaluation, FloatArray, Genome
 
 
@@ -83,8 +82,7 @@ class AtlasStrategy(Strategy[AtlasOptions]):
     def _breed(self, a: int, b: int) -> Candidate:
         """Breed the agent of cell ``a``, and that of ``b`` if there is a crossover."""
         options = self.options
-        child, crossed = breed(
-            self.space.grammar,
+        child, crossed = self.space.grammar.breed(
             self._elites[a],
             self._elites[b],
             self.space.rng,

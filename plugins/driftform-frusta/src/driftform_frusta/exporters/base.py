@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.errors import WorkFailedError
 from driftform.figures import files as picture_files
 from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import Body, FloatArray, WrittenFile
 from driftform.util import files
 from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.triangles import Mesh
 
 if TYPE_CHECKING:
     from driftform_frusta.parts import Part
@@ -54,7 +54,7 @@ class PartExporter(Exporter[PartOptions]):
         if self.options.kit:
             sheet = path.with_name(f"{path.stem}-assembly.svg")
             drawn = find_maker().draw_sheet(job, self.options, self.name)
-            for target, page in ((sheet, drawn), (sheet.with_suffix(".pdf"), picture_files.make_pdf(drawn))):
+            for target, page in ((sheet, drawn), (sheet.with_suffix(".pdf"), _make_pdf(drawn))):
                 if page is not None:
                     save(target, page)
                     written.append(WrittenFile(self.name, str(target)))
@@ -127,3 +127,12 @@ def list_facts(parts: "Sequence[Part]", body: Body) -> dict[str, Any]:
     if len(parts) == 1:
         return {**facts, "size_mm": np.ptp(parts[0].solid.bounds, axis=0).tolist(), **shells}
     return {"parts": [part.name for part in parts], **facts, **shells}
+
+
+def _make_pdf(svg: str) -> bytes | None:
+    """Return a picture as a page of PDF in its size, or ``None`` if the extra ``pdf`` or the Cairo library is not installed."""
+    try:
+        from cairosvg import svg2pdf
+    except (ImportError, OSError):
+        return None
+    return bytes(svg2pdf(bytestring=svg.encode(), dpi=picture_files.DPI))

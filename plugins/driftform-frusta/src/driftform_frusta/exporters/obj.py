@@ -5,8 +5,8 @@ Format: Wavefront Technologies, "Object Files (.obj)", Advanced Visualizer manua
 
 from collections.abc import Mapping
 
-from driftform.agent import Mesh
 from driftform_frusta.exporters.base import JoinedFile
+from driftform_frusta.triangles import Mesh
 
 
 class ObjExporter(JoinedFile):
@@ -17,16 +17,10 @@ class ObjExporter(JoinedFile):
 
     def encode(self, title: str, meshes: Mapping[str, Mesh]) -> str:
         """Return the groups; OBJ has no place for a title."""
-        return obj_text(meshes)
-
-
-def obj_text(meshes: Mapping[str, Mesh]) -> str:
-    """Return meshes in mm, by the names of their groups, as the text of an OBJ file."""
-    pieces = ["# driftform, lengths in mm\n"]
-    first = 1
-    for name, mesh in meshes.items():
-        group = name.replace(" ", "_")
-        pieces.append(f"o {group}\ng {group}\n")
-        pieces.append(mesh.to_obj(first))
-        first += len(mesh.vertices)
-    return "".join(pieces)
+        pieces = ["# driftform, lengths in mm\n"]
+        first = 1
+        for name, mesh in meshes.items():
+            group = name.replace(" ", "_")
+            pieces += [f"o {group}\ng {group}\n", mesh.to_obj(first)]
+            first += len(mesh.vertices)
+        return "".join(pieces)

@@ -5,8 +5,8 @@ Format: G. Turk, "The PLY Polygon File Format" (1994); binary, little-endian.
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform_frusta.exporters.base import PartFiles
+from driftform_frusta.triangles import Mesh
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", (3,))])
 
@@ -19,24 +19,18 @@ class PlyExporter(PartFiles):
 
     def encode(self, mesh: Mesh) -> bytes:
         """Return the mesh with its vertices shared."""
-        return ply_bytes(mesh)
-
-
-def ply_bytes(mesh: Mesh) -> bytes:
-    """Return a mesh in mm as a binary PLY file."""
-    header = (
-        "ply\n"
-        "format binary_little_endian 1.0\n"
-        "comment driftform, lengths in mm\n"
-        f"element vertex {len(mesh.vertices)}\n"
-        "property float x\n"
-        "property float y\n"
-        "property float z\n"
-        f"element face {len(mesh.triangles)}\n"
-        "property list uchar int vertex_indices\n"
-        "end_header\n"
-    )
-    faces = np.empty(len(mesh.triangles), dtype=_FACE)
-    faces["count"] = 3
-    faces["corners"] = mesh.triangles
-    return header.encode("ascii") + mesh.vertices.astype("<f4").tobytes() + faces.tobytes()
+        header = (
+            "ply\n"
+            "format binary_little_endian 1.0\n"
+            "comment driftform, lengths in mm\n"
+            f"element vertex {len(mesh.vertices)}\n"
+            "property float x\n"
+            "property float y\n"
+            "property float z\n"
+            f"element face {len(mesh.triangles)}\n"
+            "property list uchar int vertex_indices\n"
+            "end_header\n"
+        )
+        faces = np.empty(len(mesh.triangles), dtype=_FACE)
+        faces["count"], faces["corners"] = 3, mesh.triangles
+        return header.encode("ascii") + mesh.vertices.astype("<f4").tobytes() + faces.tobytes()

@@ -1,7 +1,7 @@
 """STL: the format of every slicer, for one solid."""
 
-from driftform.agent import Mesh
 from driftform_frusta.exporters.base import PartFiles
+from driftform_frusta.triangles import Mesh
 
 
 class StlExporter(PartFiles):

@@ -8,20 +8,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.figures import files as picture_files
 from driftform.interfaces import ExportJob
 from driftform_frusta.colours import colour_of
+from driftform_frusta.csg import MM
 from driftform_frusta.exporters.base import File, PartExporter, list_facts
 from driftform_frusta.mesh import make_mesh
 from driftform_frusta.picture import plate_svg
 from driftform_frusta.plate import arrange, fits
+from driftform_frusta.triangles import Mesh
 
 if TYPE_CHECKING:
     from driftform_frusta.parts import Part
-    from driftform_frusta.threemf import Package
-
-_MM = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +48,6 @@ class ThreeMfExporter(PartExporter):
         """Yield the plates; facts: those of parts, the number of ``triangles``, and whether all parts of a plate ``fits_bed``."""
         from driftform_frusta.kits import KIT_FILE
         from driftform_frusta.source import write_source
-        from driftform_frusta.threemf import package_bytes
 
         placed = self._placed(parts)
         plates = 1 + max(p.plate for p in placed)
@@ -69,7 +66,7 @@ class ThreeMfExporter(PartExporter):
                 "triangles": sum(len(p.mesh.triangles) for p in here),
                 "fits_bed": all(fits(size, self._bed) for size in sizes),
             }
-            yield target, package_bytes(self._package(title, job, here, attachments)), facts
+            yield target, self._pack(title, job, here, attachments), facts
 
     def plate_picture(self, job: ExportJob) -> bytes:
         """Return a larger picture of the first plate than the file has, a PNG file."""
@@ -80,33 +77,25 @@ class ThreeMfExporter(PartExporter):
 
     def _placed(self, parts: "Sequence[Part]") -> list[_Placed]:
         meshes = [make_mesh(part.on_bed(), part.name) for part in parts]
-        boxes = [mesh.bounds for mesh in meshes]
-        sizes = [(float(high[0] - low[0]), float(high[1] - low[1])) for low, high in boxes]
-        spots = arrange(sizes, self._bed[:2])
-        return [
-            _Placed(
-                part,
-                mesh,
-                colour_of(index),
-                spot.plate,
-                spot.x - float(low[0] + high[0]) / 2,
-                spot.y - float(low[1] + high[1]) / 2,
-            )
-            for index, (part, mesh, (low, high), spot) in enumerate(
-                zip(parts, meshes, boxes, spots, strict=True)
-            )
-        ]
+        boxes = [mesh.bounds[:, :2] for mesh in meshes]
+        sizes = [(float(width), float(depth)) for width, depth in np.ptp(boxes, axis=1)]
+        placed: list[_Placed] = []
+        for part, mesh, box, spot in zip(parts, meshes, boxes, arrange(sizes, self._bed[:2]), strict=True):
+            x, y = (box.sum(axis=0) / 2).tolist()
+            colour = colour_of(len(placed))
+            placed.append(_Placed(part, mesh, colour, spot.plate, spot.x - x, spot.y - y))
+        return placed
 
     @property
     def _bed(self) -> tuple[float, float, float]:
         """Width, depth and height, mm."""
         x, y, z = self.options.bed
-        return _MM * x, _MM * y, _MM * z
+        return MM * x, MM * y, MM * z
 
-    def _package(
+    def _pack(
         self, title: str, job: ExportJob, placed: Sequence[_Placed], attachments: dict[str, str]
-    ) -> "Package":
-        from driftform_frusta.threemf import Item, Package
+    ) -> bytes:
+        from driftform_frusta.threemf import Item, package_bytes
 
         o, body, mass = self.options, job.agent.body, job.agent.mass
         width, depth, _ = self._bed
@@ -118,14 +107,14 @@ class ThreeMfExporter(PartExporter):
         )
         items = [Item(p.part.name, p.colour, p.mesh, (width / 2 + p.x, depth / 2 + p.y)) for p in placed]
         hints = {
-            "layer_height_mm": f"{_MM * o.layer_height:g}",
+            "layer_height_mm": f"{MM * o.layer_height:g}",
             "perimeters": str(o.perimeters),
             "infill_percent": f"{100 * o.infill:g}",
             "material_density_kg_per_m3": f"{body.hull_density:g}",
             "printed_mass_g": f"{sum(grams.values()):.3f}",
         }
         picture = self._picture(placed)
-        return Package(title, items, {"Description": description}, hints, picture, attachments)
+        return package_bytes(title, items, {"Description": description}, hints, picture, attachments)
 
     def _picture(self, placed: Sequence[_Placed], width: float = 160.0, height: float = 120.0) -> bytes:
         shapes = [(p.mesh.translate((p.x, p.y, 0.0)), p.colour) for p in placed]

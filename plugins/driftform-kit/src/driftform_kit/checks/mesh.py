@@ -6,11 +6,12 @@ from typing import ClassVar, TypeAlias
 
 import numpy as np
 
-from driftform.agent import Mesh, hull_volume
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, FloatArray, State
 from driftform_frusta.csg import MM
+from driftform_frusta.hull import hull_volume
 from driftform_frusta.printable import MM3_PER_M3
+from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_kit.checks.shells import Shell, find_shells, orient_outward
 from driftform_kit.checks.slenderness import measure_slenderness
@@ -168,16 +169,12 @@ class MeshChecker(Checker[MeshOptions]):
             return State.PASS, message
         # The hull in one piece is one part: several are a kit, which has more material than the hull that it is compared with.
         if len(studied) > 1 and difference > 0 and job.export is not None and _is_whole(job):
-            return (
-                State.WARN,
-                f"{message} of the hull in one piece, but these are {len(studied)} parts: a kit? check it with --kit",
-            )
+            parts = f"of the hull in one piece, but these are {len(studied)} parts"
+            return State.WARN, f"{message} {parts}: a kit? check it with --kit"
         if abs(difference) <= self.options.coarse:
             return State.WARN, f"{message}: a coarse mesh? export it with more segments"
-        return (
-            State.FAIL,
-            f"{amount}, but the closed form has {job.volume * 1e6:.4f} cm3: another agent, or another wall?",
-        )
+        closed_form = f"the closed form has {job.volume * 1e6:.4f} cm3"
+        return State.FAIL, f"{amount}, but {closed_form}: another agent, or another wall?"
 
     def _check_standing(self, one: AnalysedPart, job: PrintJob, count: int) -> Verdict:
         if not one.shells:
@@ -222,10 +219,8 @@ def _check_unit(parts: Sequence[Mesh]) -> Verdict:
     if largest < _SMALLEST:
         return State.FAIL, f"{largest:.4g} mm at its largest: in metres? scale it by 1000, printers take mm"
     if largest > _LARGEST:
-        return (
-            State.FAIL,
-            f"{largest / 1000:.4g} m at its largest: in micrometres, or a GLB in mm? scale it by 0.001",
-        )
+        where = f"{largest / 1000:.4g} m at its largest"
+        return State.FAIL, f"{where}: in micrometres, or a GLB in mm? scale it by 0.001"
     return State.PASS, f"mm: {largest:.2f} mm at its largest"
 
 
@@ -290,10 +285,8 @@ def _check_shells(studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
         if count != expected:
             return State.FAIL, f"{_count(count, 'shell')}, but the hull of the agent has {expected}"
     loose = [sum(not shell.hollow for shell in one.shells) - 1 for one in studied]
-    message = _join_faults(
-        studied, [f"{_count(n + 1, 'piece')} that do not touch" if n else "" for n in loose]
-    )
-    if message:
+    faults = [f"{_count(n + 1, 'piece')} that do not touch" if n else "" for n in loose]
+    if message := _join_faults(studied, faults):
         return State.WARN, message
     hollows = sum(shell.hollow for one in studied for shell in one.shells)
     outside = "an outside" if len(studied) == 1 else f"{len(studied)} outsides"
@@ -363,9 +356,7 @@ def _check_bed(parts: Sequence[Mesh], job: PrintJob) -> Verdict:
     highest = np.max([part.bounds[1] for part in parts], axis=0)
     plate = sorted((highest - lowest)[:2])
     if len(parts) > 1 and (np.array(plate) > sorted(bed[:2])).any():
-        return (
-            State.WARN,
-            f"each part fits {room} mm, together they take {plate[1]:.0f} x {plate[0]:.0f} mm: arrange them again",
-        )
+        taken = f"together they take {plate[1]:.0f} x {plate[0]:.0f} mm"
+        return State.WARN, f"each part fits {room} mm, {taken}: arrange them again"
     size = " x ".join(f"{side:.1f}" for side in (highest - lowest))
     return State.PASS, f"{size} mm fits {room} mm"

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.types import FloatArray
+from driftform_frusta.triangles import Mesh
 
 STEEPEST = np.radians(45)
 """Overhang, from the vertical, that prints without support."""

@@ -110,27 +110,24 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
         width, depth, height = (MM * side for side in printer.bed)
         gcode = folder / "part.gcode"
         gcode.unlink(missing_ok=True)
-        said = run_program(
-            [
-                self.program,
-                "--export-gcode",
-                f"--layer-height={MM * o.layer_height:g}",
-                f"--perimeters={o.perimeters}",
-                f"--fill-density={100 * o.infill:g}%",
-                # Its default pattern, made for sparse filling, is refused if all is filled.
-                f"--fill-pattern={'rectilinear' if o.infill == 1 else 'gyroid'}",
-                f"--filament-diameter={_FILAMENT:g}",
-                f"--nozzle-diameter={MM * printer.nozzle:g}",
-                f"--bed-shape=0x0,{width:g}x0,{width:g}x{depth:g},0x{depth:g}",
-                f"--max-print-height={height:g}",
-                # A skirt is not part of the print.
-                "--skirts=0",
-                f"--output={gcode}",
-                str(path),
-            ],
-            folder,
-            o.timeout,
-        )
+        command = [
+            self.program,
+            "--export-gcode",
+            f"--layer-height={MM * o.layer_height:g}",
+            f"--perimeters={o.perimeters}",
+            f"--fill-density={100 * o.infill:g}%",
+            # Its default pattern, made for sparse filling, is refused if all is filled.
+            f"--fill-pattern={'rectilinear' if o.infill == 1 else 'gyroid'}",
+            f"--filament-diameter={_FILAMENT:g}",
+            f"--nozzle-diameter={MM * printer.nozzle:g}",
+            f"--bed-shape=0x0,{width:g}x0,{width:g}x{depth:g},0x{depth:g}",
+            f"--max-print-height={height:g}",
+            # A skirt is not part of the print.
+            "--skirts=0",
+            f"--output={gcode}",
+            str(path),
+        ]
+        said = run_program(command, folder, o.timeout)
         text = gcode.read_text(encoding="utf-8", errors="replace") if gcode.is_file() else ""
         used = re.search(r"^; filament used \[mm\] = ([\d.]+)", text, re.MULTILINE)
         time = re.search(r"^; estimated printing time \(normal mode\) = (.+)$", text, re.MULTILINE)

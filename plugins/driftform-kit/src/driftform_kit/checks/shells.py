@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.types import FloatArray
+from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.topology import IntArray, Topology, winding_numbers
 
 _PROBES = 32

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import CrossSection, Error, Manifold, Mesh64
 
-from driftform.agent import Mesh
+from driftform_frusta.triangles import Mesh
 
 _STATIONS = 160
 """Sections over the height of a part."""

@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.types import FloatArray
+from driftform_frusta.triangles import Mesh
 
 _UNITS = {
     "micron": 1e-3,
@@ -75,7 +75,8 @@ class _Package:
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self._archive = archive
         # Each is read once, however often it is placed.
-        self._model, self._objects = cache(self._read_model), cache(self._list_objects)
+        self._model = cache(lambda path: ElementTree.fromstring(self._read(path)))
+        self._objects = cache(self._list_objects)
         self._meshes = cache(self._read_meshes)
         self._unpacked = self._visited = self._vertices = self._triangles = 0
 
@@ -91,15 +92,11 @@ class _Package:
             pieces = list(self._pieces(path, identifier, _transform(item), 0))
             if not pieces:
                 continue
-            name = (
-                item.get("partnumber") or self._object(path, identifier).get("name") or f"object {identifier}"
-            )
-            vertices, triangles = append_faces(
-                [piece.vertices for piece in pieces], [piece.triangles for piece in pieces]
-            )
-            found.append(
-                Mesh(vertices * self._unit(model), triangles.astype(np.int64), name).merge_vertices()
-            )
+            named = item.get("partnumber") or self._object(path, identifier).get("name")
+            name = named or f"object {identifier}"
+            vertices, triangles = append_faces([p.vertices for p in pieces], [p.triangles for p in pieces])
+            whole = Mesh(vertices * self._unit(model), triangles.astype(np.int64), name)
+            found.append(whole.merge_vertices())
         return tuple(found)
 
     def _pieces(self, path: str, identifier: str, transform: FloatArray, depth: int) -> Iterator[Mesh]:
@@ -138,9 +135,6 @@ class _Package:
         items = list(self._model(path).iterfind("{*}resources/{*}object"))
         # Of several with one id, the first.
         return {item.get("id"): item for item in reversed(items)}
-
-    def _read_model(self, path: str) -> ElementTree.Element:
-        return ElementTree.fromstring(self._read(path))
 
     def _root(self) -> str:
         for relationship in ElementTree.fromstring(self._read("_rels/.rels")):

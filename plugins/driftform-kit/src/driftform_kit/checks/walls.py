@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
-from driftform.agent import Mesh
+from driftform_frusta.triangles import Mesh
 
 REACH = 5.0
 """mm: thicker walls are not searched for."""

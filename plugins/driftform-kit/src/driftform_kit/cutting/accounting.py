@@ -8,7 +8,6 @@ import numpy as np
 from driftform.agent import mass_properties, solid_of_revolution
 from driftform.interfaces import ExportJob
 from driftform.types import Agent, Body, Fittings, FloatArray, MassProperties, Moments
-from driftform.water import Fluid
 from driftform_frusta.kit_options import KitOptions, PartOptions
 from driftform_kit.ballast import ball_mass, name_material
 from driftform_kit.cutting.engraving import Engraving
@@ -140,12 +139,20 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     """
     if not options.kit:
         return {}
-    body, fluid = job.agent.body, job.scenario.fluid
+    body = job.agent.body
     kit = make_kit(body, options)
     first = kit.core_joint.joint
     facts: dict[str, Any] = {
         "joint": {"kind": first.kind, "x_mm": first.z, "why": kit.core_joint.reason},
-        "parts": [_facts_of_piece(piece, body.hull_density) for piece in kit.pieces],
+        "parts": [
+            {
+                "name": piece.name,
+                "mass_kg": piece_mass(piece, body.hull_density),
+                "height_mm": float(np.ptp(np.concatenate(piece.rings)[:, 1])),
+                "bed_end": piece.bed_end,
+            }
+            for piece in kit.pieces
+        ],
         "ballast": [
             {
                 "x_mm": held.ball.z,
@@ -162,47 +169,32 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
         "balance": _list_balances(job, kit, options),
     }
     if options.drain:
-        facts["flooded_kg"] = measure_flooding(kit, body, fluid.density)
+        facts["flooded_kg"] = measure_flooding(kit, body, job.scenario.fluid.density)
     return {"kit": facts}
 
 
 def _list_balances(job: ExportJob, kit: Kit, options: PartOptions) -> list[dict[str, Any]]:
-    fluid, printed = job.scenario.fluid, kit_mass(job.agent.body, options)
-    rows = [
-        _balance("simulated", mass_properties(job.agent.body), fluid),
-        _balance("printed", printed, fluid),
+    printed = kit_mass(job.agent.body, options)
+    found = {"simulated": mass_properties(job.agent.body), "printed": printed}
+    if kit.ballast:
+        weight = weigh_kit(job.agent, kit, options)
+        total, moment = weight.closed(weight.flow)
+        found["with ballast"] = replace(printed, mass=total, cog=np.array([moment / total, 0.0, 0.0]))
+    return [
+        {
+            "of": name,
+            "mass_kg": mass.mass,
+            "cog_mm": MM * float(mass.cog[0]),
+            "cob_mm": MM * float(mass.cob[0]),
+            "net_buoyancy_n": mass.net_buoyancy(job.scenario.fluid),
+        }
+        for name, mass in found.items()
     ]
-    if not kit.ballast:
-        return rows
-    weight = weigh_kit(job.agent, kit, options)
-    mass, moment = weight.closed(weight.flow)
-    loaded = replace(printed, mass=mass, cog=np.array([moment / mass, 0.0, 0.0]))
-    return [*rows, _balance("with ballast", loaded, fluid)]
 
 
 def piece_mass(piece: Piece, density: float) -> float:
     """Return the mass of a part of a material of ``density`` (kg/m3), kg."""
     return density * (moments(piece.rings).volume - (piece.engraved.volume if piece.engraved else 0.0))
-
-
-def _facts_of_piece(piece: Piece, density: float) -> dict[str, Any]:
-    z = np.concatenate([ring[:, 1] for ring in piece.rings])
-    return {
-        "name": piece.name,
-        "mass_kg": piece_mass(piece, density),
-        "height_mm": float(np.ptp(z)),
-        "bed_end": "fore" if piece.fore_down else "aft",
-    }
-
-
-def _balance(name: str, mass: MassProperties, fluid: Fluid) -> dict[str, Any]:
-    return {
-        "of": name,
-        "mass_kg": mass.mass,
-        "cog_mm": MM * float(mass.cog[0]),
-        "cob_mm": MM * float(mass.cob[0]),
-        "net_buoyancy_n": mass.net_buoyancy(fluid),
-    }
 
 
 def measure_flooding(kit: Kit, body: Body, water: float) -> float:

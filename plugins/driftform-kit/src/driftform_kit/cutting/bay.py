@@ -15,15 +15,8 @@ from manifold3d import CrossSection, OpType
 from driftform.agent import distance_from
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
-from driftform_kit.cutting.meridian import (
-    Hull,
-    circumradius,
-    grow,
-    list_rings,
-    make_disc,
-    make_polygon,
-    take_right,
-)
+from driftform_kit.cutting import meridian
+from driftform_kit.cutting.meridian import Hull
 
 SEAT = 1.2
 """mm, thickness of a seat: three lines of the usual nozzle."""
@@ -59,7 +52,7 @@ class Ball:
 
     def draw(self, gap: float = 0.0) -> CrossSection:
         """Return its disc, with a gap all round."""
-        return make_disc(self.radius + gap).translate((0.0, self.z))
+        return meridian.make_disc(self.radius + gap).translate((0.0, self.z))
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +82,7 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
         return False
     places = np.linspace(0.0, play, _STEPS)
     # Elsewhere no edge is within the disc, so that it meets nothing.
-    touched = distance_along(near, ball.z + side * places) <= circumradius(ball.radius)
+    touched = distance_along(near, ball.z + side * places) <= meridian.circumradius(ball.radius)
     rest = next((along for along in places[touched].tolist() if meets(0.0, along)), play)
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
@@ -105,7 +98,7 @@ def _spans(section: CrossSection, low: float, high: float) -> bool:
 def distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> FloatArray:
     """Return the distance of points of the axis, at some heights, from the edges of parts, mm."""
     points = np.column_stack((np.zeros_like(heights), heights))
-    rings = [ring for part in parts for ring in list_rings(part)]
+    rings = [ring for part in parts for ring in meridian.list_rings(part)]
     apart = [distance_from(points, np.concatenate((ring, ring[:1]))) for ring in rings]
     nearest: FloatArray = np.min(apart, axis=0)
     return nearest
@@ -139,8 +132,13 @@ def draw_seat(
 ) -> CrossSection | None:
     """Return the section of a cone on one side of a ball that merges with a part and is clear of others; ``None`` without room."""
     taken = CrossSection.batch_boolean(list(others), OpType.Add)
-    for latitude in _LATITUDES_DEG:
-        section = _draw_cone(hull, ball, math.radians(latitude), side, gap)
+    far = 2 * float(np.abs(hull.skin).max())
+    for latitude in np.radians(_LATITUDES_DEG).tolist():
+        # A strip about the ray from the ball's centre at that latitude.
+        along = np.array([math.cos(latitude), side * math.sin(latitude)])
+        across = np.array([-along[1], along[0]]) * SEAT / 2
+        strip = np.array([-across, far * along - across, far * along + across, across])
+        section = _cut_nearest(hull, ball, strip, gap)
         if _fits(section, part, taken, gap):
             return section
     return None
@@ -162,24 +160,14 @@ def draw_tube(
 
 
 def _fits(section: CrossSection, part: CrossSection, taken: CrossSection, gap: float) -> bool:
-    held = (grow(section, _TOUCHING) ^ part).area() > _AREA
-    return bool(held and (grow(section, gap) ^ taken).area() < _AREA)
-
-
-def _draw_cone(hull: Hull, ball: Ball, latitude: float, side: int, gap: float) -> CrossSection:
-    """The section of a cone about the ray from a ball's centre at a latitude, from the ball to the nearest wall."""
-    along = np.array([math.cos(latitude), side * math.sin(latitude)])
-    across = np.array([-along[1], along[0]]) * SEAT / 2
-    far = 2 * float(np.abs(hull.skin).max())
-    return _cut_nearest(
-        hull, ball, np.array([-across, far * along - across, far * along + across, across]), gap
-    )
+    held = (meridian.grow(section, _TOUCHING) ^ part).area() > _AREA
+    return bool(held and (meridian.grow(section, gap) ^ taken).area() < _AREA)
 
 
 def _cut_nearest(hull: Hull, ball: Ball, corners: FloatArray, gap: float) -> CrossSection:
     """The piece of a strip, given from a ball's centre, between the ball and the nearest wall."""
-    strip = make_polygon(corners + np.array([0.0, ball.z]))
-    pieces = ((take_right(strip) ^ hull.inside) - ball.draw(gap)).decompose()
+    strip = meridian.make_polygon(corners + np.array([0.0, ball.z]))
+    pieces = ((meridian.take_right(strip) ^ hull.inside) - ball.draw(gap)).decompose()
     if not pieces:
         return CrossSection()
 

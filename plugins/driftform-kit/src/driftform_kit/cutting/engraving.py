@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from manifold3d import CrossSection
 
 from driftform.types import FloatArray
 from driftform_frusta.csg import Intersection, Named, Node, Revolve, Rotate, Text, Translate, Union
@@ -65,8 +64,12 @@ def engrave(
     placed = Translate((0.0 if outside else reach, 0.0, begin + size * STROKE / 2), prism)
     window = make_slab(begin - MARGIN / 2, end + MARGIN / 2)
 
-    layer = take_half(_draw_layer(hull, depth, outside) ^ window)
-    tool = Intersection((placed, Union(tuple(Revolve(*rings) for rings in split_pieces(layer)))))
+    if outside:
+        layer = grow(hull.outer, _PROUD) - grow(hull.outer, -depth)
+    else:
+        layer = grow(hull.cavity, depth) - grow(hull.cavity, -_PROUD)
+    pieces = split_pieces(take_half(layer ^ window))
+    tool = Intersection((placed, Union(tuple(Revolve(*rings) for rings in pieces))))
     volume, centroid = _integrate_text(hull, begin, options)
     return Engraving(Named(f"engraved: {options.engrave}", tool), volume, centroid)
 
@@ -114,12 +117,6 @@ def _sample_letters(text: str, size: float) -> tuple[FloatArray, FloatArray, Flo
     row, column = np.nonzero(inside)
     area = np.full(len(row), float(letters.area()) / len(row))
     return x[column], y[row] - size / 2, area
-
-
-def _draw_layer(hull: Hull, depth: float, outside: bool) -> CrossSection:
-    if outside:
-        return grow(hull.outer, _PROUD) - grow(hull.outer, -depth)
-    return grow(hull.cavity, depth) - grow(hull.cavity, -_PROUD)
 
 
 def _find_place(

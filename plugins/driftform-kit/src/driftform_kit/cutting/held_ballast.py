@@ -12,18 +12,10 @@ import numpy as np
 from manifold3d import CrossSection
 
 from driftform.errors import WorkFailedError
-from driftform.types import FloatArray
+from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, distance_along, draw_seat, draw_tube, is_held
 from driftform_kit.cutting.joint import Joint, takes_core_aft
-from driftform_kit.cutting.meridian import (
-    Hull,
-    Ring,
-    list_rings,
-    make_disc,
-    moments,
-    take_half,
-    take_right,
-)
+from driftform_kit.cutting.meridian import Hull, Ring
 from driftform_kit.cutting.upright import prints_fore_down
 
 _AREA = 1e-3
@@ -72,13 +64,13 @@ def hold_ballast(
         return ()
     core = hull.core - _ROUNDING
     # In the shell that takes the core, the core passes from the joint to the origin. The other shell is put over it.
-    path = make_disc(core) + make_disc(core).translate((0.0, core_joint.z))
+    path = meridian.make_disc(core) + meridian.make_disc(core).translate((0.0, core_joint.z))
     path += CrossSection.square((2 * core, abs(core_joint.z))).translate((-core, min(0.0, core_joint.z)))
     shell = joints.index(core_joint) + (not takes_core_aft(core_joint))
     held = []
     for ball in balls:
         part = sum(joint.z < ball.z for joint in joints)
-        kept_free = [path if part == shell else make_disc(core)]
+        kept_free = [path if part == shell else meridian.make_disc(core)]
         kept_free += [*(other.draw(-_ROUNDING) for other in balls if other is not ball)]
         if (ball.draw() ^ kept_free[0]).area() > _AREA:
             raise _refuse(ball, hull, "the core is there, or passes there")
@@ -102,14 +94,8 @@ def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float
     inward = 1 if z > mouth.z else -1
     # A plug reaches out of its part; a socket begins at the cut.
     begin = mouth.tip if mouth.side == inward else mouth.z
-    return float(narrowest(hull, part, np.linspace(begin, z, 2 + int(abs(z - begin) / _STEP))))
-
-
-def narrowest(hull: Hull, part: CrossSection, heights: FloatArray) -> float:
-    """Return the least distance of a part's section from the points of the axis at some heights, mm."""
-    if hull.bore_radius(heights).min() <= 0:
-        return 0.0
-    return float(distance_along([part], heights).min())
+    way = np.linspace(begin, z, 2 + int(abs(z - begin) / _STEP))
+    return float(distance_along([part], way).min()) if hull.bore_radius(way).min() > 0 else 0.0
 
 
 def _hold(
@@ -162,12 +148,11 @@ def _support(
     sections = [s for s in drawn if s is not None and (s - parts[part]).area() > _LEAST]
     if not sections:
         return False, None
-    return True, Seat(min(sections, key=lambda section: _measure(section - parts[part])), part)
 
+    def added_volume(section: CrossSection) -> float:
+        return meridian.moments(meridian.list_rings(meridian.take_right(section - parts[part]))).volume
 
-def _measure(section: CrossSection) -> float:
-    """The volume of a revolved section, m3."""
-    return moments(list_rings(take_right(section))).volume
+    return True, Seat(min(sections, key=added_volume), part)
 
 
 def _opens_upward(hull: Hull, ball: Ball, side: int) -> bool:
@@ -176,7 +161,7 @@ def _opens_upward(hull: Hull, ball: Ball, side: int) -> bool:
 
 
 def _fore_down(section: CrossSection) -> bool:
-    return prints_fore_down(list_rings(take_half(section)))
+    return prints_fore_down(meridian.list_rings(meridian.take_half(section)))
 
 
 def pause_height(held: HeldBall, rings: Sequence[Ring]) -> float:

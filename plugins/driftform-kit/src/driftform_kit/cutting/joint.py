@@ -150,19 +150,15 @@ def draw_joint(hull: Hull, joint: Joint) -> Fit:
     outside = grow(passage, -joint.gap)
     inside = grow(widened, -joint.gap - joint.plug)
     ring = (outside - inside) ^ joint.draw_slab(-joint.lap, joint.plug)
-    plug = (ring - _draw_relief(joint, line)) + (_draw_root(hull, joint) ^ hull.inside)
+    # The root of the plug, from the wall inward; its far side slopes by 45 degrees.
+    r, height = plug_bore(hull, joint), joint.plug
+    root = _draw_symmetric(joint, [(r, 0.0), (r, height), (wide, height + wide - r), (wide, 0.0)])
+    plug = (ring - _draw_relief(joint, line)) + (root ^ hull.inside)
     return Fit(pad, pocket, plug ^ hull.outer)
 
 
 def _draw_symmetric(joint: Joint, points: list[tuple[float, float]]) -> CrossSection:
     return make_polygons([[(sign * r, joint.z + joint.side * s) for r, s in points] for sign in (1, -1)])
-
-
-def _draw_root(hull: Hull, joint: Joint) -> CrossSection:
-    """The root of the plug, from the wall inward; its far side slopes by 45 degrees."""
-    r, wide = plug_bore(hull, joint), hull.widest + 1
-    height = joint.plug
-    return _draw_symmetric(joint, [(r, 0.0), (r, height), (wide, height + wide - r), (wide, 0.0)])
 
 
 def _draw_relief(joint: Joint, line: Line) -> CrossSection:
@@ -171,27 +167,15 @@ def _draw_relief(joint: Joint, line: Line) -> CrossSection:
         return CrossSection()
     surface = _plug_radius(joint, line)
     low, beyond = surface - LEAD, 5.0
-    cut = _draw_symmetric(
-        joint,
-        [
-            (low - 1, -joint.lap - 1),
-            (surface + beyond, -joint.lap + LEAD + beyond),
-            (surface + beyond, -joint.lap - 1),
-        ],
-    )
+    outer = surface + beyond
+    chamfer = [(low - 1, -joint.lap - 1), (outer, -joint.lap + LEAD + beyond), (outer, -joint.lap - 1)]
+    cut = _draw_symmetric(joint, chamfer)
     if joint.groove:
         bottom = surface - joint.groove
         width = GROOVE_WIDTH * joint.cord
         near = -(joint.lap - width - joint.groove) / 2
         far = near - width
-        cut += _draw_symmetric(
-            joint,
-            [
-                (surface + 1, near),
-                (bottom, near),
-                (bottom, far),
-                # The side that overhangs when the tip is up.
-                (surface + 1, far - joint.groove - 1),
-            ],
-        )
+        # The last side overhangs when the tip is up.
+        ring = [(surface + 1, near), (bottom, near), (bottom, far), (surface + 1, far - joint.groove - 1)]
+        cut += _draw_symmetric(joint, ring)
     return cut

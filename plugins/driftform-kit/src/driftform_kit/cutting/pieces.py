@@ -6,32 +6,19 @@ from itertools import pairwise
 
 from manifold3d import CrossSection
 
-from driftform.agent import hull_volume
 from driftform.errors import WorkFailedError
 from driftform.types import Body
+from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.printable import check_printable_section, refuse_other_volume
+from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, place_seats
 from driftform_kit.cutting.cut import CoreJoint, choose_bed_joints, choose_core_joint
 from driftform_kit.cutting.drain import add_drain
 from driftform_kit.cutting.engraving import Engraving, engrave, list_occupied
 from driftform_kit.cutting.held_ballast import HeldBall, hold_ballast, pause_height
 from driftform_kit.cutting.joint import Joint, draw_joint
-from driftform_kit.cutting.meridian import (
-    FAR,
-    MM,
-    Hull,
-    Ring,
-    draw_hull,
-    list_rings,
-    make_disc,
-    make_slab,
-    moments,
-    signed_area,
-    subtract_near,
-    take_half,
-    take_right,
-)
+from driftform_kit.cutting.meridian import MM, Hull, Ring
 from driftform_kit.cutting.upright import prints_fore_down
 
 
@@ -50,6 +37,11 @@ class Piece:
     def fore_down(self) -> bool:
         """Whether it is printed with its fore end on the bed."""
         return prints_fore_down(self.rings)
+
+    @property
+    def bed_end(self) -> str:
+        """The end that is printed on the bed."""
+        return "fore" if self.fore_down else "aft"
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,9 +79,11 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     """
     # A hull that cannot be printed whole cannot be cut either.
     check_printable_section(body)
-    hull, gap = draw_hull(body), MM * options.clearance
+    hull, gap = meridian.draw_hull(body), MM * options.clearance
     refuse_other_volume(
-        MM**3 * moments(list_rings(take_right(hull.material))).volume, hull_volume(body), "hull"
+        MM**3 * meridian.moments(meridian.list_rings(meridian.take_right(hull.material))).volume,
+        hull_volume(body),
+        "hull",
     )
     if options.engrave and MM * options.engrave_depth > hull.wall / 2:
         raise WorkFailedError(
@@ -119,14 +113,14 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
 
 def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:
     """The sections of the parts, without seats."""
-    bounds = [-FAR, *(joint.z for joint in joints), FAR]
-    sections = [hull.material ^ make_slab(low, high) for low, high in pairwise(bounds)]
-    core = make_disc(hull.room(gap))
+    bounds = [-meridian.FAR, *(joint.z for joint in joints), meridian.FAR]
+    sections = [hull.material ^ meridian.make_slab(low, high) for low, high in pairwise(bounds)]
+    core = meridian.make_disc(hull.room(gap))
     for index, joint in enumerate(joints):
         made = draw_joint(hull, joint)
         plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
-        sections[plug] += subtract_near(made.plug, core)
-        sections[socket] += subtract_near(made.pad, core)
+        sections[plug] += meridian.subtract_near(made.plug, core)
+        sections[socket] += meridian.subtract_near(made.pad, core)
         sections[socket] -= made.pocket
     return sections
 
@@ -137,11 +131,11 @@ def _name_part(index: int, inner: int) -> str:
 
 
 def _take_rings(section: CrossSection, name: str) -> tuple[Ring, ...]:
-    right = take_half(section)
+    right = meridian.take_half(section)
     if len(right.decompose()) != 1:
         raise WorkFailedError(f"no kit can be made: its {name} falls into {len(right.decompose())} pieces")
     # A pocket between a plug and a seat would be sealed: it is filled.
-    return tuple(ring for ring in list_rings(right) if signed_area(ring) > 0)
+    return tuple(ring for ring in meridian.list_rings(right) if meridian.signed_area(ring) > 0)
 
 
 def _engrave_parts(

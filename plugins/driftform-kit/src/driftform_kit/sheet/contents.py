@@ -47,11 +47,6 @@ class SheetPart:
     overhang: float
 
     @property
-    def bed_end(self) -> str:
-        """The end that is printed on the bed."""
-        return "fore" if self.piece.fore_down else "aft"
-
-    @property
     def printed(self) -> tuple[Ring, ...]:
         """Its half section as printed: (r, z) in mm, the bed at z = 0."""
         up = -1.0 if self.piece.fore_down else 1.0
@@ -134,14 +129,8 @@ def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
         range(len(kit.pieces)), key=lambda place: (place != first, abs(place - inner - 0.5), place > inner)
     )
     return tuple(
-        SheetPart(
-            number,
-            place,
-            kit.pieces[place],
-            piece_mass(kit.pieces[place], density),
-            overhang_area(kit.pieces[place].rings, kit.pieces[place].fore_down),
-        )
-        for number, place in enumerate(order, 1)
+        SheetPart(number, place, p, piece_mass(p, density), overhang_area(p.rings, p.fore_down))
+        for number, (place, p) in enumerate(((place, kit.pieces[place]) for place in order), 1)
     )
 
 
@@ -216,16 +205,14 @@ class _Writer:
         )
         # Of two balls that go in by one mouth, the deeper one is first.
         inserted = sorted(
-            ((mouth, held) for held in kit.ballast if (mouth := self.find_mouth(held)) is not None),
+            ((kit.joints[held.mouth], held) for held in kit.ballast if held.mouth is not None),
             key=lambda pair: -abs(pair[1].ball.z - pair[0].z),
         )
         numbers = {held: by_place[held.part].number for held in kit.ballast}
         steps = [
             self.describe_printing(),
             *(self.describe_pause(held, numbers[held]) for held in enclosed),
-            self.describe_weighing(
-                [(held, numbers[held]) for held in enclosed], target.mass - body.core.mass
-            ),
+            self.describe_weighing({held: numbers[held] for held in enclosed}),
             self.describe_trim(),
             *(self.describe_insertion(held, numbers[held], mouth) for mouth, held in inserted),
             f"Lay the core ({self.core}) into part 1, the {parts[0].piece.name}. It must reach its seat and not jam.",
@@ -245,9 +232,6 @@ class _Writer:
             "bubbles."
         )
         return steps
-
-    def find_mouth(self, held: HeldBall) -> Joint | None:
-        return None if held.mouth is None else self.kit.joints[held.mouth]
 
     def describe_printing(self) -> str:
         flow = ""
@@ -269,17 +253,18 @@ class _Writer:
             text += f" Print part {' and '.join(narrow)} with a brim: the foot is small for the height."
         return text
 
-    def describe_weighing(self, enclosed: list[tuple[HeldBall, int]], most: float) -> str:
-        """How to weigh; ``most`` is what the parts may weigh, kg: those that weigh more need no ballast."""
+    def describe_weighing(self, enclosed: dict[HeldBall, int]) -> str:
+        """How to weigh parts, with the balls in them and their numbers: parts that weigh more than the most need no ballast."""
         text = "Weigh the loose parts and the core, and write down what they weigh."
-        for held, number in enclosed:
+        for held, number in enclosed.items():
             mass = _grams(held_mass(held, self.options))
             text += f" Take {mass} off part {number} for ball {name_mark(held, self.kit)} inside."
         if self.printed.most <= 0:
             return text
         aim = _grams(self.printed.flow * self.printed.mass)
+        most = _grams(self.job.agent.mass.mass - self.job.agent.body.core.mass)
         return (
-            f"{text} The parts should weigh {aim} together. If they weigh more than {_grams(most)}, print them again, with the "
+            f"{text} The parts should weigh {aim} together. If they weigh more than {most}, print them again, with the "
             f"flow times {aim} over what they weigh."
         )
 

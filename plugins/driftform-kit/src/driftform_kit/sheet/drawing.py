@@ -49,16 +49,12 @@ _GAP = 26.0
 def sheet_svg(sheet: Sheet) -> str:
     """Return an assembly sheet: the closed kit, its parts as printed, the steps, and the weights."""
     count = len(sheet.parts)
-    root = svg.start_document(
-        _WIDTH,
-        _HEIGHT,
-        f"{sheet.title}: assembly sheet",
-        f"The {count} parts of a kit to scale, the order of their assembly, their weights, trim and sealing. "
-        + " ".join(sheet.steps),
-        unit="mm",
+    title = f"{sheet.title}: assembly sheet"
+    about = (
+        f"The {count} parts of a kit to scale, the order of their assembly, their weights, trim and sealing."
     )
-    title = layout.shorten(f"{sheet.title}: assembly sheet", 20, _RIGHT - _LEFT, bold=True)
-    layout.write(root, _LEFT, 56, title, 20, bold=True)
+    root = svg.start_document(_WIDTH, _HEIGHT, title, " ".join([about, *sheet.steps]), unit="mm")
+    layout.write(root, _LEFT, 56, layout.shorten(title, 20, _RIGHT - _LEFT, bold=True), 20, bold=True)
     what = f"{count} printed parts and a core ({sheet.core})"
     layout.write(root, _LEFT, 76, layout.shorten(what, _TEXT, _RIGHT - _LEFT), _TEXT, style.MUTED)
     layout.write(root, _LEFT, 90, "All positions are distances from the aft end, mm.", _TEXT, style.MUTED)
@@ -99,12 +95,8 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
     def place(ring: Ring, side: float) -> FloatArray:
         return np.column_stack((x_of + scale * ring[:, 1], axis - side * scale * ring[:, 0]))
 
-    _draw_heading(
-        root,
-        _LEFT,
-        top + 4,
-        f"Closed kit, cut along the axis, scale {name}; fore on the right",
-    )
+    heading = f"Closed kit, cut along the axis, scale {name}; fore on the right"
+    _draw_heading(root, _LEFT, top + 4, heading)
     for part in sheet.parts:
         for side in (1.0, -1.0):
             _draw_section(root, [place(ring, side) for ring in part.piece.rings], part.place)
@@ -113,10 +105,7 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
         ("ballast", held.ball.z, held.ball.radius, style.tint(style.INK, 0.5)) for held in sheet.kit.ballast
     ]
     for kind, z, radius_mm, fill in balls:
-        svg.add(
-            root, "circle", class_=kind, cx=x_of + scale * z, cy=axis, r=scale * radius_mm, fill=fill,
-            stroke=style.INK, stroke_width=0.8,
-        )  # fmt: skip
+        svg.add_circle(root, x_of + scale * z, axis, scale * radius_mm, fill, style.INK, 0.8, class_=kind)
     line = svg.path_data([(start - 12, axis), (start + scale * length + 12, axis)])
     svg.add_line(root, line, style.INK, 0.6, "axis", stroke_dasharray="12 3 2 3")
     bounds = [sheet.aft, *(joint.z for joint in sheet.kit.joints), sheet.aft + length]
@@ -208,7 +197,7 @@ def _draw_part(
     svg.add_line(root, svg.path_data([(middle - half, bed), (middle + half, bed)]), style.INK, 1.4, "bed")
     lines = [
         f"Ø {diameter:.1f} x {height:.1f} mm",
-        f"{part.bed_end} end down{', engraved' if part.piece.engraved is not None else ''}",
+        f"{part.piece.bed_end} end down{', engraved' if part.piece.engraved is not None else ''}",
     ]
     name = layout.shorten(part.piece.name, _TEXT, width - 20, bold=True)
     left = middle - layout.text_width(name, _TEXT, bold=True) / 2
@@ -229,7 +218,7 @@ def _draw_section(root: ET.Element, rings: Sequence[FloatArray], place: int) -> 
 
 def _draw_mark(root: ET.Element, x: float, y: float, mark: str, colour: str) -> None:
     """Draw the number of a part, or the letter of a ball of ballast, in a circle."""
-    svg.add(root, "circle", cx=x, cy=y, r=8.5, fill="#ffffff", stroke=colour, stroke_width=1.6)
+    svg.add_circle(root, x, y, 8.5, "#ffffff", colour, 1.6)
     layout.write(root, x, y + 4, mark, _TEXT, anchor="middle", bold=True, class_="number")
 
 

@@ -18,12 +18,14 @@ def linear_damping(agent: Agent) -> FloatArray:
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:
     """Return the speed, m/s, at which an agent with drag by strips rises or sinks across its axis."""
-    from driftform.motion import terminal_speeds
+    from driftform.motion import forces
 
     drag = agent.coefficients.drag
     if drag is None:
         return MIN_SPEED
-    _, across = terminal_speeds(drag, agent.mass.net_buoyancy(fluid), True, fluid.density, fluid.viscosity)
+    _, across = forces.terminal_speeds(
+        drag, agent.mass.net_buoyancy(fluid), True, fluid.density, fluid.viscosity
+    )
     return max(across, MIN_SPEED)
 
 
@@ -52,7 +54,7 @@ def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
     ``nu`` holds the velocity of the centre of gravity relative to the water, m/s, and the angular velocity, rad/s, both
     in body axes, (6,).
     """
-    from driftform.motion import still_water_wrench
+    from driftform.motion import forces
 
     coefficients, cog = agent.coefficients, agent.mass.cog
     velocity, omega = nu[:3], nu[3:]
@@ -70,7 +72,7 @@ def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
     if drag is not None:
         x, y, z = (velocity - np.cross(omega, cog)).tolist()
         p, q, r = omega.tolist()
-        own = still_water_wrench(drag, (x, y, z), (p, q, r), fluid.density, fluid.viscosity)
+        own = forces.still_water_wrench(drag, (x, y, z), (p, q, r), fluid.density, fluid.viscosity)
         wrench[3:] += own[3:]
         add(own[:3], np.zeros(3))
     return wrench

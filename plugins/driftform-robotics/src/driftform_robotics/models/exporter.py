@@ -9,7 +9,7 @@ import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Exporter, ExportJob, Table, option
-from driftform.types import Body, FloatArray, WrittenFile
+from driftform.types import FloatArray, WrittenFile
 from driftform.util import files as writing
 from driftform_robotics.models.link import Link, make_link, warn_of_damping, warn_of_flow, warn_of_folding
 from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolve_contour
@@ -67,12 +67,8 @@ class Model:
 
     def list_warnings(self) -> list[str]:
         """Return what no format can represent exactly: a folded outline, a varying flow, drag by strips."""
-        scenario = self.job.scenario
-        return [
-            *warn_of_folding(self.job.agent.body),
-            *warn_of_flow(scenario),
-            *warn_of_damping(self.link),
-        ]
+        folding, flow = warn_of_folding(self.job.agent.body), warn_of_flow(self.job.scenario)
+        return [*folding, *flow, *warn_of_damping(self.link)]
 
 
 class ModelExporter(Exporter[OptionsT_co]):
@@ -95,10 +91,15 @@ class ModelExporter(Exporter[OptionsT_co]):
         """
         options, agent = self.options, job.agent
         speed = options.drag_speed if isinstance(options, ModelOptions) else None
-        pieces = cut_hull(agent.body)
+        contour = agent.body.outer
+        if len(contour) < 3 or contour[0, 1] or contour[-1, 1] or not (contour[1:-1, 1] > 0).any():
+            raise WorkFailedError(
+                "the hull is not a solid: its outer contour does not start and end on the axis"
+            )
+        pieces = convex_pieces(contour)
         model = Model(job, make_identifier(job.name), make_link(job, speed), pieces)
         texts, warnings = self.make_files(model)
-        texts[HULL] = obj_text(revolve_contour(agent.body.outer).translate(-agent.mass.cog))
+        texts[HULL] = obj_text(revolve_contour(contour).translate(-agent.mass.cog))
         texts |= {piece_path(i): obj_text(piece.mesh) for i, piece in enumerate(pieces)}
         try:
             with writing.write_folder(path) as part:
@@ -118,20 +119,6 @@ class ModelExporter(Exporter[OptionsT_co]):
 def piece_path(index: int) -> str:
     """Return the path of one convex piece, whose mesh is about its own centroid."""
     return f"meshes/piece_{index:02d}.obj"
-
-
-def cut_hull(body: Body) -> list[Piece]:
-    """Return the convex pieces of the outer hull.
-
-    Raises
-    ------
-    WorkFailedError
-        if the contour does not enclose a solid.
-    """
-    contour = body.outer
-    if len(contour) < 3 or contour[0, 1] or contour[-1, 1] or not (contour[1:-1, 1] > 0).any():
-        raise WorkFailedError("the hull is not a solid: its outer contour does not start and end on the axis")
-    return convex_pieces(contour)
 
 
 def _list_facts(link: Link, warnings: list[str]) -> dict[str, Any]:

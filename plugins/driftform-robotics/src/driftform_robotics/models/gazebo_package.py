@@ -3,88 +3,10 @@
 from collections.abc import Sequence
 
 from driftform_robotics.models.exporter import Model
-from driftform_robotics.models.ros2 import Bridge, make_package
+from driftform_robotics.models.ros2 import Bridge, make_package, read_template
 
 WORLD = "driftform"
 """Name of the world in Gazebo."""
-
-_LAUNCH = """\
-\"\"\"Start Gazebo with the agent, and the bridge of its topics to ROS.\"\"\"
-
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, SetLaunchConfiguration
-from launch.conditions import IfCondition, UnlessCondition
-from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
-from launch_ros.actions import Node
-from launch_ros.substitutions import FindPackageShare
-
-
-def generate_launch_description():
-    \"\"\"Return Gazebo and the bridge; world:=world.sdf has the pipe at rest.\"\"\"
-    share = FindPackageShare('PACKAGE')
-    world = PathJoinSubstitution([share, LaunchConfiguration('world')])
-    gazebo = PathJoinSubstitution([FindPackageShare('ros_gz_sim'), 'launch', 'gz_sim.launch.py'])
-    paused = LaunchConfiguration('paused')
-    return LaunchDescription([
-        DeclareLaunchArgument('world', default_value='FIRST', description='file of the world'),
-        DeclareLaunchArgument('paused', default_value='PAUSED', description='true: start paused'),
-        DeclareLaunchArgument('options', default_value='', description='more options of Gazebo'),
-        SetLaunchConfiguration('run', '', condition=IfCondition(paused)),
-        SetLaunchConfiguration('run', '-r', condition=UnlessCondition(paused)),
-        IncludeLaunchDescription(
-            PythonLaunchDescriptionSource([gazebo]),
-            launch_arguments={
-                'gz_args': [
-                    LaunchConfiguration('run'), ' ', LaunchConfiguration('options'), ' ', world,
-                ],
-                'on_exit_shutdown': 'true',
-            }.items(),
-        ),
-        Node(
-            package='ros_gz_bridge',
-            executable='parameter_bridge',
-            parameters=[{
-                'config_file': PathJoinSubstitution([share, 'config', 'bridge.yaml']),
-                'use_sim_time': True,
-            }],
-        ),
-    ])
-"""
-
-_README = """\
-# {package}
-
-The agent {agent} of driftform with its pipe, water and current for Gazebo, in a ROS 2 package. Without ROS, run
-`{program} {sim} {first}` in this folder.
-
-## Build and start
-
-Copy this folder into the `src` folder of a workspace with `ros_gz`, then
-
-    colcon build --packages-select {package}
-    source install/setup.bash
-    ros2 launch {package} start.launch.py
-
-{start}
-## Worlds
-
-{worlds}
-## Topics
-
-`config/bridge.yaml` connects these topics:
-
-| ROS | type | direction |
-|---|---|---|
-{topics}
-
-`/{title}/poses` has the poses of the models and links that move, by name. The origin of `base_link` is the centre of
-gravity; the core's centre is the frame `core` of the model. x points forward along the axis, z up; SI units.
-
-## What the files cannot represent
-
-{warnings}
-"""
 
 _DRIFT = """\
 - `drift.sdf` (the default) is in the frame of the water: the pipe and the targets move past water at rest. The motion
@@ -124,9 +46,9 @@ def gazebo_package(
     first = "drift.sdf" if "drift.sdf" in files else "world.sdf"
     push = {"drift.sdf": "push_drift.sh", "world.sdf": "push.sh"}[first]
     bridges = _list_bridges(title, messages)
-    launch = _LAUNCH.replace("PACKAGE", name).replace("FIRST", first)
+    launch = read_template("start.launch.py.in").replace("PACKAGE", name).replace("FIRST", first)
     current = " ".join(f"{u:g}" for u in model.job.scenario.current().tolist())
-    readme = _README.format(
+    readme = read_template("gazebo-readme.md.in").format(
         package=name,
         agent=model.job.name,
         title=title,
@@ -158,14 +80,22 @@ _WAYS = {"GZ_TO_ROS": "from Gazebo", "ROS_TO_GZ": "to Gazebo"}
 
 
 def _list_bridges(title: str, messages: str) -> list[Bridge]:
-    world = f"/world/{WORLD}"
-    rows = [
-        ("/clock", "/clock", "rosgraph_msgs/msg/Clock", "Clock", "GZ_TO_ROS"),
-        (f"/{title}/poses", f"{world}/dynamic_pose/info", "tf2_msgs/msg/TFMessage", "Pose_V", "GZ_TO_ROS"),
-        (f"/{title}/current", "/ocean_current", "geometry_msgs/msg/Vector3", "Vector3d", "ROS_TO_GZ"),
+    world, poses = f"/world/{WORLD}", f"/{title}/poses"
+    found = [
+        Bridge("/clock", "/clock", "rosgraph_msgs/msg/Clock", f"{messages}.Clock", "GZ_TO_ROS"),
+        Bridge(
+            poses, f"{world}/dynamic_pose/info", "tf2_msgs/msg/TFMessage", f"{messages}.Pose_V", "GZ_TO_ROS"
+        ),
+        Bridge(
+            f"/{title}/current",
+            "/ocean_current",
+            "geometry_msgs/msg/Vector3",
+            f"{messages}.Vector3d",
+            "ROS_TO_GZ",
+        ),
     ]
     if messages == "gz.msgs":
         # The bridge of Fortress knows no such message.
-        kind = "ros_gz_interfaces/msg/EntityWrench"
-        rows.append((f"/{title}/wrench", f"{world}/wrench", kind, "EntityWrench", "ROS_TO_GZ"))
-    return [Bridge(ros, own, kind, f"{messages}.{message}", way) for ros, own, kind, message, way in rows]
+        kind, own = "ros_gz_interfaces/msg/EntityWrench", f"{messages}.EntityWrench"
+        found.append(Bridge(f"/{title}/wrench", f"{world}/wrench", kind, own, "ROS_TO_GZ"))
+    return found

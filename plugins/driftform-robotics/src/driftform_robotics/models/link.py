@@ -1,5 +1,6 @@
 """ExportJob -> the link that all formats write, about the centre of gravity and along the body's axes."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,6 +59,13 @@ class Link:
         return rotations.matrix_from_quaternion(self.quaternion)
 
     @property
+    def rigid_mass(self) -> FloatArray:
+        """Mass matrix of the body without water, (6, 6)."""
+        matrix = np.diag([self.mass] * 3 + [0.0] * 3)
+        matrix[3:, 3:] = self.inertia
+        return matrix
+
+    @property
     def momentum(self) -> FloatArray:
         """Impulse that accelerates the body and its added mass from rest to the release velocity, world frame, (6,)."""
         total = self.added_mass + np.diag([self.mass] * 3 + [0.0] * 3)
@@ -72,7 +80,7 @@ def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
     agent, scenario = job.agent, job.scenario
     mass = agent.mass
     speed = drag_speed or reference_speed(agent, scenario.fluid)
-    quaternion = scenario.release_quaternion()
+    quaternion, velocity = scenario.release_quaternion(), scenario.release_velocity()
     return Link(
         mass=mass.mass,
         inertia=mass.inertia,
@@ -86,64 +94,55 @@ def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
         drag_speed=speed if agent.coefficients.drag is not None else 0.0,
         position=scenario.release_position() + rotations.matrix_from_quaternion(quaternion) @ mass.cog,
         quaternion=quaternion,
-        velocity=_release_velocity(scenario),
+        velocity=scenario.current() if velocity is None else velocity,
     )
 
 
-def _release_velocity(scenario: Scenario) -> FloatArray:
-    velocity = scenario.release_velocity()
-    return scenario.current() if velocity is None else velocity
-
-
-def warn_of_flow(scenario: Scenario) -> list[str]:
+def warn_of_flow(scenario: Scenario) -> Iterator[str]:
     """Warn if a uniform, steady current cannot represent the scenario's flow."""
     flow = scenario.flow
     if not scenario.pipe.is_open and scenario.pipe.straight is None:
-        return [
+        yield (
             f"The current in this file is the mean at the inlet, {flow.speed:g} m/s in one direction everywhere: it does not "
             "turn with the pipe."
-        ]
-    if flow.kind != "uniform":
-        return [
+        )
+    elif flow.kind != "uniform":
+        yield (
             f"The flow '{flow.kind}' varies in space or time: the current in this file is its mean, "
             f"{flow.speed:g} m/s along the pipe."
-        ]
-    if flow.acceleration:
-        return [f"The current's acceleration of {flow.acceleration:g} m/s2 is left out."]
-    return []
+        )
+    elif flow.acceleration:
+        yield f"The current's acceleration of {flow.acceleration:g} m/s2 is left out."
 
 
-def warn_of_folding(body: Body) -> list[str]:
+def warn_of_folding(body: Body) -> Iterator[str]:
     """Warn if the outline cannot be cut into convex pieces."""
-    if not folds_back(body.outer):
-        return []
-    return [
-        "The outline folds back along the axis: the hull collides as one piece, which most programs replace by its "
-        "convex hull."
-    ]
+    if folds_back(body.outer):
+        yield (
+            "The outline folds back along the axis: the hull collides as one piece, which most programs replace by its "
+            "convex hull."
+        )
 
 
-def warn_of_damping(link: Link) -> list[str]:
+def warn_of_damping(link: Link) -> Iterator[str]:
     """Warn if drag by strips was converted to quadratic damping."""
-    if not link.drag_speed:
-        return []
-    return [
-        "Quadratic damping replaces drag by strips: it is equal for motion along one axis at "
-        f"{link.drag_speed:.3g} m/s, and smaller for motion along several axes at once."
-    ]
+    if link.drag_speed:
+        yield (
+            "Quadratic damping replaces drag by strips: it is equal for motion along one axis at "
+            f"{link.drag_speed:.3g} m/s, and smaller for motion along several axes at once."
+        )
 
 
-def warn_of_divergence(link: Link, smoothing: float) -> list[str]:
+def warn_of_divergence(link: Link, smoothing: float) -> Iterator[str]:
     """Warn if added mass times the acceleration of the previous step diverges.
 
     If accelerations are smoothed by a <- (1 - s) a + s da, with s = ``smoothing``, a mode whose ratio of added to own
     mass is lambda multiplies a by 1 - s - s lambda in every step: it diverges for lambda >= 2/s - 1.
     """
     limit = 2 / smoothing - 1
-    if link.added_mass_ratio < limit:
-        return []
-    return [
-        "UNSTABLE: this simulator multiplies the added mass by the acceleration of the previous step, which diverges "
-        f"for any step if the added mass is {limit:.2f} times the agent's own mass or more; "
-        f"here it is {link.added_mass_ratio:.2f} times."
-    ]
+    if link.added_mass_ratio >= limit:
+        yield (
+            "UNSTABLE: this simulator multiplies the added mass by the acceleration of the previous step, which diverges "
+            f"for any step if the added mass is {limit:.2f} times the agent's own mass or more; "
+            f"here it is {link.added_mass_ratio:.2f} times."
+        )

@@ -10,8 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.agent import Mesh, solid_of_revolution
+from driftform.agent import solid_of_revolution
 from driftform.types import FloatArray
+from driftform_frusta.triangles import Mesh
 
 SEGMENTS = 64
 """Corners of every circle."""

@@ -6,19 +6,18 @@ computes the forces of the water.
 
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from driftform.interfaces import Table
-from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid
 from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions, piece_path
 from driftform_robotics.models.meshes import obj_text
 from driftform_robotics.models.mujoco_path import REACH, compare_paths
 from driftform_robotics.models.pipe import Wall, list_bores, make_wall
-from driftform_robotics.models.xml import add, add_comment, format_document, format_number, format_numbers
+from driftform_robotics.models.xml import add, add_comment, format_document
 
 _WALL = "wall"
 
@@ -79,29 +78,18 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
     root = ET.Element("mujoco", model=model.title)
     add_comment(
         root,
-        [
-            "The body's origin is the centre of gravity; x points forward along the axis; z points up.",
-            *warnings,
-        ],
+        "The body's origin is the centre of gravity; x points forward along the axis; z points up.",
+        *warnings,
     )
     add(root, "compiler", angle="radian", meshdir="meshes")
-    add(
-        root,
-        "option",
-        timestep=step,
-        integrator="implicit",
-        gravity=[0.0, 0.0, -fluid.gravity],
-        density=fluid.density,
-        viscosity="0",
-        wind=scenario.current(),
-    )
+    down = [0.0, 0.0, -fluid.gravity]
+    medium: dict[str, Any] = {"density": fluid.density, "viscosity": "0", "wind": scenario.current()}
+    add(root, "option", timestep=step, integrator="implicit", gravity=down, **medium)
     friction = scenario.calibrated_contact().friction
     default = add(add(root, "default"), "default", class_="contact")
     # MuJoCo's solver fails for three zero coefficients: contacts without friction have one dimension instead.
-    rubbing = (
-        {"condim": "3", "friction": f"{format_number(friction)} 0.005 0.0001"}
-        if friction
-        else {"condim": "1"}
+    rubbing: dict[str, Any] = (
+        {"condim": "3", "friction": [friction, 0.005, 0.0001]} if friction else {"condim": "1"}
     )
     add(default, "geom", **rubbing)
 
@@ -112,73 +100,47 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
 
     body = add(add(root, "worldbody"), "body", name="base_link", pos=link.position, quat=link.quaternion)
     add(body, "freejoint", name="free")
-    inertia = link.inertia
-    add(
-        body,
-        "inertial",
-        pos="0 0 0",
-        mass=link.mass,
-        fullinertia=[inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))],
-    )
+    inertia = [link.inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    add(body, "inertial", pos="0 0 0", mass=link.mass, fullinertia=inertia)
     add(body, "site", name="core", pos=link.core, size="0.002")
     unseen = {"contype": "0", "conaffinity": "0"}
     add(body, "geom", type="mesh", mesh="hull", group="1", rgba="0.9 0.6 0.2 1", **unseen)
     for index, piece in enumerate(pieces):
-        place = format_numbers(model.axis_point(piece.x))
-        name = Path(piece_path(index)).stem
+        place, name = model.axis_point(piece.x), Path(piece_path(index)).stem
         add(body, "geom", class_="contact", type="mesh", mesh=name, pos=place, group="3")
     add_comment(
-        body, ["The ellipsoid for the forces of the water. Drag: blunt, slender, angular. Without lift."]
+        body, "The ellipsoid for the forces of the water. Drag: blunt, slender, angular. Without lift."
     )
-    add(
-        body,
-        "geom",
-        name="water",
-        type="ellipsoid",
-        size=[ellipsoid.along, ellipsoid.across, ellipsoid.across],
-        pos=[ellipsoid.x, 0.0, 0.0],
-        fluidshape="ellipsoid",
-        fluidcoef=[ellipsoid.blunt, ellipsoid.slender, ellipsoid.angular, 0.0, 0.0],
-        group="4",
-        rgba="0.3 0.5 1 0.3",
-        **unseen,
-    )
+    size = [ellipsoid.along, ellipsoid.across, ellipsoid.across]
+    drag = [ellipsoid.blunt, ellipsoid.slender, ellipsoid.angular, 0.0, 0.0]
+    water: dict[str, Any] = {"pos": [ellipsoid.x, 0.0, 0.0], "fluidshape": "ellipsoid", "fluidcoef": drag}
+    look = {"group": "4", "rgba": "0.3 0.5 1 0.3"}
+    add(body, "geom", name="water", type="ellipsoid", size=size, **water, **look, **unseen)
     add_comment(
-        body,
-        ["Buoyancy: a body of negligible mass at the centre of buoyancy, lifted by gravity compensation."],
+        body, "Buoyancy: a body of negligible mass at the centre of buoyancy, lifted by gravity compensation."
     )
     small = BUOYANT_MASS * link.mass
     lifted = add(
         body, "body", name="buoyancy", pos=link.buoyancy, gravcomp=fluid.density * link.volume / small
     )
-    add(lifted, "inertial", pos="0 0 0", mass=small, diaginertia=" ".join([format_number(1e-12 * small)] * 3))
+    add(lifted, "inertial", pos="0 0 0", mass=small, diaginertia=[1e-12 * small] * 3)
     # For a body without an ellipsoid MuJoCo would compute the drag of a box, with edges of centimetres at this mass.
-    speck = format_numbers([1e-6] * 3)
-    add(
-        lifted,
-        "geom",
-        type="ellipsoid",
-        size=speck,
-        fluidshape="ellipsoid",
-        fluidcoef="0 0 0 0 0",
-        group="4",
-        **unseen,
-    )
-    keys = add(root, "keyframe")
-    add(
-        keys,
-        "key",
-        name="release",
-        qpos=np.concatenate((link.position, link.quaternion)),
-        qvel=np.concatenate((link.velocity, np.zeros(3))),
-    )
+    speck: dict[str, Any] = {
+        "type": "ellipsoid",
+        "size": [1e-6] * 3,
+        "fluidshape": "ellipsoid",
+        "fluidcoef": "0 0 0 0 0",
+    }
+    add(lifted, "geom", **speck, group="4", **unseen)
+    pose, velocity = (*link.position, *link.quaternion), (*link.velocity, 0.0, 0.0, 0.0)
+    add(add(root, "keyframe"), "key", name="release", qpos=pose, qvel=velocity)
     return root
 
 
 def _make_scene(title: str, scenario: Scenario, wall: Wall | None) -> ET.Element:
     """Return the scene; the planks of a pipe with parts are hidden, and its ``wall`` is displayed in their place."""
     root = ET.Element("mujoco", model=f"{title} in the pipe")
-    add_comment(root, ["Start at the keyframe 'release', which also sets the velocity."])
+    add_comment(root, "Start at the keyframe 'release', which also sets the velocity.")
     add(root, "include", file="agent.xml")
     bores = list_bores(scenario.pipe)
     extent = max((bore.length for bore in bores), default=1.0)
@@ -197,29 +159,15 @@ def _make_scene(title: str, scenario: Scenario, wall: Wall | None) -> ET.Element
         seen = {"contype": "0", "conaffinity": "0", "group": "1"}
         add_comment(
             world,
-            [
-                "The wall is for display; its boxes in group 3 collide. A mesh would collide as its convex hull, which is solid."
-            ],
+            "The wall is for display; its boxes in group 3 collide. A mesh would collide as its convex hull, which is solid.",
         )
         add(world, "geom", name=_WALL, type="mesh", mesh=_WALL, **seen, **glass)
         glass["group"] = "3"
     for index, bore in enumerate(bores):
-        pipe = add(world, "body", name=f"pipe_{index}", pos=bore.position, xyaxes=_format_axes(bore.rotation))
+        pipe = add(world, "body", name=f"pipe_{index}", pos=bore.position, xyaxes=bore.rotation[:, :2].T)
         for plank in bore.make_planks():
-            add(
-                pipe,
-                "geom",
-                class_="contact",
-                type="box",
-                size=plank.size / 2,
-                pos=plank.position,
-                xyaxes=_format_axes(plank.rotation),
-                **glass,
-            )
+            box = {"size": plank.size / 2, "pos": plank.position, "xyaxes": plank.rotation[:, :2].T}
+            add(pipe, "geom", class_="contact", type="box", **box, **glass)
     for name, place in scenario.target_points().items():
         add(world, "site", name=f"target_{name}", pos=place, size="0.02", rgba="0.9 0.2 0.1 1")
     return root
-
-
-def _format_axes(rotation: FloatArray) -> str:
-    return format_numbers(rotation[:, :2].T)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.motion import inertia
 from driftform.types import FloatArray
 from driftform.water import Fluid
 from driftform_robotics.models.link import Link
@@ -81,24 +82,21 @@ class Paths:
 
 def compare_paths(link: Link, fluid: Fluid, current: FloatArray, reach: float = REACH) -> Paths:
     """Return the paths of a link in open water with a uniform ``current`` (m/s, (3,)), until it has gone ``reach`` (m)."""
-    rigid = np.zeros((6, 6))
-    rigid[:3, :3], rigid[3:, 3:] = link.mass * np.eye(3), link.inertia
-    total = rigid + link.added_mass
+    total = link.rigid_mass + link.added_mass
     seconds, true = _integrate(link, fluid, current, total, SECONDS, reach)
-    until, mujoco = _integrate(link, fluid, current, rigid, seconds, FAR * reach)
+    until, mujoco = _integrate(link, fluid, current, link.rigid_mass, seconds, FAR * reach)
     if until < seconds:
         _, true = _integrate(link, fluid, current, total, until, reach)
     return Paths(until, true, mujoco)
 
 
 def _integrate(
-    link: Link, fluid: Fluid, current: FloatArray, inertia: FloatArray, seconds: float, reach: float
+    link: Link, fluid: Fluid, current: FloatArray, total: FloatArray, seconds: float, reach: float
 ) -> tuple[float, FloatArray]:
-    """Return when a body with the mass matrix ``inertia`` has gone ``reach``, and its displacement relative to the water."""
+    """Return when a body with the mass matrix ``total`` has gone ``reach``, and its displacement relative to the water."""
     from scipy.integrate import RK45
 
-    inverse, added, mass = np.linalg.inv(inertia), link.added_mass, np.zeros((6, 6))
-    mass[:3, :3], mass[3:, 3:] = link.mass * np.eye(3), link.inertia
+    inverse, added, mass = np.linalg.inv(total), link.added_mass, link.rigid_mass
     lift = fluid.density * link.volume * fluid.gravity
     weight = link.mass * fluid.gravity - lift
 
@@ -106,12 +104,12 @@ def _integrate(
         R, nu = state[3:12].reshape(3, 3), state[12:]
         flow = added @ nu
         momentum = mass @ nu + flow
-        turn = _cross_matrix(nu[3:])
+        turn = inertia.cross_matrix(nu[3:])
         force = -turn @ momentum[:3] - weight * R[2]
         torque = (
             -turn @ momentum[3:]
-            - _cross_matrix(nu[:3]) @ flow[:3]
-            + lift * (_cross_matrix(link.buoyancy) @ R[2])
+            - inertia.cross_matrix(nu[:3]) @ flow[:3]
+            + lift * (inertia.cross_matrix(link.buoyancy) @ R[2])
         )
         damping = link.linear_damping @ nu + link.quadratic_damping @ (np.abs(nu) * nu)
         return np.concatenate(
@@ -138,8 +136,3 @@ def _find_end(
 
     left = float(brentq(lambda t: float(np.linalg.norm(path(t)[:3])) - reach, start, end))
     return left, np.asarray(path(left)[:3], dtype=np.float64)
-
-
-def _cross_matrix(a: FloatArray) -> FloatArray:
-    """The matrix S with S b = a x b."""
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])

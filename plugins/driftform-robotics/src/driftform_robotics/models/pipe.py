@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.agent import Mesh
 from driftform.types import FloatArray
 from driftform.water import Pipe, Segment, pipe_parts
+from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.meshes import make_tube
 from driftform_robotics.models.walls import make_parts_mesh
 
@@ -62,10 +62,6 @@ class Bore:
         """Thickness of the wall, m."""
         return RELATIVE_THICKNESS * self.radius
 
-    def make_mesh(self) -> Mesh:
-        """Return the wall as one closed mesh."""
-        return make_tube(self.length, self.radius, self.thickness)
-
     def make_planks(self) -> list[Plank]:
         """Return the wall as boxes, because programs replace a mesh by its convex hull, which is solid for a pipe.
 
@@ -96,18 +92,14 @@ def list_bores(pipe: Pipe) -> list[Bore]:
     bores = []
     for placed in pipe.layout.parts:
         part = placed.part
-        for axis in part.list_axes(
-            part.length if isinstance(part, pipe_parts.Straight) else CHORD * part.end_radius
-        ):
+        hidden = part if isinstance(part, pipe_parts.Tee) else None
+        step = part.length if isinstance(part, pipe_parts.Straight) else CHORD * part.end_radius
+        for axis in part.list_axes(step):
+            # Outside a bend, chords of the axis' own length would leave wedges between them.
+            turn = part.angle / (len(axis.points) - 1) if isinstance(part, pipe_parts.Bend) else 0.0
             for (start, end), (first, last) in zip(pairwise(axis.points), pairwise(axis.radii), strict=True):
                 length, position, rotation = _frame_chord(start, end)
-                hidden = part if isinstance(part, pipe_parts.Tee) else None
-                # Outside a bend, chords of the axis' own length would leave wedges between them.
-                length += (
-                    (first + last) * np.tan(0.5 * part.angle / (len(axis.points) - 1))
-                    if isinstance(part, pipe_parts.Bend)
-                    else 0.0
-                )
+                length += (first + last) * np.tan(0.5 * turn)
                 bores.append(Bore(length, 0.5 * (first + last), position, rotation, CHORD_PLANKS, hidden))
     return bores
 
@@ -118,7 +110,7 @@ def make_wall(pipe: Pipe) -> Wall | None:
         return None
     if pipe.straight is not None:
         bore = make_bore(pipe.straight)
-        return Wall(bore.make_mesh(), bore.position, bore.rotation)
+        return Wall(make_tube(bore.length, bore.radius, bore.thickness), bore.position, bore.rotation)
     mesh = make_parts_mesh(pipe, RELATIVE_THICKNESS * pipe.layout.narrowest)
     return Wall(mesh, np.zeros(3), np.eye(3))
 

@@ -7,6 +7,8 @@ Formats: REP 149 (package.xml, format 3), REP 144 (names of packages), ``ament_c
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 
 from driftform_robotics.models.xml import add, add_texts, format_document
 
@@ -17,25 +19,11 @@ _SCHEMA = (
 
 _NOTICE = "Copyright 2026 the driftform authors"
 
-_LICENCE = """\
-Permission is hereby granted, free of charge, to any person obtaining a copy
-of this software and associated documentation files (the "Software"), to deal
-in the Software without restriction, including without limitation the rights
-to use, copy, modify, merge, publish, distribute, sublicense, and/or sell
-copies of the Software, and to permit persons to whom the Software is
-furnished to do so, subject to the following conditions:
 
-The above copyright notice and this permission notice shall be included in all
-copies or substantial portions of the Software.
-
-THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR
-IMPLIED, INCLUDING BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY,
-FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE
-AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER
-LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM,
-OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE
-SOFTWARE.
-"""
+@cache
+def read_template(name: str) -> str:
+    """Return a text of the package's files, with the names that are to be replaced in it."""
+    return files("driftform_robotics.models").joinpath("templates", name).read_text(encoding="utf-8")
 
 
 @dataclass(frozen=True)
@@ -52,7 +40,7 @@ class Bridge:
 def make_package(
     name: str,
     description: str,
-    files: Iterable[str],
+    others: Iterable[str],
     *,
     launch: tuple[str, str],
     depends: Sequence[str],
@@ -67,7 +55,7 @@ def make_package(
         of the package, in lower-case letters, digits and underscores.
     description
         one sentence.
-    files
+    others
         paths of the other files in the folder: shell scripts are installed as programs, the others to be shared.
     launch
         name and text of the launch file, which is a Python file without its copyright notice.
@@ -79,19 +67,17 @@ def make_package(
         topics of ``config/bridge.yaml``.
     """
     config = {"config/bridge.yaml": _format_bridges(bridges)} if bridges else {}
-    made = {f"launch/{launch[0]}": _notice() + launch[1], **config}
+    # The linters expect the notice at the top of a Python file.
+    licence = f"{_NOTICE}\n\n{read_template('mit-licence.txt')}"
+    notice = "".join(f"# {line}".rstrip() + "\n" for line in licence.splitlines())
+    made = {f"launch/{launch[0]}": f"{notice}\n{launch[1]}", **config}
     return {
         "package.xml": _format_manifest(name, description, depends),
-        "CMakeLists.txt": _format_build(name, [*files, *made]),
+        "CMakeLists.txt": _format_build(name, [*others, *made]),
         **made,
         "README.md": readme,
-        "LICENSE": f"MIT License\n\n{_NOTICE}\n\n{_LICENCE}",
+        "LICENSE": f"MIT License\n\n{licence}",
     }
-
-
-def _notice() -> str:
-    """The notice that the linters expect at the top of a Python file."""
-    return "".join(f"# {line}".rstrip() + "\n" for line in f"{_NOTICE}\n\n{_LICENCE}".splitlines()) + "\n"
 
 
 def _format_manifest(name: str, description: str, depends: Sequence[str]) -> str:

@@ -18,11 +18,8 @@ def add_scene(world: ET.Element) -> None:
     scene = add(world, "scene")
     add_texts(scene, ambient="0.6 0.6 0.6 1", background="0.7 0.8 0.9 1", shadows="false")
     light = add(world, "light", type="directional", name="sun")
-    add(light, "pose", "0 0 10 0 0 0")
-    add(light, "cast_shadows", "false")
-    add(light, "diffuse", "0.8 0.8 0.8 1")
-    add(light, "specular", "0.2 0.2 0.2 1")
-    add(light, "direction", "-0.3 0.4 -0.9")
+    add_texts(light, pose="0 0 10 0 0 0", cast_shadows="false", diffuse="0.8 0.8 0.8 1")
+    add_texts(light, specular="0.2 0.2 0.2 1", direction="-0.3 0.4 -0.9")
 
 
 def add_friction(collision: ET.Element, coefficient: float) -> None:
@@ -54,8 +51,7 @@ def add_pipe(
     model = add(world, "model", name="pipe")
     link = add(model, "link", name="wall")
     add_comment(
-        link,
-        ["The wall is a ring of planks: simulators replace a mesh by its convex hull, which is solid."],
+        link, "The wall is a ring of planks: simulators replace a mesh by its convex hull, which is solid."
     )
     if mesh is not None:
         visual = add(link, "visual", name="segment_0")

@@ -14,30 +14,13 @@ from driftform.agent import slice_solid
 from driftform.interfaces import Table, option
 from driftform.types import FloatArray
 from driftform.water import Scenario
+from driftform_robotics.models import scenery, xml
 from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions, piece_path
 from driftform_robotics.models.gazebo_package import WORLD, gazebo_package
 from driftform_robotics.models.link import make_link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.meshes import obj_text
 from driftform_robotics.models.pipe import make_wall
-from driftform_robotics.models.scenery import (
-    add_friction,
-    add_mesh,
-    add_pipe,
-    add_scene,
-    add_targets,
-    make_static,
-)
-from driftform_robotics.models.xml import (
-    add,
-    add_comment,
-    add_texts,
-    format_document,
-    format_fields,
-    format_number,
-    format_numbers,
-    format_pose,
-    format_symmetric,
-)
+from driftform_robotics.models.xml import add, add_comment, add_texts
 
 LINK = "base_link"
 PUSH, PUSH_DRIFT = "push.sh", "push_drift.sh"
@@ -100,9 +83,9 @@ class SdfExporter(ModelExporter[SdfOptions]):
         _add_model(alone, model, gazebo, warnings)
         wall = make_wall(scenario.pipe)
         files = {
-            "world.sdf": format_document(_make_world(model, gazebo, step, warnings)),
-            "model.sdf": format_document(alone),
-            "model.config": format_document(_make_config(model, gazebo)),
+            "world.sdf": xml.format_document(_make_world(model, gazebo, step, warnings)),
+            "model.sdf": xml.format_document(alone),
+            "model.config": xml.format_document(_make_config(model, gazebo)),
             **({} if wall is None else {PIPE: obj_text(wall.mesh)}),
         }
         if model.link.velocity.any():
@@ -110,9 +93,9 @@ class SdfExporter(ModelExporter[SdfOptions]):
         # Nothing moves evenly with the water through a bend.
         if scenario.current().any() and _is_straight(scenario):
             drifting = _move_to_water_frame(model, self.options.drag_speed)
-            adrift = warn_of_flow(scenario) + _list_warnings(drifting, gazebo, PUSH_DRIFT)
+            adrift = [*warn_of_flow(scenario), *_list_warnings(drifting, gazebo, PUSH_DRIFT)]
             world = _make_world(drifting, gazebo, step, adrift, -scenario.current())
-            files["drift.sdf"] = format_document(world)
+            files["drift.sdf"] = xml.format_document(world)
             if drifting.link.velocity.any():
                 files[PUSH_DRIFT] = _make_push_script(drifting, gazebo, step)
         shared = [*files, HULL]
@@ -170,12 +153,8 @@ def _make_config(model: Model, gazebo: _Gazebo) -> ET.Element:
 
 
 def _add_plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.Element:
-    return add(
-        parent,
-        "plugin",
-        filename=f"{gazebo.system}-{system}-system",
-        name=f"{gazebo.namespace}::systems::{name}",
-    )
+    filename = f"{gazebo.system}-{system}-system"
+    return add(parent, "plugin", filename=filename, name=f"{gazebo.namespace}::systems::{name}")
 
 
 def _make_world(
@@ -190,7 +169,7 @@ def _make_world(
     fluid = scenario.fluid
     root = ET.Element("sdf", version=gazebo.sdf)
     if passing is not None:
-        add_comment(root, _describe_drift(model.title, passing))
+        add_comment(root, *_describe_drift(model.title, passing))
     world = add(root, "world", name=WORLD)
     physics = add(world, "physics", name="step", type="ignored")
     add_texts(physics, max_step_size=step, real_time_factor="1")
@@ -205,24 +184,23 @@ def _make_world(
     else:
         graded = add(buoyancy, "graded_buoyancy")
         add(graded, "default_density", fluid.density)
-        change = add(graded, "density_change")
-        add_texts(change, above_depth=fluid.water_level, density="0")
+        add_texts(add(graded, "density_change"), above_depth=fluid.water_level, density="0")
     add(buoyancy, "enable", model.title)
-    add_scene(world)
-    pipe = add_pipe(world, scenario, np.zeros(3), PIPE)
-    around = [pipe, add_targets(world, scenario, np.zeros(3))]
+    scenery.add_scene(world)
+    pipe = scenery.add_pipe(world, scenario, np.zeros(3), PIPE)
+    around = [pipe, scenery.add_targets(world, scenario, np.zeros(3))]
     if passing is None:
-        make_static(around)
+        scenery.make_static(around)
     else:
         _add_motion(around, passing, gazebo)
-    place = format_pose(model.link.position, model.link.rotation)
+    place = xml.format_pose(model.link.position, model.link.rotation)
     _add_model(world, model, gazebo, warnings, place)
     return root
 
 
 def _describe_drift(title: str, passing: FloatArray) -> list[str]:
     """The header of the world in the frame of the water."""
-    velocity = format_numbers(passing)
+    velocity = xml.format_numbers(passing)
     return [
         "This world is in the frame of the water: the water is at rest, and the models 'pipe' and 'targets' move past it",
         f"at {velocity} m/s. The agent's motion relative to the pipe is that in the current.",
@@ -242,9 +220,7 @@ def _add_motion(models: list[ET.Element | None], velocity: FloatArray, gazebo: _
         add(link, "gravity", "false")
         inertial = add(link, "inertial")
         add(inertial, "mass", "1e6")
-        inertia = add(inertial, "inertia")
-        for axis in "xyz":
-            add(inertia, f"i{axis}{axis}", "1e6")
+        add_texts(add(inertial, "inertia"), ixx="1e6", iyy="1e6", izz="1e6")
         control = _add_plugin(model, gazebo, "velocity-control", "VelocityControl")
         add(control, "initial_linear", velocity)
 
@@ -255,39 +231,33 @@ def _add_model(
     job, link = model.job, model.link
     root = add(parent, "model", name=model.title)
     add_comment(
-        root,
-        ["The origin is the centre of gravity; x points forward along the axis; z points up.", *warnings],
+        root, "The origin is the centre of gravity; x points forward along the axis; z points up.", *warnings
     )
     if place:
         add(root, "pose", place)
     element = add(root, "link", name=LINK)
     inertial = add(element, "inertial")
     add(inertial, "mass", link.mass)
-    inertia = add(inertial, "inertia")
-    for tag, value in format_symmetric(link.inertia, "xyz", "i").items():
-        add(inertia, tag, value)
+    add_texts(add(inertial, "inertia"), **xml.format_symmetric(link.inertia, "xyz", "i"))
     if gazebo.solves_added_mass:
-        added = add(inertial, "fluid_added_mass")
-        for tag, value in format_symmetric(link.added_mass, _SDF_AXES).items():
-            add(added, tag, value)
-    add_mesh(add(element, "visual", name="hull"), HULL)
+        added = xml.format_symmetric(link.added_mass, _SDF_AXES)
+        add_texts(add(inertial, "fluid_added_mass"), **added)
+    scenery.add_mesh(add(element, "visual", name="hull"), HULL)
     add_comment(
         element,
-        [
-            "Each piece is convex, and its mesh is about its own centroid: Gazebo uses the position of a piece as its "
-            "centre of buoyancy."
-        ],
+        "Each piece is convex, and its mesh is about its own centroid: Gazebo uses the position of a piece as its "
+        "centre of buoyancy.",
     )
     for index, piece in enumerate(model.pieces):
         collision = add(element, "collision", name=f"piece_{index}")
-        add(collision, "pose", format_pose(model.axis_point(piece.x)))
-        add_mesh(collision, piece_path(index))
-        add_friction(collision, job.scenario.calibrated_contact().friction)
+        add(collision, "pose", xml.format_pose(model.axis_point(piece.x)))
+        scenery.add_mesh(collision, piece_path(index))
+        scenery.add_friction(collision, job.scenario.calibrated_contact().friction)
     if job.scenario.fluid.water_level is not None:
         _add_spheres(element, model)
     # After the link: a frame can be attached only to a link that is already defined.
     core = add(root, "frame", name="core", attached_to=LINK)
-    add(core, "pose", format_pose(link.core))
+    add(core, "pose", xml.format_pose(link.core))
     _add_hydrodynamics(root, model, gazebo)
 
 
@@ -297,11 +267,11 @@ def _add_spheres(element: ET.Element, model: Model) -> None:
     count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MAX_SPHERES))
     add_comment(
         element,
-        ["Buoyancy at a free surface: spheres with the volumes of slices of the hull, without collision."],
+        "Buoyancy at a free surface: spheres with the volumes of slices of the hull, without collision.",
     )
     for index, (x, volume, _) in enumerate(slice_solid(body.outer, count)):
         collision = add(element, "collision", name=f"slice_{index}")
-        add(collision, "pose", format_pose(model.axis_point(x)))
+        add(collision, "pose", xml.format_pose(model.axis_point(x)))
         add(add(add(collision, "geometry"), "sphere"), "radius", np.cbrt(0.75 * volume / np.pi))
         add(add(add(collision, "surface"), "contact"), "collide_bitmask", "0")
 
@@ -310,7 +280,7 @@ def _add_hydrodynamics(root: ET.Element, model: Model, gazebo: _Gazebo) -> None:
     link = model.link
     plugin = _add_plugin(root, gazebo, "hydrodynamics", "Hydrodynamics")
     add(plugin, "link_name", LINK)
-    add_comment(plugin, ["The current, world frame, m/s."])
+    add_comment(plugin, "The current, world frame, m/s.")
     add(plugin, "default_current", model.job.scenario.current())
     lines = {
         f"{_FORCES[i]}{_RATES[j]}": -link.linear_damping[i, j] for i, j in _list_entries(link.linear_damping)
@@ -319,13 +289,12 @@ def _add_hydrodynamics(root: ET.Element, model: Model, gazebo: _Gazebo) -> None:
         for i, j in _list_entries(link.quadratic_damping)
     }
     if lines:
-        add_comment(plugin, ["Damping, negative if it resists: force and moment per speed and rate."])
-    for tag, value in lines.items():
-        add(plugin, tag, value)
+        add_comment(plugin, "Damping, negative if it resists: force and moment per speed and rate.")
+    add_texts(plugin, **lines)
     if gazebo.solves_added_mass:
-        add_comment(plugin, ["The added mass is in the link; here it would count twice."])
+        add_comment(plugin, "The added mass is in the link; here it would count twice.")
         return
-    add_comment(plugin, ["Added mass, negative. Gazebo computes only the Coriolis forces of its diagonal."])
+    add_comment(plugin, "Added mass, negative. Gazebo computes only the Coriolis forces of its diagonal.")
     for i, j in _list_entries(link.added_mass):
         add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", -link.added_mass[i, j])
 
@@ -339,14 +308,14 @@ def _list_entries(matrix: FloatArray) -> list[tuple[int, int]]:
 def _make_push_script(model: Model, gazebo: _Gazebo, step: float) -> str:
     """Return a script that gives the agent and its added mass the momentum of the release in one step."""
     force = model.link.momentum / step
-    velocity = format_numbers(model.link.velocity)
+    velocity = xml.format_numbers(model.link.velocity)
     return f"""#!/bin/sh
 # Releases the agent at {velocity} m/s: run this while the world is paused, then press play.
-# The wrench acts for the first step, {format_number(step)} s: it is the momentum of the agent and its added mass over that time.
+# The wrench acts for the first step, {xml.format_number(step)} s: it is the momentum of the agent and its added mass over that time.
 exec {gazebo.program} topic -t /world/{WORLD}/wrench -m {gazebo.messages}.EntityWrench -p '
 entity: {{name: "{model.title}::{LINK}", type: LINK}}
 wrench: {{
-  force: {format_fields(force[:3])}
-  torque: {format_fields(force[3:])}
+  force: {xml.format_fields(force[:3])}
+  torque: {xml.format_fields(force[3:])}
 }}'
 """

@@ -14,20 +14,12 @@ import numpy as np
 from driftform.interfaces import Table, option
 from driftform.types import Body, FloatArray
 from driftform.water import Scenario
+from driftform_robotics.models import xml
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.link import Link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.scenery import add_pipe, add_scene, add_targets, make_static
 from driftform_robotics.models.urdf import add_link
-from driftform_robotics.models.xml import (
-    add,
-    add_comment,
-    add_texts,
-    format_document,
-    format_fields,
-    format_number,
-    format_numbers,
-    roll_pitch_yaw,
-)
+from driftform_robotics.models.xml import add, add_comment, add_texts
 
 SMOOTHING = 0.3
 """Weight of the newest acceleration (``ComputeAcc`` in HydrodynamicModel.cc)."""
@@ -70,10 +62,10 @@ class UuvExporter(ModelExporter[UuvOptions]):
         offset = np.array([0.0, 0.0, -self.options.depth if level is None else -level])
         warnings = _list_warnings(model, offset)
         files = {
-            "launch/start.launch": format_document(_make_start_launch(title, link, offset)),
-            "launch/release.launch": format_document(_make_release_launch(title, link, offset)),
-            "urdf/agent.xacro": format_document(_make_robot(model, warnings)),
-            "worlds/pipe.world": format_document(_make_world(scenario, offset, self.options.step)),
+            "launch/start.launch": xml.format_document(_make_start_launch(title, link, offset)),
+            "launch/release.launch": xml.format_document(_make_release_launch(title, link, offset)),
+            "urdf/agent.xacro": xml.format_document(_make_robot(model, warnings)),
+            "worlds/pipe.world": xml.format_document(_make_world(scenario, offset, self.options.step)),
             **_package_files(model),
         }
         return files, warnings
@@ -81,26 +73,19 @@ class UuvExporter(ModelExporter[UuvOptions]):
 
 def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
     scenario = model.job.scenario
-    found = warn_of_divergence(model.link, SMOOTHING) + model.list_warnings()
-    parts = [placed.part for placed in scenario.pipe.layout.parts]
-    highest = [
-        float((axis.points[:, 2] + axis.radii).max())
-        for part in parts
-        for axis in part.list_axes(part.length)
+    found = [*warn_of_divergence(model.link, SMOOTHING), *model.list_warnings()]
+    axes = [
+        axis for placed in scenario.pipe.layout.parts for axis in placed.part.list_axes(placed.part.length)
     ]
-    top = max(highest, default=-np.inf)
+    top = max((float((axis.points[:, 2] + axis.radii).max()) for axis in axes), default=-np.inf)
     if scenario.fluid.water_level is None and top + offset[2] >= 0:
         found.append(f"The pipe rises {top + offset[2]:.3g} m above the water: set a larger depth.")
     if scenario.fluid.gravity == 0:
         found.append("The simulator does not start without gravity.")
-    if _is_off_diagonal(model.link.quadratic_damping):
+    damping = model.link.quadratic_damping
+    if np.abs(damping - np.diag(np.diag(damping))).max() > 1e-12 * np.abs(damping).max():
         found.append("The simulator uses only the diagonal of the quadratic damping.")
     return found
-
-
-def _is_off_diagonal(matrix: FloatArray) -> bool:
-    remainder = matrix - np.diag(np.diag(matrix))
-    return bool(np.abs(remainder).max() > 1e-12 * np.abs(matrix).max())
 
 
 def _make_robot(model: Model, warnings: list[str]) -> ET.Element:
@@ -108,8 +93,7 @@ def _make_robot(model: Model, warnings: list[str]) -> ET.Element:
     name = "$(arg namespace)/base_link"
     root = ET.Element("robot", {"name": title, "xmlns:xacro": "http://www.ros.org/wiki/xacro"})
     add_comment(
-        root,
-        ["The origin is the centre of gravity; x points forward along the axis; z points up.", *warnings],
+        root, "The origin is the centre of gravity; x points forward along the axis; z points up.", *warnings
     )
     add(root, "xacro:arg", name="debug", default="0")
     add(root, "xacro:arg", name="namespace", default=title)
@@ -120,16 +104,12 @@ def _make_robot(model: Model, warnings: list[str]) -> ET.Element:
     plugin = add(
         add(root, "gazebo"), "plugin", name="uuv_plugin", filename="libuuv_underwater_object_ros_plugin.so"
     )
-    add(plugin, "fluid_density", scenario.fluid.density)
-    add(plugin, "flow_velocity_topic", "hydrodynamics/current_velocity")
-    add(plugin, "debug", "$(arg debug)")
+    topic = "hydrodynamics/current_velocity"
+    add_texts(plugin, fluid_density=scenario.fluid.density, flow_velocity_topic=topic, debug="$(arg debug)")
     _add_hydrodynamics(add(plugin, "link", name=name), model.link, model.job.agent.body)
     truth = add(add(root, "gazebo"), "plugin", name="pose_gt", filename="libgazebo_ros_p3d.so")
-    add(truth, "robotNamespace", "$(arg namespace)")
-    add(truth, "bodyName", name)
-    add(truth, "topicName", "pose_gt")
-    add(truth, "frameName", "world")
-    add(truth, "updateRate", "50")
+    add_texts(truth, robotNamespace="$(arg namespace)", bodyName=name, topicName="pose_gt")
+    add_texts(truth, frameName="world", updateRate="50")
     return root
 
 
@@ -138,22 +118,15 @@ def _add_hydrodynamics(element: ET.Element, link: Link, body: Body) -> None:
         return np.asarray(TO_NED[:, None] * matrix * TO_NED, dtype=np.float64)
 
     add_texts(element, neutrally_buoyant="0", volume=link.volume)
-    box = add(element, "box")
-    for side, extent in (
-        ("width", body.max_diameter),
-        ("length", body.length),
-        ("height", body.max_diameter),
-    ):
-        add(box, side, extent)
-    add_comment(element, ["Relative to the centre of gravity, z up."])
+    across = body.max_diameter
+    add_texts(add(element, "box"), width=across, length=body.length, height=across)
+    add_comment(element, "Relative to the centre of gravity, z up.")
     add(element, "center_of_buoyancy", link.buoyancy)
     model = add(element, "hydrodynamic_model")
     add(model, "type", "fossen")
     add_comment(
         model,
-        [
-            "About the centre of gravity, with y to starboard and z down: positive added mass, negative damping."
-        ],
+        "About the centre of gravity, with y to starboard and z down: positive added mass, negative damping.",
     )
     add(model, "added_mass", _format_rows(to_ned(link.added_mass)))
     add(model, "linear_damping", _format_rows(-to_ned(link.linear_damping)))
@@ -161,7 +134,7 @@ def _add_hydrodynamics(element: ET.Element, link: Link, body: Body) -> None:
 
 
 def _format_rows(matrix: FloatArray) -> str:
-    return "".join(f"\n            {format_numbers(row)}" for row in matrix) + "\n          "
+    return "".join(f"\n            {xml.format_numbers(row)}" for row in matrix) + "\n          "
 
 
 def _make_world(scenario: Scenario, offset: FloatArray, step: float) -> ET.Element:
@@ -169,10 +142,8 @@ def _make_world(scenario: Scenario, offset: FloatArray, step: float) -> ET.Eleme
     world = add(root, "world", name="driftform")
     add_comment(
         world,
-        [
-            f"The water's surface is at z = 0: z in this file is that of the scenario {offset[2]:+g} m.",
-            *warn_of_flow(scenario),
-        ],
+        f"The water's surface is at z = 0: z in this file is that of the scenario {offset[2]:+g} m.",
+        *warn_of_flow(scenario),
     )
     physics = add(world, "physics", name="step", default="true", type="ode")
     add_texts(physics, max_step_size=step, real_time_factor="1", real_time_update_rate=1 / step)
@@ -198,16 +169,14 @@ def _add_current(world: ET.Element, current: FloatArray) -> None:
         "vertical_angle": (np.arctan2(z, np.hypot(x, y)), -np.pi, np.pi),
     }
     for tag, (mean, least, most) in means.items():
-        element = add(constant, tag)
-        for key, value in (("mean", mean), ("min", least), ("max", most), ("mu", 0.0), ("noiseAmp", 0.0)):
-            add(element, key, value)
+        add_texts(add(constant, tag), mean=mean, min=least, max=most, mu=0.0, noiseAmp=0.0)
 
 
 def _make_start_launch(title: str, link: Link, offset: FloatArray) -> ET.Element:
     root = ET.Element("launch")
     add_comment(
         root,
-        [f"Run 'roslaunch {title} start.launch', then 'roslaunch {title} release.launch', then press play."],
+        f"Run 'roslaunch {title} start.launch', then 'roslaunch {title} release.launch', then press play.",
     )
     add(root, "arg", name="namespace", default=title)
     add(root, "arg", name="debug", default="0")
@@ -221,25 +190,14 @@ def _make_start_launch(title: str, link: Link, offset: FloatArray) -> ET.Element
     ):
         add(world, "arg", name=name, value=value)
     group = add(root, "group", ns="$(arg namespace)")
-    add(
-        group,
-        "param",
-        name="robot_description",
-        command=f"$(find xacro)/xacro '$(find {title})/urdf/agent.xacro' "
-        "debug:=$(arg debug) namespace:=$(arg namespace)",
-    )
-    x, y, z = (format_number(value) for value in link.position + offset)
-    roll, pitch, yaw = (format_number(value) for value in roll_pitch_yaw(link.rotation))
-    add(
-        group,
-        "node",
-        name="spawn",
-        pkg="gazebo_ros",
-        type="spawn_model",
-        output="screen",
-        args=f"-urdf -param robot_description -model $(arg namespace) "
-        f"-x {x} -y {y} -z {z} -R {roll} -P {pitch} -Y {yaw}",
-    )
+    xacro = f"$(find xacro)/xacro '$(find {title})/urdf/agent.xacro' debug:=$(arg debug) namespace:=$(arg namespace)"
+    add(group, "param", name="robot_description", command=xacro)
+    x, y, z = (xml.format_number(value) for value in link.position + offset)
+    roll, pitch, yaw = (xml.format_number(value) for value in xml.roll_pitch_yaw(link.rotation))
+    spawner = {"pkg": "gazebo_ros", "type": "spawn_model", "output": "screen"}
+    place = f"-x {x} -y {y} -z {z} -R {roll} -P {pitch} -Y {yaw}"
+    given = f"-urdf -param robot_description -model $(arg namespace) {place}"
+    add(group, "node", name="spawn", **spawner, args=given)
     add(
         group, "node", name="robot_state_publisher", pkg="robot_state_publisher", type="robot_state_publisher"
     )
@@ -251,20 +209,14 @@ def _make_release_launch(title: str, link: Link, offset: FloatArray) -> ET.Eleme
     root = ET.Element("launch")
     add(root, "arg", name="namespace", default=title)
 
-    turn = format_fields(np.roll(link.quaternion, -1), "xyzw")
+    turn = xml.format_fields(np.roll(link.quaternion, -1), "xyzw")
     state = (
         f"{{model_state: {{model_name: $(arg namespace), reference_frame: world, "
-        f"pose: {{position: {format_fields(link.position + offset)}, orientation: {turn}}}, "
-        f"twist: {{linear: {format_fields(link.velocity)}}}}}}}"
+        f"pose: {{position: {xml.format_fields(link.position + offset)}, orientation: {turn}}}, "
+        f"twist: {{linear: {xml.format_fields(link.velocity)}}}}}}}"
     )
-    add(
-        root,
-        "node",
-        name="release",
-        pkg="rosservice",
-        type="rosservice",
-        args=f"call --wait /gazebo/set_model_state '{state}'",
-    )
+    call = f"call --wait /gazebo/set_model_state '{state}'"
+    add(root, "node", name="release", pkg="rosservice", type="rosservice", args=call)
     return root
 
 
@@ -282,4 +234,4 @@ find_package(catkin REQUIRED)
 catkin_package()
 install(DIRECTORY . DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}})
 """
-    return {"package.xml": format_document(root), "CMakeLists.txt": build}
+    return {"package.xml": xml.format_document(root), "CMakeLists.txt": build}

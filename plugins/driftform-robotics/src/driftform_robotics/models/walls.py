@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from driftform.agent import Mesh
 from driftform.types import FloatArray
 from driftform.water import Pipe, pipe_parts
+from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.meshes import SEGMENTS
 
 STEP = math.pi / SEGMENTS
@@ -47,9 +47,8 @@ def make_parts_mesh(pipe: Pipe, thickness: float) -> Mesh:
     triangles: list[npt.NDArray[np.int64]] = []
     for placed in pipe.layout.parts:
         part = placed.part
-        mesh = _make_part(
-            part, min(thickness, 0.5 * part.fillet) if isinstance(part, pipe_parts.Tee) else thickness
-        )
+        thinner = min(thickness, 0.5 * part.fillet) if isinstance(part, pipe_parts.Tee) else thickness
+        mesh = _make_part(part, thinner)
         triangles.append(mesh.triangles + sum(map(len, vertices)))
         vertices.append(part.to_world(mesh.vertices))
     return Mesh(np.concatenate(vertices), np.concatenate(triangles))

@@ -2,7 +2,6 @@
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -36,7 +35,7 @@ def _format_value(value: str | npt.ArrayLike) -> str:
     return value if isinstance(value, str) else format_numbers(value)
 
 
-def add_comment(parent: ET.Element, lines: Iterable[str]) -> None:
+def add_comment(parent: ET.Element, *lines: str) -> None:
     """Append a comment unless it is empty; two dashes, which XML does not allow in a comment, are separated."""
     text = "\n".join(line.replace("--", "- -") for line in lines)
     if text:

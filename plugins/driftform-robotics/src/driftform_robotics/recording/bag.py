@@ -30,15 +30,12 @@ def write_bag(
     for key, text in notes.items():
         writer.set_custom_data(key, text)
     with writer:
-        connections = [
-            writer.add_connection(
-                topic.name,
-                full_name(topic.kind),
-                typestore=ros.store,
-                offered_qos_profiles=[_make_qos(topic.latched)],
+        connections = []
+        for topic in topics:
+            kind, qos = full_name(topic.kind), [_make_qos(topic.latched)]
+            connections.append(
+                writer.add_connection(topic.name, kind, typestore=ros.store, offered_qos_profiles=qos)
             )
-            for topic in topics
-        ]
         streams = [_number_messages(place, topic) for place, topic in enumerate(topics)]
         for stamp, place, message in merge(*streams, key=lambda item: item[:2]):
             topic = topics[place]

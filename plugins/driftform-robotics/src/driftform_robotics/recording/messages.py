@@ -1,6 +1,7 @@
 """Messages of one release of ROS 2, made without ROS."""
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ class Messages:
 
     def __init__(self, release: Release) -> None:
         self.store = get_typestore(Stores[f"ROS2_{release.upper()}"])
-        self._zeros: dict[str, Mapping[str, Any]] = {}
+        self._list_zeros = cache(self._make_zeros)
 
     def make(self, kind: str, **fields: Any) -> Any:
         """Return a message, such as ``make("geometry_msgs/Vector3", x=1.0)``; fields that the type lacks are left out."""
@@ -51,11 +52,9 @@ class Messages:
         point = self.make_vector(position, "geometry_msgs/Point")
         return self.make("geometry_msgs/Pose", position=point, orientation=self.make_quaternion(quaternion))
 
-    def _list_zeros(self, name: str) -> Mapping[str, Any]:
-        if name not in self._zeros:
-            _, fields = self.store.fielddefs[name]
-            self._zeros[name] = {key: self._make_zero(node) for key, node in fields}
-        return self._zeros[name]
+    def _make_zeros(self, name: str) -> Mapping[str, Any]:
+        _, fields = self.store.fielddefs[name]
+        return {key: self._make_zero(node) for key, node in fields}
 
     def _make_zero(self, node: Any) -> Any:
         kind, detail = node

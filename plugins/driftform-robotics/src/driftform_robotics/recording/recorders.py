@@ -74,8 +74,4 @@ def _write_bag(
     found = FlightTopics(job, trajectory, options)
     notes = {"agent": job.name, "end": str(trajectory.end), "document": json.dumps(job.document)}
     counts = write_bag(folder, found.list_topics(), found.ros, storage, notes)
-    return {
-        "messages": sum(counts.values()),
-        "duration": float(trajectory.t[-1]),
-        "topics": counts,
-    }
+    return {"messages": sum(counts.values()), "duration": float(trajectory.t[-1]), "topics": counts}

@@ -11,7 +11,7 @@ from driftform.interfaces import ExportJob
 from driftform.motion import forces
 from driftform.types import FloatArray, Trajectory
 from driftform.util import rotations
-from driftform.water import wall_distance
+from driftform.water import field
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.models.pipe import list_bores
@@ -91,7 +91,7 @@ class FlightTopics:
         straight = scenario.pipe.straight
         if not scenario.targets or scenario.flow.speed == 0 or straight is None:
             return []
-        gaps = wall_distance(scenario.target_array(), scenario)
+        gaps = field.wall_distance(scenario.target_array(), scenario)
         on_wall = gaps < ON_WALL * straight.radius
         return [
             make_plume(scenario, point, self.options.leak_rate, self.options.diffusivity)
@@ -118,9 +118,11 @@ class FlightTopics:
             transform=transform,
         )
 
+    def _list_poses(self) -> Iterator[tuple[int, FloatArray, FloatArray]]:
+        return zip(self.stamps, self.trajectory.position, self.trajectory.quaternion, strict=True)
+
     def _make_tf(self) -> Iterator[tuple[int, Any]]:
-        samples = zip(self.stamps, self.trajectory.position, self.trajectory.quaternion, strict=True)
-        for stamp, place, turned in samples:
+        for stamp, place, turned in self._list_poses():
             moved = self._make_transform(stamp, WORLD, self.base, place, turned)
             yield stamp, self.ros.make("tf2_msgs/TFMessage", transforms=[moved])
 
@@ -144,30 +146,21 @@ class FlightTopics:
                 linear=self.ros.make_vector(velocity[:3]),
                 angular=self.ros.make_vector(velocity[3:]),
             )
-            yield (
-                stamp,
-                self.ros.make(
-                    "nav_msgs/Odometry",
-                    header=self.ros.make_header(stamp, WORLD),
-                    child_frame_id=self.base,
-                    pose=self.ros.make(
-                        "geometry_msgs/PoseWithCovariance", pose=self.ros.make_pose(place, turned)
-                    ),
-                    twist=self.ros.make("geometry_msgs/TwistWithCovariance", twist=twist),
-                ),
+            pose = self.ros.make_pose(place, turned)
+            message = self.ros.make(
+                "nav_msgs/Odometry",
+                header=self.ros.make_header(stamp, WORLD),
+                child_frame_id=self.base,
+                pose=self.ros.make("geometry_msgs/PoseWithCovariance", pose=pose),
+                twist=self.ros.make("geometry_msgs/TwistWithCovariance", twist=twist),
             )
+            yield stamp, message
 
     def _make_path(self) -> Iterator[tuple[int, Any]]:
-        poses = [
-            self.ros.make(
-                "geometry_msgs/PoseStamped",
-                header=self.ros.make_header(stamp, WORLD),
-                pose=self.ros.make_pose(place, turned),
-            )
-            for stamp, place, turned in zip(
-                self.stamps, self.trajectory.position, self.trajectory.quaternion, strict=True
-            )
-        ]
+        poses = []
+        for stamp, place, turned in self._list_poses():
+            header, pose = self.ros.make_header(stamp, WORLD), self.ros.make_pose(place, turned)
+            poses.append(self.ros.make("geometry_msgs/PoseStamped", header=header, pose=pose))
         header = self.ros.make_header(self.stamps[0], WORLD)
         yield self.stamps[0], self.ros.make("nav_msgs/Path", header=header, poses=poses)
 
@@ -193,17 +186,15 @@ class FlightTopics:
             "angular_velocity_covariance": (options.rate_noise**2 * np.eye(3)).ravel(),
         }
         for stamp, turned, f, w in zip(self.stamps, self.trajectory.quaternion, force, rates, strict=True):
-            yield (
-                stamp,
-                self.ros.make(
-                    "sensor_msgs/Imu",
-                    header=self._make_sensor_header(stamp),
-                    orientation=self.ros.make_quaternion(turned),
-                    angular_velocity=self.ros.make_vector(w),
-                    linear_acceleration=self.ros.make_vector(f),
-                    **covariances,
-                ),
+            message = self.ros.make(
+                "sensor_msgs/Imu",
+                header=self._make_sensor_header(stamp),
+                orientation=self.ros.make_quaternion(turned),
+                angular_velocity=self.ros.make_vector(w),
+                linear_acceleration=self.ros.make_vector(f),
+                **covariances,
             )
+            yield stamp, message
 
     def _make_pressures(self) -> Iterator[tuple[int, Any]]:
         scenario, options = self.job.scenario, self.options
@@ -214,7 +205,7 @@ class FlightTopics:
 
     def _make_ranges(self) -> Iterator[tuple[int, Any]]:
         scenario, noise = self.job.scenario, self.options.distance_noise
-        found = np.maximum(wall_distance(self.sensor_positions, scenario), 0.0)
+        found = np.maximum(field.wall_distance(self.sensor_positions, scenario), 0.0)
         # All directions: the distance is that of the nearest point of the wall.
         seen = {"field_of_view": 2 * np.pi, "max_range": scenario.pipe.layout.inlet.radius}
         return self._make_readings("sensor_msgs/Range", "range", found, noise, 2, **seen)
@@ -254,28 +245,13 @@ class FlightTopics:
             pose = self.ros.make_pose(np.array(point), straight)
             found.append(self._make_marker(stamp, "targets", "SPHERE", VERMILLION, pose=pose, size=size))
             above = self.ros.make_pose(np.add(point, [0.0, 0.0, 1.2 * size[2]]), straight)
-            found.append(
-                self._make_marker(
-                    stamp, "names", "TEXT_VIEW_FACING", VERMILLION, pose=above, size=size, text=name
-                )
-            )
+            shown = {"pose": above, "size": size, "text": name}
+            found.append(self._make_marker(stamp, "names", "TEXT_VIEW_FACING", VERMILLION, **shown))
         mesh = revolve_contour(self.job.agent.body.outer, SEGMENTS)
-        corners = [
-            self.ros.make_vector(corner, "geometry_msgs/Point")
-            for corner in mesh.vertices[mesh.triangles.ravel()]
-        ]
-        found.append(
-            self._make_marker(
-                stamp,
-                "agent",
-                "TRIANGLE_LIST",
-                ORANGE,
-                pose=self.ros.make_pose(np.zeros(3), straight),
-                size=np.ones(3),
-                frame=self.base,
-                points=corners,
-            )
-        )
+        corners = mesh.vertices[mesh.triangles.ravel()]
+        points = [self.ros.make_vector(corner, "geometry_msgs/Point") for corner in corners]
+        place = {"pose": self.ros.make_pose(np.zeros(3), straight), "size": np.ones(3), "frame": self.base}
+        found.append(self._make_marker(stamp, "agent", "TRIANGLE_LIST", ORANGE, **place, points=points))
         for number, marker in enumerate(found):
             marker.id = number
         yield stamp, self.ros.make("visualization_msgs/MarkerArray", markers=found)

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from solids import solid_agent
 
-from driftform.design.limits import list_limits
 from driftform.motion.body_drag import estimate_drag
-from driftform.testing.agents import solid_agent
+from driftform.study.limits import list_limits
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform.types import Coefficients
 from driftform.water import Fluid, Pipe, Scenario, Segment

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.agent import Mesh, solid_of_revolution
-from driftform.agent.meshes import area_factor
+from driftform.agent import solid_of_revolution
+from driftform_frusta.triangles import Mesh, area_factor
 
 
 def box_mesh():

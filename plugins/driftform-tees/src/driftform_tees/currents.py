@@ -1,16 +1,17 @@
 """The current of a pipe on a regular grid, as CSV: for Gazebo, and for ``flow.kind = "grid"``."""
 
 import math
+import os
+import warnings
 from pathlib import Path
 
 import numpy as np
 
+from driftform import Study
 from driftform.errors import InputError
 from driftform.types import FloatArray
-from driftform.util.files import write_whole
-from driftform.water import Scenario
-from driftform.water.flow import UniformFlow
-from driftform.water.grid_files import VelocityGrid
+from driftform.util import files
+from driftform.water import Scenario, field, grid_files
 
 COLUMNS = ("timestamp", "x", "y", "z", "u", "v", "w")
 """Columns of the file: s, m and m/s. The timestamp is 0: Gazebo needs the column, and the current is steady."""
@@ -41,7 +42,7 @@ def usual_spacing(scenario: Scenario) -> float:
     return spacing
 
 
-def sample_current(scenario: Scenario, spacing: float | None = None) -> VelocityGrid:
+def sample_current(scenario: Scenario, spacing: float | None = None) -> grid_files.VelocityGrid:
     """Return the mean velocity of the water on a regular grid around the pipe of a scenario.
 
     Nodes in the water have the velocity there, and those in the wall beside them one that is extrapolated from the water,
@@ -81,7 +82,7 @@ def sample_current(scenario: Scenario, spacing: float | None = None) -> Velocity
             f"choose at least {usual_spacing(scenario):g} m"
         )
     origin = 0.5 * (low + high) - 0.5 * spacing * (np.array(shape) - 1)
-    grid = VelocityGrid(origin, np.full(3, spacing), np.full((*shape, 3), np.nan))
+    grid = grid_files.VelocityGrid(origin, np.full(3, spacing), np.full((*shape, 3), np.nan))
     return _fill_grid(grid, scenario)
 
 
@@ -90,7 +91,7 @@ def warn_of_flow(scenario: Scenario) -> list[str]:
     flow, found = scenario.flow, []
     if scenario.has_gusts:
         found.append("gusts are left out: the file has the mean current")
-    if isinstance(flow, UniformFlow) and flow.acceleration:
+    if flow.kind == "uniform" and flow.acceleration:
         found.append(f"the current's acceleration of {flow.acceleration:g} m/s2 is left out")
     return found
 
@@ -109,23 +110,22 @@ def _count_nodes(low: FloatArray, high: FloatArray, spacing: float) -> tuple[int
     return nx, ny, nz
 
 
-def _fill_grid(grid: VelocityGrid, scenario: Scenario) -> VelocityGrid:
+def _fill_grid(grid: grid_files.VelocityGrid, scenario: Scenario) -> grid_files.VelocityGrid:
     from scipy.ndimage import binary_dilation
 
-    from driftform.water.field import wall_distance, water_velocity
-    from driftform.water.grid_flow import fill_nodes
-
     flow = scenario.flow
-    steady = flow.model_copy(update={"acceleration": 0.0}) if isinstance(flow, UniformFlow) else flow
-    known = (wall_distance(grid.nodes(), scenario) >= 0).reshape(grid.shape)
+    steady = flow.model_copy(update={"acceleration": 0.0}) if flow.kind == "uniform" else flow
+    known = (field.wall_distance(grid.nodes(), scenario) >= 0).reshape(grid.shape)
     velocity = grid.velocity.copy()
-    velocity[known] = water_velocity(grid.nodes()[known], 0.0, scenario.model_copy(update={"flow": steady}))
+    velocity[known] = field.water_velocity(
+        grid.nodes()[known], 0.0, scenario.model_copy(update={"flow": steady})
+    )
     beside = binary_dilation(known, np.ones((3, 3, 3), dtype=bool))
-    filled = fill_nodes(velocity, known)
-    return VelocityGrid(grid.origin, grid.spacing, np.where(beside[..., None], filled, np.nan))
+    filled = grid_files.fill_nodes(velocity, known)
+    return grid_files.VelocityGrid(grid.origin, grid.spacing, np.where(beside[..., None], filled, np.nan))
 
 
-def write_current(path: Path, grid: VelocityGrid) -> int:
+def write_current(path: Path, grid: grid_files.VelocityGrid) -> int:
     """Write a grid as CSV with :data:`COLUMNS`, without its nodes that have no velocity; return the number of rows."""
     known = np.asarray(np.isfinite(grid.velocity).all(axis=3))
     # The same text for the same coordinate: Gazebo compares all digits.
@@ -146,5 +146,38 @@ def write_current(path: Path, grid: VelocityGrid) -> int:
                     )
                 )
 
-    write_whole(path, write)
+    files.write_whole(path, write)
     return int(known.sum())
+
+
+def export_flow(
+    study: Study, path: str | os.PathLike[str], *, spacing: float | None = None
+) -> grid_files.VelocityGrid:
+    """Write the mean current in the pipe of a study on a regular grid as CSV, and return the grid.
+
+    The file is for Gazebo, and for ``flow.kind = "grid"``.
+
+    Parameters
+    ----------
+    study
+        from :func:`load_study`.
+    path
+        of the file; an older one is replaced.
+    spacing
+        of the nodes, m; ``None`` for a twentieth of the narrowest bore, or more in a long pipe.
+
+    Raises
+    ------
+    InputError
+        in open water, or if the spacing does not suit the pipe.
+
+    Warns
+    -----
+    UserWarning
+        if gusts, or the acceleration of a current, are left out.
+    """
+    grid = sample_current(study.scenario, spacing)
+    for warning in warn_of_flow(study.scenario):
+        warnings.warn(warning, stacklevel=2)
+    write_current(Path(path), grid)
+    return grid

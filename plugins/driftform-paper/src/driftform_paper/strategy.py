@@ -6,8 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from driftform.interfaces import SearchSpace, Strategy
-from driftform.options import Table, option
+from driftform.interfaces import SearchSpace, Strategy, Table, option
 from driftform.types import Candidate, Evaluation, FloatArray, Genome
 
 

@@ -1,4 +1,4 @@
-"""The paper's genetic algorithm and random search."""
+"""The paper's genetic algorithm."""
 
 from collections import Counter
 
@@ -7,11 +7,10 @@ import pytest
 
 from driftform.interfaces import SearchSpace
 from driftform.options import Table
-from driftform.search.strategies.paper import PaperOptions, PaperStrategy, roulette_probabilities
-from driftform.search.strategies.random import RandomOptions, RandomStrategy
-from driftform.testing import GrammarContract, StrategyContract
+from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
 from driftform.types import Evaluation, Genome
+from driftform_paper.strategy import PaperOptions, PaperStrategy, roulette_probabilities
 
 GRAMMAR = LetterGrammar(Table())
 
@@ -24,18 +23,6 @@ class TestPaper(StrategyContract):
 class TestPaperWithOneFlipPerOffspring(StrategyContract):
     def plugin(self, space: SearchSpace) -> PaperStrategy:
         return PaperStrategy(PaperOptions(mutation="per_offspring", population=3), space)
-
-
-class TestRandom(StrategyContract):
-    def plugin(self, space: SearchSpace) -> RandomStrategy:
-        return RandomStrategy(RandomOptions(batch=8), space)
-
-
-class TestTheGrammarThatStrategiesAreTriedOn(GrammarContract):
-    nonsense = (*GrammarContract.nonsense, "abcabcabcabd", "abcabcabcab", "abcabcabcabca")
-
-    def plugin(self) -> LetterGrammar:
-        return GRAMMAR
 
 
 def paper(seed: int = 0, targets: tuple[str, ...] = ("T1",), **options) -> PaperStrategy:
@@ -208,19 +195,3 @@ def test_a_generation_that_the_budget_cuts_leaves_the_other_populations_as_they_
     third = strategy.ask(8)
     assert {p for c in third if c.target == "left" for p in c.parents} <= set(range(8, 12))
     assert {p for c in third if c.target == "right" for p in c.parents} <= set(range(4, 8))
-
-
-def test_random_search_ignores_what_it_is_told():
-    def asked(score: float) -> list[Genome]:
-        space = SearchSpace(GRAMMAR, ("T1",), np.random.default_rng(0))
-        strategy = RandomStrategy(RandomOptions(batch=5), space)
-        genomes: list[Genome] = []
-        for first in range(0, 20, 5):
-            candidates = strategy.ask(100)
-            assert len(candidates) == 5
-            genomes += [c.genome for c in candidates]
-            strategy.tell(first, [Evaluation(c.genome, np.array([score])) for c in candidates])
-        return genomes
-
-    assert asked(0.0) == asked(99.0)
-    assert asked(0.0) == [GRAMMAR.random(rng) for rng in [np.random.default_rng(0)] for _ in range(20)]

@@ -1,0 +1,57 @@
+"""How large the core and the plugins are: lines in all, in each package, and in the longest function."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+CORE = ROOT / "src" / "driftform"
+PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"))
+PACKAGES = [*sorted(path.parent for path in CORE.glob("*/__init__.py")), *PLUGINS]
+
+MOST_LINES, MOST_LINES_OF_PACKAGE, MOST_LINES_OF_FUNCTION = 32_000, 5_500, 120
+
+MOST_LINES_WITH_PLUGINS = 61_600
+
+
+def count_lines(folder: Path) -> int:
+    """The lines of all Python files below a folder."""
+    return sum(len(file.read_text(encoding="utf-8").splitlines()) for file in folder.rglob("*.py"))
+
+
+def measure_functions(source: str) -> Iterator[tuple[int, str]]:
+    """The lines of each function and method of a source, with its decorators and docstring, and its name."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+            yield (node.end_lineno or first) - first + 1, node.name
+
+
+def test_the_core_and_the_plugins_are_small() -> None:
+    core, plugins = count_lines(CORE), sum(map(count_lines, PLUGINS))
+    print(f"{core} lines of the core, {core + plugins} with the plugins")
+    assert PLUGINS
+    assert core <= MOST_LINES
+    assert core + plugins <= MOST_LINES_WITH_PLUGINS
+
+
+def test_no_package_is_large() -> None:
+    lines = {package.name: count_lines(package) for package in PACKAGES}
+    print(", ".join(f"{name} {count}" for name, count in sorted(lines.items(), key=lambda row: -row[1])))
+    assert {name: count for name, count in lines.items() if count > MOST_LINES_OF_PACKAGE} == {}
+
+
+def test_no_function_is_long() -> None:
+    found = [
+        (lines, f"{file.relative_to(ROOT)}: {name}")
+        for package in (CORE, *PLUGINS)
+        for file in package.rglob("*.py")
+        for lines, name in measure_functions(file.read_text(encoding="utf-8"))
+    ]
+    print("longest function: {} lines, {}".format(*max(found)))
+    assert [row for row in sorted(found, reverse=True) if row[0] > MOST_LINES_OF_FUNCTION] == []
+
+
+def test_a_function_is_measured_with_its_decorators() -> None:
+    source = "@cache\n@other\ndef fly():\n    pass\n\n\nclass A:\n    def swim(self):\n        return 1\n"
+    assert sorted(measure_functions(source)) == [(2, "swim"), (4, "fly")]
