@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.figures.trend import COLUMNS, Trend, trend_svg
+from driftform.figures.trend import _COLUMNS, Trend, trend_svg
 
 FLIGHTS = np.array([10.0, 20.0, 30.0])
 
@@ -64,6 +64,6 @@ def test_targets_that_are_met_exactly_at_once_can_be_drawn(read):
 
 
 def test_the_panels_are_in_rows_of_five(read, points):
-    picture = drawn(read, *(trend(f"T{i}") for i in range(COLUMNS + 1)))
+    picture = drawn(read, *(trend(f"T{i}") for i in range(_COLUMNS + 1)))
     heights = {round(points(line)[:, 1].mean(), 1) for line in picture.all("mean")}
     assert len(heights) == 2
