@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from driftform.agent import solid_of_revolution
+from driftform.motion.creeping import creeping_resistance
 from driftform.motion.drag_coefficients import (
     base_coefficient,
     end_shape_factor,
@@ -76,7 +77,7 @@ def estimate_drag(
     bore = "bore" not in without
     return Drag(
         np.column_stack([strips, np.full(len(strips), slender * finite)]),
-        friction_area=slender * shape.rubbed * form_factor(body.max_diameter / body.length),
+        friction_area=slender * shape.rubbed,
         length=body.length,
         ahead=slender * shape.end_ahead,
         astern=slender * shape.end_astern,
@@ -89,6 +90,8 @@ def estimate_drag(
         shear_volume=0.0 if "lift" in without else SHEAR_LIFT * shape.volume,
         spread=shape.spread if bore else (0.0, 0.0),
         blocking=body.max_diameter if bore else 0.0,
+        creeping=shape.creeping,
+        rubbing=1 / finite,
     )
 
 
@@ -111,6 +114,7 @@ class _Shape:
     wake_astern: tuple[float, float]
     spin: float
     spread: tuple[float, float]
+    creeping: tuple[float, float, float, float]
 
 
 @lru_cache(maxsize=128)
@@ -138,6 +142,7 @@ def _measure_shape(outer: bytes, viscosity: float) -> _Shape:
         wake_astern=wake_section(mirrored, -x[::-1], r[::-1]),
         spin=2 * math.pi * step * float(square @ square),
         spread=(float(share @ square) / 4, float(share @ (x - centre) ** 2) + step**2 / 12),
+        creeping=creeping_resistance(contour),
     )
 
 
@@ -157,7 +162,10 @@ def wake_factor(coefficients: Coefficients, displaced: float) -> float:
 
 
 def _end_area(contour: FloatArray, rubbed: float, viscosity: float) -> float:
-    """Return the drag area, m2, of nose and base of a contour that moves towards +x."""
+    """Return the drag area, m2, of nose and base of a contour that moves towards +x.
+
+    A streamlined body has, at least, the pressure drag of its form.
+    """
     x, r = contour.T
     radius = float(r.max())
     frontal = math.pi * radius**2
@@ -168,7 +176,8 @@ def _end_area(contour: FloatArray, rubbed: float, viscosity: float) -> float:
     length = float(x.max() - x.min())
     friction = friction_coefficient(REFERENCE_SPEED * length / viscosity) * rubbed / frontal
     base = base_coefficient(separation_point(contour)[1] / radius, friction)
-    return frontal * (nose + base)
+    form = friction * (form_factor(2 * radius / length) - 1)
+    return frontal * max(nose + base, form)
 
 
 def _shoulder_angle(nose: FloatArray) -> float:
