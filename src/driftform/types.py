@@ -302,7 +302,7 @@ class Drag:
     strips
         x of the middle, diameter d, width dx (m each), and factor of each strip, (n, 4).
     friction_area
-        wetted area, for skin friction, m2.
+        wetted area, for skin friction, times the form factor of a streamlined body, m2.
     length
         length in the Reynolds number Re_L of skin friction, m.
     ahead, astern

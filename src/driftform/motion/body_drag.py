@@ -44,6 +44,9 @@ SLENDER = 0.92
 """Sphericity below which a body counts as slender: about that of a capsule or a spheroid twice as long as thick.
 Cylinders have 0.87 at most, cones 0.79."""
 
+BLUNT = 0.85
+"""C_d, on the frontal area, of blunt ends: the least of flat-faced cylinders (White, table 7.3)."""
+
 SHEAR_LIFT = 0.5
 """Lift coefficient, on the volume, of a sphere in weakly sheared inviscid flow (Auton, J. Fluid Mech. 183, 1987)."""
 
@@ -72,12 +75,16 @@ def estimate_drag(
         if "ends" in without
         else finite_length_factor(aspect) * end_shape_factor(shape.sphericity, aspect)
     )
+    # Blunt ends have the pressure drag that the form factor adds to friction.
+    smooth = max(0.0, 1 - (shape.end_ahead + shape.end_astern) / (2 * BLUNT * math.pi * radius**2))
     lift = 0.0 if "wake" in without else slender * wake_factor
     (x_ahead, area_ahead), (x_astern, area_astern) = shape.wake_ahead, shape.wake_astern
     bore = "bore" not in without
     return Drag(
         np.column_stack([strips, np.full(len(strips), slender * finite)]),
-        friction_area=slender * shape.rubbed,
+        friction_area=slender
+        * shape.rubbed
+        * (1 + (form_factor(body.max_diameter / body.length) - 1) * smooth),
         length=body.length,
         ahead=slender * shape.end_ahead,
         astern=slender * shape.end_astern,
@@ -162,10 +169,7 @@ def wake_factor(coefficients: Coefficients, displaced: float) -> float:
 
 
 def _end_area(contour: FloatArray, rubbed: float, viscosity: float) -> float:
-    """Return the drag area, m2, of nose and base of a contour that moves towards +x.
-
-    A streamlined body has, at least, the pressure drag of its form.
-    """
+    """Return the drag area, m2, of nose and base of a contour that moves towards +x."""
     x, r = contour.T
     radius = float(r.max())
     frontal = math.pi * radius**2
@@ -176,8 +180,7 @@ def _end_area(contour: FloatArray, rubbed: float, viscosity: float) -> float:
     length = float(x.max() - x.min())
     friction = friction_coefficient(REFERENCE_SPEED * length / viscosity) * rubbed / frontal
     base = base_coefficient(separation_point(contour)[1] / radius, friction)
-    form = friction * (form_factor(2 * radius / length) - 1)
-    return frontal * max(nose + base, form)
+    return frontal * (nose + base)
 
 
 def _shoulder_angle(nose: FloatArray) -> float:
