@@ -99,10 +99,8 @@ def _speed_profile(scenario: Scenario, row: FloatArray) -> FloatArray:
     axis = along / length
     aside = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     points = start + along / 2 + np.linspace(0, radius, PROFILE)[:, None] * aside / np.linalg.norm(aside)
-    pipe, flow, gusts = np.array([[*start, *axis, length, radius]]), flow_array(scenario), np.empty((0, 12))
-    return np.array(
-        [axis @ water_motion((x, y, z), 0.0, pipe, flow, gusts)[0] for x, y, z in points.tolist()]
-    )
+    pipe, flow = np.array([[*start, *axis, length, radius]]), flow_array(scenario)
+    return np.array([axis @ water_motion((x, y, z), 0.0, pipe, flow)[0] for x, y, z in points.tolist()])
 
 
 def agent_data(agent: Agent, flight: Trajectory, closest: Sequence[float], colour: str) -> dict[str, Any]:

@@ -57,13 +57,13 @@ def _trace(pipe: Pipe, flow: tuple[float, ...], fittings: bytes) -> list[FloatAr
     from driftform.water.profiles import AT_A_POINT
     from driftform.water.velocity import water_motion
 
-    no_pipe, current, no_gusts = np.empty((0, 8)), np.array(flow), np.empty((0, 12))
+    no_pipe, current = np.empty((0, 8)), np.array(flow)
     parts = np.frombuffer(fittings)
 
     def velocity(points: FloatArray) -> FloatArray:
         return np.array(
             [
-                water_motion((x, y, z), 0.0, no_pipe, current, no_gusts, AT_A_POINT, parts)[0]
+                water_motion((x, y, z), 0.0, no_pipe, current, AT_A_POINT, parts)[0]
                 for x, y, z in points.tolist()
             ]
         )

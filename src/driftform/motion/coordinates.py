@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.motion.contact import is_far_from_wall
 from driftform.motion.equations import accelerations
@@ -44,10 +45,11 @@ class Motion:
         at the release, (6,) in space, (3,) in the vertical plane: SI units and radians.
     values
         numbers of the model; pass them to all functions.
+    inner, inner_rates
+        places in ``values`` of the inner states of wall and water, all zero at the release, and of their rates, (k,) each.
+        Write the states before ``accelerations`` is called; it writes their rates.
     bristles
-        numbers b of the bristles of friction, all zero at the release; 0 without friction. Write them to
-        ``values[-2 * b:-b]`` before ``accelerations`` is called; it writes their rates to ``values[-b:]``. Where
-        ``touches(coordinates, values)`` is False they are zero.
+        how many of them, the first, are those of friction. Where ``touches(coordinates, values)`` is False they are zero.
     accelerations
         ``accelerations(t, coordinates, rates, values)`` returns the derivatives of the rates, a tuple as long as they.
     fill_sample
@@ -61,6 +63,8 @@ class Motion:
     values: FloatArray
     accelerations: Callable[[float, FloatArray, FloatArray, FloatArray], tuple[float, ...]]
     fill_sample: Callable[[FloatArray, float, FloatArray, FloatArray, FloatArray], bool]
+    inner: npt.NDArray[np.int64]
+    inner_rates: npt.NDArray[np.int64]
     bristles: int = 0
     touches: Callable[[FloatArray, FloatArray], bool] | None = None
 
@@ -77,14 +81,14 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
             pack(model),
             _accelerations_in_plane,
             _fill_sample_in_plane,
-            len(model.bristles) // 2,
+            *_find_inner_states(model, len(model.bristles) // 2),
             _can_touch_in_plane,
         )
     coordinates = np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])])
-    bristles, fittings = model.bristles.size // 2, model.fittings
+    inner, fittings = _find_inner_states(model, model.bristles.size // 2), model.fittings
     if fittings is None:
-        functions = _accelerations_in_space, _fill_sample_in_space, bristles, _can_touch
-        return Motion(coordinates, start[7:], pack(model), *functions)
+        functions = _accelerations_in_space, _fill_sample_in_space, *inner, _can_touch
+        return Motion(coordinates, start[7:13], pack(model), *functions)
 
     def accelerate(
         t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
@@ -99,7 +103,18 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
     def can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
         return _can_touch(coordinates, values, fittings)
 
-    return Motion(coordinates, start[7:], pack(model), accelerate, fill_sample, bristles, can_touch)
+    return Motion(coordinates, start[7:13], pack(model), accelerate, fill_sample, *inner, can_touch)
+
+
+def _find_inner_states(
+    model: FlightModel, bristles: int
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], int]:
+    """Return the places of the inner states and of their rates in a packed model, at whose end they are, and ``bristles``."""
+    eddies = model.eddies.size // 2
+    end = len(pack(model)) - 2 * eddies
+    states = np.concatenate([np.arange(bristles) - 2 * bristles, np.arange(eddies)]) + end
+    rates = np.concatenate([np.arange(bristles) - bristles, np.arange(eddies) + eddies]) + end
+    return states, rates, bristles
 
 
 @compiled

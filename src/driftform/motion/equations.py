@@ -47,7 +47,7 @@ from driftform.util.small_vectors import (
     to_world,
 )
 from driftform.water.fitting_flow import bore_radius
-from driftform.water.velocity import gust_shear, velocity_of_path, water_motion
+from driftform.water.velocity import gust_at, water_motion
 
 
 @compiled
@@ -159,14 +159,16 @@ def water_motion_at_cob(
     centre = _read_vector(n.cob)
     place = add(position, to_world(R, centre))
     spread = (body_axis(R), n.spread_across, n.spread_along)
-    speed, gradient, rate = water_motion(
-        place, t, model.pipe, model.flow, model.gusts, spread, model.fittings
+    mean, gradient, rate = water_motion(place, t, model.pipe, model.flow, spread, model.fittings)
+    gust, change, along = gust_at(
+        place, mean, model.pipe, model.flow, model.gusts, model.eddies, model.fittings
     )
+    speed, rate = add(mean, gust), add(rate, change)
     # The velocity of the path along which the water's velocity changes: the water's own, or the body's.
-    path = velocity_of_path(speed, t, model.flow, model.gusts, model.fittings)
+    path = speed
     if n.has_pressure_gradient == 0.0:
         path = add(velocity, to_world(R, cross(omega, centre)))
-    shear = to_body(R, add(to_world(gradient, body_axis(R)), gust_shear(t, model.flow, model.gusts)))
+    shear = to_body(R, add(to_world(gradient, body_axis(R)), along))
     curl = (
         gradient[2][1] - gradient[1][2],
         gradient[0][2] - gradient[2][0],

@@ -120,7 +120,7 @@ def _count_numbers(model: FlightModel, in_space: bool | None) -> int:
     bristles = len(model.bristles) // 2
     if in_space is None:
         return PLANE_STATE + bristles
-    return STATE + 3 * bristles + 1
+    return STATE + model.eddies.size // 2 + 3 * bristles + 1
 
 
 @compiled
@@ -146,9 +146,9 @@ def _take_steps(
 
     ``room`` begins with the state, which is zero at the release.
     """
-    places, velocities, angles = _ALL_PLACES, 6, 1
+    places, velocities, angles, eddies = _ALL_PLACES, 6, 1, model.eddies.size // 2
     if in_space is None:
-        places, velocities, angles = _PLACES_IN_PLANE, 3, 0
+        places, velocities, angles, eddies = _PLACES_IN_PLANE, 3, 0, 0
     size = _count_numbers(model, in_space)
     y, new = borrow(room, 0, (size,)), borrow(room, size, (size,))
     slopes = borrow(room, 2 * size, (_STATES - 2, size))
@@ -159,11 +159,14 @@ def _take_steps(
     if count == 0:
         for i in range(places.shape[0]):
             y[i] = start[places[i]]
+        for j in range(eddies):
+            y[STATE + j] = start[STATE + j]
         fill_rate(t, y, model, in_space, slopes[0])
     while count < samples.shape[0]:
         row = samples[count]
         row[0] = t
-        copy(start, row[1:])
+        for i in range(STATE):
+            row[1 + i] = start[i]
         for i in range(places.shape[0]):
             row[1 + places[i]] = y[i]
         if angles > 0:
@@ -185,7 +188,7 @@ def _take_steps(
             if model.gusts.shape[0] == 0:
                 sharp *= SMOOTH_SHARE
             # Bristles straighten in the water. What remains of them would only limit the steps.
-            for j in range(places.shape[0], size - angles):
+            for j in range(places.shape[0] + eddies, size - angles):
                 y[j], slopes[0, j] = 0.0, 0.0
         h, explicit = min(h, max_step), explicit - 1
         while True:

@@ -18,16 +18,16 @@ from driftform.util.compiled import borrow, borrow_as, borrowing, compiled
 from driftform.util.latest import keep_latest
 from driftform.water import Scenario
 from driftform.water.fittings import fitting_array, greatest_curvature, rim_spacing
-from driftform.water.flow import TurbulentFlow
+from driftform.water.gusts import STATES
 from driftform.water.profiles import UNIFORM
 from driftform.water.scenario import Contact
-from driftform.water.velocity import flow_array, gust_array, pipe_rows
+from driftform.water.velocity import ACCELERATION, flow_array, gust_array, pipe_rows, set_gusts
 
 _FEWEST, _MOST_SLICES = 16, 64
 
 _borrow_numbers = borrow_as(NUMBERS)
 _NUMBERS = NUMBERS.itemsize // 8
-_ARRAYS = 8
+_ARRAYS = 9
 """Arrays of a model besides its numbers and fittings; a packed model begins with their lengths."""
 
 _NO_DRAG = Drag(np.empty((0, 4)))
@@ -48,7 +48,7 @@ class FlightModel(NamedTuple):
         rows of start (3), unit vector downstream (3), length, radius, (segments, 8); (0, 8) in open water and for a pipe
         with parts.
     flow, gusts
-        see :mod:`driftform.water.velocity`.
+        see :mod:`driftform.water.velocity`; ``flow`` has the gusts that this body meets.
     slices
         of the displaced volume: x, radius (m), volume (m3), width (m), (n, 4); (0, 4) if the pipe is full.
     strips
@@ -60,6 +60,8 @@ class FlightModel(NamedTuple):
         of the surfaces, if there is friction: their deflections times the contact's frequency, world frame, m/s (rows
         of the first half), and room for the rates of these, m/s2 (second half); (2 surfaces, 3) or (0, 3). See
         :func:`driftform.motion.contact.wall_wrench`.
+    eddies
+        states of the gusts, and room for their rates, (2, 4) or (0, 4) without gusts: see :mod:`driftform.water.gusts`.
     fittings
         a pipe with parts, shared by all flights in it (:mod:`driftform.water.fittings`); ``None`` for a straight pipe and in open
         water, where nothing of it is compiled.
@@ -74,6 +76,7 @@ class FlightModel(NamedTuple):
     strips: FloatArray
     touches: FloatArray
     bristles: FloatArray
+    eddies: FloatArray
     fittings: FloatArray | None = None
 
 
@@ -84,7 +87,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     inverse = invert_mass(total, max(agent.body.length, agent.body.max_diameter))
     fittings, (flow, current, pipe, contact) = fitting_array(scenario), _environment(scenario)
     surfaces = _surface_rows(agent.body, inverse, scenario)
-    gusts = _gusts(agent, scenario)
+    flow, gusts = _set_gusts(agent, scenario, flow)
     drag = coefficients.drag or _NO_DRAG
     numbers = np.zeros(1, NUMBERS)
     n = numbers[0]
@@ -98,7 +101,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     n["gravity"], n["density"], n["viscosity"] = fluid.gravity, fluid.density, fluid.viscosity
     n["water_level"] = np.inf if fluid.water_level is None else fluid.water_level
     n["current"] = current
-    n["is_steady"] = flow[0] == UNIFORM and not len(gusts) and fittings is None
+    n["is_steady"] = flow[0] == UNIFORM and flow[ACCELERATION] == 0.0 and fittings is None
     n["has_pressure_gradient"] = fluid.flow_force == "full"
     n["axial"] = drag.friction_area, drag.length, drag.ahead, drag.astern
     n["tails"] = *drag.wake_ahead, *drag.wake_astern
@@ -116,12 +119,13 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         numbers,
         surfaces,
         pipe.copy(),
-        flow.copy(),
+        flow,
         gusts,
         np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
         _drag_strips(agent),
         np.zeros((len(surfaces) + 1, 10)),
         np.zeros((2 * len(surfaces) if contact.friction > 0.0 else 0, 3)),
+        np.zeros((2 if len(gusts) else 0, STATES)),
         fittings,
     )
 
@@ -150,6 +154,7 @@ def unpack(values: FloatArray, fittings: FloatArray | None) -> FlightModel:
     strips = slices + 4 * int(values[4])
     touches = strips + 4 * int(values[5])
     bristles = touches + 10 * int(values[6])
+    eddies = bristles + 3 * int(values[7])
     return FlightModel(
         _borrow_numbers(values, _ARRAYS, (1,)),
         borrow(values, surfaces, (int(values[0]), 7)),
@@ -160,6 +165,7 @@ def unpack(values: FloatArray, fittings: FloatArray | None) -> FlightModel:
         borrow(values, strips, (int(values[5]), 4)),
         borrow(values, touches, (int(values[6]), 10)),
         borrow(values, bristles, (int(values[7]), 3)),
+        borrow(values, eddies, (int(values[8]), STATES)),
         _borrow_fittings(fittings),
     )
 
@@ -241,14 +247,21 @@ def _fill_effective_masses(surfaces: FloatArray, inverse: FloatArray) -> None:
         row[6] = min(1.0 / along, 1.0 / around)
 
 
-def _gusts(agent: Agent, scenario: Scenario) -> FloatArray:
-    """Return the gusts that an agent meets: with drag, they know its terminal speed and its length."""
-    drag, flow = agent.coefficients.drag, scenario.flow
-    if drag is None or not isinstance(flow, TurbulentFlow) or flow.crossing == 0:
-        return gust_array(scenario)
-    net = agent.mass.net_buoyancy(scenario.fluid)
-    slip = terminal_speed_across(drag, net, scenario.fluid.density, scenario.fluid.viscosity)
-    return gust_array(scenario, slip, agent.body.length)
+def _set_gusts(agent: Agent, scenario: Scenario, flow: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the array of the flow with the gusts that an agent meets, and their walk.
+
+    With drag, they know its terminal speed and its length.
+    """
+    flow, drag = flow.copy(), agent.coefficients.drag
+    if not scenario.has_gusts:
+        return flow, gust_array(scenario, flow)
+    slip, length = 0.0, 0.0
+    if drag is not None:
+        net = agent.mass.net_buoyancy(scenario.fluid)
+        slip = terminal_speed_across(drag, net, scenario.fluid.density, scenario.fluid.viscosity)
+        length = agent.body.length
+    set_gusts(flow, scenario, 0.5 * agent.body.max_diameter, slip, length)
+    return flow, gust_array(scenario, flow, length)
 
 
 def _drag_strips(agent: Agent) -> FloatArray:

@@ -30,7 +30,7 @@ from driftform.motion.impact import common_mass, damper, spring
 from driftform.motion.model import FlightModel
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
-from driftform.water.profiles import LOG_LAW, POWER_LAW, UNIFORM, spread_profile
+from driftform.water.profiles import LOG_LAW, PARABOLA, POWER_LAW, UNIFORM, spread_profile
 from driftform.water.velocity import KIND, PARAMETER, SPEED
 
 Point: TypeAlias = tuple[float, float]
@@ -53,7 +53,7 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
     """
     n, pipe = model.numbers[0], model.pipe
     parallel = (
-        model.flow[KIND] in (POWER_LAW, LOG_LAW)
+        model.flow[KIND] in (POWER_LAW, LOG_LAW, PARABOLA)
         and len(model.gusts) == 0
         and n["has_pressure_gradient"] != 0.0
     )

@@ -13,6 +13,7 @@ from driftform.motion.plane import fill_rate_in_plane
 from driftform.types import FloatArray
 from driftform.util.compiled import borrow, compiled
 from driftform.util.rotations import quaternion_product, quaternion_rate, rotation_from_quaternion
+from driftform.water.gusts import STATES
 
 STATE = 13
 """Numbers in a state: position (3) and velocity (3) in the world, quaternion between them, body rates (3) at the end."""
@@ -45,23 +46,29 @@ def fill_rate(
 def fill_rate_in_space(t: float, y: FloatArray, model: FlightModel, out: FloatArray) -> None:
     """Fill ``out`` with the time derivative of the state ``y``.
 
-    After the 13 numbers of the state come three for each bristle, or none with bristles as the model has them. A last
+    After the 13 numbers of the state come the four of gusts if there are any, then three for each bristle, or none with
+    bristles as the model has them. A last
     number is the angle (rad) by which the body has turned about its axis from the frame of the quaternion and of the
     rates: that frame then does not spin with a body of revolution.
     """
     p, q, r = y[10], y[11], y[12]
     R = rotation_from_quaternion(y[3], y[4], y[5], y[6])
-    bristles, angles = (y.shape[0] - STATE) // 3, (y.shape[0] - STATE) % 3
+    first = STATE + STATES * (model.eddies.shape[0] // 2)
+    bristles, angles = (y.shape[0] - first) // 3, (y.shape[0] - first) % 3
+    for j in range(first - STATE):
+        model.eddies[0, j] = y[STATE + j]
     for k in range(bristles):
         for j in range(3):
-            model.bristles[k, j] = y[STATE + 3 * k + j]
+            model.bristles[k, j] = y[first + 3 * k + j]
     a, alpha = accelerations(t, (y[0], y[1], y[2]), R, (y[7], y[8], y[9]), (p, q, r), model)
     out[0], out[1], out[2] = y[7], y[8], y[9]
     out[7], out[8], out[9] = a
     out[10], out[11], out[12] = alpha
+    for j in range(first - STATE):
+        out[STATE + j] = model.eddies[1, j]
     for k in range(bristles):
         for j in range(3):
-            out[STATE + 3 * k + j] = model.bristles[model.bristles.shape[0] // 2 + k, j]
+            out[first + 3 * k + j] = model.bristles[model.bristles.shape[0] // 2 + k, j]
     spin = p
     if angles > 0:
         # The rates are components of a vector: in a frame that turns less, they change more.

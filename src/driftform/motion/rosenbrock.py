@@ -105,6 +105,7 @@ def fill_jacobian(
     v, places = len(work.pose), work.places
     first = 7 if v == 6 else 4
     bristles = (3 if v == 6 else 1) if model.bristles.shape[0] > 0 else 0
+    bristled = first + v + (model.eddies.size // 2 if v == 6 else 0)
     for i in range(v):
         places[i] = first + i
     count = v
@@ -112,7 +113,7 @@ def fill_jacobian(
         if model.touches[k, 9] < 0.0:
             break
         for j in range(bristles):
-            places[count] = first + v + bristles * model.touches[k, 9] + j
+            places[count] = bristled + bristles * model.touches[k, 9] + j
             count += 1
     for i in range(v + count):
         step = POSE_STEP if i < v else SPEED_STEP
@@ -178,7 +179,7 @@ def take_implicit_step(
         for i in range(k):
             for j in range(y.shape[0]):
                 stages[k, j] += method.solved[k, i] / h * stages[i, j]
-        _solve(rate, y, stages[k], count, model.numbers[0].law.frequency, work)
+        _solve(rate, y, stages[k], count, model.numbers[0].law.frequency, model.eddies.size // 2, work)
     copy(y, new)
     for k in range(stages.shape[0]):
         for j in range(y.shape[0]):
@@ -212,8 +213,10 @@ def _factorise(rate: float, count: int, work: WorkSpace) -> None:
 
 
 @compiled
-def _solve(rate: float, y: FloatArray, u: FloatArray, count: int, omega: float, work: WorkSpace) -> None:
-    """Replace the right-hand side ``u`` of the equations of a stage by their solution."""
+def _solve(
+    rate: float, y: FloatArray, u: FloatArray, count: int, omega: float, eddies: int, work: WorkSpace
+) -> None:
+    """Replace the right-hand side ``u`` of the equations of a stage by their solution; gusts have ``eddies`` states."""
     z, pose, places, step = work.unknowns, work.pose, work.places, 1.0 / rate
     v = pose.shape[0]
     pose[0], pose[1] = step * u[0], step * u[1]
@@ -231,8 +234,10 @@ def _solve(rate: float, y: FloatArray, u: FloatArray, count: int, omega: float, 
         z[i] = total
     _substitute(work.matrix, z, count)
     spin, decay = u[y.shape[0] - 1], 1.0 / (rate + omega)
-    for j in range(PLANE_STATE if v == 3 else STATE, y.shape[0]):
-        u[j] *= decay
+    inner = PLANE_STATE if v == 3 else STATE
+    for j in range(inner, y.shape[0]):
+        # Gusts are slow: no part of the Jacobian.
+        u[j] *= decay if j >= inner + eddies else step
     for i in range(count):
         u[int(places[i])] = z[i]
     _move(y, z[:v], u)

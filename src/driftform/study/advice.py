@@ -14,8 +14,9 @@ from driftform.pipeline import Pipeline
 from driftform.types import Body, FloatArray, Morphology
 from driftform.water import Scenario
 from driftform.water.factors import DRAGS
-from driftform.water.flow import PowerLawFlow, TurbulentFlow, UniformFlow
+from driftform.water.flow import PowerLawFlow, UniformFlow, is_laminar
 from driftform.water.misfit import find_misfit, show_length
+from driftform.water.regime import warn_of_regime
 
 NEGLIGIBLE = 1e-3
 """Distance (m) that no warning is worth: the accuracy of a flight."""
@@ -26,6 +27,9 @@ CENTRE_SPEED = 1.4
 The logarithmic law has 3 u* / (2 kappa) = 1.29 sqrt(f) times the mean between the two; f is at most 0.07, that of the
 largest roughness that a study may have, a twentieth of the diameter (Colebrook).
 """
+
+LAMINAR_SPEED = 2.0
+"""The same in laminar flow, exactly (Hagen and Poiseuille)."""
 
 OWN_SPEED = 1.0
 """Speed (m/s) that weight or buoyancy may give a body along a vertical pipe: more than agents reach."""
@@ -69,7 +73,7 @@ class _Advice:
                 f"{self.name}: no agent can be released: the bare core in its hull, the smallest body of builder "
                 f"'{self.pipeline.builder.name}': {misfit}"
             )
-        found = [*self._check_units(), *self._check_water()]
+        found = [*self._check_units(), *self._check_water(), *warn_of_regime(self.scenario)]
         if bare is not None:
             found += self._check_bare(bare)
         if self.scenario.pipe.straight is not None:
@@ -173,7 +177,7 @@ class _Advice:
         across it, neither from weight, nor from the wall, nor from water that flows alike on both sides.
         """
         scenario, axis = self.scenario, self.scenario.direction()
-        if isinstance(scenario.flow, TurbulentFlow) and scenario.flow.intensity > 0:
+        if scenario.has_gusts:
             return
         centre = scenario.pipe.layout.inlet.centre
         normal = np.cross(axis, [0.0, 0.0, 1.0])
@@ -200,7 +204,7 @@ class _Advice:
             yield (
                 f"no flight leaves {place}, and {_list(missed)} "
                 f"{'lies' if len(missed) == 1 else 'lie'} off it, by up to {show_length(max(missed.values()))}: "
-                'release the agent with a yaw (release.yaw_deg), or let gusts turn it (flow.kind = "turbulent")'
+                "release the agent with a yaw (release.yaw_deg), or let gusts turn it (gusts.always = true)"
             )
 
     def _released_vectors(self) -> list[FloatArray]:
@@ -273,11 +277,6 @@ class _Advice:
                 f"robustness.position = {robustness.position:g} m is large in a bore with a radius of {radius:g} m: "
                 "it is a standard deviation, in metres"
             )
-        if isinstance(scenario.flow, TurbulentFlow) and scenario.flow.smoothing > scenario.flow.memory:
-            yield (
-                f"flow.smoothing = {scenario.flow.smoothing:g} s is longer than flow.memory = {scenario.flow.memory:g} s: "
-                "the smallest eddies cannot outlast the largest"
-            )
         drags = [name for name in DRAGS if getattr(scenario.calibration, name) is not None]
         if drags and self.pipeline.hydrodynamics.options.drag == "none":
             yield (
@@ -309,6 +308,8 @@ class _Advice:
             # Maximum over mean of (y/R)^(1/n): (n + 1) (2 n + 1) / (2 n^2) (Schlichting, Boundary-Layer Theory, ch. XX).
             n = flow.exponent
             speeds.append(flow.speed * (n + 1) * (2 * n + 1) / (2 * n * n))
+        elif is_laminar(flow, scenario.pipe.layout.inlet.radius, flow.speed, scenario.fluid.viscosity):
+            speeds.append(flow.speed * LAMINAR_SPEED)
         else:
             speeds.append(flow.speed * CENTRE_SPEED)
         own = OWN_SPEED * abs(float(axis[2])) * horizon

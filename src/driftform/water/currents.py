@@ -9,7 +9,7 @@ from driftform.errors import InputError
 from driftform.types import FloatArray
 from driftform.util.files import write_whole
 from driftform.water import Scenario
-from driftform.water.flow import TurbulentFlow, UniformFlow
+from driftform.water.flow import UniformFlow
 from driftform.water.grid_files import VelocityGrid
 
 COLUMNS = ("timestamp", "x", "y", "z", "u", "v", "w")
@@ -88,7 +88,7 @@ def sample_current(scenario: Scenario, spacing: float | None = None) -> Velocity
 def warn_of_flow(scenario: Scenario) -> list[str]:
     """Return what a steady grid of the mean velocity leaves out, one line each."""
     flow, found = scenario.flow, []
-    if isinstance(flow, TurbulentFlow) and flow.intensity > 0:
+    if scenario.has_gusts:
         found.append("gusts are left out: the file has the mean current")
     if isinstance(flow, UniformFlow) and flow.acceleration:
         found.append(f"the current's acceleration of {flow.acceleration:g} m/s2 is left out")

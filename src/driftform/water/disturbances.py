@@ -13,7 +13,6 @@ from driftform.types import Body, FloatArray
 from driftform.util.vectors import cross
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import DRAGS
-from driftform.water.flow import LogLawFlow, TurbulentFlow
 from driftform.water.scenario import Robustness
 
 MAX_DEVIATION = 3.0
@@ -110,13 +109,10 @@ def draw_latin_hypercube(rng: np.random.Generator, count: int, quantities: int) 
 
 def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
     """Return the scenario under a disturbed condition."""
-    flow = scenario.flow
-    if isinstance(flow, LogLawFlow) and condition.gusts is not None:
-        # The mean of the turbulent flow is the logarithmic law.
-        flow = TurbulentFlow(speed=flow.speed, roughness=flow.roughness)
+    flow, gusts = scenario.flow, scenario.gusts
     flow = flow.model_copy(update={"speed": flow.speed * condition.current})
-    if isinstance(flow, TurbulentFlow) and condition.gusts is not None:
-        flow = flow.model_copy(update={"seed": condition.gusts})
+    if condition.gusts is not None:
+        gusts = gusts.model_copy(update={"always": True, "seed": condition.gusts})
     release = scenario.release.model_copy(
         update={
             "position": _shift_release(scenario, condition.across),
@@ -127,6 +123,7 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
     return scenario.model_copy(
         update={
             "flow": flow,
+            "gusts": gusts,
             "release": release,
             "fluid": disturb_fluid(condition, scenario.fluid),
             "calibration": disturb_calibration(condition, scenario.calibration),

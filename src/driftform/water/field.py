@@ -6,12 +6,13 @@ import numpy.typing as npt
 from driftform.types import FloatArray
 from driftform.util.compiled import allocating
 from driftform.util.latest import keep_latest
+from driftform.util.small_vectors import add
 from driftform.water.fitting_walls import wall_gaps
 from driftform.water.fittings import fitting_array, wall_array
-from driftform.water.flow import UniformFlow
+from driftform.water.gusts import STATES
 from driftform.water.profiles import AT_A_POINT
 from driftform.water.scenario import Scenario
-from driftform.water.velocity import flow_array, gust_array, pipe_rows, water_motion
+from driftform.water.velocity import flow_array, gust_array, gust_at, pipe_rows, water_motion
 
 
 def water_velocity(
@@ -27,8 +28,8 @@ def water_velocity(
     t
         times since the release, from 0 to ``scenario.flight.horizon``, s, (n,) or one for all points.
     gusts
-        whether the gusts of a turbulent flow are added: those of ``flow.seed`` that a body without length meets which
-        moves with the water. Without them the velocity is the mean. The acceleration of a uniform current is no gust.
+        whether gusts are added, if flights have any: those of ``gusts.seed`` that a point meets which stays where it is.
+        Without them the velocity is the mean. The acceleration of a uniform current is no gust.
 
     Returns
     -------
@@ -43,10 +44,8 @@ def water_velocity(
     """
     places = np.array(points, dtype=np.float64).reshape(-1, 3)
     times = np.array(np.broadcast_to(t, len(places)), dtype=np.float64)
-    pipe, flow, unsteady, fittings = _pack_water(scenario)
-    if not gusts and not isinstance(scenario.flow, UniformFlow):
-        unsteady = unsteady[:0]
-    return _list_velocities(places, times, pipe, flow, unsteady, fittings)
+    pipe, flow, walk, fittings = _pack_water(scenario)
+    return _list_velocities(places, times, pipe, flow, walk if gusts else walk[:0], fittings)
 
 
 def wall_distance(points: npt.ArrayLike, scenario: Scenario) -> FloatArray:
@@ -72,7 +71,8 @@ def wall_distance(points: npt.ArrayLike, scenario: Scenario) -> FloatArray:
 
 @keep_latest
 def _pack_water(scenario: Scenario) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray | None]:
-    return pipe_rows(scenario), flow_array(scenario), gust_array(scenario), fitting_array(scenario)
+    flow = flow_array(scenario)
+    return pipe_rows(scenario), flow, gust_array(scenario, flow), fitting_array(scenario)
 
 
 @allocating
@@ -84,10 +84,16 @@ def _list_velocities(
     gusts: FloatArray,
     fittings: FloatArray | None,
 ) -> FloatArray:
-    found = np.empty((len(points), 3))
+    found, eddies = np.empty((len(points), 3)), np.zeros((2, STATES))
     for i in range(len(points)):
         point = (points[i, 0], points[i, 1], points[i, 2])
-        velocity, _, _ = water_motion(point, times[i], pipe, flow, gusts, AT_A_POINT, fittings)
+        velocity, _, _ = water_motion(point, times[i], pipe, flow, AT_A_POINT, fittings)
+        if gusts.shape[0] > 0:
+            # A tracer meets gusts without a drift: the first call finds the rate of tau here.
+            eddies[0, 0] = 0.0
+            gust_at(point, velocity, pipe, flow, gusts, eddies, fittings)
+            eddies[0, 0] = times[i] * eddies[1, 0]
+            velocity = add(velocity, gust_at(point, velocity, pipe, flow, gusts, eddies, fittings)[0])
         for a in range(3):
             found[i, a] = velocity[a]
     return found

@@ -32,13 +32,16 @@ from driftform.water.fitting_walls import (
     TEE,
     beyond_bores,
     find_part,
+    fitting_gap,
     to_part,
     turn_from_part,
     turn_to_part,
 )
+from driftform.water.gusts import Bore
 from driftform.water.profiles import (
     LOG_LAW,
     MIN_WALL_DISTANCE,
+    PARABOLA,
     POWER_LAW,
     UNIFORM,
     Spread,
@@ -54,15 +57,17 @@ START, FINISH = 33, 38
 """Changes of the flow at the ends, five numbers each: length (m; of a bend: rad), 0 for none, and the vortex beyond it."""
 LONG, AMPLITUDE, AROUND, TOWARD_Y, TOWARD_Z = 0, 1, 2, 3, 4
 """The vortex: its share, radius of the bend (m), and the direction to the bend's centre in the local frame."""
+PROFILE, FRICTION = 44, 45
+"""The profile, and the friction velocity at the entry, m/s."""
 STRENGTH = 43
 """Share of the free vortex in a bend: less than 1 where a short bend between fittings has no room for it."""
 
 
 @compiled
-def fitting_flow(point: Vector, f: FloatArray, kind: float, spread: Spread) -> tuple[Vector, Rotation]:
+def fitting_flow(point: Vector, f: FloatArray, spread: Spread) -> tuple[Vector, Rotation]:
     """Return the velocity of the mean flow (m/s) and its gradient du_i/dx_j (rows i, 1/s), in the world frame.
 
-    ``kind`` is that of the profile, and ``spread`` that of the body: see :func:`driftform.water.velocity.water_motion`.
+    ``spread`` is that of the body: see :func:`driftform.water.velocity.water_motion`.
     """
     o, _ = find_part(point, f)
     p = to_part(point, f, o)
@@ -77,7 +82,7 @@ def fitting_flow(point: Vector, f: FloatArray, kind: float, spread: Spread) -> t
     else:
         axis = turn_to_part(spread[0], f, o)
         square = spread_across((axis, spread[1], spread[2]), (1.0, 0.0, 0.0))
-        velocity, gradient = _flow_in_straight(p, f, o, kind, square)
+        velocity, gradient = _flow_in_straight(p, f, o, square)
     return turn_from_part(velocity, f, o), _turn_gradient(gradient, f, o)
 
 
@@ -111,10 +116,8 @@ def rise(t: float) -> Vector:
 
 
 @compiled
-def _flow_in_straight(
-    p: Vector, f: FloatArray, o: int, kind: float, square: float
-) -> tuple[Vector, Rotation]:
-    U, R, c, slope, bend = f[o + SPEED], f[o + RADIUS], f[o + DEVELOPED], 0.0, 0.0
+def _flow_in_straight(p: Vector, f: FloatArray, o: int, square: float) -> tuple[Vector, Rotation]:
+    kind, U, R, c, slope, bend = f[o + PROFILE], f[o + SPEED], f[o + RADIUS], f[o + DEVELOPED], 0.0, 0.0
     u, u_x, u_y, u_z = U, 0.0, 0.0, 0.0
     v_y, v_z, a_y, a_z = 0.0, 0.0, 0.0, 0.0
     yy, yz, zz = 0.0, 0.0, 0.0
@@ -179,6 +182,10 @@ def _profile_excess(r: float, R: float, kind: float, U: float, parameter: float)
             defect * (1.5 + log),
             -defect * (0.5 * eta - 0.5 * eta * eta + log * (eta - 0.5 * eta * eta)),
         )
+    elif kind == PARABOLA:
+        inside = min(1.0, r / R)
+        square = inside * inside
+        excess, integral = U * (1.0 - 2.0 * square), 0.5 * U * square * (1.0 - square)
     else:
         return 0.0, 0.0
     return excess, integral * R * R / r if r > 0.0 else 0.0
@@ -273,3 +280,12 @@ def bore_radius(point: Vector, f: FloatArray) -> float:
     if kind == REDUCER:
         return gap + math.hypot(p[1], p[2])
     return float(f[o + RADIUS])
+
+
+@compiled
+def bore_at(point: Vector, f: FloatArray) -> Bore:
+    """Return what surrounds a gust; the friction velocity changes within a part as the mean speed does."""
+    gap, normal, o = fitting_gap(point, f)
+    radius = bore_radius(point, f)
+    narrowing = f[o + RADIUS] / radius if f[o + KIND] == REDUCER else 1.0
+    return normal, radius, max(radius - gap, 0.0), f[o + FRICTION] * narrowing * narrowing

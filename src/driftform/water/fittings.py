@@ -12,7 +12,7 @@ from driftform.types import FloatArray
 from driftform.util.latest import keep_latest
 from driftform.water import fitting_flow as stream
 from driftform.water import fitting_walls as wall
-from driftform.water.flow import Flow, GridFlow
+from driftform.water.flow import Flow, GridFlow, friction_velocity, is_laminar
 from driftform.water.grid_flow import load_grid
 from driftform.water.layout import BEYOND, Layout, Placed
 from driftform.water.pipe import Pipe
@@ -26,9 +26,9 @@ from driftform.water.pipe_parts import (
     exact_cosine,
     exact_sine,
 )
+from driftform.water.regime import profile_kind, profile_parameter
 from driftform.water.scenario import Scenario
 from driftform.water.tee_flow import tee_field
-from driftform.water.velocity import profile_parameter
 
 CHANGE = 2.0
 """Length in which a straight changes over to the flow of a fitting, in radii of its bore, where it is long enough."""
@@ -58,10 +58,22 @@ def fitting_array(scenario: Scenario) -> FloatArray | None:
     Its numbers are explained in :mod:`driftform.water.fitting_walls` and :mod:`driftform.water.fitting_flow`.
     """
     if isinstance(scenario.flow, GridFlow):
-        return load_grid(scenario.flow, scenario.pipe, wall_array(scenario.pipe))
+        return load_grid(scenario.flow, scenario.pipe, _grid_walls(scenario))
     if scenario.pipe.is_open or scenario.pipe.straight is not None:
         return None
     return _make_array(scenario.pipe, scenario.flow, scenario.fluid.viscosity)
+
+
+def _grid_walls(scenario: Scenario) -> FloatArray:
+    """Return the array of a pipe with the friction of its walls at the speed of the file of a grid."""
+    pipe, flow, values = scenario.pipe, scenario.flow, wall_array(scenario.pipe).copy()
+    assert isinstance(flow, GridFlow)
+    rows = values[wall.HEAD :].reshape(-1, wall.PART)
+    for row, speed in zip(
+        rows, [] if pipe.is_open else _list_speeds(rows, pipe.layout, flow.reference), strict=False
+    ):
+        _set_friction(row, flow, speed, scenario.fluid.viscosity)
+    return values
 
 
 @lru_cache(maxsize=16)
@@ -172,9 +184,11 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
         p.upstream: k for k, p in enumerate(layout.parts) if p.upstream is not None and not p.by_branch
     }
     shares = [_vortex_share(layout, ahead, k) for k in range(len(parts))]
-    for k, (placed, row) in enumerate(zip(layout.parts, rows, strict=False)):
-        speed = flow.speed * placed.flow * (parts[0].radius / placed.part.radius) ** 2
+    speeds = _list_speeds(rows, layout, flow.speed)
+    for row, speed in zip(rows, speeds, strict=True):
         row[stream.SPEED] = speed
+        _set_friction(row, flow, speed, viscosity)
+    for k, (placed, row, speed) in enumerate(zip(layout.parts, rows, speeds, strict=False)):
         match placed.part:
             case Tee():
                 field = _make_field(placed, speed)
@@ -184,7 +198,7 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
             case Straight():
                 ends = _neighbours(layout, ahead, k)
                 _fill_straight(
-                    row, placed.part, speed, flow, viscosity, [_joint(parts, shares, end) for end in ends]
+                    row, placed.part, flow, viscosity, [_joint(parts, shares, end) for end in ends]
                 )
             case Bend():
                 row[stream.STRENGTH] = shares[k]
@@ -202,16 +216,31 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
         layout.inlet.radius,
         rows[beyond, wall.LENGTH],
     )
-    _fill_straight(rows[beyond], straight, flow.speed, flow, viscosity, [nothing, _joint(parts, shares, 0)])
+    _fill_straight(rows[beyond], straight, flow, viscosity, [nothing, _joint(parts, shares, 0)])
     for number, outlet in enumerate(layout.outlets):
-        row, part = rows[beyond + 1 + number], parts[outlet.part]
-        speed = rows[outlet.part, stream.SPEED] * (part.radius / part.end_radius) ** 2
-        if isinstance(part, Tee):
-            speed *= 1 - part.share
-        opening = outlet.opening
+        row, opening = rows[beyond + 1 + number], outlet.opening
         straight = Straight(opening.centre, opening.axes, opening.radius, row[wall.LENGTH])
-        _fill_straight(row, straight, speed, flow, viscosity, [_joint(parts, shares, outlet.part), nothing])
+        _fill_straight(row, straight, flow, viscosity, [_joint(parts, shares, outlet.part), nothing])
     return fields
+
+
+def _list_speeds(rows: FloatArray, layout: Layout, inlet: float) -> list[float]:
+    """Return the mean speed (m/s) at the entry of each row's part, at the mean speed ``inlet``."""
+    parts, radius = [placed.part for placed in layout.parts], layout.inlet.radius
+    speeds = [inlet * placed.flow * (radius / placed.part.radius) ** 2 for placed in layout.parts]
+    beyond = [inlet]
+    for outlet in layout.outlets:
+        part = parts[outlet.part]
+        share = 1 - part.share if isinstance(part, Tee) else 1.0
+        beyond.append(speeds[outlet.part] * (part.radius / part.end_radius) ** 2 * share)
+    return [*speeds, *beyond]
+
+
+def _set_friction(row: FloatArray, flow: Flow, speed: float, viscosity: float) -> None:
+    """Write the friction velocity to a row; a laminar flow has none that matters, since it has no gusts."""
+    radius = row[wall.RADIUS]
+    turbulent = not is_laminar(flow, radius, speed, viscosity)
+    row[stream.FRICTION] = friction_velocity(flow, radius, abs(speed), viscosity) if turbulent else 0.0
 
 
 def _make_field(placed: Placed, speed: float) -> FloatArray:
@@ -263,14 +292,15 @@ def _joint(parts: Sequence[PipePart], shares: Sequence[float], end: int | None) 
 
 
 def _fill_straight(
-    row: FloatArray, part: Straight, speed: float, flow: Flow, viscosity: float, joints: Sequence[_Joint]
+    row: FloatArray, part: Straight, flow: Flow, viscosity: float, joints: Sequence[_Joint]
 ) -> None:
-    row[stream.SPEED] = speed
     if not _carries_profile(part):
         return
+    speed = abs(row[stream.SPEED])
+    row[stream.PROFILE] = profile_kind(flow, part.radius, speed, viscosity)
     row[stream.DEVELOPED], row[stream.PARAMETER] = (
         1.0,
-        profile_parameter(flow, part.radius, abs(speed), viscosity),
+        profile_parameter(flow, part.radius, speed, viscosity),
     )
     for start, joint in zip((stream.START, stream.FINISH), joints, strict=True):
         if joint.is_plug:

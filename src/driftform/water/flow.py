@@ -4,9 +4,10 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Discriminator, Tag
+from pydantic import Discriminator, Tag, model_validator
 
 from driftform.options import MAX_SEED, Table, option
+from driftform.water.validity import RANGES
 
 
 class UniformFlow(Table):
@@ -30,11 +31,22 @@ class PowerLawFlow(PipeFlow):
     exponent: float = option(7.0, "n: about 7 at a Reynolds number of 1e5, 9 at 1e6", ge=1, le=20)
 
 
-class LogLawFlow(PipeFlow):
+class RoughFlow(PipeFlow):
+    """A profile that depends on the friction of the pipe wall."""
+
+    roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0, le=10)
+
+
+class LogLawFlow(RoughFlow):
     """Fully developed flow by the logarithmic law, with the friction of the pipe wall."""
 
     kind: Literal["log_law"] = option("log_law", "name of the flow profile")
-    roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0, le=10)
+
+
+class DevelopedFlow(RoughFlow):
+    """Fully developed flow: the parabola below a Reynolds number of 2300 in each bore, and the logarithmic law above."""
+
+    kind: Literal["developed"] = option("developed", "name of the flow profile")
 
 
 class DevelopingFlow(PipeFlow):
@@ -43,33 +55,29 @@ class DevelopingFlow(PipeFlow):
     kind: Literal["developing"] = option("developing", "name of the flow profile")
 
 
-class TurbulentFlow(PipeFlow):
-    """The logarithmic law with gusts: an Ornstein-Uhlenbeck process along the path of the agent.
-
-    With drag, gusts differ along the agent, and an agent that moves through the water forgets them faster.
+class TurbulentFlow(RoughFlow):
+    """The logarithmic law with gusts in every flight, as ``[gusts]`` describes them.
 
     Each evaluation of a run has different gusts, drawn from the seed of the run and the index of the evaluation.
     """
 
     kind: Literal["turbulent"] = option("turbulent", "name of the flow profile")
-    roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0, le=10)
-    intensity: float = option(
-        0.8, "standard deviation of each component of a gust, relative to the friction velocity", ge=0, le=10
-    )
-    memory: float = option(3.0, "Lagrangian integral time of the gusts", "s", ge=1e-3, le=1e4)
-    crossing: float = option(
-        0.5,
-        "length in which a gust carries the water within its memory, relative to the size of the gusts (Csanady's beta); "
-        "0: gusts are uniform along the agent, and its motion through the water does not matter",
-        ge=0,
-        le=10,
-    )
-    smoothing: float = option(
-        0.1, "time scale of the smallest eddies, within which a gust hardly changes", "s", ge=1e-3, le=1e3
-    )
-    seed: int = option(
-        0, "seed of the gusts of a single flight; a run draws one for each evaluation", ge=0, le=MAX_SEED
-    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_moved_keys(cls, values: Any) -> Any:
+        moved = {
+            "intensity": "strength",
+            "memory": "memory",
+            "crossing": "crossing",
+            "smoothing": "smoothing",
+            "seed": "seed",
+        }
+        for key, name in moved.items():
+            if isinstance(values, Mapping) and key in values:
+                more = ", relative to that of the pipe" if key in ("memory", "smoothing") else ""
+                raise ValueError(f"flow.{key} is now gusts.{name}{more}: move it to the table [gusts]")
+        return values
 
 
 class GridFlow(Table):
@@ -92,10 +100,51 @@ class GridFlow(Table):
     reference: float = option(1.0, "mean speed at the inlet in the file", "m/s", ge=1e-4, le=100)
 
 
+class Gusts(Table):
+    """The turbulence that a body meets; strength and memory follow from the friction and the bore of the pipe.
+
+    Developed turbulent flow has them: log_law, power_law, developed, turbulent, and grid in a pipe.
+    """
+
+    always: bool = option(
+        False,
+        "gusts in every flight, as with flow.kind = 'turbulent'; otherwise in disturbed flights, if robustness.gusts",
+    )
+    strength: float = option(
+        0.8,
+        "standard deviation of each component of a gust, relative to the friction velocity; 0: no gusts",
+        ge=0,
+        le=10,
+    )
+    memory: float = option(
+        1.0,
+        "integral time of the gusts, relative to that with which a tracer spreads by the eddy diffusivity of the pipe",
+        ge=0.01,
+        le=100,
+    )
+    crossing: float = option(
+        0.5,
+        "length in which a gust carries the water within its memory, relative to the size of the gusts (Csanady's beta); "
+        "0: gusts are uniform along the agent, and its motion through the water does not matter",
+        ge=0,
+        le=10,
+    )
+    smoothing: float = option(
+        0.2,
+        "time scale of the smallest eddies, within which a gust hardly changes, relative to the memory",
+        ge=0.01,
+        le=1,
+    )
+    seed: int = option(
+        0, "seed of the gusts of a single flight; a run draws one for each evaluation", ge=0, le=MAX_SEED
+    )
+
+
 FLOWS: dict[str, type[Table]] = {
     "uniform": UniformFlow,
     "power_law": PowerLawFlow,
     "log_law": LogLawFlow,
+    "developed": DevelopedFlow,
     "developing": DevelopingFlow,
     "turbulent": TurbulentFlow,
     "grid": GridFlow,
@@ -112,6 +161,7 @@ Flow: TypeAlias = Annotated[
     Annotated[UniformFlow, Tag("uniform")]
     | Annotated[PowerLawFlow, Tag("power_law")]
     | Annotated[LogLawFlow, Tag("log_law")]
+    | Annotated[DevelopedFlow, Tag("developed")]
     | Annotated[DevelopingFlow, Tag("developing")]
     | Annotated[TurbulentFlow, Tag("turbulent")]
     | Annotated[GridFlow, Tag("grid")],
@@ -146,7 +196,13 @@ def friction_factor(reynolds: float, roughness: float = 0.0) -> float:
 
 def friction_velocity(flow: Flow, radius: float, speed: float, viscosity: float) -> float:
     """Return u* = U sqrt(f / 8), m/s, in a bore of ``radius`` (m) at the mean ``speed`` U, m/s."""
-    # Below 4000 the flow would be laminar; all profiles here are turbulent.
+    # Below 4000 the law of friction does not hold.
     reynolds = max(4e3, 2 * radius * speed / viscosity)
-    roughness = flow.roughness if isinstance(flow, LogLawFlow | TurbulentFlow) else 0.0
+    roughness = flow.roughness if isinstance(flow, RoughFlow) else 0.0
     return speed * math.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
+
+
+def is_laminar(flow: Flow, radius: float, speed: float, viscosity: float) -> bool:
+    """Return whether a flow has the parabola of laminar flow in a bore of ``radius`` (m) at the mean ``speed``, m/s."""
+    [limit] = RANGES["laminar profile"]
+    return isinstance(flow, DevelopedFlow) and 2 * radius * abs(speed) / viscosity < limit.high

@@ -10,7 +10,7 @@ from typing import TypeAlias
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import ZERO, Vector, dot
 
-UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING, GRID = 0.0, 1.0, 2.0, 3.0, 4.0
+UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING, GRID, PARABOLA = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
 
 Spread: TypeAlias = tuple[Vector, float, float]
 """Where a body is: unit vector along its axis, variance of its volume across the axis and along it (m2)."""
@@ -51,6 +51,7 @@ def velocity_profile(
 
     * power law: u/U = (n + 1)(2n + 1) / (2 n^2) (y/R)^(1/n);
     * log law: u/U = 1 + u* / (kappa U) (3/2 + ln(y/R)), the velocity-defect law over the whole bore;
+    * parabola of laminar flow: u/U = 2 (1 - r^2/R^2) (Hagen and Poiseuille);
     * developing: a layer of thickness d = 0.37 x Re_x^(-1/5) (Schlichting) with u ~ (y/d)^(1/7), and a core whose
       speed U / (1 - d/(4R) + d^2/(15 R^2)) keeps the volume flow.
     """
@@ -68,6 +69,9 @@ def velocity_profile(
         u = U + defect * (1.5 + math.log(y / radius))
         # Near a very rough wall the law would give a negative velocity.
         return (u, -moving * defect / y, 0.0, 0.0) if u > 0.0 else (0.0, 0.0, 0.0, 0.0)
+    if kind == PARABOLA:
+        share = min(1.0, r / radius)
+        return 2.0 * U * (1.0 - share * share), -4.0 * U * share / radius if share < 1.0 else 0.0, 0.0, 0.0
     x = max(x, MIN_WALL_DISTANCE * radius)
     layer = 0.37 * x**0.8 * parameter**0.2
     growth = 0.8 * layer / x

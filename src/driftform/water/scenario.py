@@ -15,16 +15,15 @@ from driftform.water.flow import (
     FLOWS,
     DevelopingFlow,
     Flow,
-    LogLawFlow,
+    Gusts,
     PipeFlow,
+    RoughFlow,
     TurbulentFlow,
     UniformFlow,
     friction_velocity,
+    is_laminar,
 )
 from driftform.water.pipe import Pipe, Vector
-
-MAX_GUSTS = 1_000_000
-"""Most gusts of a flight: their table takes 50 MB."""
 
 
 class Fluid(Table):
@@ -156,7 +155,7 @@ class Robustness(Table):
         le=10_000,
     )
     gusts: bool = option(
-        True, "gusts of a developed turbulent flow in disturbed flights, if flow.kind is 'log_law'"
+        True, "gusts in disturbed flights, as [gusts] describes them, if the flow is developed and turbulent"
     )
     position: float = option(
         0.02, "of the release position, along each of two directions across the pipe", "m", ge=0, le=10
@@ -190,6 +189,7 @@ class Scenario(Table):
 
     pipe: Pipe = Field(default=Pipe(), description="the pipe")
     flow: Flow = Field(default=UniformFlow(), description="the current")
+    gusts: Gusts = Field(default=Gusts(), description="the turbulence of a developed flow in a pipe")
     fluid: Fluid = Field(default=Fluid(), description="the water")
     release: Release = Field(default=Release(), description="how the agent enters the water")
     contact: Contact = Field(default=Contact(), description="contact with the wall")
@@ -219,18 +219,13 @@ class Scenario(Table):
             raise ValueError(
                 f"flow.kind = '{self.flow.kind}' needs a pipe; in open water it must be 'uniform' or 'grid'"
             )
-        if isinstance(self.flow, LogLawFlow | TurbulentFlow):
+        if isinstance(self.flow, RoughFlow):
             most = 0.1 * self.pipe.layout.narrowest
             if self.flow.roughness > most:
                 raise ValueError(
                     f"flow.roughness = {self.flow.roughness} is too large for the logarithmic law in this pipe: "
                     f"it is valid up to a twentieth of the diameter, {most:g} m"
                 )
-        if isinstance(self.flow, TurbulentFlow) and self.flight.horizon > MAX_GUSTS * self.flow.smoothing:
-            raise ValueError(
-                f"flow.smoothing = {self.flow.smoothing:g} s is too short for flight.horizon = {self.flight.horizon:g} s: "
-                f"a flight has at most {MAX_GUSTS} gusts"
-            )
         if self.pipe.is_open:
             return self
         if self.pipe.straight is None:
@@ -287,6 +282,24 @@ class Scenario(Table):
         """Return the mean velocity of the water at the inlet, in the world frame, m/s, (3,)."""
         return self.flow.speed * self.direction()
 
+    @property
+    def can_have_gusts(self) -> bool:
+        """True if the flow of the pipe is developed and turbulent somewhere, and gusts have any strength."""
+        if (
+            self.pipe.is_open
+            or isinstance(self.flow, UniformFlow | DevelopingFlow)
+            or not self.gusts.strength
+        ):
+            return False
+        radius = self.pipe.layout.inlet.radius
+        straight = self.pipe.straight is not None
+        return not (straight and is_laminar(self.flow, radius, self.flow.speed, self.fluid.viscosity))
+
+    @property
+    def has_gusts(self) -> bool:
+        """True if every flight has gusts."""
+        return (self.gusts.always or isinstance(self.flow, TurbulentFlow)) and self.can_have_gusts
+
     def friction_velocity(self) -> float:
         """Return the friction velocity u* = U sqrt(f / 8) of the pipe's wall at the inlet, m/s."""
         radius, viscosity = self.pipe.layout.inlet.radius, self.fluid.viscosity
@@ -309,10 +322,10 @@ class Scenario(Table):
         return self.with_gusts(evaluation_seed(seed, index))
 
     def with_gusts(self, seed: int | None) -> "Scenario":
-        """Return the scenario with the gusts of ``seed``; unchanged if ``seed`` is ``None`` or the flow has no gusts."""
-        if seed is None or not isinstance(self.flow, TurbulentFlow):
+        """Return the scenario with the gusts of ``seed``; unchanged if ``seed`` is ``None`` or flights have no gusts."""
+        if seed is None or not self.has_gusts:
             return self
-        return self.model_copy(update={"flow": self.flow.model_copy(update={"seed": seed})})
+        return self.model_copy(update={"gusts": self.gusts.model_copy(update={"seed": seed})})
 
     def release_frame(self) -> FloatArray:
         """Return the axes of the release's frame in the world frame, as columns, (3, 3)."""

@@ -67,7 +67,7 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     """
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
-    values, b = motion.values, motion.bristles
+    values, b, states = motion.values, motion.bristles, len(motion.inner)
     integration = settings.timeIntegration
     tolerance = integration.absoluteTolerance
     nowhere = (np.nan,) * len(motion.rates)
@@ -75,11 +75,11 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     count, tries, due = 0, 0, 0.0
     known: tuple[float, ...] | None = None
 
-    def bristle_rates(_: Any, t: float, *__: Any) -> FloatArray:
+    def inner_rates(_: Any, t: float, *__: Any) -> FloatArray:
         nonlocal known
-        values[-2 * b : -b] = bristles
+        values[motion.inner] = inner
         known = motion.accelerations(t, coordinates, rates, values)
-        return values[-b:]
+        return values[motion.inner_rates]
 
     def force(_: Any, t: float, *__: Any) -> tuple[float, ...]:
         nonlocal tries, known
@@ -88,7 +88,7 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
             return nowhere
         if known is None:
             return motion.accelerations(t, coordinates, rates, values)
-        # Exudyn asks for the rates of the bristles at a state first, and they are computed together.
+        # Exudyn asks for the rates of the inner states first, and they are computed together.
         found, known = known, None
         return found
 
@@ -100,7 +100,7 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
             integration.absoluteTolerance = grow_tolerance(tolerance, t)
             due = t + TOLERANCE_PERIOD
         if b and motion.touches is not None and not motion.touches(coordinates, values):
-            bristles[:] = 0.0
+            inner[:b] = 0.0
         if count == len(samples):
             samples = np.concatenate([samples, np.empty_like(samples)])
         proceeds = motion.fill_sample(samples[count], t, coordinates, rates, values)
@@ -108,18 +108,19 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
         return proceeds and count <= limit
 
     _add_mass(mbs, motion, force)
-    if b:
+    if states:
+        zeros = [0.0] * states
         node = mbs.AddNode(
             items.NodeGenericODE1(
-                referenceCoordinates=[0.0] * b, initialCoordinates=[0.0] * b, numberOfODE1Coordinates=b
+                referenceCoordinates=zeros, initialCoordinates=zeros, numberOfODE1Coordinates=states
             )
         )
-        mbs.AddObject(items.ObjectGenericODE1(nodeNumbers=[node], rhsUserFunction=bristle_rates))
+        mbs.AddObject(items.ObjectGenericODE1(nodeNumbers=[node], rhsUserFunction=inner_rates))
     mbs.Assemble()
     # Live views of the memory that the last Assemble laid out.
     coordinates: Any = mbs.systemData.GetODE2Coordinates(copy=False)
     rates: Any = mbs.systemData.GetODE2Coordinates_t(copy=False)
-    bristles: Any = mbs.systemData.GetODE1Coordinates(copy=False)
+    inner: Any = mbs.systemData.GetODE1Coordinates(copy=False)
     after_step(mbs, 0.0)
     mbs.SetPostStepUserFunction(after_step)
     # Exudyn raises an error if the error control fails, and returns True after NaN: the samples show both.

@@ -113,7 +113,7 @@ class NativeSimulator(Simulator[NativeOptions]):
 
         options = self.options
         accuracy, tolerance, tightest = options.accuracy, options.tolerance, options.tightest
-        if scenario.flow.kind == "turbulent":
+        if scenario.has_gusts:
             accuracy = max(accuracy, min(GUST_RATIO * accuracy, GUST_ACCURACY))
             tolerance = GUST_RATIO * tolerance
             tightest = max(tightest, GUST_TIGHTENING * tolerance)

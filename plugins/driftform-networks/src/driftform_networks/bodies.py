@@ -58,7 +58,7 @@ class Traveller:
     @cached_property
     def hash(self) -> str:
         """Hash of all that decides its flights: body, environment, simulator, and the code of driftform."""
-        scenario = self.scenario.model_dump(include={"fluid", "flow", "contact"})
+        scenario = self.scenario.model_dump(include={"fluid", "flow", "gusts", "contact"})
         simulator = (self.simulator.name, self.simulator.options.model_dump())
         # The mass properties and coefficients hold what builder and hydrodynamics made of the genome.
         parts = [asdict(part) for part in (self.agent.body, self.agent.mass, self.agent.coefficients)]

@@ -152,7 +152,7 @@ def _make_scenarios(
     """Return the scenarios of the flights, with releases that fit into the pipe."""
     length = _LEAD * bore + CELLS * cell
     rise = length * slope
-    document = traveller.scenario.model_dump(include={"fluid", "flow", "contact"})
+    document = traveller.scenario.model_dump(include={"fluid", "flow", "gusts", "contact"})
     document["flow"] |= {"speed": max(speed, 1e-4)}
     document["pipe"] = {
         "segments": [
@@ -170,8 +170,7 @@ def _make_scenarios(
     for index in range(BANDS * PER_BAND):
         band = index // PER_BAND
         place = sample_band(band, room, numbers[index : index + 1, :2])[0]
-        if document["flow"]["kind"] == "turbulent":
-            document["flow"]["seed"] = index
+        document["gusts"]["seed"] = index
         attitude = draw_attitude(numbers[index, 2:])
         found = release(traveller, document, _LEAD * bore, place * bore / 2, *attitude)
         if found is not None:

@@ -161,5 +161,6 @@ def repeat_flights(
 
 def add_turbulence(scenario: Scenario, seeds: Sequence[int]) -> list[Scenario]:
     """Return the scenario with the turbulent flow of the same bulk speed, with gusts of each seed."""
-    flows = [{"kind": "turbulent", "speed": scenario.flow.speed, "seed": seed} for seed in seeds]
-    return [Scenario.model_validate({**dict(scenario), "flow": flow}) for flow in flows]
+    changed = {**dict(scenario), "flow": {"kind": "turbulent", "speed": scenario.flow.speed}}
+    turbulent = Scenario.model_validate(changed)
+    return [turbulent.with_gusts(seed) for seed in seeds]
