@@ -114,9 +114,9 @@ class _Advice:
                 yield f"the pipe is {length:g} m long and {2 * radius:g} m wide: check start, end and radius"
         if abs(flow.speed) > 10:
             yield f"flow.speed = {flow.speed:g} m/s is more than water mains have (about 3 m/s): it is in m/s"
-        if not 500 <= fluid.density <= 1500:
+        if not 500 <= fluid.density <= 1500 and not fluid.name:
             yield f"fluid.density = {fluid.density:g} kg/m3 is not that of water, about 1000: it is in kg/m3"
-        if not 1e-7 <= fluid.viscosity <= 1e-5:
+        if not 1e-7 <= fluid.viscosity <= 1e-5 and not fluid.name:
             yield (
                 f"fluid.viscosity = {fluid.viscosity:g} m2/s is not that of water, about 1e-6: it is kinematic, "
                 "in m2/s (1 cSt is 1e-6)"

@@ -133,7 +133,7 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
 
 def disturb_fluid(condition: Condition, fluid: Fluid) -> Fluid:
     """Return the water under a disturbed condition."""
-    return fluid.model_copy(update={"density": fluid.density * condition.density})
+    return fluid.model_copy(update={"name": "", "density": fluid.density * condition.density})
 
 
 def disturb_calibration(condition: Condition, calibration: Calibration) -> Calibration:

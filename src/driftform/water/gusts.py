@@ -147,7 +147,11 @@ def gust_motion(
         return ZERO, ZERO, ZERO
     y = max(R - r, MIN_WALL_DISTANCE * R)
     crossing = flow[CROSSING] / friction
-    forget = friction / (flow[MEMORY] * eddy_diffusivity(max(y, flow[REACH]), R)) * math.sqrt(1.0 + crossing * crossing)
+    forget = (
+        friction
+        / (flow[MEMORY] * eddy_diffusivity(max(y, flow[REACH]), R))
+        * math.sqrt(1.0 + crossing * crossing)
+    )
     sigma = flow[STRENGTH] * friction
     # q^2, its derivative outward, and q^2 / r.
     size = limit_size(flow[SIZE], R)

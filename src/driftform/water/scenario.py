@@ -23,12 +23,16 @@ from driftform.water.flow import (
     friction_velocity,
     is_laminar,
 )
+from driftform.water.fluids import FLUIDS
 from driftform.water.pipe import Pipe, Vector
 
 
 class Fluid(Table):
-    """The water."""
+    """The water, or another fluid."""
 
+    name: Literal["", "fresh-water", "seawater", "brine", "oil", "methane-60bar", "slurry"] = option(
+        "", "fluid whose density and viscosity replace those given here"
+    )
     density: float = option(1024.0, "density of the water", "kg/m3", ge=0.1, le=30_000)
     gravity: float = option(9.81, "acceleration of gravity, along -z", "m/s2", ge=0, le=1000)
     viscosity: float = option(
@@ -46,6 +50,12 @@ class Fluid(Table):
         "full",
         "force of accelerating water: full with its pressure gradient (Froude-Krylov), or paper without it",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_named(cls, values: Any) -> Any:
+        named = FLUIDS.get(values.get("name", "")) if isinstance(values, dict) else None
+        return values | {"density": named.density, "viscosity": named.viscosity} if named else values
 
 
 class Release(Table):
