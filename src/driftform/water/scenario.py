@@ -167,6 +167,13 @@ class Robustness(Table):
     gusts: bool = option(
         True, "gusts in disturbed flights, as [gusts] describes them, if the flow is developed and turbulent"
     )
+    swirl: float = option(
+        0.1,
+        "of `flow.swirl`, the secondary flow in and behind bends, which is never negative; ideal flow has 0.2 to 0.3 behind 90 "
+        "degrees (Squire and Winter 1951)",
+        ge=0,
+        le=0.16,
+    )
     position: float = option(
         0.02, "of the release position, along each of two directions across the pipe", "m", ge=0, le=10
     )
