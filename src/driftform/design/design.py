@@ -13,10 +13,10 @@ from driftform.agent import hull_mass
 from driftform.design.departures import list_departures
 from driftform.design.flight import DisturbedFlights, Flight
 from driftform.design.inspection import compare_added_mass, inspect_agent
-from driftform.design.limits import list_limits
 from driftform.errors import InputError, WorkFailedError
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Renderer
+from driftform.motion.limits import list_limits
 from driftform.motion.resampling import check_rate, resample
 from driftform.motion.way import find_offsets, name_outlet
 from driftform.pipeline import Pipeline
