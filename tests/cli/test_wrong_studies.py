@@ -207,7 +207,7 @@ def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run: C
         "pipe.segments.0.radius=1e300",
         "grammar.large=1",
         "fluid.viscosity=1e6",
-        "flow={kind='turbulent',smoothing=1e-6}",
+        "gusts.smoothing=1e-6",
         "flight.horizon=1e-300",
         "run.evaluations=1000000000",
         "strategy={use='paper',population=1000000000}",

@@ -7,23 +7,32 @@ from driftform.util.compiled import allocating
 from driftform.util.small_vectors import add
 from driftform.water import Scenario
 from driftform.water.gusts import STATES, draw_gusts
+from driftform.water.profiles import MIN_WALL_DISTANCE
 from driftform.water.velocity import flow_array, gust_at, pipe_rows, set_gusts, water_motion
 
 KNOTS = 65_536
 """Steps of a walk, which many tracers share."""
 
 
+def straight_pipe(radius: float, speed: float, **tables: object) -> Scenario:
+    """Return a straight pipe with gusts in the logarithmic law of water."""
+    segment = {"start": [0, 0, 0], "end": [100 * radius, 0, 0], "radius": radius}
+    flow, fluid = {"kind": "turbulent", "speed": speed}, {"viscosity": 1.1e-6}
+    return Scenario.model_validate({"pipe": {"segments": [segment]}, "flow": flow, "fluid": fluid, **tables})
+
+
 def spread_evenly(count: int, radius: float) -> FloatArray:
-    """Points of a section, evenly over its area by a sunflower's spiral, (count, 3)."""
+    """Return points of a section, evenly over its area by a sunflower's spiral, (count, 3)."""
     k = np.arange(count) + 0.5
-    r, angle = radius * np.sqrt(k / count), k * np.pi * (3 - np.sqrt(5))
+    # Not in the layer at the wall in which gusts do not move a tracer.
+    r, angle = (1 - MIN_WALL_DISTANCE) * radius * np.sqrt(k / count), k * np.pi * (3 - np.sqrt(5))
     return np.column_stack([np.zeros(count), r * np.cos(angle), r * np.sin(angle)])
 
 
 def carry(
     scenario: Scenario, start: FloatArray, times: FloatArray, size: float = 0.0, seed: int = 0
 ) -> FloatArray:
-    """Positions (k, n, 3) at the ``times`` (s, (k,)) of tracers from ``start`` (n, 3), each with a part of its own of a long walk.
+    """Return positions (k, n, 3) at ``times`` (s, (k,)) of tracers from ``start`` (n, 3), each in a part of its own of a walk.
 
     Bodies of half a diameter ``size`` (m) have the gusts of theirs.
     """
@@ -65,8 +74,8 @@ def _carry(
         for k in range(times.shape[0]):
             while t < times[k]:
                 _fill(y, pipe, flow, walk, eddies, slope[0])
-                # A twentieth of the memory here.
-                h = min(0.05 / slope[0, 3], times[k] - t)
+                # A tenth of the memory here, half of a step of the walk.
+                h = min(0.1 / slope[0, 3], times[k] - t)
                 for stage in range(1, 4):
                     share = h if stage == 3 else 0.5 * h
                     for j in range(7):

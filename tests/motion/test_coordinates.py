@@ -17,7 +17,7 @@ from driftform.water.scenario import Contact, Release
 
 PIPELINE = load_study("paper").make_pipeline()
 CALM = PIPELINE.scenario
-SHEARED = CALM.model_copy(update={"flow": TurbulentFlow(seed=3)})
+SHEARED = CALM.model_copy(update={"flow": TurbulentFlow()})
 WILD = CALM.model_copy(
     update={"flow": TurbulentFlow(), "fluid": Fluid(water_level=0.1), "contact": Contact(friction=0.3)}
 )
@@ -86,7 +86,7 @@ def test_the_first_sample_is_the_release(scenario):
     motion = describe_motion(model, start)
     row, goes_on = sample_of(motion, motion.coordinates, motion.rates, t=0.0)
     assert goes_on
-    assert row == pytest.approx([0.0, *start], abs=1e-15)
+    assert row == pytest.approx([0.0, *start[:13]], abs=1e-15)
 
 
 @given(turn=st.tuples(NUMBERS, NUMBERS, NUMBERS))

@@ -24,7 +24,6 @@ from driftform.water.profiles import AT_A_POINT
 from driftform.water.velocity import flow_array, water_motion
 
 BEND = [{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"length": 0.5}]
-NO_GUSTS = np.empty((0, 12))
 
 
 def bend(**tables) -> Scenario:
@@ -57,7 +56,7 @@ def water(grid):
     points = rng.uniform(grid.origin, grid.end, (40_000, 3))
     gaps, _, inside = wall_gaps(points, fittings)
     kept = inside & (gaps > 0)
-    arrays = np.empty((0, 8)), flow_array(scenario), NO_GUSTS, AT_A_POINT, fittings
+    arrays = np.empty((0, 8)), flow_array(scenario), AT_A_POINT, fittings
     exact = [water_motion(tuple(point), 0.0, *arrays)[0] for point in points[kept].tolist()]
     return points[kept], gaps[kept], np.array(exact)
 
@@ -143,7 +142,6 @@ def test_the_flow_of_a_straight_pipe_can_be_exported_too(tmp_path):
         0.0,
         np.array([[0, 0, 0, *scenario.direction(), np.sqrt(5), 0.2]]),
         flow_array(scenario),
-        NO_GUSTS,
     )[0]
     np.testing.assert_allclose(found.velocity[tuple(node)], expected, rtol=1e-12)
 

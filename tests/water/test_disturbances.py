@@ -107,16 +107,22 @@ def test_every_disturbance_changes_its_quantity():
     assert there.release.pitch_deg == pytest.approx(10 + np.rad2deg(0.1))
     assert there.release.yaw_deg == pytest.approx(np.rad2deg(-0.2))
     assert there.flow.speed == pytest.approx(3.0)
-    assert there.flow.seed == 7
+    assert (there.gusts.seed, there.gusts.always) == (7, True)
     assert there.fluid.density == pytest.approx(0.9 * scenario.fluid.density)
 
 
 def test_disturbed_flights_meet_gusts_in_a_flow_that_has_their_mean():
-    steady = pipe(flow={"kind": "log_law", "speed": 1.5, "roughness": 0.001})
-    gusty = disturb_scenario(changed(current=1.1), steady).flow
-    assert (gusty.kind, gusty.seed, gusty.roughness) == ("turbulent", 7, 0.001)
-    assert gusty.speed == pytest.approx(1.65)
-    assert disturb_scenario(changed(gusts=None), steady).flow.kind == "log_law"
+    flow = {"kind": "log_law", "speed": 1.5, "roughness": 0.001}
+    steady = pipe(flow=flow, gusts={"strength": 0.3, "memory": 2.0})
+    gusty = disturb_scenario(changed(current=1.1), steady)
+    assert gusty.has_gusts and not steady.has_gusts
+    assert (gusty.flow.kind, gusty.flow.roughness) == ("log_law", 0.001)
+    assert (gusty.gusts.seed, gusty.gusts.strength, gusty.gusts.memory) == (7, 0.3, 2.0)
+    assert gusty.flow.speed == pytest.approx(1.65)
+    assert not disturb_scenario(changed(gusts=None), steady).has_gusts
+    for kind, table in (("uniform", {}), ("developing", {}), ("log_law", {"strength": 0.0})):
+        calm = pipe(flow={"kind": kind}, gusts=table)
+        assert not disturb_scenario(changed(), calm).has_gusts
     assert all(c.gusts is None for c in draw_conditions(Robustness(gusts=False), 3, (1,)))
 
 

@@ -50,7 +50,7 @@ def test_a_neutral_sphere_of_1_mm_follows_the_streamline(place):
     """Where the water accelerates, its pressure gradient and the added mass give the sphere the water's acceleration."""
     scenario = scenario_of(release={"position": place})
     flight = fly(neutral_sphere(5e-4), scenario)
-    arrays = np.empty((0, 8)), flow_array(scenario), np.empty((0, 12)), AT_A_POINT, fitting_array(scenario)
+    arrays = np.empty((0, 8)), flow_array(scenario), AT_A_POINT, fitting_array(scenario)
     line = solve_ivp(
         lambda t, y: water_motion(tuple(y), t, *arrays)[0],
         (0, flight.t[-1]),
@@ -108,7 +108,7 @@ def test_against_the_current_a_body_leaves_by_the_inlet():
 def test_gusts_do_not_stop_the_water_from_turning():
     """With gusts the mean flow still accelerates along its own path: a neutral sphere turns with the bend."""
     parts = [{"length": 0.5}, {"kind": "bend", "radius": 0.3}, {"length": 0.5}]
-    scenario = scenario_of(parts, flow={"kind": "turbulent", "speed": 1.0, "intensity": 1e-3})
+    scenario = scenario_of(parts, flow={"kind": "turbulent", "speed": 1.0}, gusts={"strength": 1e-3})
     calm = scenario_of(parts)
     gusty, still = fly(neutral_sphere(0.001), scenario), fly(neutral_sphere(0.001), calm)
     assert gusty.end is still.end is End.OUTLET

@@ -35,11 +35,15 @@ FLOWS = {
     "power": {"kind": "power_law", "speed": 1.3, "exponent": 7.0},
     "log": {"kind": "log_law", "speed": 1.3, "roughness": 0.0005},
     "swirl": {"kind": "log_law", "speed": 1.3, "roughness": 0.0005, "swirl": 0.2},
+    "laminar": {"kind": "developed", "speed": 1.3},
 }
 
 
 def scenario_of(parts=PARTS, flow="uniform"):
-    return Scenario.model_validate({"pipe": {"radius": R, "parts": parts}, "flow": FLOWS[flow]})
+    fluid = {"viscosity": 1e-3} if flow == "laminar" else {}
+    return Scenario.model_validate(
+        {"pipe": {"radius": R, "parts": parts}, "flow": FLOWS[flow], "fluid": fluid}
+    )
 
 
 class Water:
@@ -264,9 +268,7 @@ def test_straights_far_from_fittings_carry_the_profile_of_a_straight_pipe():
 
     for y in (0.0, 0.03, 0.09):
         point = (1.0, y, 0.01)
-        expected, gradient, _ = water_motion(
-            point, 0.0, pipe_rows(plain), flow_array(plain), np.empty((0, 12))
-        )
+        expected, gradient, _ = water_motion(point, 0.0, pipe_rows(plain), flow_array(plain))
         found = Water(scenario).at(point)
         assert found[0] == pytest.approx(np.array(expected), rel=1e-12)
         assert found[1] == pytest.approx(np.array(gradient), abs=1e-9)

@@ -12,6 +12,7 @@ from driftform.study.sources import Source
 from driftform.water import Scenario
 from driftform.water.flow import (
     FLOWS,
+    DevelopedFlow,
     DevelopingFlow,
     GridFlow,
     LogLawFlow,
@@ -38,10 +39,8 @@ def scenario(**tables):
         ({"kind": "power_law", "speed": 0.5, "exponent": 9}, PowerLawFlow(speed=0.5, exponent=9.0)),
         ({"kind": "log_law", "roughness": 1e-4}, LogLawFlow(roughness=1e-4)),
         ({"kind": "developing", "speed": 2}, DevelopingFlow(speed=2.0)),
-        (
-            {"kind": "turbulent", "intensity": 1, "memory": 2.0, "smoothing": 0.2, "seed": 7},
-            TurbulentFlow(intensity=1.0, memory=2.0, smoothing=0.2, seed=7),
-        ),
+        ({"kind": "developed", "upstream": 30}, DevelopedFlow(upstream=30.0)),
+        ({"kind": "turbulent", "roughness": 1e-4}, TurbulentFlow(roughness=1e-4)),
     ],
 )
 def test_a_table_of_a_study_file_is_a_flow(table, flow):
@@ -62,7 +61,7 @@ def test_every_kind_of_flow_is_known_by_its_name_and_survives_a_round_trip():
         assert study.document["flow"]["kind"] == kind
 
 
-@pytest.mark.parametrize("kind", ["log_law", "turbulent"])
+@pytest.mark.parametrize("kind", ["log_law", "developed", "turbulent"])
 def test_the_roughness_is_limited_by_the_validity_of_the_friction_law(kind):
     # Colebrook's law, and Moody's chart, end at a roughness of a twentieth of the diameter.
     assert scenario(flow={"kind": kind, "roughness": 0.1}).flow.roughness == 0.1
@@ -82,11 +81,8 @@ def test_the_roughness_is_limited_by_the_validity_of_the_friction_law(kind):
         ("power_law", "exponent", 0.5),
         ("log_law", "speed", -1),
         ("log_law", "roughness", -1e-3),
-        ("turbulent", "intensity", -1),
-        ("turbulent", "memory", 0),
-        ("turbulent", "smoothing", 0),
-        ("turbulent", "seed", 1.5),
-        ("turbulent", "seed", -1),
+        ("turbulent", "roughness", 11),
+        ("developed", "upstream", -1),
     ],
 )
 def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, value):
@@ -110,32 +106,41 @@ def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, v
             ['flow.kind="parabolic"'],
             [
                 "--set flow.kind=\"parabolic\": flow.kind = 'parabolic'",
-                "known: developing, grid, log_law, power_law, turbulent, uniform",
+                "known: developed, developing, grid, log_law, power_law, turbulent, uniform",
             ],
         ),
         (['flow.kind="power_lw"'], ["flow.kind = 'power_lw'", "did you mean 'power_law'?"]),
         (["flow.kind=Uniform"], ["flow.kind = 'Uniform'", "did you mean 'uniform'?"]),
-        (["flow.kind=3"], ["flow.kind = 3", "known: developing"]),
-        (["flow.kind=true"], ["flow.kind = true", "known: developing"]),
-        (["flow.kind=[1]"], ["flow.kind = [1]", "known: developing"]),
+        (["flow.kind=3"], ["flow.kind = 3", "known: developed"]),
+        (["flow.kind=true"], ["flow.kind = true", "known: developed"]),
+        (["flow.kind=[1]"], ["flow.kind = [1]", "known: developed"]),
         (
             ['flow={kind="power_law", exponnent=7}'],
             ["unknown key 'exponnent' in [flow]", "did you mean 'exponent'?"],
         ),
         (
-            ["flow.kind=turbulent", "flow.memry=1"],
-            ["--set flow.memry=1: unknown key 'memry' in [flow]", "did you mean 'memory'?"],
+            ["gusts.memry=1"],
+            ["--set gusts.memry=1: unknown key 'memry' in [gusts]", "did you mean 'memory'?"],
+        ),
+        (
+            ["flow.kind=turbulent", "flow.memory=1"],
+            ["flow.memory is now gusts.memory, relative to that of the pipe: move it to the table [gusts]"],
+        ),
+        (["flow.kind=turbulent", "flow.intensity=1"], ["flow.intensity is now gusts.strength"]),
+        (
+            ["gusts.smoothing=0"],
+            ["gusts.smoothing = 0"],
         ),
         (
             ["flow.kind=log_law", "flow.exponent=7"],
             [
                 "--set flow.exponent=7: unknown key 'exponent' in [flow] of kind 'log_law'; known: ",
-                "kind, roughness, speed",
+                "kind, roughness, speed, upstream",
             ],
         ),
         (["flow.kind=power_law", "flow.exponent=x"], ["flow.exponent = 'x'", "should be a number"]),
         (["flow.kind=power_law", "flow.speed=0"], ["flow.speed = 0", "greater than or equal to 0.0001 m/s"]),
-        (["flow.kind=turbulent", "flow.seed=1.5"], ["flow.seed = 1.5", "should be a whole number"]),
+        (["gusts.seed=1.5"], ["gusts.seed = 1.5", "should be a whole number"]),
         (
             ["pipe.segments=[]", "targets={}", "flow.kind=log_law"],
             ["--set flow.kind=log_law: flow.kind = 'log_law' needs a pipe", "it must be 'uniform' or 'grid'"],

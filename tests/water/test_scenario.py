@@ -43,12 +43,12 @@ def test_the_free_surface_and_friction_are_off_by_default():
 
 
 def test_gusts_of_an_evaluation_are_those_of_its_seed_and_index_alone():
-    gusty = scenario(flow={"kind": "turbulent", "seed": 5, "intensity": 0.5})
-    seeds = np.array([[gusty.of_evaluation(seed, k).flow.seed for k in range(20)] for seed in range(20)])
+    gusty = scenario(flow={"kind": "turbulent"}, gusts={"seed": 5, "strength": 0.5})
+    seeds = np.array([[gusty.of_evaluation(seed, k).gusts.seed for k in range(20)] for seed in range(20)])
     assert len(np.unique(seeds)) == 400
     third = gusty.of_evaluation(3, 4)
-    assert third.flow == gusty.flow.model_copy(update={"seed": int(seeds[3, 4])})
-    assert third.model_copy(update={"flow": gusty.flow}) == gusty
+    assert third.gusts == gusty.gusts.model_copy(update={"seed": int(seeds[3, 4])})
+    assert third.model_copy(update={"gusts": gusty.gusts}) == gusty
     assert third.of_evaluation(3, 4) == third
 
 

@@ -44,7 +44,7 @@ def fly(scenario, radius):
 def test_a_neutral_sphere_of_1_mm_follows_the_streamline_into_its_leg(place, outlet):
     scenario = scenario_of(0.3, position=place)
     flight = fly(scenario, 5e-4)
-    arrays = np.empty((0, 8)), flow_array(scenario), np.empty((0, 12)), AT_A_POINT, fitting_array(scenario)
+    arrays = np.empty((0, 8)), flow_array(scenario), AT_A_POINT, fitting_array(scenario)
     line = solve_ivp(
         lambda t, y: water_motion(tuple(y), t, *arrays)[0],
         (0, flight.t[-1]),

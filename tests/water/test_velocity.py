@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
@@ -21,22 +21,18 @@ from driftform.testing.agents import sphere_agent
 from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.flow import (
     DevelopingFlow,
+    Gusts,
     LogLawFlow,
     PowerLawFlow,
     TurbulentFlow,
     UniformFlow,
     friction_factor,
+    friction_velocity,
 )
-from driftform.water.profiles import MIN_WALL_DISTANCE
+from driftform.water.gusts import draw_gusts, eddy_diffusivity, gust_motion, gust_numbers, least_memory
+from driftform.water.profiles import AT_A_POINT, MIN_WALL_DISTANCE
 from driftform.water.scenario import FlightLimits
-from driftform.water.velocity import (
-    find_spline_slopes,
-    flow_array,
-    gust_array,
-    gust_memory,
-    gust_shear,
-    water_motion,
-)
+from driftform.water.velocity import FRICTION, gust_at, water_motion
 
 SHEAR = 0.0362
 """Friction velocity of 1 m/s in the pipe of 2 m, m/s: Re = 1.9e6."""
@@ -67,7 +63,7 @@ class Stream:
 
     def __init__(self, scenario):
         model = flight_model(sphere_agent(0.01, 0.05), scenario)
-        self._arrays = model.pipe, model.flow, model.gusts
+        self._arrays = model.pipe, model.flow
 
     def __call__(self, point, t=0.0):
         velocity, gradient, rate = water_motion(tuple(float(p) for p in point), float(t), *self._arrays)
@@ -320,7 +316,7 @@ def test_the_flow_of_the_first_segment_goes_on_in_a_second_one_in_line(x, turn):
     model = flight_model(sphere_agent(0.01, 0.05), scenario)
     pipe = np.array([[0.0, 0, 0, 1, 0, 0, 4, 1.0], [4.0, 0, 0, 1, 0, 0, 5, 1.0]])
     point = (3.5 + x, *(0.5 * np.array(turn[:2]) / np.linalg.norm(turn)).tolist())
-    velocity, gradient, _ = water_motion(point, 0.0, pipe, model.flow, model.gusts)
+    velocity, gradient, _ = water_motion(point, 0.0, pipe, model.flow)
     assert velocity == pytest.approx(one.velocity(point), rel=1e-12, abs=1e-15)
     assert np.array(gradient) == pytest.approx(one(point)[1], rel=1e-9, abs=1e-12)
 
@@ -349,180 +345,169 @@ def test_a_uniform_current_speeds_up_along_its_pipe(turn, t, acceleration):
 # Gusts.
 
 GUSTY = TurbulentFlow(speed=1.0)
-GUST = 0.8 * SHEAR
-"""Standard deviation of each component, m/s."""
-
-SEEDS = 400
+SEEDS = 200
+STEP = 0.2
 
 
-def gusts_of(seed, **changes):
-    flow = GUSTY.model_copy(update={"seed": seed, **changes})
-    return gust_array(scenario_of(flow))
+def walk_of(seed, length=0.0):
+    return draw_gusts(Gusts(seed=seed), 1024, 1.0, length)
 
 
 @pytest.fixture(scope="module")
 def walks():
-    """The gusts of many seeds every 0.1 s, (seeds x components, times)."""
-    return np.concatenate([gusts_of(seed)[:, :3].T for seed in range(SEEDS)])
+    """The first walks of many seeds at every knot, (seeds x components, times)."""
+    return np.concatenate([walk_of(seed)[:, :3].T for seed in range(SEEDS)])
+
+
+def body_in_gusts(scenario, size=0.01):
+    model = flight_model(sphere_agent(size, 0.05), scenario)
+    return model.pipe, model.flow, model.gusts, model.eddies
 
 
 def test_the_same_seed_has_the_same_gusts_and_another_seed_others():
-    assert np.array_equal(gusts_of(7), gusts_of(7))
-    assert not np.isclose(gusts_of(7)[:, :3], gusts_of(8)[:, :3], atol=1e-6).any()
+    assert np.array_equal(walk_of(7), walk_of(7))
+    assert not np.isclose(walk_of(7)[:, :3], walk_of(8)[:, :3], atol=1e-6).any()
 
 
 def test_every_evaluation_of_a_run_meets_gusts_of_its_own():
     scenario = scenario_of(GUSTY)
-    seeds = [scenario.of_evaluation(seed, index).flow.seed for seed in (1, 2) for index in range(50)]
+    seeds = [scenario.of_evaluation(seed, index).gusts.seed for seed in (1, 2) for index in range(50)]
     assert len(set(seeds)) == 100
     assert scenario.of_evaluation(1, 3) == scenario.of_evaluation(1, 3)
     calm = scenario_of(LogLawFlow(speed=1.0))
     assert calm.of_evaluation(1, 3) is calm
 
 
-def test_gusts_last_until_the_horizon_and_without_intensity_there_are_none():
-    stream = Stream(scenario_of(GUSTY, horizon=2.03))
-    assert np.abs(np.diff([stream.velocity([1, 0, 0], t)[0] for t in (1.9, 1.97, 2.03)])).min() > 1e-9
-    assert gusts_of(0, intensity=0.0).shape == (0, 12)
-    assert gust_array(scenario_of(LogLawFlow())).shape == (0, 12)
+def test_a_walk_lasts_until_the_horizon_even_at_the_wall():
+    for horizon in (20.0, 200.0):
+        _, flow, walk, _ = body_in_gusts(scenario_of(GUSTY, horizon=horizon))
+        shortest = least_memory(flow, [(1.0, flow[FRICTION])])
+        assert len(walk) >= horizon / (STEP * shortest)
+    assert body_in_gusts(scenario_of(LogLawFlow()))[2].shape == (0, 12)
 
 
 def test_gusts_have_no_mean_and_their_variance_from_the_start_on(walks):
     count = len(walks)
     for k in (0, 50, 200):
-        sample = walks[:, k] / GUST
         # Four standard errors of the mean and of the variance of so many normal numbers.
-        assert sample.mean() == pytest.approx(0, abs=4 / math.sqrt(count))
-        assert sample.var() == pytest.approx(1, abs=4 * math.sqrt(2 / count))
-    # Over 20 s, of which every 3 s / 2 bring a new value of the square.
-    mean_square = (walks[:, :201] ** 2).mean() / GUST**2
-    assert mean_square == pytest.approx(1, abs=4 * math.sqrt(2 * 3.0 / (20 * count)))
+        assert walks[:, k].mean() == pytest.approx(0, abs=4 / math.sqrt(count))
+        assert walks[:, k].var() == pytest.approx(1, abs=4 * math.sqrt(2 / count))
+    # 1024 steps are 205 memories, of which each half brings a new value of the square.
+    assert (walks**2).mean() == pytest.approx(1, abs=4 * math.sqrt(2 / (205 * count)))
 
 
-@pytest.mark.parametrize("length", [0.05, 0.3, 2.0])
-def test_gusts_at_two_points_of_a_body_have_the_correlation_of_their_distance(length):
-    apart, size = length / math.sqrt(3), GUST * 3.0 / 0.5
-    rows = np.concatenate(
-        [gust_array(scenario_of(replace_seed(seed)), 0.0, length)[::60] for seed in range(SEEDS)]
-    )
-    fore, aft = (rows[:, :3] + side * apart / 2 * rows[:, 6:9] for side in (1, -1))
-    slack = 6 / math.sqrt(fore.size)
-    for gust in (fore, aft):
-        assert (gust**2).mean() / GUST**2 == pytest.approx(1, abs=slack)
-    assert (fore * aft).mean() / GUST**2 == pytest.approx(math.exp(-apart / size), abs=slack)
-
-
-def replace_seed(seed):
-    return GUSTY.model_copy(update={"seed": seed})
-
-
-@pytest.mark.parametrize("slip", [0.05, 0.5])
-def test_a_body_that_moves_through_the_water_forgets_gusts_as_csanady_says(slip):
-    memory = 3.0 / math.sqrt(1 + (0.5 * slip / GUST) ** 2)
-    assert gust_memory(3.0, 0.5, slip, GUST) == pytest.approx(memory)
-    walks = np.concatenate(
-        [gust_array(scenario_of(replace_seed(seed)), slip)[:, :3].T for seed in range(SEEDS)]
-    )
-    step = max(1, round(memory / 0.1))
-    kept = math.exp(-0.1 * step / memory)
-    products = walks[:, 20] * walks[:, 20 + step] / GUST**2
-    assert products.mean() == pytest.approx(kept, abs=4 * math.sqrt((1 + kept**2) / len(walks)))
-    # It crosses an eddy of the size u' T / beta in the time that remains.
-    assert gust_memory(3.0, 0.5, 1e6, GUST) * 1e6 == pytest.approx(GUST * 3.0 / 0.5, rel=1e-6)
-
-
-def test_gusts_are_uniform_along_a_body_without_length_and_with_no_crossing():
-    assert not gusts_of(3)[:, 6:].any()
-    assert not gust_array(scenario_of(GUSTY.model_copy(update={"crossing": 0.0})), 0.3, 0.2)[:, 6:].any()
-    alike = gust_array(scenario_of(GUSTY.model_copy(update={"crossing": 0.0})), 0.3, 0.2)
-    assert np.array_equal(alike[:, :6], gusts_of(0)[:, :6])
-
-
-def test_the_shear_of_a_gust_is_that_of_its_rows():
-    scenario = scenario_of(GUSTY)
-    rows = gust_array(scenario, 0.1, 0.3)
-    flow = flow_array(scenario)
-    for k in (0, 7, 40):
-        assert gust_shear(0.1 * k, flow, rows) == pytest.approx(tuple(rows[k, 6:9]), rel=1e-9)
-
-
-@pytest.mark.parametrize("lag", [0.1, 1.0, 3.0, 9.0])
+@pytest.mark.parametrize("lag", [0.2, 1.0, 3.0])
 def test_gusts_are_forgotten_exponentially_within_their_memory(walks, lag):
-    step = round(lag / 0.1)
-    products = walks[:, 20] * walks[:, 20 + step] / GUST**2
-    kept = math.exp(-lag / 3.0)
+    step, kept = round(lag / STEP), math.exp(-lag)
+    products = walks[:, 20] * walks[:, 20 + step]
     assert products.mean() == pytest.approx(kept, abs=4 * math.sqrt((1 + kept**2) / len(walks)))
 
 
 def test_the_components_of_gusts_are_independent(walks):
-    x, y, z = walks.reshape(SEEDS, 3, -1)[:, :, 100].T / GUST
+    x, y, z = walks.reshape(SEEDS, 3, -1)[:, :, 100].T
     for a, b in ((x, y), (y, z), (z, x)):
         assert (a * b).mean() == pytest.approx(0, abs=4 / math.sqrt(SEEDS))
 
 
-@given(st.floats(0.001, 19.9))
-def test_the_rate_of_the_water_is_the_derivative_of_its_velocity(t):
-    stream, point, h = Stream(scenario_of(GUSTY)), [4.0, 0.3, 0.2], 1e-5
-    velocity, _, rate = stream(point, t)
-    before, after = stream.velocity(point, t - h), stream.velocity(point, t + h)
-    # The third derivative of a cubic between values 0.1 s apart is bounded, and jumps only there.
-    assert (after - before) / (2 * h) == pytest.approx(rate, abs=1e-3)
-    assert velocity - stream_of(LogLawFlow(speed=1.0)).velocity(point) == pytest.approx(
-        (before + after) / 2 - stream_of(LogLawFlow(speed=1.0)).velocity(point), abs=1e-6
-    )
+@pytest.mark.parametrize("length", [0.05, 0.3, 2.0])
+def test_gusts_at_two_points_of_a_body_have_the_correlation_of_their_distance(length):
+    gusts = Gusts()
+    # The size of the eddies: the way of a gust within its memory in the core, over beta.
+    apart, size = length / math.sqrt(3), 0.4 / 6 / 0.8 / 0.5
+    share = gust_numbers(gusts, 1.0, 0.0, length)[1] / 0.8
+    rows = share * np.concatenate([walk_of(seed, length)[::30] for seed in range(SEEDS)])
+    fore, aft = (rows[:, :3] + side * apart / 2 * rows[:, 6:9] for side in (1, -1))
+    slack = 6 / math.sqrt(fore.size)
+    for gust in (fore, aft):
+        assert (gust**2).mean() == pytest.approx(1, abs=slack)
+    assert (fore * aft).mean() == pytest.approx(math.exp(-apart / size), abs=slack)
 
 
-@pytest.mark.parametrize("count", [4, 5, 90])
-def test_the_slopes_of_the_spline_are_those_of_scipy(count):
-    values = np.random.default_rng(count).standard_normal((count, 6))
-    times = 0.1 * np.arange(count)
-    np.testing.assert_allclose(
-        find_spline_slopes(values, 0.1), CubicSpline(times, values)(times, 1), atol=1e-10
-    )
+def test_the_walk_is_a_periodic_cubic_spline():
+    walk = walk_of(3, 0.3)
+    times = STEP * np.arange(len(walk) + 1)
+    for first in (0, 6):
+        values = np.concatenate([walk, walk[:1]])[:, first : first + 3]
+        slopes = CubicSpline(times, values, bc_type="periodic")(times[:-1], 1)
+        np.testing.assert_allclose(walk[:, first + 3 : first + 6], slopes, atol=1e-9)
 
 
-def test_gusts_are_smooth_in_time_and_pass_through_the_walk():
-    stream, rows = Stream(scenario_of(GUSTY)), gusts_of(0)
-    mean = stream_of(LogLawFlow(speed=1.0)).velocity([1, 0, 0])
-    for k in (0, 1, 57, 199):
-        velocity, _, rate = stream([1, 0, 0], 0.1 * k)
-        assert velocity - mean == pytest.approx(rows[k, :3], abs=1e-12)
-        assert rate == pytest.approx(rows[k, 3:6], abs=1e-12)
-        for gap in (-1e-9, 1e-9) if k else (1e-9,):
-            beside, _, rate_beside = stream([1, 0, 0], 0.1 * k + gap)
-            assert beside == pytest.approx(velocity, abs=1e-8)
-            assert rate_beside == pytest.approx(rate, abs=1e-6)
+@pytest.mark.parametrize("slip", [0.05, 0.5])
+def test_a_body_that_moves_through_the_water_forgets_gusts_as_csanady_says(slip):
+    friction, radius = SHEAR, 1.0
+    flow = np.zeros(FRICTION + 1)
+    flow[4:8] = gust_numbers(Gusts(), radius, slip)
+    bore = ((0.0, 0.0, 1.0), radius, 0.3, friction)
+    eddies = np.zeros((2, 4))
+    gust_motion(bore, (1.0, 0.0, 0.0), flow, walk_of(1), eddies)
+    memory = 0.4 * radius / 6 / (0.64 * friction)
+    expected = memory / math.sqrt(1 + (0.5 * slip / (0.8 * friction)) ** 2)
+    assert 1 / eddies[1, 0] == pytest.approx(expected, rel=1e-12)
 
 
-def test_a_tracer_spreads_by_16_cm_on_its_way_through_the_pipe():
-    # Along the axis, where the mean flow makes 1.136 m/s, 9 m take 8 s. Taylor: the variance of the displacement
-    # is 2 u'^2 T (t - T (1 - exp(-t / T))).
-    t, memory = np.arange(0, 8.05, 0.1), 3.0
-    ends = []
-    for seed in range(SEEDS):
-        rows = gusts_of(seed)[: len(t)]
-        ends.append(CubicHermiteSpline(t, rows[:, :3], rows[:, 3:6]).integrate(0.0, 8.0))
-    spread = np.array(ends).std(axis=0, mean=0.0)
-    taylor = GUST * math.sqrt(2 * memory * (8.0 - memory * (1 - math.exp(-8.0 / memory))))
-    error = 4 / math.sqrt(2 * SEEDS)
-    assert spread == pytest.approx([taylor] * 3, rel=error)
-    assert math.sqrt((spread**2).mean()) == pytest.approx(0.165, rel=0.02 + error / math.sqrt(3))
+def test_memory_is_what_the_diffusivity_of_the_profile_asks_for():
+    scenario = scenario_of(GUSTY)
+    pipe, flow, walk, eddies = body_in_gusts(scenario, 1e-3)
+    friction = flow[FRICTION]
+    assert friction == pytest.approx(SHEAR, rel=2e-3)
+    for y in (0.02, 0.1, 0.2):
+        point = (4.0, 1 - y, 0.0)
+        mean, gradient, _ = water_motion(point, 0.0, pipe, flow)
+        gust_at(point, mean, pipe, flow, walk, eddies)
+        # Reynolds' analogy, without the mean square distance of the body.
+        diffusivity = friction**2 * (1 - y) / abs(gradient[0][1])
+        assert (0.8 * friction) ** 2 / eddies[1, 0] == pytest.approx(diffusivity, rel=1e-9)
+    for y in (0.25, 0.6, 1.0):
+        assert eddy_diffusivity(y, 1.0) == pytest.approx(0.4 / 6)
+
+
+@given(
+    st.floats(0.0, 0.979),
+    st.floats(0, 2 * math.pi),
+    st.floats(0.01, 30),
+    st.tuples(*[st.floats(-1, 1)] * 3),
+)
+def test_the_rate_of_a_gust_is_its_change_along_the_path_of_the_water(r, turn, tau, h):
+    pipe, flow, walk, eddies = body_in_gusts(scenario_of(GUSTY), 0.02)
+    point = (3.0, r * math.cos(turn), r * math.sin(turn))
+
+    def state(at, times):
+        eddies[0] = times
+        mean = water_motion(tuple(at.tolist()), 0.0, pipe, flow)[0]
+        found = gust_at(tuple(at.tolist()), mean, pipe, flow, walk, eddies)
+        return np.array(mean), np.array(found[0]), np.array(found[1]), eddies[1].copy()
+
+    here, now = np.array(point), np.array([tau, *h])
+    mean, gust, rate, rates = state(here, now)
+    ends = [state(here + dt * (mean + gust), now + dt * rates)[1] for dt in (1e-5, -1e-5)]
+    scale = np.abs(rates[0]) * (1 + np.abs(h).max()) * 0.8 * SHEAR
+    assert (ends[0] - ends[1]) / 2e-5 == pytest.approx(rate, abs=1e-3 * scale + 1e-6)
 
 
 def test_a_body_with_drag_meets_gusts_that_differ_along_it_and_one_without_does_not():
     pipeline = load_study("paper", ["hydrodynamics.drag=strips"], use={"simulator": "native"}).make_pipeline()
     agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(1)))
-    table = {}
-    for crossing in (0.0, 0.5):
-        flow = GUSTY.model_copy(update={"crossing": crossing})
-        model = flight_model(agent, scenario_of(flow))
-        table[crossing] = gust_shear(1.3, model.flow, model.gusts)
-        slip = terminal_speed_across(
-            agent.coefficients.drag, agent.mass.net_buoyancy(Fluid()), 1024.0, 1.05e-6
-        )
-        expected = gust_array(scenario_of(flow), slip, agent.body.length)
-        assert crossing == 0.0 or np.allclose(model.gusts, expected)
-    assert table[0.0] == (0.0, 0.0, 0.0)
-    assert min(map(abs, table[0.5])) > 0
     ideal = replace(agent, coefficients=replace(agent.coefficients, drag=None))
-    assert np.array_equal(flight_model(ideal, scenario_of(GUSTY)).gusts, gusts_of(0))
+    for crossing, body, differs in ((0.5, agent, True), (0.0, agent, False), (0.5, ideal, False)):
+        scenario = scenario_of(GUSTY).model_copy(update={"gusts": Gusts(crossing=crossing)})
+        model = flight_model(body, scenario)
+        point, mean = (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+        _, _, shear = gust_at(point, mean, model.pipe, model.flow, model.gusts, model.eddies)
+        assert (min(map(abs, shear)) > 0) == differs
+    slip = terminal_speed_across(agent.coefficients.drag, agent.mass.net_buoyancy(Fluid()), 1024.0, 1.05e-6)
+    model = flight_model(agent, scenario_of(GUSTY))
+    assert model.flow[4:8] == pytest.approx(gust_numbers(Gusts(), 1.0, slip, agent.body.length))
+
+
+def test_every_bore_of_a_junction_has_gusts_of_its_own_memory():
+    parts = [{"length": 2.0}, {"kind": "reducer", "length": 0.5, "radius": 0.05}, {"length": 2.0}]
+    scenario = Scenario.model_validate(
+        {"pipe": {"radius": 0.1, "parts": parts}, "flow": {"kind": "turbulent", "speed": 0.5}}
+    )
+    model = flight_model(sphere_agent(1e-3, 4e-6), scenario)
+    for x, radius, speed in ((1.0, 0.1, 0.5), (3.5, 0.05, 2.0)):
+        point = (x, 0.0, 0.0)
+        mean = water_motion(point, 0.0, model.pipe, model.flow, AT_A_POINT, model.fittings)[0]
+        gust_at(point, mean, model.pipe, model.flow, model.gusts, model.eddies, model.fittings)
+        friction = friction_velocity(scenario.flow, radius, speed, scenario.fluid.viscosity)
+        assert 1 / model.eddies[1, 0] == pytest.approx(0.4 * radius / 6 / (0.64 * friction), rel=1e-9)

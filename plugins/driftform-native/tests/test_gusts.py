@@ -20,8 +20,8 @@ def pipeline() -> Pipeline:
 def blow(pipeline: Pipeline, seed: int) -> tuple[Agent, Scenario]:
     """A random agent in the gusts of this seed."""
     agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(seed)))
-    flow = TurbulentFlow(speed=1.0, roughness=3e-4, seed=seed)
-    return agent, pipeline.scenario.model_copy(update={"flow": flow})
+    flow = TurbulentFlow(speed=1.0, roughness=3e-4)
+    return agent, pipeline.scenario.model_copy(update={"flow": flow}).with_gusts(seed)
 
 
 def test_the_misses_of_flights_in_gusts_are_within_a_centimetre_of_exact_ones(pipeline: Pipeline) -> None:

@@ -260,7 +260,7 @@ def _set_gusts(agent: Agent, scenario: Scenario, flow: FloatArray) -> tuple[Floa
         net = agent.mass.net_buoyancy(scenario.fluid)
         slip = terminal_speed_across(drag, net, scenario.fluid.density, scenario.fluid.viscosity)
         length = agent.body.length
-    set_gusts(flow, scenario, 0.5 * agent.body.max_diameter, slip, length)
+    set_gusts(flow, scenario, 0.5 * min(agent.body.max_diameter, agent.body.length), slip, length)
     return flow, gust_array(scenario, flow, length)
 
 

@@ -46,14 +46,14 @@ def fill_rate(
 def fill_rate_in_space(t: float, y: FloatArray, model: FlightModel, out: FloatArray) -> None:
     """Fill ``out`` with the time derivative of the state ``y``.
 
-    After the 13 numbers of the state come the four of gusts if there are any, then three for each bristle, or none with
-    bristles as the model has them. A last
+    After the 13 numbers of the state come the four of gusts if there are any, then three for each bristle; without them
+    gusts and bristles are as the model has them. A last
     number is the angle (rad) by which the body has turned about its axis from the frame of the quaternion and of the
     rates: that frame then does not spin with a body of revolution.
     """
     p, q, r = y[10], y[11], y[12]
     R = rotation_from_quaternion(y[3], y[4], y[5], y[6])
-    first = STATE + STATES * (model.eddies.shape[0] // 2)
+    first = STATE + (STATES * (model.eddies.shape[0] // 2) if y.shape[0] > STATE else 0)
     bristles, angles = (y.shape[0] - first) // 3, (y.shape[0] - first) % 3
     for j in range(first - STATE):
         model.eddies[0, j] = y[STATE + j]

@@ -9,19 +9,19 @@ from driftform.types import FloatArray
 
 
 def compute_rate(t: float, state: FloatArray, model: FlightModel) -> FloatArray:
-    """Return the time derivative of a state, (13,).
+    """Return the time derivative of a state, (13,), or (17,) in gusts.
 
     Parameters
     ----------
     t
         time since the release, s.
     state
-        position (m), quaternion, velocity (m/s) and angular velocity (rad/s, body axes), (13,), as
-        :func:`driftform.motion.release_state` returns it; all but the last three in the world frame.
+        position (m), quaternion, velocity (m/s) and angular velocity (rad/s, body axes), and in gusts their four numbers, as
+        :func:`driftform.motion.release_state` returns it; all but the angular velocity in the world frame.
     model
         an agent in a scenario, from :func:`driftform.motion.flight_model`.
     """
-    out = np.empty(13)
+    out = np.empty(len(state))
     fill_rate_in_space(t, state, model, out)
     return out
 

@@ -30,14 +30,26 @@ class PipeFlow(Table):
     )
 
 
-class PowerLawFlow(PipeFlow):
+class DevelopedProfile(PipeFlow):
+    """A profile that has developed before the water comes to the inlet."""
+
+    upstream: float = option(
+        0.0,
+        "length of the pipe before the inlet, of its bore, in which the profile develops",
+        "m",
+        ge=0,
+        le=1e6,
+    )
+
+
+class PowerLawFlow(DevelopedProfile):
     """Fully developed flow by the power law u ~ (y / R)^(1/n), where y is the distance from the wall."""
 
     kind: Literal["power_law"] = option("power_law", "name of the flow profile")
     exponent: float = option(7.0, "n: about 7 at a Reynolds number of 1e5, 9 at 1e6", ge=1, le=20)
 
 
-class RoughFlow(PipeFlow):
+class RoughFlow(DevelopedProfile):
     """A profile that depends on the friction of the pipe wall."""
 
     roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0, le=10)

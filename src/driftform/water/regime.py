@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from driftform.water.flow import (
     KARMAN,
     DevelopedFlow,
+    DevelopedProfile,
     DevelopingFlow,
     Flow,
     PipeFlow,
@@ -89,19 +90,20 @@ def _advise(reynolds: float, laminar: float) -> str:
 def _warn_of_entry(scenario: "Scenario") -> list[str]:
     """Return a line if the pipe is shorter than the length in which its flow develops from a uniform one."""
     layout, flow = scenario.pipe.layout, scenario.flow
-    if isinstance(flow, DevelopingFlow) or flow.speed <= 0:
+    if not isinstance(flow, DevelopedProfile) or flow.speed <= 0:
         return []
     radius = layout.inlet.radius
     reynolds = 2 * radius * flow.speed / scenario.fluid.viscosity
     laminar = is_laminar(flow, radius, flow.speed, scenario.fluid.viscosity)
     entry = entry_length(reynolds, laminar) * 2 * radius
     ends = [depth + placed.part.length for depth, placed in zip(layout.depths, layout.parts, strict=True)]
-    length = max(ends)
+    length = max(ends) + flow.upstream
     if length >= entry:
         return []
     return [
-        f"flow.kind = '{flow.kind}' has the developed profile from the inlet on: behind a wide inlet it develops within "
-        f"{entry:.3g} m at Re_D = {reynolds:.3g}, and the pipe is {length:.3g} m long; the water must come from a longer pipe"
+        f"flow.kind = '{flow.kind}': from a uniform inlet the profile develops within {entry:.3g} m (Re_D = {reynolds:.3g}), and "
+        f"the pipe is {length:.3g} m long: set flow.upstream to the length of the same bore before the inlet, or take "
+        "flow.kind = 'developing'"
     ]
 
 

@@ -172,12 +172,12 @@ function newPart(kind, radius) {
 }
 
 const KINDS = {
-  uniform: "Uniform (no wall friction)", power_law: "Power law", log_law: "Logarithmic law (real pipe)", developing: "Developing from the inlet", turbulent: "Logarithmic law with gusts",
+  uniform: "Uniform (no wall friction)", power_law: "Power law", developed: "Developed (laminar or logarithmic)", log_law: "Logarithmic law (real pipe)", developing: "Developing from the inlet", turbulent: "Logarithmic law with gusts",
 };
 const PART_LABELS = {
   length: "Length", radius: "Radius", angle_deg: "Angle", roll_deg: "Roll, 180 is down", branch_radius: "Branch radius", share: "Share of the water", fillet: "Rounding", name: "Name", outlet: "Outlet",
 };
-const LABELS = { speed: "Mean speed", roughness: "Wall roughness", exponent: "Exponent n", intensity: "Strength of gusts", memory: "Memory of gusts", crossing: "Crossing (beta)", smoothing: "Smallest eddies", acceleration: "Acceleration" };
+const LABELS = { speed: "Mean speed", roughness: "Wall roughness", exponent: "Exponent n", upstream: "Pipe before the inlet", acceleration: "Acceleration" };
 const WATERS = { "Fresh, 15 °C": [999.1, 1.14e-6], "Sea, 20 °C": [1024, 1.05e-6] };
 
 // A study in a few words: what a run was made of.
