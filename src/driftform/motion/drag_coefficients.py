@@ -162,8 +162,7 @@ def end_shape_factor(sphericity: float, aspect: float) -> float:
 
     Hoelzer and Sommerfeld, Powder Technology 184 (2008), 361: at high Reynolds numbers C_d, on the projected area, is
     0.42 x 10^(0.4 (-log10 sphericity)^0.2). The ratio is that of this formula for the body and for the cylinder of the
-    same ``aspect``, whose sphericity is (12 aspect)^(2/3) / (4 aspect + 2). The constants
-    0.42, 0.4 and 0.2 were not checked against the paper.
+    same ``aspect``, whose sphericity is (12 aspect)^(2/3) / (4 aspect + 2).
 
     >>> round(end_shape_factor(0.874, 1.0), 3), round(end_shape_factor(1.0, 1.0), 2)
     (1.0, 0.59)
