@@ -163,16 +163,18 @@ def test_a_fault_of_a_flow_is_reported_in_one_line(settings, parts):
 def test_a_kind_set_on_the_command_line_drops_the_keys_that_only_the_kind_of_the_file_has(tmp_path):
     path = tmp_path / "study.toml"
     path.write_text('base = "pipe-inspection"\n[flow]\nkind = "power_law"\nexponent = 9\nspeed = 0.5\n')
-    assert load_study(str(path)).scenario.flow == PowerLawFlow(speed=0.5, exponent=9.0)
-    assert load_study(str(path), ["flow.kind=log_law"]).scenario.flow == LogLawFlow(speed=0.5)
+    assert load_study(str(path)).scenario.flow == PowerLawFlow(speed=0.5, exponent=9.0, upstream=100.0)
+    assert load_study(str(path), ["flow.kind=log_law"]).scenario.flow == LogLawFlow(speed=0.5, upstream=100.0)
     assert load_study(str(path), ["flow.kind=power_law", "flow.speed=1"]).scenario.flow.speed == 1.0
 
 
 def test_all_faults_of_a_flow_are_reported_together():
     with pytest.raises(InputError) as caught:
-        load_study("paper", settings=["flow.kind=turbulent", "flow.speed=-1", "flow.seed=x", "flow.memry=1"])
+        load_study(
+            "paper", settings=["flow.kind=turbulent", "flow.speed=-1", "flow.roughness=x", "flow.memry=1"]
+        )
     assert [line.split(": ")[0] for line in caught.value.args] == [
         "--set flow.memry=1",
         "--set flow.speed=-1",
-        "--set flow.seed=x",
+        "--set flow.roughness=x",
     ]

@@ -123,7 +123,7 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
     flow = flow.model_copy(update={"speed": flow.speed * condition.current})
     if isinstance(flow, PipeFlow):
         flow = flow.model_copy(update={"swirl": flow.swirl + condition.swirl})
-    if condition.gusts is not None:
+    if condition.gusts is not None and scenario.can_have_gusts:
         gusts = gusts.model_copy(update={"always": True, "seed": condition.gusts})
     release = scenario.release.model_copy(
         update={

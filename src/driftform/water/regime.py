@@ -62,14 +62,16 @@ def list_bores(scenario: "Scenario") -> list[tuple[str, float, float]]:
 
 def warn_of_regime(scenario: "Scenario") -> list[str]:
     """Return where the profile of ``flow.kind`` does not hold, one line each: quantity, value, range and next step."""
-    flow, found = scenario.flow, []
+    flow = scenario.flow
+    found: list[str] = []
     if not isinstance(flow, PipeFlow) or scenario.pipe.is_open:
         return found
     laminar, turbulent = RANGES["laminar profile"][0].high, RANGES["logarithmic law"][0].low
     formula = "power law" if isinstance(flow, PowerLawFlow) else "logarithmic law"
     for key, radius, speed in list_bores(scenario):
         reynolds = 2 * radius * speed / scenario.fluid.viscosity
-        where = f"flow.kind = '{flow.kind}' in {key} ({2 * radius:.4g} m wide, {speed:.3g} m/s)"
+        place = "the pipe" if scenario.pipe.straight else key
+        where = f"flow.kind = '{flow.kind}' in {place} ({2 * radius:.4g} m wide, {speed:.3g} m/s)"
         if laminar <= reynolds < turbulent and isinstance(flow, DevelopedFlow):
             found.append(
                 f"{where}: Reynolds number Re_D = {reynolds:.4g}: nobody knows the profile from {laminar:g} to "
