@@ -227,8 +227,8 @@ def test_in_turbulent_flow_each_evaluation_has_gusts_of_its_own_and_its_agent_fl
     alone, together = evolved("alone", 1), evolved("together", 2)
     assert alone["fitness"] == together["fitness"]
     agent = json.loads((tmp_path / alone["agent"]).read_text())
-    assert agent["environment"]["flow"]["seed"] != 0
+    assert agent["environment"]["gusts"]["seed"] != 0
     again = run("simulate", tmp_path / alone["agent"], "--json", cwd=tmp_path)
     assert json.loads(again.stdout)["fitness"]["TP2"] == alone["fitness"]
-    still = run("simulate", tmp_path / alone["agent"], "--json", "--set", "flow.seed=1", cwd=tmp_path)
+    still = run("simulate", tmp_path / alone["agent"], "--json", "--set", "gusts.seed=1", cwd=tmp_path)
     assert json.loads(still.stdout)["fitness"]["TP2"] != alone["fitness"]

@@ -69,15 +69,35 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
         "robustness.position = 0.8 m is large",
     ),
     "eddies that outlast the gusts": (
-        ["flow.kind=turbulent", "flow.smoothing=10"],
-        "warned",
-        "the smallest eddies cannot outlast the largest",
+        ["gusts.smoothing=10"],
+        "refused",
+        "gusts.smoothing = 10: should be less than or equal to 1",
     ),
     "modules in millimetres": (["grammar.large=10"], "refused", "less than or equal to 0.5 m"),
     "microseconds between gusts": (
-        ["flow.kind=turbulent", "flow.smoothing=0.001", "flight.horizon=5000"],
+        ["gusts.smoothing=0.001"],
         "refused",
-        "at most 1000000 gusts",
+        "should be greater than or equal to 0.01",
+    ),
+    "gusts where they were once": (
+        ["flow={kind='turbulent',intensity=1}"],
+        "refused",
+        "is now gusts.strength",
+    ),
+    "oil with the profile of water": (
+        ["fluid.viscosity=1e-3", "flow={kind='log_law',speed=1.0,upstream=1000}"],
+        "warned",
+        "Re_D = 2000; it holds from 4000 to 1e+08; take flow.kind = 'developed'",
+    ),
+    "water that is neither laminar nor turbulent": (
+        ["fluid.viscosity=6e-4", "flow={kind='developed',speed=1.0,upstream=1000}"],
+        "warned",
+        "nobody knows the profile from 2300 to 4000",
+    ),
+    "a flow that had no room to develop": (
+        ["flow={kind='developed',speed=1.0}"],
+        "warned",
+        "set flow.upstream to the length of the same bore before the inlet",
     ),
     "a core of a metre": (["builder.core_radius=1"], "refused", "no agent can be released"),
     # Those that everybody makes.
@@ -143,7 +163,7 @@ def test_each_of_them_names_what_is_wrong_and_nothing_else() -> None:
     "settings",
     [
         ["targets={A=[4,0.3,0.2]}", "release.yaw_deg=5"],
-        ["targets={A=[4,0.3,0.2]}", "flow.kind=turbulent"],
+        ["targets={A=[4,0.3,0.2]}", "flow.kind=turbulent", "flow.upstream=100"],
         ["targets={A=[4,0.3,0.2]}", "release.position=[0,0.1,0]"],
         ["targets={A=[4,0.3,0.2]}", "release.velocity=[1,0.1,0]"],
         ["flow.speed=-1", "flow.acceleration=0.5"],

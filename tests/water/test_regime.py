@@ -13,8 +13,9 @@ from driftform.water.validity import RANGES, Range, find_departures
 OIL = {"density": 870.0, "viscosity": 1e-4}
 
 
-def pipe(kind, reynolds, length=1000.0, radius=0.1, **flow):
-    """A straight pipe of oil at a Reynolds number."""
+def pipe(kind, reynolds, length=5000.0, **flow):
+    """A straight pipe of oil at a Reynolds number, of 0.1 m radius, or of 10 m above 1e5."""
+    radius = 0.1 if reynolds <= 1e5 else 10.0
     speed = reynolds * OIL["viscosity"] / (2 * radius)
     segment = {"start": [0, 0, 0], "end": [length, 0, 0], "radius": radius}
     table = {"kind": kind, "speed": speed, **flow}
@@ -33,7 +34,7 @@ def test_developed_flow_is_a_parabola_below_2300_and_logarithmic_above():
         velocity = water_velocity(places, 0.0, calm)
         assert velocity[:, 0] == pytest.approx(2 * calm.flow.speed * (1 - (r / 0.1) ** 2), abs=1e-12)
         assert not warn_of_regime(calm)
-    for reynolds in (2300, 3000, 5000, 1e5):
+    for reynolds in (2301, 3000, 5000, 1e5):
         places = [[1.0, 0.02 * k, 0.0] for k in range(5)]
         pair = [water_velocity(places, 0.0, pipe(kind, reynolds)) for kind in ("developed", "log_law")]
         np.testing.assert_array_equal(*pair)
@@ -80,8 +81,13 @@ def test_a_profile_within_its_range_needs_no_word(kind):
 
 
 def test_every_bore_of_a_junction_is_checked_at_its_own_speed():
-    tee = {"kind": "tee", "branch_radius": 0.05, "share": 0.001, "branch": [{"length": 1.0}]}
-    parts = [{"length": 50.0}, tee, {"length": 1.0}]
+    tee = {
+        "kind": "tee",
+        "branch_radius": 0.05,
+        "share": 0.001,
+        "branch": [{"length": 1.0, "outlet": "side"}],
+    }
+    parts = [{"length": 50.0}, tee, {"length": 1.0, "outlet": "main"}]
     scenario = Scenario.model_validate(
         {"pipe": {"radius": 0.1, "parts": parts}, "flow": {"kind": "log_law", "speed": 0.5}, "fluid": {}}
     )
@@ -108,15 +114,13 @@ def test_laminar_and_turbulent_bores_of_one_pipe_have_their_own_profiles():
     ("reynolds", "diameters"), [(1000, 60), (2000, 120), (4000, 17.5), (1e4, 20.4), (1e6, 44)]
 )
 def test_a_pipe_shorter_than_its_entry_length_is_named(reynolds, diameters):
-    # The turbulent ones are those of White's table 6.1 with eq. 6.6, to a tenth.
-    assert entry_length(reynolds, reynolds < 2300) == pytest.approx(diameters, rel=0.01)
-    [line] = warn_of_regime(pipe("developed", reynolds, length=0.19 * diameters))
-    assert (
-        f"within {0.2 * entry_length(reynolds, reynolds < 2300):.3g} m" in line
-        and "set flow.upstream" in line
-    )
-    assert not warn_of_regime(pipe("developed", reynolds, length=0.205 * diameters))
-    assert not warn_of_regime(pipe("developed", reynolds, length=1.0, upstream=0.2 * diameters))
+    # The turbulent ones are those of White's table of eq. 6.6.
+    entry, bore = entry_length(reynolds, reynolds < 2300), 0.2 if reynolds <= 1e5 else 20.0
+    assert entry == pytest.approx(diameters, rel=0.01)
+    [line] = warn_of_regime(pipe("developed", reynolds, length=0.99 * bore * entry))
+    assert f"within {bore * entry:.3g} m" in line and "set flow.upstream" in line
+    assert not warn_of_regime(pipe("developed", reynolds, length=1.01 * bore * entry))
+    assert not warn_of_regime(pipe("developed", reynolds, length=bore, upstream=bore * entry))
 
 
 @pytest.mark.parametrize("name", ["paper", "pipe-inspection", "t-junction"])

@@ -87,18 +87,18 @@ def test_evenly_spread_tracers_stay_evenly_spread(radius, speed):
     assert mean == pytest.approx([1.0] * 3, abs=0.01)
 
 
-@pytest.mark.parametrize("smoothing", [0.1, 0.2])
+@pytest.mark.parametrize("smoothing", [pytest.param(0.1, marks=pytest.mark.long), 0.2])
 def test_bodies_of_any_size_stay_evenly_spread_over_the_room_that_they_have(smoothing):
     for share in (0.03, 0.3):
         scenario = straight_pipe(0.1, 1.0, gusts={"smoothing": smoothing})
-        times = np.array([1.0, 4.0]) * 0.1 / friction(scenario)
+        times = np.array([1.0, 2.5]) * 0.1 / friction(scenario)
         room = (1 - share) * 0.1
-        places = carry(scenario, spread_evenly(2000, room), times, share * 0.1, seed=4)
+        places = carry(scenario, spread_evenly(1000, room), times, share * 0.1, seed=4)
         r = np.hypot(places[..., 1], places[..., 2]) / room
         assert r.max() < 1
-        # Four standard errors of shares of 2000 independent bodies.
+        # Four standard errors of shares of 1000 independent bodies.
         for least, expected in ((math.sqrt(0.9), 0.1), (0.99, 0.0199)):
-            error = math.sqrt(expected * (1 - expected) / 2000)
+            error = math.sqrt(expected * (1 - expected) / 1000)
             assert (r > least).mean(axis=1) == pytest.approx([expected] * 2, abs=4 * error)
 
 
@@ -120,7 +120,8 @@ def test_small_spheres_of_the_simulator_stay_evenly_spread():
     scenario = straight_pipe(radius, 1.0, flight={"horizon": 6.0})
     size = 0.01 * radius
     agent = sphere_agent(size, scenario.fluid.density * 4 / 3 * math.pi * size**3, drag=1.0)
-    simulator = NativeSimulator(NativeOptions())
+    # Where each sphere ends is chaotic, and does not matter.
+    simulator = NativeSimulator(NativeOptions(accuracy=0.1))
     ends, speeds = [], []
     for seed, place in enumerate(spread_evenly(count, radius - size).tolist()):
         release = scenario.release.model_copy(update={"position": tuple(place), "frame": "world"})

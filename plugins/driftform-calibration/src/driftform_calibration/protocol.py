@@ -13,7 +13,7 @@ from driftform_calibration.experiment import Drop, Plan, Tank
 from driftform_calibration.page import make_page
 from driftform_calibration.problem import shown_name
 
-TABLES = ("pipe", "flow", "fluid", "release", "contact", "flight", "robustness")
+TABLES = ("pipe", "flow", "gusts", "fluid", "release", "contact", "flight", "robustness")
 """Tables of a drop's study file; its plugins are those of the study that it was planned in."""
 
 DISTANCE = 8.0

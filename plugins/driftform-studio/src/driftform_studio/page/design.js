@@ -2,7 +2,7 @@
 import { find, make, round } from "./parts.js";
 
 const KEPT = "driftform-design";
-const TABLES = ["pipe", "flow", "fluid", "release", "contact", "flight", "robustness", "targets", "strategy", "simulator", "hydrodynamics", "builder", "grammar", "fitness"];
+const TABLES = ["pipe", "flow", "gusts", "fluid", "release", "contact", "flight", "robustness", "targets", "strategy", "simulator", "hydrodynamics", "builder", "grammar", "fitness"];
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 const copy = (value) => JSON.parse(JSON.stringify(value));
 
