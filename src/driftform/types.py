@@ -295,17 +295,17 @@ class Drag:
     """What the water's viscosity does to a body of revolution; with C_d and C_f see :mod:`driftform.motion.drag`.
 
     A strip's force is ``-1/2 rho C_d(Re) factor d dx |v| v`` with the velocity v across the axis at the
-    strip, relative to the water there; C_d is that of a long cylinder. Along the axis it is
+    strip, relative to the water there; C_d is that of a long cylinder, without what creeping motion adds. Along the axis it is
     ``-1/2 rho (C_f(Re_L) friction_area + A) |u| u``, with A = ``ahead`` for motion towards +x and A = ``astern`` for
     motion towards -x. The part of the body that counts as a sphere has the force ``-1/2 rho C_d(Re) round_area |v| v`` of
-    a sphere at ``centre``.
+    a sphere at ``centre``, again without creeping. The whole body creeps with the forces ``-mu k v`` at ``centre``.
 
     Attributes
     ----------
     strips
         x of the middle, diameter d, width dx (m each), and factor of each strip, (n, 4).
     friction_area
-        wetted area times form factor, for skin friction, m2.
+        wetted area, for skin friction, times the form factor of a streamlined body, m2.
     length
         length in the Reynolds number Re_L of skin friction, m.
     ahead, astern
@@ -327,6 +327,11 @@ class Drag:
         a mean over the body.
     blocking
         diameter that narrows the bore, m; 0 if the drag is that in open water.
+    creeping
+        k of Stokes flow: along the axis and across it (m), and of a turn about a transverse axis (m3); and the share of
+        the water's curl with which the axis turns, b^2 / (a^2 + b^2) of a spheroid.
+    rubbing
+        factor on the friction of strips, beside that of each strip.
     """
 
     strips: FloatArray
@@ -343,6 +348,8 @@ class Drag:
     shear_volume: float = 0.0
     spread: tuple[float, float] = (0.0, 0.0)
     blocking: float = 0.0
+    creeping: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    rubbing: float = 1.0
 
     def __post_init__(self) -> None:
         freeze_fields(self, strips=(None, 4))
@@ -354,6 +361,7 @@ class Drag:
         drag across it. Lift and carrying speed are unchanged.
         """
         across = axial if across is None else across
+        along, aside, turning, curl = self.creeping
         return replace(
             self,
             strips=self.strips * (1.0, 1.0, 1.0, across),
@@ -362,6 +370,7 @@ class Drag:
             astern=axial * self.astern,
             round_area=across * self.round_area,
             spin=axial * self.spin,
+            creeping=(axial * along, across * aside, across * turning, curl),
         )
 
 

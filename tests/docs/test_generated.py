@@ -25,7 +25,9 @@ from driftform.plugins.registry import Contribution, registry
 from driftform.study import RunOptions
 from driftform.water import Scenario
 from driftform.water.flow import FLOWS
+from driftform.water.fluids import FLUIDS
 from driftform.water.part_tables import PARTS as PIPE_PARTS
+from driftform.water.validity import RANGES
 
 Check = Callable[[Path, str], None]
 
@@ -472,6 +474,40 @@ def test_study_keys_page(docs: Path, up_to_date: Check) -> None:
         *keys_table(RunOptions),
     ]
     up_to_date(docs / "study-keys.md", "\n".join(lines) + "\n")
+
+
+def test_validity_page(docs: Path, up_to_date: Check) -> None:
+    lines = [
+        "# Where the formulas hold",
+        "",
+        "Every formula of the water and of the motion, with the quantity that decides whether it holds, and what the program",
+        "does outside; generated from the program. `driftform scenarios check` and `evolve` print the warnings of a study,",
+        "`inspect`, the report and the studio those of an agent too. The speed of an agent through the water is its terminal",
+        "speed, or a fifth of that of the water if this is more.",
+        "",
+        "| formula | quantity | symbol | holds | source | outside |",
+        "|---|---|---|---|---|---|",
+    ]
+    for formula, ranges in RANGES.items():
+        lines += [
+            f"| {formula} | {r.quantity} | {r.symbol} | {r.describe()} | {r.source} | {r.outside} |"
+            for r in ranges
+        ]
+    lines += [
+        "",
+        "## Fluids",
+        "",
+        "`fluid.name` takes the density and the viscosity of one of these. All are Newtonian; a slurry that is not is outside of",
+        "the model.",
+        "",
+        "| name | density, kg/m3 | viscosity, m2/s | what it is | source |",
+        "|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| `{name}` | {f.density:g} | {f.viscosity:.3g} | {f.state} | {f.source} |"
+        for name, f in FLUIDS.items()
+    ]
+    up_to_date(docs / "validity.md", "\n".join(lines) + "\n")
 
 
 def _imports(node: ast.AST, known: set[str]) -> Iterator[str]:

@@ -78,6 +78,7 @@ def bounce_with_history(stokes, radius, viscosity, oil, step=5e-5):
 
     def accelerate(speed):
         drag = sphere_drag((speed, 0.0, 0.0), oil, viscosity, math.pi * radius**2, 2 * radius)[0]
+        drag -= 6 * math.pi * radius * viscosity * oil * speed
         return (drag - weight) / mass
 
     def remember(speed, changes):

@@ -147,7 +147,8 @@ def _drag_numbers(drag: Drag) -> tuple[FloatArray, FloatArray]:
     """Return all numbers but the strips, and the strips."""
     numbers = [drag.friction_area, drag.length, drag.ahead, drag.astern, drag.round_area, drag.diameter]
     numbers += [drag.centre, *drag.wake_ahead, *drag.wake_astern, drag.spin, drag.shear_volume]
-    return np.array([*numbers, *drag.spread, drag.blocking]), drag.strips.copy()
+    numbers += [*drag.spread, drag.blocking, *drag.creeping, drag.rubbing]
+    return np.array(numbers), drag.strips.copy()
 
 
 def _skew(a: FloatArray) -> FloatArray:
@@ -228,7 +229,7 @@ def _viscous(
         speed = np.sqrt(np.sum(local**2))
         if speed > 0:
             Re = speed * d / viscosity
-            C = 1.18 + 6.3 / Re + 2.5 * Re**-0.5 - 4e-4 * Re / (1 + 3.64e-7 * Re**2)
+            C = 1.18 + n[20] * 1.96 * Re**-0.5
             force = -0.5 * rho * C * factor * d * dx * speed * local
             tau[:3] += force
             tau[3:] += _cross(at, force)
@@ -242,10 +243,16 @@ def _viscous(
     speed = np.sqrt(np.sum(local**2))
     if n[4] > 0 and speed > 0:
         Re = speed * n[5] / viscosity
-        C = 24 / Re * (1 + 0.15 * Re**0.687) + 0.42 / (1 + 42500 / Re**1.16)
+        C = 24 / Re * 0.15 * Re**0.687 + 0.42 / (1 + 42500 / Re**1.16)
         force = -0.5 * rho * C * n[4] * speed * local
         tau[:3] += force
         tau[3:] += _cross(at, force)
+    # Stokes resistance, and Jeffery's couple: the strain of the water turns the axis x' by x' x (S x').
+    force = -rho * viscosity * np.array([n[16], n[17], n[17]]) * local
+    strain = shear - 0.5 * _cross(curl, x_axis)
+    turn = omega - 0.5 * curl - (1 - 2 * n[19]) * _cross(x_axis, strain)
+    tau[:3] += force
+    tau[3:] += _cross(at, force) - rho * viscosity * n[18] * np.array([0.0, turn[1], turn[2]])
     b = min(0.95, n[15] / (2 * radius))
     tau *= (1 + 1.45 * b**4.5) / (1 - b**2) ** 2
     x, area = (n[7], n[8]) if u > 0 else (n[9], n[10])

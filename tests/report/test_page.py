@@ -14,6 +14,7 @@ from driftform.report.page import page_html, viewer_data
 from driftform.runs.run import Run
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water.flow import PowerLawFlow
+from driftform.water.validity import RANGES
 
 PIXELS = """
 const view = document.getElementById(arguments[0]);
@@ -279,13 +280,13 @@ def test_a_page_of_ten_agents_is_small(run_with_page):
 
 def test_the_page_names_the_agents_that_are_outside_of_what_was_tested(run_with_page, monkeypatch):
     contents = collect_contents(Run.open(run_with_page))
-    monkeypatch.setattr("driftform.study.limits.WIDEST", 0.0)
+    monkeypatch.setitem(RANGES, "a body in a bore", (replace(RANGES["a body in a bore"][0], high=0.0),))
     page = " ".join(page_html(contents).split())
     assert "Outside of what was tested" in page
     for group in contents.agents:
-        assert f"<li>{', '.join(entry.target for entry in group)}: its diameter is" in page
-    monkeypatch.setattr("driftform.study.limits.WIDEST", 1.0)
-    assert "Outside of what was tested" not in page_html(contents)
+        assert f"<li>{', '.join(entry.target for entry in group)}: a body in a bore: diameter over" in page
+    monkeypatch.undo()
+    assert "a body in a bore" not in page_html(contents)
 
 
 def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):

@@ -1,5 +1,8 @@
 """Disturbed conditions: how they are drawn, and what they change."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -168,3 +171,15 @@ def test_disturbed_flights_do_not_depend_on_the_rest_of_their_batch():
         assert a.failure is None
         assert a.fitness.tolist() == b.fitness.tolist()
     assert together[0].fitness.tolist() != together[3].fitness.tolist()
+
+
+def test_disturbed_flights_have_the_secondary_flow_of_bends_and_no_other_draw_depends_on_it():
+    drawn = draw_conditions(Robustness(swirl=0.1), 400, (5,))
+    calm = draw_conditions(Robustness(swirl=0.0), 400, (5,))
+    shares = np.array([condition.swirl for condition in drawn])
+    # A half normal distribution, truncated: its mean is sqrt(2 / pi) of the deviation.
+    assert shares.min() >= 0 and shares.max() <= 0.3
+    assert shares.mean() == pytest.approx(0.1 * math.sqrt(2 / math.pi), rel=0.01)
+    assert [replace(condition, swirl=0.0) for condition in drawn] == list(calm)
+    scenario = load_study("pipe-inspection", ["flow.swirl=0.05"]).scenario
+    assert disturb_scenario(drawn[0], scenario).flow.swirl == pytest.approx(0.05 + drawn[0].swirl)

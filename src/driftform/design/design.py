@@ -17,6 +17,7 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Renderer
 from driftform.motion.interpolation import resample
+from driftform.motion.limits import list_limits
 from driftform.motion.resampling import check_rate
 from driftform.motion.way import find_offsets, name_outlet
 from driftform.pipeline import Pipeline
@@ -25,7 +26,6 @@ from driftform.plugins.registry import registry
 from driftform.plugins.seams import require_facts, require_file, require_files
 from driftform.runs.agent_file import StoredAgent
 from driftform.study import Document, Study, load_study
-from driftform.study.limits import list_limits
 from driftform.types import (
     Agent,
     Coefficients,

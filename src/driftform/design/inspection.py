@@ -10,15 +10,16 @@ from driftform.design.sensitivity import measure_gram_sensitivity
 from driftform.errors import WorkFailedError, describe_error
 from driftform.motion.body_drag import estimate_drag, wake_factor
 from driftform.motion.inertia import added_mass_at, largest_added_mass_ratio, rigid_body_mass
+from driftform.motion.limits import list_limits
 from driftform.motion.model import flight_model
 from driftform.motion.stability import stable_rest
 from driftform.motion.terminal import terminal_speeds
 from driftform.pipeline import Pipeline
 from driftform.plugins.registry import registry
-from driftform.study.limits import list_limits
 from driftform.types import Agent, FloatArray
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import Factors
+from driftform.water.regime import warn_of_regime
 
 LEAD = 11_340.0
 """Density of lead, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
@@ -188,4 +189,4 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
             f"{1000 * body.length:.0f} mm long and {1000 * body.max_diameter:.0f} mm wide: "
             f"larger than the bed of a common printer ({1000 * BED:.0f} mm)"
         )
-    return warnings + list_limits(agent, scenario)
+    return [*warnings, *list_limits(agent, scenario), *warn_of_regime(scenario)]

@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from driftform.agent import solid_of_revolution
+from driftform.motion.creeping import creeping_resistance
 from driftform.motion.drag_coefficients import (
     base_coefficient,
     end_shape_factor,
@@ -43,6 +44,9 @@ SLENDER = 0.92
 """Sphericity below which a body counts as slender: about that of a capsule or a spheroid twice as long as thick.
 Cylinders have 0.87 at most, cones 0.79."""
 
+BLUNT = 0.85
+"""C_d, on the frontal area, of blunt ends: the least of flat-faced cylinders (White, table 7.3)."""
+
 SHEAR_LIFT = 0.5
 """Lift coefficient, on the volume, of a sphere in weakly sheared inviscid flow (Auton, J. Fluid Mech. 183, 1987)."""
 
@@ -71,12 +75,16 @@ def estimate_drag(
         if "ends" in without
         else finite_length_factor(aspect) * end_shape_factor(shape.sphericity, aspect)
     )
+    # Blunt ends have the pressure drag that the form factor adds to friction.
+    smooth = max(0.0, 1 - (shape.end_ahead + shape.end_astern) / (2 * BLUNT * math.pi * radius**2))
     lift = 0.0 if "wake" in without else slender * wake_factor
     (x_ahead, area_ahead), (x_astern, area_astern) = shape.wake_ahead, shape.wake_astern
     bore = "bore" not in without
     return Drag(
         np.column_stack([strips, np.full(len(strips), slender * finite)]),
-        friction_area=slender * shape.rubbed * form_factor(body.max_diameter / body.length),
+        friction_area=slender
+        * shape.rubbed
+        * (1 + (form_factor(body.max_diameter / body.length) - 1) * smooth),
         length=body.length,
         ahead=slender * shape.end_ahead,
         astern=slender * shape.end_astern,
@@ -89,6 +97,8 @@ def estimate_drag(
         shear_volume=0.0 if "lift" in without else SHEAR_LIFT * shape.volume,
         spread=shape.spread if bore else (0.0, 0.0),
         blocking=body.max_diameter if bore else 0.0,
+        creeping=shape.creeping,
+        rubbing=1 / finite,
     )
 
 
@@ -111,6 +121,7 @@ class _Shape:
     wake_astern: tuple[float, float]
     spin: float
     spread: tuple[float, float]
+    creeping: tuple[float, float, float, float]
 
 
 @lru_cache(maxsize=128)
@@ -138,6 +149,7 @@ def _measure_shape(outer: bytes, viscosity: float) -> _Shape:
         wake_astern=wake_section(mirrored, -x[::-1], r[::-1]),
         spin=2 * math.pi * step * float(square @ square),
         spread=(float(share @ square) / 4, float(share @ (x - centre) ** 2) + step**2 / 12),
+        creeping=creeping_resistance(contour),
     )
 
 

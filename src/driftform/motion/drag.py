@@ -11,7 +11,7 @@ import numpy as np
 from driftform.motion.drag_coefficients import (
     crossflow_drag,
     friction_coefficient,
-    sphere_coefficient,
+    sphere_excess,
     spin_coefficient,
 )
 from driftform.types import Drag, FloatArray
@@ -37,7 +37,7 @@ def strip_drag(
     shear
         derivative of the water's velocity along the body's axis, 1/s.
     water
-        density (kg/m3), kinematic viscosity (m2/s), and the share of the strip that is under water.
+        density (kg/m3), kinematic viscosity (m2/s) times the square of ``Drag.rubbing``, and the share of the strip that is under water.
     strip
         a row of :attr:`driftform.types.Drag.strips`.
     """
@@ -64,12 +64,40 @@ def axial_drag(speed: float, density: float, viscosity: float, axial: FloatArray
 
 @compiled
 def sphere_drag(velocity: Vector, density: float, viscosity: float, area: float, diameter: float) -> Vector:
-    """Return the force (N) on a sphere of frontal ``area`` (m2) that moves through the water with ``velocity``, m/s."""
+    """Return the force (N) on a sphere of frontal ``area`` (m2) with a ``velocity`` (m/s), beyond that of creeping."""
     speed = math.sqrt(dot(velocity, velocity))
     if speed < SLOWEST or area == 0.0:
         return ZERO
-    coefficient = sphere_coefficient(speed * diameter / viscosity)
+    coefficient = sphere_excess(speed * diameter / viscosity)
     return scale(-0.5 * density * coefficient * area * speed, velocity)
+
+
+@compiled
+def creeping_drag(
+    there: Vector, omega: Vector, shear: Vector, curl: Vector, viscosity: float, creeping: FloatArray
+) -> tuple[Vector, Vector]:
+    """Return force (N) and couple (N m) on a body that creeps, in body axes; they rule at low Reynolds numbers.
+
+    The couple vanishes where the axis turns with the water as that of a spheroid does (Jeffery, Proc. R. Soc. A 102, 1922, 161).
+
+    Parameters
+    ----------
+    there
+        velocity of the centre of drag relative to the water, m/s.
+    omega
+        angular velocity, rad/s.
+    shear, curl
+        derivative of the water's velocity along the body's axis, and curl of that velocity, 1/s.
+    viscosity
+        dynamic, Pa s.
+    creeping
+        see :attr:`driftform.types.Drag.creeping`.
+    """
+    along, across, turn = -viscosity * creeping[0], -viscosity * creeping[1], -viscosity * creeping[2]
+    share = creeping[3]
+    pitch = omega[1] - share * curl[1] + (1.0 - 2.0 * share) * shear[2]
+    yaw = omega[2] - share * curl[2] - (1.0 - 2.0 * share) * shear[1]
+    return (along * there[0], across * there[1], across * there[2]), (0.0, turn * pitch, turn * yaw)
 
 
 @compiled
@@ -135,13 +163,17 @@ def still_water_wrench(
     def velocity_at(x: float) -> Vector:
         return moving[0], moving[1] + x * r, moving[2] - x * q
 
+    rubbing = viscosity * drag.rubbing**2
     for strip in drag.strips:
-        push(strip_drag(moving, omega, ZERO, 0.0, (density, viscosity, 1.0), strip), float(strip[0]))
+        push(strip_drag(moving, omega, ZERO, 0.0, (density, rubbing, 1.0), strip), float(strip[0]))
     axial = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
     push((axial_drag(moving[0], density, viscosity, axial), 0.0, 0.0), 0.0)
     there = velocity_at(drag.centre)
     push(sphere_drag(there, density, viscosity, drag.round_area, drag.diameter), drag.centre)
+    force, couple = creeping_drag(there, omega, ZERO, ZERO, density * viscosity, np.array(drag.creeping))
+    push(force, drag.centre)
+    out[3:] += couple
     x, area = drag.wake_ahead if moving[0] > 0 else drag.wake_astern
     push(wake_drag(*velocity_at(x), density, area), x)
-    out[3] = spin_drag(omega[0], density, viscosity, drag.spin, drag.diameter)
+    out[3] += spin_drag(omega[0], density, viscosity, drag.spin, drag.diameter)
     return out

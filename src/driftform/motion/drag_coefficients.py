@@ -11,6 +11,9 @@ from driftform.util.compiled import compiled
 CROSSFLOW_PLATEAU = 1.18
 """C_d of a long cylinder across the flow at Reynolds numbers from 3e4 to 2e5."""
 
+CROSSFLOW_FRICTION = 1.96
+"""Friction of a cylinder across the flow: its C_d times sqrt(Re)."""
+
 LAMINAR_BELOW = 5e5
 """Reynolds number (on length) at which a boundary layer becomes turbulent."""
 
@@ -20,15 +23,15 @@ _FRONT = LAMINAR_BELOW * 0.075 / (math.log10(LAMINAR_BELOW) - 2.0) ** 2 - 1.328 
 
 @compiled
 def crossflow_coefficient(reynolds: float) -> float:
-    """Return C_d of a long circular cylinder across the flow, on its diameter.
+    """Return C_d of a cylinder across the flow, on its diameter, less what creeping motion adds: 1.18 + 1.96 / sqrt(Re).
 
-    1.18 + 6.3 / Re + 2.5 / sqrt(Re) - 4e-4 Re / (1 + 3.64e-7 Re^2): the fit of Sucker and Brauer (Waerme- und
-    Stoffuebertragung 8, 1975, 149) with 6.3 / Re + 2.5 / sqrt(Re) in place of 6.8 / Re^0.89 + 1.96 / sqrt(Re), which is
-    within 3.4 % of it, and within 1 % for Re > 300, and needs no powers. For Re (on the diameter) from 1 to 2e5; it
-    leaves out the drag crisis.
+    Two terms of the fit of Sucker and Brauer (Waerme- und Stoffuebertragung 8, 1975, 149) to long cylinders, up to Re = 2e5 on
+    the diameter: it leaves out the drag crisis. Their 6.8 / Re^0.89 is the creeping flow about a cylinder without ends, for which
+    :mod:`driftform.motion.creeping` has that of the whole body. Their dip of 0.33 about Re = 1700, of flow that is the same all
+    along a cylinder, is left out: Hoelzer and Sommerfeld (2008) found none in the drag of bodies.
 
     >>> [round(crossflow_coefficient(re), 2) for re in (1.0, 100.0, 1000.0, 1e5)]
-    [9.98, 1.45, 0.97, 1.18]
+    [3.14, 1.38, 1.24, 1.19]
     """
     return crossflow_drag(reynolds, 1.0) / reynolds if reynolds > 0.0 else math.inf
 
@@ -40,11 +43,9 @@ def crossflow_drag(speed: float, scale: float) -> float:
     This is :func:`crossflow_coefficient` of Re = speed / scale, written so that it is finite at rest.
 
     >>> round(crossflow_drag(0.5, 1e-5) / 0.5, 3), round(crossflow_coefficient(5e4), 3)
-    (1.169, 1.169)
+    (1.189, 1.189)
     """
-    square = speed * speed
-    dip = 4e-4 * scale * square / (scale * scale + 3.64e-7 * square)
-    return CROSSFLOW_PLATEAU * speed + 6.3 * scale + 2.5 * math.sqrt(speed * scale) - dip
+    return CROSSFLOW_PLATEAU * speed + CROSSFLOW_FRICTION * math.sqrt(speed * scale)
 
 
 @compiled
@@ -57,11 +58,13 @@ def sphere_coefficient(reynolds: float) -> float:
     >>> [round(sphere_coefficient(re), 3) for re in (1.0, 1000.0, 1e5)]
     [27.6, 0.466, 0.492]
     """
-    if reynolds <= 0.0:
-        return math.inf
-    return float(
-        24.0 / reynolds * (1.0 + 0.15 * reynolds**0.687) + 0.42 / (1.0 + 42500.0 * reynolds ** (-1.16))
-    )
+    return 24.0 / reynolds + sphere_excess(reynolds) if reynolds > 0.0 else math.inf
+
+
+@compiled
+def sphere_excess(reynolds: float) -> float:
+    """Return :func:`sphere_coefficient` less what creeping motion has, 24 / Re; Re must be positive."""
+    return float(3.6 * reynolds ** (-0.313) + 0.42 / (1.0 + 42500.0 * reynolds ** (-1.16)))
 
 
 @compiled
@@ -159,8 +162,7 @@ def end_shape_factor(sphericity: float, aspect: float) -> float:
 
     Hoelzer and Sommerfeld, Powder Technology 184 (2008), 361: at high Reynolds numbers C_d, on the projected area, is
     0.42 x 10^(0.4 (-log10 sphericity)^0.2). The ratio is that of this formula for the body and for the cylinder of the
-    same ``aspect``, whose sphericity is (12 aspect)^(2/3) / (4 aspect + 2). The constants
-    0.42, 0.4 and 0.2 were not checked against the paper.
+    same ``aspect``, whose sphericity is (12 aspect)^(2/3) / (4 aspect + 2).
 
     >>> round(end_shape_factor(0.874, 1.0), 3), round(end_shape_factor(1.0, 1.0), 2)
     (1.0, 0.59)

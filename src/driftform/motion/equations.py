@@ -19,6 +19,7 @@ from driftform.motion.buoyancy import buoyancy, half_height, slice_depth, submer
 from driftform.motion.contact import wall_wrench
 from driftform.motion.drag import (
     axial_drag,
+    creeping_drag,
     shear_lift,
     sphere_drag,
     spin_drag,
@@ -77,15 +78,17 @@ def drag_wrench(
     shear: Vector,
     model: FlightModel,
     bore: float = np.inf,
+    curl: Vector = ZERO,
 ) -> Wrench:
     """Return drag and the lift of the tail, of the part under water, about the body's origin.
 
     ``height`` is that of the body's origin, ``bore`` the radius of the pipe around it, m; see
-    :func:`driftform.motion.drag.strip_drag` for the other arguments.
+    :func:`driftform.motion.drag.creeping_drag` for the other arguments.
     """
     n, strips = model.numbers[0], model.strips
     level, centre = n.water_level, _read_vector(n.cob)
     density, viscosity = n.density, n.viscosity
+    rubbing = viscosity * n.rubbing * n.rubbing
     wrench, share = (ZERO, ZERO), 1.0
     if level < np.inf:
         under, area = 0.0, 0.0
@@ -94,21 +97,23 @@ def drag_wrench(
             wet = submerged_share(slice_depth(height, R, strips[k, 0], centre, level), a)
             area += strips[k, 1] * strips[k, 2]
             under += strips[k, 1] * strips[k, 2] * wet
-            force = strip_drag(moving, omega, shear, centre[0], (density, viscosity, wet), strips[k])
+            force = strip_drag(moving, omega, shear, centre[0], (density, rubbing, wet), strips[k])
             wrench = add_wrenches(wrench, force_wrench((strips[k, 0], 0.0, 0.0), force))
         share = under / area
     else:
         for k in range(strips.shape[0]):
             x = strips[k, 0]
-            force = strip_drag(moving, omega, shear, centre[0], (density, viscosity, 1.0), strips[k])
+            force = strip_drag(moving, omega, shear, centre[0], (density, rubbing, 1.0), strips[k])
             wrench = (
                 (0.0, wrench[0][1] + force[1], wrench[0][2] + force[2]),
                 (0.0, wrench[1][1] - x * force[2], wrench[1][2] + x * force[1]),
             )
     along = axial_drag(moving[0], density, viscosity, n.axial) * share
     wrench = add_wrenches(wrench, ((along, 0.0, 0.0), ZERO))
+    there = _velocity_at(n.centre, moving, omega, shear, centre[0])
+    force, couple = creeping_drag(there, omega, shear, curl, density * viscosity * share, n.creeping)
+    wrench = add_wrenches(wrench, add_wrenches(force_wrench((n.centre, 0.0, 0.0), force), (ZERO, couple)))
     if n.round_area > 0.0:
-        there = _velocity_at(n.centre, moving, omega, shear, centre[0])
         force = sphere_drag(there, density, viscosity, n.round_area * share, n.diameter)
         wrench = add_wrenches(wrench, force_wrench((n.centre, 0.0, 0.0), force))
     if n.blocking > 0.0:
@@ -210,7 +215,7 @@ def accelerations(
         wrench = add_wrenches(wrench, damping_wrench(moving, omega, n))
     if model.strips.shape[0] > 0:
         bore = _bore_around(position, model.pipe, model.fittings)
-        wrench = add_wrenches(wrench, drag_wrench(position[2], R, moving, omega, shear, model, bore))
+        wrench = add_wrenches(wrench, drag_wrench(position[2], R, moving, omega, shear, model, bore, curl))
         if n.is_steady == 0.0 and n.shear_volume > 0.0:
             there = add(moving, cross(omega, centre))
             mass = n.density * n.shear_volume * displaced / n.displaced_mass

@@ -55,7 +55,10 @@ PLANE = _lay_out(
     ("round_rate", float),
     # Of the tail: x and area for motion ahead, and astern.
     ("tails", float, (4,)),
-    # Rows of x, 1/2 rho C dx d (kg/m), viscosity over d; the strips of a body must be as many.
+    # Of creeping: force over velocity along and across (N s/m), torque over rate (N m s), share of the curl.
+    ("creeping", float, (4,)),
+    # Rows of x and the force over the velocity (m/s) and over its root, each times the velocity; the strips of a body must
+    # be as many.
     ("strips", float, (5, 3)),
 )
 """What follows from the other numbers for a motion in the vertical plane: see :mod:`driftform.motion.plane`."""
@@ -92,6 +95,8 @@ NUMBERS = _lay_out(
     ("spin", float),
     ("shear_volume", float),
     ("blocking", float),
+    ("creeping", float, (4,)),
+    ("rubbing", float),
     # Variance of the volume, m2.
     ("spread_across", float),
     ("spread_along", float),

@@ -108,6 +108,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     n["tails"] = *drag.wake_ahead, *drag.wake_astern
     n["round_area"], n["diameter"], n["centre"] = drag.round_area, drag.diameter, drag.centre
     n["spin"], n["shear_volume"], n["blocking"] = drag.spin, drag.shear_volume, drag.blocking
+    n["creeping"], n["rubbing"] = drag.creeping, drag.rubbing
     n["spread_across"], n["spread_along"] = drag.spread
     standoff = 0.0 if fittings is None else MOST_STANDOFF * surfaces[:, 5]
     reach = np.hypot(surfaces[:, 0], surfaces[:, 1]) + surfaces[:, 2] + standoff

@@ -19,10 +19,11 @@ import numpy as np
 from driftform.motion.bore import end_of_dome, smoothed_sine
 from driftform.motion.drag import SLOWEST
 from driftform.motion.drag_coefficients import (
+    CROSSFLOW_FRICTION,
+    CROSSFLOW_PLATEAU,
     blockage_factor,
-    crossflow_drag,
     friction_coefficient,
-    sphere_coefficient,
+    sphere_excess,
 )
 from driftform.motion.fields import PLANE
 from driftform.motion.impact import common_mass, damper, spring
@@ -107,7 +108,11 @@ def _fill_drag(model: FlightModel) -> None:
     p["round_area"], p["round_rate"] = half * n["round_area"], n["diameter"] / viscosity
     p["tails"] = n["tails"] * (1.0, density, 1.0, density)
     x, diameter, width, factor = model.strips.T
-    p["strips"] = np.column_stack([x, half * factor * diameter * width, viscosity / diameter])
+    p["creeping"] = n["creeping"] * ([2 * half * viscosity] * 3 + [1.0])
+    whole, friction = half * factor * diameter * width, CROSSFLOW_FRICTION * n["rubbing"]
+    p["strips"] = np.column_stack(
+        [x, CROSSFLOW_PLATEAU * whole, friction * whole * np.sqrt(viscosity / diameter)]
+    )
 
 
 @compiled
@@ -324,9 +329,10 @@ def _drag(
     p, strips, tails = n.plane, n.plane.strips, n.plane.tails
     X, Z, N, centre = 0.0, 0.0, 0.0, n.cob[0]
     for k in range(STRIPS):
-        x, mass, scale = strips[k, 0], strips[k, 1], strips[k, 2]
+        x = strips[k, 0]
         across = v - x * q - (x - centre) * shear
-        force = mass * crossflow_drag(abs(across), scale) * across
+        fast = abs(across)
+        force = (strips[k, 1] * fast + strips[k, 2] * math.sqrt(fast)) * across
         Z -= force
         N += x * force
     along = abs(u)
@@ -343,12 +349,15 @@ def _drag(
         force = area * along * math.sqrt(0.5 * (1.0 + along / speed)) * across
         Z -= force
         N += x * force
+    x, creeping = n.centre, p.creeping
+    across = v - x * q - (x - centre) * shear
+    force = creeping[1] * across
+    turning = q - creeping[3] * curl + (1.0 - 2.0 * creeping[3]) * shear
+    X, Z, N = X - creeping[0] * u, Z - force, N + x * force - creeping[2] * turning
     if p.round_area > 0.0:
-        x = n.centre
-        across = v - x * q - (x - centre) * shear
         speed = math.sqrt(u * u + across * across)
         if speed >= SLOWEST:
-            force = p.round_area * sphere_coefficient(speed * p.round_rate) * speed
+            force = p.round_area * sphere_excess(speed * p.round_rate) * speed
             X -= force * u
             Z -= force * across
             N += x * force * across

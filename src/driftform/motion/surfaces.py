@@ -31,7 +31,7 @@ def touching_vertices(body: Body) -> FloatArray:
     The bore of a pipe is convex, so a body is inside exactly if its convex hull is: nothing else can touch. Vertices
     on the axis are included.
     """
-    return _find_upper_hull(_sort_along(body.outer))
+    return find_hull(body.outer)
 
 
 def touching_surfaces(body: Body) -> FloatArray:
@@ -69,6 +69,11 @@ def refined_surfaces(body: Body, spacing: float) -> FloatArray:
     added = np.zeros((len(rows), 5))
     added[:, :2] = np.array(rows).reshape(-1, 2)
     return np.vstack([surfaces, added])
+
+
+def find_hull(contour: FloatArray) -> FloatArray:
+    """Return the vertices (x, r) of the convex hull of a contour (n, 2), from aft to fore, m, (k, 2)."""
+    return _find_upper_hull(_sort_along(contour))
 
 
 def _sort_along(points: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from driftform.motion.drag import axial_drag, sphere_drag, strip_drag
+from driftform.motion.drag import axial_drag, creeping_drag, sphere_drag, strip_drag
 from driftform.types import Drag, FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import ZERO, Vector, add, dot, scale
@@ -39,8 +39,9 @@ def terminal_speed_across(drag: Drag, net: float, density: float, viscosity: flo
 
 def _balance(drag: Drag, net: float, direction: Vector, density: float, viscosity: float) -> float:
     axial = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
-    strips, sphere = np.array(drag.strips), (drag.round_area, drag.diameter)
-    return _balance_speed(abs(net), direction, strips, axial, sphere, density, viscosity)
+    strips, sphere = np.array(drag.strips), (drag.round_area, drag.diameter, drag.rubbing)
+    creeping = np.array(drag.creeping)
+    return _balance_speed(abs(net), direction, strips, axial, sphere, creeping, density, viscosity)
 
 
 @compiled
@@ -49,7 +50,8 @@ def _balance_speed(
     direction: Vector,
     strips: FloatArray,
     axial: FloatArray,
-    sphere: tuple[float, float],
+    sphere: tuple[float, float, float],
+    creeping: FloatArray,
     density: float,
     viscosity: float,
 ) -> float:
@@ -57,7 +59,7 @@ def _balance_speed(
     low, high = 0.0, _MAX_SPEED
     for _ in range(60):
         middle = (low + high) / 2
-        drag = _drag_against(scale(middle, direction), strips, axial, sphere, density, viscosity)
+        drag = _drag_against(scale(middle, direction), strips, axial, sphere, creeping, density, viscosity)
         if -dot(drag, direction) < force:
             low = middle
         else:
@@ -70,14 +72,17 @@ def _drag_against(
     moving: Vector,
     strips: FloatArray,
     axial: FloatArray,
-    sphere: tuple[float, float],
+    sphere: tuple[float, float, float],
+    creeping: FloatArray,
     density: float,
     viscosity: float,
 ) -> Vector:
     """Return the drag (N) of a motion along the axis, or across it: that of the ends, of the sphere and of the strips."""
-    area, diameter = sphere
+    area, diameter, rubbing = sphere
     total = sphere_drag(moving, density, viscosity, area, diameter)
+    total = add(total, creeping_drag(moving, ZERO, ZERO, ZERO, density * viscosity, creeping)[0])
     total = add(total, (axial_drag(moving[0], density, viscosity, axial), 0.0, 0.0))
+    water = (density, viscosity * rubbing * rubbing, 1.0)
     for k in range(strips.shape[0]):
-        total = add(total, strip_drag(moving, ZERO, ZERO, 0.0, (density, viscosity, 1.0), strips[k]))
+        total = add(total, strip_drag(moving, ZERO, ZERO, 0.0, water, strips[k]))
     return total

@@ -13,12 +13,13 @@ from driftform.agent import hull_mass
 from driftform.figures import scene, style
 from driftform.figures.section import section_svg
 from driftform.interfaces import Fitness
+from driftform.motion.limits import list_limits
 from driftform.report.contents import Contents, collect_contents
 from driftform.runs.run import Run
 from driftform.runs.wording import summarise
-from driftform.study.limits import list_limits
 from driftform.types import Verdict
 from driftform.util.files import make_directory, write_text
+from driftform.water.regime import warn_of_regime
 
 STYLES = {Verdict.REACHED: "good", Verdict.NEAR: "fair", Verdict.MISSED: "poor"}
 """The style class of each verdict of the fitness."""
@@ -74,9 +75,12 @@ def page_html(contents: Contents) -> str:
             for group in contents.agents
         ],
         limits=[
-            (", ".join(entry.target for entry in group), line)
-            for group in contents.agents
-            for line in list_limits(group[0].agent, contents.scenario)
+            *(("every target", line) for line in warn_of_regime(contents.scenario)),
+            *(
+                (", ".join(entry.target for entry in group), line)
+                for group in contents.agents
+                for line in list_limits(group[0].agent, contents.scenario)
+            ),
         ],
         hull_mass=hull_mass,
     )

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import InputError, find_commonest
+from driftform.motion.limits import list_limits
 from driftform.pipeline import Pipeline
 from driftform.types import Body, FloatArray, Morphology
 from driftform.water import Scenario
@@ -35,12 +36,6 @@ LAMINAR_SPEED = 2.0
 
 OWN_SPEED = 1.0
 """Speed (m/s) that weight or buoyancy may give a body along a vertical pipe: more than agents reach."""
-
-FREE_SHARE = 0.3
-"""Diameter of a body over that of the bore, b, above which it blocks the flow.
-
-The water beside it is 1 / (1 - b^2) times as fast, by continuity: by a tenth at 0.3.
-"""
 
 PATIENCE = 100
 """Horizon over the time in which the water passes the pipe that is certainly longer than needed."""
@@ -123,9 +118,9 @@ class _Advice:
                 yield f"the pipe is {length:g} m long and {2 * radius:g} m wide: check start, end and radius"
         if abs(flow.speed) > 10:
             yield f"flow.speed = {flow.speed:g} m/s is more than water mains have (about 3 m/s): it is in m/s"
-        if not 500 <= fluid.density <= 1500:
+        if not 500 <= fluid.density <= 1500 and not fluid.name:
             yield f"fluid.density = {fluid.density:g} kg/m3 is not that of water, about 1000: it is in kg/m3"
-        if not 1e-7 <= fluid.viscosity <= 1e-5:
+        if not 1e-7 <= fluid.viscosity <= 1e-5 and not fluid.name:
             yield (
                 f"fluid.viscosity = {fluid.viscosity:g} m2/s is not that of water, about 1e-6: it is kinematic, "
                 "in m2/s (1 cSt is 1e-6)"
@@ -169,15 +164,12 @@ class _Advice:
             )
         if not 10 <= bare.hull_density <= DENSEST:
             yield f"the hull's material has {bare.hull_density:g} kg/m3, ABS has 1050: densities are in kg/m3"
-        if not self.scenario.pipe.is_open:
-            radius = self.scenario.pipe.layout.narrowest
-            share = bare.max_diameter / (2 * radius)
-            if share > FREE_SHARE:
-                yield (
-                    f"the smallest body is {show_length(bare.max_diameter)} across, {100 * share:.0f} % of the bore of "
-                    f"{show_length(2 * radius)}: above {100 * FREE_SHARE:.0f} % it blocks the flow, and how "
-                    "fast it drifts is uncertain; take a wider pipe or a smaller core"
-                )
+        try:
+            agent = self.pipeline.realise(Morphology())
+        except Exception:
+            # A failure of each genome, if it has modules too.
+            return
+        yield from (f"the smallest body: {line}" for line in list_limits(agent, self.scenario))
 
     def _check_plane(self) -> Iterator[str]:
         """Check whether all flights stay in one plane by symmetry, and which targets lie off it.

@@ -597,20 +597,20 @@ class SimulatorContract(PointSimulatorContract):
         assert largest_distance(there, here) < self.agreement
 
     def test_strips_across_the_axis_slow_a_body_that_falls_broadside(self) -> None:
-        """A long cylinder reaches the speed at which its drag equals its net weight (C_d of Sucker and Brauer)."""
+        """A cylinder reaches the speed at which its drag, of strips and of creeping, equals its net weight."""
         length, diameter, mass = 0.3, 0.02, 1.2 * SPHEROID.mass
         strips = np.array([[x, diameter, length / 6, 1.0] for x in np.linspace(-0.125, 0.125, 6)])
         agent = SPHEROID.agent()
         agent = replace(
             agent,
             mass=replace(agent.mass, mass=mass),
-            coefficients=replace(agent.coefficients, drag=Drag(strips)),
+            coefficients=replace(agent.coefficients, drag=Drag(strips, creeping=(0.0, 40.0, 0.0, 0.0))),
         )
         trajectory = self.fly(agent, water_scenario(4.0))
         speed = -float(trajectory.velocity[-1, 2])
         Re = speed * diameter / 1.05e-6
-        coefficient = 1.18 + 6.3 / Re + 2.5 / math.sqrt(Re) - 4e-4 * Re / (1 + 3.64e-7 * Re**2)
-        drag = 0.5 * DENSITY * coefficient * diameter * length * speed**2
+        drag = 0.5 * DENSITY * (1.18 + 1.96 / math.sqrt(Re)) * diameter * length * speed**2
+        drag += 40.0 * DENSITY * 1.05e-6 * speed
         assert drag == pytest.approx((mass - SPHEROID.mass) * GRAVITY, rel=self.accuracy)
 
     # Ends of a flight.

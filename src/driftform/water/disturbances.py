@@ -13,6 +13,7 @@ from driftform.types import Body, FloatArray
 from driftform.util.vectors import cross
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import DRAGS
+from driftform.water.flow import PipeFlow
 from driftform.water.scenario import Robustness
 
 MAX_DEVIATION = 3.0
@@ -48,6 +49,8 @@ class Condition:
     calibrated
         values of the factors that have an interval in ``[calibration]``, in the order of
         :attr:`driftform.water.Calibration.intervals`.
+    swirl
+        increase of the secondary flow of bends, relative to the mean speed.
     """
 
     across: tuple[float, float]
@@ -60,6 +63,7 @@ class Condition:
     drag: float
     gusts: int | None
     calibrated: tuple[float, ...] = ()
+    swirl: float = 0.0
 
 
 def draw_conditions(
@@ -80,17 +84,23 @@ def draw_conditions(
     ]
     rng = np.random.default_rng(tuple(seed))
     calibration = calibration or Calibration()
-    shares = draw_latin_hypercube(rng.spawn(1)[0], count, len(deviations) + len(calibration.intervals))
-    shares = BEYOND + (1 - 2 * BEYOND) * shares
-    deviates = ndtri(shares)
+    first, second = rng.spawn(2)
+    shares = draw_latin_hypercube(first, count, len(deviations) + len(calibration.intervals))
+    deviates = ndtri(BEYOND + (1 - 2 * BEYOND) * shares)
+    # The sign of a secondary flow is known.
+    cells = ndtri(0.5 + (0.5 - BEYOND) * draw_latin_hypercube(second, count, 1)[:, 0])
     drawn = deviates[:, : len(deviations)] * deviations
     factors = calibration.draw_factors(deviates[:, len(deviations) :]).tolist()
     gusts: list[int | None] = [None] * count
     if robustness.gusts:
         gusts = rng.integers(2**32, size=count).tolist()
     return tuple(
-        Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], gust, tuple(known))
-        for x, gust, known in zip(drawn.tolist(), gusts, factors, strict=True)
+        Condition(
+            (x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], gust, tuple(known), swirl
+        )
+        for x, gust, known, swirl in zip(
+            drawn.tolist(), gusts, factors, (robustness.swirl * cells).tolist(), strict=True
+        )
     )
 
 
@@ -111,6 +121,8 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
     """Return the scenario under a disturbed condition."""
     flow, gusts = scenario.flow, scenario.gusts
     flow = flow.model_copy(update={"speed": flow.speed * condition.current})
+    if isinstance(flow, PipeFlow):
+        flow = flow.model_copy(update={"swirl": flow.swirl + condition.swirl})
     if condition.gusts is not None and scenario.can_have_gusts:
         gusts = gusts.model_copy(update={"always": True, "seed": condition.gusts})
     release = scenario.release.model_copy(
@@ -133,7 +145,7 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
 
 def disturb_fluid(condition: Condition, fluid: Fluid) -> Fluid:
     """Return the water under a disturbed condition."""
-    return fluid.model_copy(update={"density": fluid.density * condition.density})
+    return fluid.model_copy(update={"name": "", "density": fluid.density * condition.density})
 
 
 def disturb_calibration(condition: Condition, calibration: Calibration) -> Calibration:

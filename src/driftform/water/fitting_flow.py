@@ -17,11 +17,13 @@ import math
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import ZERO, Rotation, Vector
-from driftform.water.bend_flow import crossing_potential, vortex_excess
+from driftform.water.bend_flow import DECAY, crossing_potential, dean_cells, vortex_excess
 from driftform.water.fitting_walls import (
     ANGLE,
     BEND,
     CURVE,
+    EDGE,
+    EDGE_POINTS,
     END_RADIUS,
     FIELD,
     FIELD_SIZE,
@@ -61,6 +63,11 @@ PROFILE, FRICTION = 44, 45
 """The profile, and the friction velocity at the entry, m/s."""
 STRENGTH = 43
 """Share of the free vortex in a bend: less than 1 where a short bend between fittings has no room for it."""
+
+
+SWIRL = EDGE + 3 * EDGE_POINTS
+"""Secondary flow on the axis over the mean speed: of a bend at its end, of a straight at its start; negative in a bend that has
+no straight behind it, where it comes and goes."""
 
 
 @compiled
@@ -163,7 +170,27 @@ def _flow_in_straight(p: Vector, f: FloatArray, o: int, square: float) -> tuple[
             yy -= slope * (ring + steep * n_y * n_y)
             yz -= slope * steep * n_y * n_z
             zz -= slope * (ring + steep * n_z * n_z)
-    return (u, v_y, v_z), ((u_x, u_y, u_z), (a_y, yy, yz), (a_z, yz, zz))
+    zy = yz
+    if f[o + SWIRL] != 0.0:
+        inside = min(1.0, R / r) if r > 0.0 else 1.0
+        m, n, y, z = f[o + START + TOWARD_Y], f[o + START + TOWARD_Z], inside * p[1], inside * p[2]
+        (out, up), (xx, xe, ex, ee) = dean_cells(m * y + n * z, m * z - n * y, R)
+        far = DECAY * R
+        # It ends with the straight.
+        room = min(2.0 * R, 0.5 * f[o + LENGTH])
+        w, w1, _ = rise((f[o + LENGTH] - p[0]) / room)
+        left = 1.0 / math.cosh(p[0] / far)
+        A, A1 = (
+            U * f[o + SWIRL] * left * w,
+            -U * f[o + SWIRL] * left * (w * math.tanh(p[0] / far) / far + w1 / room),
+        )
+        w_y, w_z = m * out - n * up, n * out + m * up
+        v_y, v_z, a_y, a_z = v_y + A * w_y, v_z + A * w_z, a_y + A1 * w_y, a_z + A1 * w_z
+        yy += A * (m * m * xx - m * n * (xe + ex) + n * n * ee)
+        yz += A * (m * n * (xx - ee) + m * m * xe - n * n * ex)
+        zy += A * (m * n * (xx - ee) + m * m * ex - n * n * xe)
+        zz += A * (n * n * xx + m * n * (xe + ex) + m * m * ee)
+    return (u, v_y, v_z), ((u_x, u_y, u_z), (a_y, yy, yz), (a_z, zy, zz))
 
 
 @compiled
@@ -221,6 +248,21 @@ def _flow_in_bend(p: Vector, f: FloatArray, o: int) -> tuple[Vector, Rotation]:
         r_s, y_s = g1 * phi1, -g1 * phi2
         r_r, r_y = -g * phi11 - across / far, g * phi12
         y_r, y_y = g * phi12 - up / far, -g * (D - phi11)
+    if f[o + SWIRL] != 0.0:
+        share = turn / f[o + ANGLE]
+        if f[o + SWIRL] > 0.0:
+            A, A1, _ = rise(share)
+        else:
+            A, A1, _ = rise(2.0 * min(share, 1.0 - share))
+            A1 = 2.0 * A1 if share < 0.5 else -2.0 * A1
+        # As wide as the bend is there, the flow across it would not be free of divergence without this factor.
+        narrow = U * abs(f[o + SWIRL]) * bend / far
+        A, A1 = narrow * A, narrow * A1 / (far * f[o + ANGLE])
+        (out, beside), (xx, xe, ex, ee) = dean_cells(xi, eta, R)
+        across, up = across - A * out, up + A * beside
+        r_s, y_s = r_s - A1 * out, y_s + A1 * beside
+        r_r, r_y = r_r + A * xx + A * out / far, r_y - A * xe
+        y_r, y_y = y_r - A * ex - A * beside / far, y_y + A * ee
     r_s -= u / far
     u_s += across / far
     cosine, sine = z / math.hypot(x, z), x / math.hypot(x, z)

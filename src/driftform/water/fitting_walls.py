@@ -39,7 +39,7 @@ FIELD, FIELD_SIZE = 46, 47
 EDGE = 48
 """Points of the ball's curve of a tee on the side y >= 0."""
 EDGE_POINTS = 13
-PART = EDGE + 3 * EDGE_POINTS
+PART = EDGE + 3 * EDGE_POINTS + 1
 
 INNER, OUTSIDE = -1.0, -2.0
 

@@ -12,7 +12,7 @@ from driftform.types import FloatArray
 from driftform.util.latest import keep_latest
 from driftform.water import fitting_flow as stream
 from driftform.water import fitting_walls as wall
-from driftform.water.flow import Flow, GridFlow, friction_velocity, is_laminar
+from driftform.water.flow import Flow, GridFlow, PipeFlow, friction_velocity, is_laminar
 from driftform.water.grid_flow import load_grid
 from driftform.water.layout import BEYOND, Layout, Placed
 from driftform.water.pipe import Pipe
@@ -200,8 +200,13 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
                 _fill_straight(
                     row, placed.part, flow, viscosity, [_joint(parts, shares, end) for end in ends]
                 )
+                if ends[0] is not None and _carries_profile(placed.part):
+                    row[stream.SWIRL] = _find_swirl(flow, parts[ends[0]])
             case Bend():
                 row[stream.STRENGTH] = shares[k]
+                behind = ahead.get(k)
+                goes_on = behind is not None and _carries_profile(parts[behind])
+                row[stream.SWIRL] = (1 if goes_on else -1) * _find_swirl(flow, placed.part)
                 for start, end in zip(
                     (stream.START, stream.FINISH), _neighbours(layout, ahead, k), strict=True
                 ):
@@ -222,6 +227,13 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
         straight = Straight(opening.centre, opening.axes, opening.radius, row[wall.LENGTH])
         _fill_straight(row, straight, flow, viscosity, [_joint(parts, shares, outlet.part), nothing])
     return fields
+
+
+def _find_swirl(flow: Flow, part: PipePart) -> float:
+    """Return the secondary flow that a bend leaves, over the mean speed: as its angle, up to that of a right angle."""
+    if not isinstance(flow, PipeFlow) or not isinstance(part, Bend):
+        return 0.0
+    return flow.swirl * min(1.0, part.angle / (0.5 * math.pi))
 
 
 def _list_speeds(rows: FloatArray, layout: Layout, inlet: float) -> list[float]:

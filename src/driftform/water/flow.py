@@ -22,6 +22,12 @@ class PipeFlow(Table):
     """A velocity profile over the bore; ``speed`` is the mean over the cross-section."""
 
     speed: float = option(1.0, "bulk speed: volume flow divided by cross-section", "m/s", ge=1e-4, le=100)
+    swirl: float = option(
+        0.0,
+        "secondary flow behind a bend of 90 degrees: speed on the axis, away from the bend's centre, relative to the bulk speed",
+        ge=0,
+        le=0.5,
+    )
 
 
 class DevelopedProfile(PipeFlow):

@@ -24,14 +24,18 @@ from driftform.water.flow import (
     friction_velocity,
     is_laminar,
 )
+from driftform.water.fluids import FLUIDS
 from driftform.water.pipe import Pipe, Vector
 from driftform.water.pipe_parts import VERTICAL
 from driftform.water.wetted import find_surface_fault
 
 
 class Fluid(Table):
-    """The water."""
+    """The water, or another fluid."""
 
+    name: Literal["", "fresh-water", "seawater", "brine", "oil", "methane-60bar", "slurry"] = option(
+        "", "fluid whose density and viscosity replace those given here"
+    )
     density: float = option(1024.0, "density of the water", "kg/m3", ge=0.1, le=30_000)
     gravity: float = option(9.81, "acceleration of gravity, along -z", "m/s2", ge=0, le=1000)
     viscosity: float = option(
@@ -49,6 +53,12 @@ class Fluid(Table):
         "full",
         "force of accelerating water: full with its pressure gradient (Froude-Krylov), or paper without it",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_named(cls, values: Any) -> Any:
+        named = FLUIDS.get(values.get("name", "")) if isinstance(values, dict) else None
+        return values | {"density": named.density, "viscosity": named.viscosity} if named else values
 
 
 class Release(Table):
@@ -159,6 +169,13 @@ class Robustness(Table):
     )
     gusts: bool = option(
         True, "gusts in disturbed flights, as [gusts] describes them, if the flow is developed and turbulent"
+    )
+    swirl: float = option(
+        0.1,
+        "of `flow.swirl`, the secondary flow in and behind bends, which is never negative; ideal flow has 0.2 to 0.3 behind 90 "
+        "degrees (Squire and Winter 1951)",
+        ge=0,
+        le=0.16,
     )
     position: float = option(
         0.02, "of the release position, along each of two directions across the pipe", "m", ge=0, le=10

@@ -1,0 +1,50 @@
+"""Fluids by name, and what a study makes of them."""
+
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from driftform.study import load_study
+from driftform.water import Fluid
+from driftform.water.disturbances import disturb_fluid, draw_conditions
+from driftform.water.fluids import FLUIDS
+from driftform.water.scenario import Robustness
+
+
+@pytest.mark.parametrize("name", FLUIDS)
+def test_a_fluid_by_name_has_its_density_and_viscosity(name):
+    fluid = Fluid(name=name, density=1.0, viscosity=1.0)
+    assert (fluid.density, fluid.viscosity) == (FLUIDS[name].density, FLUIDS[name].viscosity)
+
+
+def test_a_fluid_replaces_the_water_of_the_scenario_that_a_study_is_based_on():
+    fluid = load_study("pipe-inspection", ["fluid.name=oil"]).scenario.fluid
+    assert (fluid.density, fluid.viscosity) == (860.0, 1e-4)
+    assert load_study("pipe-inspection").scenario.fluid.density == 999.1
+
+
+def test_an_unknown_fluid_is_an_error():
+    with pytest.raises(ValidationError, match="methane-60bar"):
+        Fluid(name="honey")
+
+
+def test_the_fluid_of_a_disturbed_flight_keeps_its_own_density_when_it_is_read_again():
+    (condition,) = draw_conditions(Robustness(), 1, (3,))
+    disturbed = disturb_fluid(condition, Fluid(name="brine"))
+    assert disturbed.density != FLUIDS["brine"].density
+    assert Fluid.model_validate(disturbed.model_dump()) == disturbed
+
+
+def test_the_slurry_is_the_formula_of_thomas():
+    c, water, viscosity = 0.2, 998.2, 1.0016e-3
+    density = water + c * (2650 - water)
+    relative = 1 + 2.5 * c + 10.05 * c**2 + 0.00273 * math.exp(16.6 * c)
+    assert FLUIDS["slurry"].density == pytest.approx(density, abs=0.1)
+    assert FLUIDS["slurry"].viscosity == pytest.approx(relative * viscosity / density, rel=0.005)
+
+
+def test_methane_is_denser_than_an_ideal_gas():
+    # p M / (R T), and a compressibility factor of 0.9 at 60 bar (Setzmann and Wagner).
+    ideal = 60e5 * 16.043e-3 / (8.314 * 288.15)
+    assert FLUIDS["methane-60bar"].density == pytest.approx(ideal / 0.9, rel=0.03)
