@@ -17,7 +17,7 @@ CONTRACT = "src/driftform/testing/commands.py"
 """It calls the commands that a plugin adds."""
 
 LAYERS = (
-    *("errors", "types", "options", "scenarios", "util", "agent", "water"),
+    *("errors", "types", "options", "scenarios", "util", "agent", "validity", "water"),
     *("interfaces", "motion", "plugins", "pipeline", "study"),
     *("runs", "figures", "search", "design", "report", "builtin", "scaffold", "api", "cli", "testing"),
 )

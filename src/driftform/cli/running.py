@@ -18,13 +18,15 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
     import time
 
     from driftform.cli.output import print_json
-    from driftform.cli.progress import Progress
     from driftform.errors import WorkFailedError
-    from driftform.search.advance import advance_run as search
-    from driftform.search.jobs import WorkersLostError
 
     started = time.perf_counter()
     try:
+        # The run is there already: an interruption of these imports names the line that resumes it, too.
+        from driftform.cli.progress import Progress
+        from driftform.search.advance import advance_run as search
+        from driftform.search.jobs import WorkersLostError
+
         progress = Progress(run)
         results = search(run, executor, progress)
     except KeyboardInterrupt:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import Discriminator, Tag, model_validator
 
 from driftform.options import MAX_SEED, Table, option
-from driftform.water.validity import RANGES
+from driftform.validity import RANGES
 
 
 class UniformFlow(Table):

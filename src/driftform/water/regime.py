@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from driftform.validity import RANGES, find_departures
 from driftform.water.flow import (
     KARMAN,
     DevelopedFlow,
@@ -16,7 +17,6 @@ from driftform.water.flow import (
 )
 from driftform.water.pipe_parts import Tee
 from driftform.water.profiles import DEVELOPING, GRID, LOG_LAW, PARABOLA, POWER_LAW, UNIFORM
-from driftform.water.validity import RANGES, find_departures
 
 if TYPE_CHECKING:
     from driftform.water.scenario import Scenario
