@@ -43,11 +43,11 @@ OUT = ("--evaluations", 1, "--workers", 1, "--out", "run")
         (("--set", "contact.fricton=0.3"), ["'fricton' in [contact]", "did you mean 'friction'?"]),
         (
             ("--set", "flow.kind=parabolic"),
-            ["--set flow.kind=parabolic", "unknown kind", "known: developing"],
+            ["--set flow.kind=parabolic", "unknown kind", "known: developed, developing"],
         ),
         (
             ("--set", "flow.exponent=7"),
-            ["'exponent' in [flow] of kind 'log_law'; known: ", "kind, roughness, speed"],
+            ["'exponent' in [flow] of kind 'developed'; known: ", "kind, roughness, speed"],
         ),
         (
             ("--set", "builder.hull_density=-5"),

@@ -118,7 +118,7 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
     "a body that fills the bore": (
         [PIPE % ("9,0,0", 0.02), "targets={A=[4,0,0]}"],
         "warned",
-        "57 % of the bore of 40 mm",
+        "b = 0.5725; it holds from 0 to 0.3",
     ),
     "a target at the release": (
         ["targets={A=[0.05,0,0.02]}"],

@@ -135,7 +135,7 @@ def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, v
             ["flow.kind=log_law", "flow.exponent=7"],
             [
                 "--set flow.exponent=7: unknown key 'exponent' in [flow] of kind 'log_law'; known: ",
-                "kind, roughness, speed, upstream",
+                "kind, roughness, speed, swirl, upstream",
             ],
         ),
         (["flow.kind=power_law", "flow.exponent=x"], ["flow.exponent = 'x'", "should be a number"]),

@@ -5,7 +5,6 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform.water.flow import Flow, PipeFlow
 from driftform.water.pipe import Pipe, Segment
-from driftform.water.profiles import velocity_profile
 
 LEVEL = 1e-6
 """Largest slope of a pipe that counts as level."""
@@ -67,6 +66,9 @@ def wetted_speed(pipe: Pipe, flow: PipeFlow, kind: float, parameter: float, leve
     segment = pipe.straight
     if level is None or segment is None:
         return flow.speed
+    # Imported here: it loads the compiler.
+    from driftform.water.profiles import velocity_profile
+
     radius, height = segment.radius, level - segment.start[2]
     if not -radius < height < radius:
         return flow.speed
