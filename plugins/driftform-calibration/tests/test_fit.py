@@ -96,7 +96,7 @@ def test_a_track_that_fits_far_worse_than_the_others_is_named(noisy: list[Filmed
 
 def test_heights_alone_show_the_drag_of_a_level_fall(film: Film) -> None:
     films = []
-    for level in film(replace(Factors(), cross_drag=1.3), Filming(noise=5e-4), (0.0, 0.0), 2.0):
+    for level in film(replace(Factors(), cross_drag=1.3), EXACT, (0.0, 0.0), 2.0):
         [marker] = level.track.markers
         points = np.column_stack([np.full(len(level.track.t), np.nan), marker.points[:, 1]])
         films.append(replace(level, track=replace(level.track, markers=(replace(marker, points=points),))))

@@ -267,11 +267,11 @@ class Study:
     def environment(self, evaluation: int | None = None) -> dict[str, Any]:
         """Return the part of the document that decides how an agent is built and flies: all but strategy and run.
 
-        With the index of an ``evaluation``, the flow has the gusts of that evaluation.
+        With the index of an ``evaluation``, the gusts are those of that evaluation.
         """
         kept = {key: value for key, value in self.document.items() if key not in NOT_FLOWN}
         if evaluation is not None:
-            kept["flow"] = _to_plain(self.scenario.of_evaluation(self.seed, evaluation).flow)
+            kept["gusts"] = _to_plain(self.scenario.of_evaluation(self.seed, evaluation).gusts)
         return kept
 
 
