@@ -68,7 +68,7 @@ def test_what_a_field_leaves_empty_is_the_default():
         ({"fluid": {"density": "wet"}}, "fluid.density", "should be a number"),
         ({"run": {"evaluations": 0}}, "run.evaluations", "greater than 0"),
         ({"flow": {"kind": "steam"}}, "flow.kind", "unknown kind"),
-        ({"flow": {"swirl": 1}}, "flow.swirl", "unknown key 'swirl'"),
+        ({"flow": {"whirl": 1}}, "flow.whirl", "unknown key 'whirl'"),
         ({"simulator": {"use": "magic"}}, "simulator.use", "magic"),
     ],
 )

@@ -177,7 +177,10 @@ const KINDS = {
 const PART_LABELS = {
   length: "Length", radius: "Radius", angle_deg: "Angle", roll_deg: "Roll, 180 is down", branch_radius: "Branch radius", share: "Share of the water", fillet: "Rounding", name: "Name", outlet: "Outlet",
 };
-const LABELS = { speed: "Mean speed", roughness: "Wall roughness", exponent: "Exponent n", upstream: "Pipe before the inlet", acceleration: "Acceleration" };
+// What most studies set comes first; the rest is below "More".
+const FIRST = ["speed", "roughness", "exponent"];
+const rankOfFlow = (option) => (FIRST.indexOf(option) + FIRST.length + 1) % (FIRST.length + 1);
+const LABELS = { speed: "Mean speed", roughness: "Wall roughness", exponent: "Exponent n", upstream: "Pipe before the inlet", swirl: "Secondary flow of bends", acceleration: "Acceleration" };
 const WATERS = { "Fresh, 15 °C": [999.1, 1.14e-6], "Sea, 20 °C": [1024, 1.05e-6] };
 
 // A study in a few words: what a run was made of.
@@ -300,7 +303,7 @@ export class Fields {
     const { design } = this;
     const kind = design.value("flow", "kind");
     const known = Object.fromEntries(this.begin.flows[kind].map(({ option, default: usual }) => [option, usual]));
-    const rows = this.begin.flows[kind].filter(({ option, type }) => ["float", "int"].includes(type) && option !== "seed");
+    const rows = this.begin.flows[kind].filter(({ option, type }) => ["float", "int"].includes(type) && option !== "seed").sort((a, b) => rankOfFlow(a.option) - rankOfFlow(b.option));
     const fields = rows.map(({ option, unit, help }) => {
       // A key that only another profile has in the base is not this one's.
       const value = design.changes.flow?.[option] ?? (design.preset.flow.kind === kind ? design.preset.flow[option] : Number(known[option]));
