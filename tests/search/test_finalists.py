@@ -247,8 +247,8 @@ def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score:
         fly_finalists(study, store, executor)
         found = [find_winner(study, store, target) for target in ("TP2", "TP6")]
         flights = len(store.list_disturbed())
-    reaching = undisturbed >= 99
-    may = np.where(reaching.any(axis=0), reaching, True)
+    reaching, near = undisturbed >= 99, undisturbed >= 95
+    may = np.where(reaching.any(axis=0), reaching, np.where(near.any(axis=0), near, True))
     finalists = {
         row
         for n in (0, 1)

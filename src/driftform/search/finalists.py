@@ -61,9 +61,13 @@ def fly_finalists(
 
 
 def _find_reaching(fitness: Fitness[Any], undisturbed: Mapping[int, float]) -> BoolArray:
-    """Return which evaluations may be chosen for a target, (n,): those that reach it undisturbed, or all if none does."""
-    reaching = np.array([fitness.judge(value) == Verdict.REACHED for value in undisturbed.values()])
-    return reaching if reaching.any() else ~reaching
+    """Return which evaluations may be chosen for a target, (n,): those that reach it undisturbed.
+
+    If none does, it is those that come near it; if none does that either, all.
+    """
+    verdicts = [fitness.judge(value) for value in undisturbed.values()]
+    best = next((v for v in (Verdict.REACHED, Verdict.NEAR) if v in verdicts), None)
+    return np.array([best in (None, verdict) for verdict in verdicts])
 
 
 def choose_finalists(fitness: FloatArray, count: int, eligible: BoolArray) -> list[int]:
@@ -203,7 +207,7 @@ class Winner:
 def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     """Return the finalist that was chosen for a target; ``None`` before the choice is complete.
 
-    One that reaches the target undisturbed goes before all that do not: a body that always passes half a metre above its
+    One that reaches the target undisturbed goes before all that do not, and one that comes near it before the others: a body that always passes half a metre above its
     target can be relied on, and is of no use. Of those with equal scores, such as all that leave by an outlet, it is the one
     with the best undisturbed flight, and then the earliest.
     """
