@@ -17,7 +17,7 @@ class Range:
     quantity, symbol, unit
         in words, as in formulas, and SI; an empty unit for a ratio.
     low, high
-        ends of the range; infinite where there is none.
+        ends of the range; infinite where the range is open.
     source
         of the formula or of its range.
     outside

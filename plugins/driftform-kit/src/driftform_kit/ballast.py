@@ -146,7 +146,7 @@ def place_two_balls(
 def place_filling(
     body: Body, wanted: RequiredBallast, density: float, nearest: bool = False
 ) -> tuple[Piece, ...]:
-    """Return a filling of the whole bore, such as shot or putty, of the mass and the moment of ``wanted``; empty if there is none.
+    """Return a filling of the whole bore, such as shot or putty, of the mass and the moment of ``wanted``; empty if none fits.
 
     It is at least :data:`THINNEST` long. With ``nearest``, it is the one at one end of the bore whose centre is nearest to
     the wanted one.
@@ -191,7 +191,7 @@ def place_nearest_ball(
 
 
 def place_by_hand(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
-    """Return ballast of the wanted mass and moment that can be fixed without a seat; empty if there is none.
+    """Return ballast of the wanted mass and moment that can be fixed without a seat; empty if none fits.
 
     Balls are set in epoxy putty, which counts; where that would weigh more than they do, a ring of putty lies on the wall.
     """

@@ -105,7 +105,7 @@ def _read_turns(snapshot: Snapshot, link: int, outlets: IntArray) -> tuple[Float
 
 def _guess_turns(bores: FloatArray, flow: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the same without a map: right and left alternate among the branches."""
-    # The run goes on in the widest outlet; of equal ones, in that with most water.
+    # The run continues in the widest outlet; of equal ones, in that with most water.
     ahead = int(np.lexsort((flow, bores))[-1])
     sides = np.insert((-1.0) ** np.arange(len(bores) - 1), ahead, 0.0)
     return np.abs(sides) * np.deg2rad(BRANCH_DEG), sides

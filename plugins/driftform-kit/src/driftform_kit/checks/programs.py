@@ -40,7 +40,7 @@ def explain_missing(program: str) -> str:
 def run_program(command: Sequence[str], folder: Path, timeout: float, memory: int = MEMORY) -> str:
     """Run a program with its arguments in ``folder``; return the beginning of its output, standard error included.
 
-    The limit of time is in s, that of its address space in bytes; on Windows there is none of memory.
+    The limit of time is in s, that of its address space in bytes; Windows has no limit of memory.
 
     Raises
     ------

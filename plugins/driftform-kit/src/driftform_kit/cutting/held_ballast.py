@@ -36,7 +36,7 @@ class HeldBall:
     """A ball of ballast, the index of its part, and what holds it: a seat, or the wall.
 
     ``mouth`` is the index of the joint that it goes in by, ``None`` if it is put in while its part is printed. It rests on
-    its ``side``: +1 fore, -1 aft; a part that is printed around it stands on that side.
+    its ``side``: +1 fore, -1 aft; a part around it is printed on that side.
     """
 
     ball: Ball
