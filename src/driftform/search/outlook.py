@@ -45,7 +45,7 @@ def _describe_ends(flights: list[Trajectory], scenario: Scenario) -> Iterator[st
     yield (
         f"{len(held)} of the first {len(flights)} flights last to flight.horizon = {scenario.flight.horizon:g} s, and end "
         f"{show_length(min(ways))} to {show_length(max(ways))} from the release (median {show_length(float(np.median(ways)))}): "
-        "agents come to rest on the wall, or need longer; raise flow.speed or flight.horizon, or evolve lighter agents "
+        "agents come to rest on the wall, or need longer; raise flow.speed or flight.horizon, or evolve agents nearer to the density of the water "
         "(builder, grammar)"
     )
 
