@@ -23,8 +23,8 @@ pytestmark = pytest.mark.installs
 
 COMMANDS_ALONE = {
     "driftform-networks": "network",
-    "driftform-paper": "reproduce",
     "driftform-studio": "studio",
+    "driftform-tees": "export-flow",
 }
 """The command of each plugin that adds commands and nothing to a seam."""
 
