@@ -250,7 +250,7 @@ def prepare_parent() -> None:
 
         def borrow(array: Any, start: int, shape: tuple[int, ...]) -> Any:
             size = math.prod(shape) * number.itemsize // array.itemsize
-            view = array[start : start + size].view(number).reshape(shape)
+            view = array.reshape(-1)[start : start + size].view(number).reshape(shape)
             return view.view(np.recarray) if number.names else view
 
         return borrow
