@@ -83,7 +83,7 @@ TARGETS = (
     Target(f"{AGENT}/mass_elements.py", ("tests/agent/test_mass_elements.py",)),
     Target(f"{MOTION}/drag_coefficients.py", (FORMULAS, "tests/motion/test_body_drag.py")),
     Target(f"{MOTION}/body_drag.py", (FORMULAS, "tests/motion/test_body_drag.py")),
-    Target(f"{MOTION}/drag.py", (FORMULAS, "tests/motion/test_drag.py")),
+    Target(f"{MOTION}/drag.py", (FORMULAS, "tests/motion/test_drag.py", "tests/motion/test_creeping.py")),
     Target(f"{MOTION}/creeping.py", ("tests/motion/test_creeping.py",)),
     Target(f"{MOTION}/inertia.py", ("tests/motion/test_inertia.py",)),
     Target("src/driftform/water/scenario.py", ("tests/water/test_scenario.py",), ("load",)),

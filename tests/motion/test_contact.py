@@ -13,7 +13,7 @@ from driftform.motion.contact import (
     surface_depth,
     wall_wrench,
 )
-from driftform.motion.impact import contact_law, spring
+from driftform.motion.impact import contact_law, damper, spring
 from driftform.motion.model import flight_model
 from driftform.testing.agents import sphere_agent
 from driftform.water import Scenario
@@ -113,6 +113,25 @@ def test_the_wall_pushes_harder_on_the_way_in_and_never_pulls_on_the_way_out():
     assert force_on([2.0, 0, 0.9801], velocity=[0, 0, 0.1])[2] < 1.05 * still
     assert 0 >= force_on([2.0, 0, 0.9801], velocity=[0, 0, -0.1])[2] > 0.95 * still
     assert force_on([2.0, 0, 0.9801], velocity=[0, 0, -0.1], restitution=0.1)[2] == 0
+
+
+@pytest.mark.parametrize("speed", [-0.02, 0.05, 0.2])
+def test_rims_that_press_together_are_damped_by_the_mass_that_they_move_together(speed):
+    rims, position = ((0.1, 0.02), (0.06, 0.02)), [2.0, 0, 0.98 + 2e-4]
+    model = model_of(rims)
+    law = model.numbers[0]["law"]
+    energies, pushes = [], []
+    for k in range(2):
+        depth, _, normal, x, r = depth_of(position, np.eye(3), model, k)
+        _, energy, force, _ = spring(float(normal[0]), x, r, depth, law)
+        energies.append(energy)
+        pushes.append(energy * force)
+    # They heave and pitch the body: m = (sum F)^2 / ((sum F)^2 / M33 + (sum x F)^2 / M55).
+    turn = pushes[0] * 0.1 + pushes[1] * 0.06
+    mass = sum(pushes) ** 2 / (sum(pushes) ** 2 / 0.5 + turn**2 / 8e-4)
+    assert mass < 0.2
+    ratio = force_on(position, [0, 0, speed], surfaces=rims)[2] / force_on(position, surfaces=rims)[2]
+    assert ratio == pytest.approx(damper(np.hypot(*energies) / mass, speed, mass, law), rel=1e-6)
 
 
 def test_a_spinning_body_meets_the_wall_with_the_speed_of_its_rim():

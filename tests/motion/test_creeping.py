@@ -98,6 +98,12 @@ def test_creeping_spheroids_have_the_resistance_of_their_closed_forms(aspect):
     assert spheroid_resistance(a, b) == pytest.approx(prolate(a, b), rel=1e-4)
 
 
+@pytest.mark.parametrize("radius", [0.02, 3.0])
+def test_what_is_nearly_a_sphere_has_its_resistance(radius):
+    found = spheroid_resistance(radius * (1 + 1e-6), radius)
+    assert found == pytest.approx(np.pi * np.array([6 * radius, 6 * radius, 8 * radius**3]), rel=1e-5)
+
+
 def test_a_creeping_disc_has_the_resistance_of_its_closed_form():
     # Happel and Brenner, section 5-11: 16 mu a broadside, 32/3 mu a edgewise and as a couple.
     assert creeping_resistance(cylinder_body(1e-5, 1.0).outer)[:3] == pytest.approx(
