@@ -83,7 +83,7 @@ def test_an_stl_file_is_laid_out_as_the_format_says():
     assert not data.startswith(b"solid")
     assert b"driftform" in data[:80]
     assert b"mm" in data[:80]
-    # admesh prints the header up to the first NUL, and past its end where there is none.
+    # admesh prints the header up to the first NUL, and past its end if it has no NUL.
     assert data[79] == 0
     assert int.from_bytes(data[80:84], "little") == 12
     facets = np.frombuffer(data[84:], dtype=[("v", "<f4", (4, 3)), ("attribute", "<u2")])

@@ -1,10 +1,11 @@
 """What the first flights of a run show of its study: that agents come to rest, or that no flight passes a target."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from driftform.study.advice import list_targets
 from driftform.types import End, Evaluation, FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform.water.misfit import show_length
@@ -58,7 +59,7 @@ def _describe_targets(flights: list[Trajectory], scenario: Scenario) -> Iterator
     }
     if missed:
         yield (
-            f"none of the first {len(flights)} flights passes {_join(missed)}: the nearest ends "
+            f"none of the first {len(flights)} flights passes {list_targets(missed)}: the nearest ends "
             f"{show_length(min(missed.values()))} before; is the target downstream of the release, in a part that has flow?"
         )
 
@@ -72,8 +73,3 @@ def _passes(flight: Trajectory, target: FloatArray, scenario: Scenario) -> bool:
 
 def _distance_at_end(flight: Trajectory, target: FloatArray) -> float:
     return float(np.linalg.norm(flight.position[-1] - target))
-
-
-def _join(names: Iterable[str]) -> str:
-    *most, last = names
-    return f"targets {', '.join(most)} and {last}" if most else f"target {last}"

@@ -95,20 +95,13 @@ class _Advice:
             return None
 
     @cached_property
-    def _pipe_length(self) -> float:
-        """Length of the way from the inlet to the farthest outlet, m."""
-        layout = self.scenario.pipe.layout
-        ends = [depth + placed.part.length for depth, placed in zip(layout.depths, layout.parts, strict=True)]
-        return float(max(ends))
-
-    @cached_property
     def _start(self) -> FloatArray:
         return self.scenario.release_position()
 
     def _check_units(self) -> Iterator[str]:
         fluid, flow = self.scenario.fluid, self.scenario.flow
         if not self.scenario.pipe.is_open:
-            length, radius = self._pipe_length, self.scenario.pipe.layout.inlet.radius
+            length, radius = self.scenario.pipe.layout.longest_way, self.scenario.pipe.layout.inlet.radius
             if length > 1000 or radius > 10:
                 yield (
                     f"the pipe is {length:g} m long with a radius of {radius:g} m: lengths are in metres; "
@@ -150,7 +143,7 @@ class _Advice:
         dry = {name: height for name, height in heights.items() if height > NEGLIGIBLE}
         if dry:
             yield (
-                f"{_list(dry)} {'lies' if len(dry) == 1 else 'lie'} above the water, by up to "
+                f"{list_targets(dry)} {'lies' if len(dry) == 1 else 'lie'} above the water, by up to "
                 f"{show_length(max(dry.values()))}: fluid.water_level = {level:g} m"
             )
 
@@ -203,7 +196,7 @@ class _Advice:
         if missed:
             place = name if length > 1e-9 else "the pipe's axis"
             yield (
-                f"no flight leaves {place}, and {_list(missed)} "
+                f"no flight leaves {place}, and {list_targets(missed)} "
                 f"{'lies' if len(missed) == 1 else 'lie'} off it, by up to {show_length(max(missed.values()))}: "
                 "release the agent with a yaw (release.yaw_deg), or let gusts turn it (gusts.always = true)"
             )
@@ -236,12 +229,12 @@ class _Advice:
             return
         if high - low < 1e-9:
             yield (
-                f"the water is at rest (flow.speed = {scenario.flow.speed:g} m/s), and {_list({**upstream, **beyond})} "
+                f"the water is at rest (flow.speed = {scenario.flow.speed:g} m/s), and {list_targets({**upstream, **beyond})} "
                 f"up to {show_length(max(map(abs, off.values())))} along the pipe: set flow.speed"
             )
         elif beyond and high < reach:
             yield (
-                f"the current of {scenario.flow.speed:g} m/s carries an agent away from {_list(beyond)}, up to "
+                f"the current of {scenario.flow.speed:g} m/s carries an agent away from {list_targets(beyond)}, up to "
                 f"{show_length(max(beyond.values()))} along the pipe: make flow.speed positive, or exchange start and "
                 "end of the pipe"
             )
@@ -251,11 +244,11 @@ class _Advice:
             remedy = "change flow" if needed is None else f"set flight.horizon to more than {needed:.3g} s"
             yield (
                 f"the water passes at most {show_length(high)} of the pipe in flight.horizon = {horizon:g} s, and "
-                f"{_list(beyond)} up to {show_length(farthest)} from the release: {remedy}"
+                f"{list_targets(beyond)} up to {show_length(farthest)} from the release: {remedy}"
             )
         if upstream and high - low >= 1e-9:
             yield (
-                f"{_list(upstream)} up to {show_length(-min(upstream.values()))} upstream of the release, and the water "
+                f"{list_targets(upstream)} up to {show_length(-min(upstream.values()))} upstream of the release, and the water "
                 f"passes at most {show_length(-low)} in that direction: move release.position, or turn the current"
             )
 
@@ -278,10 +271,10 @@ class _Advice:
     def _check_limits(self) -> Iterator[str]:
         scenario, robustness = self.scenario, self.scenario.robustness
         radius, horizon = scenario.pipe.layout.inlet.radius, scenario.flight.horizon
-        needed = _find_time(self._find_drift, self._pipe_length)
+        needed = _find_time(self._find_drift, self.scenario.pipe.layout.longest_way)
         if needed is not None and scenario.pipe.straight is None and horizon < needed:
             yield (
-                f"flight.horizon = {horizon:g} s is less than the {needed:.3g} s in which the water passes {self._pipe_length:.3g} m "
+                f"flight.horizon = {horizon:g} s is less than the {needed:.3g} s in which the water passes {self.scenario.pipe.layout.longest_way:.3g} m "
                 "at its speed at the inlet, the way to the farthest outlet"
             )
         if needed is not None and horizon > PATIENCE * needed:
@@ -350,7 +343,7 @@ class _Advice:
             near = {name: way for name, way in ways.items() if way < typical}
             if near:
                 yield (
-                    f"{_list(near)} {'lies' if len(near) == 1 else 'lie'} {show_length(min(near.values()))} from the release, "
+                    f"{list_targets(near)} {'lies' if len(near) == 1 else 'lie'} {show_length(min(near.values()))} from the release, "
                     f"less than the length of an agent ({show_length(typical)}, the median of random ones): every agent "
                     "passes there; move the target or release.position"
                 )
@@ -361,7 +354,7 @@ class _Advice:
         missed = {name: gap for name, gap in gaps.items() if gap < radius - NEGLIGIBLE}
         if missed:
             yield (
-                f"{_list(missed)} {'lies' if len(missed) == 1 else 'lie'} {show_length(min(missed.values()))} from the wall, and "
+                f"{list_targets(missed)} {'lies' if len(missed) == 1 else 'lie'} {show_length(min(missed.values()))} from the wall, and "
                 f"the centre of the smallest body comes no nearer than its radius, {show_length(radius)}: every agent misses "
                 f"by {show_length(radius - min(missed.values()))} or more; move the target off the wall"
             )
@@ -394,7 +387,8 @@ def _find_time(drift: Callable[[float], tuple[float, float]], distance: float) -
     return high
 
 
-def _list(names: Iterable[str]) -> str:
+def list_targets(names: Iterable[str]) -> str:
+    """Return targets as words of a sentence; of more than four the first three, and how many more there are."""
     names = list(names)
     if len(names) == 1:
         return f"target {names[0]}"

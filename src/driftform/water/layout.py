@@ -114,6 +114,12 @@ class Layout:
                 )
         return depths
 
+    @property
+    def longest_way(self) -> float:
+        """Length of the way from the inlet to the farthest end of a part along the axes, m."""
+        ends = [depth + placed.part.length for depth, placed in zip(self.depths, self.parts, strict=True)]
+        return float(max(ends))
+
     def junction_depth(self, index: int) -> float:
         """Return the distance (m) along the axes from the inlet to where the branch of a tee begins."""
         return float(self.depths[index] + self._length_to_junction(index))

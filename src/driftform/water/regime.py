@@ -98,8 +98,7 @@ def _warn_of_entry(scenario: "Scenario") -> list[str]:
     reynolds = 2 * radius * flow.speed / scenario.fluid.viscosity
     laminar = is_laminar(flow, radius, flow.speed, scenario.fluid.viscosity)
     entry = entry_length(reynolds, laminar) * 2 * radius
-    ends = [depth + placed.part.length for depth, placed in zip(layout.depths, layout.parts, strict=True)]
-    length = max(ends) + flow.upstream
+    length = layout.longest_way + flow.upstream
     if length >= entry:
         return []
     return [
