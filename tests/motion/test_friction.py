@@ -10,6 +10,7 @@ from driftform.motion.coordinates import Motion
 from driftform.motion.flight import release_state
 from driftform.motion.integrator import Accuracy, integrate
 from driftform.motion.model import flight_model
+from driftform.study import load_study
 from driftform.testing.agents import DENSITY, Spheroid, sphere_agent
 from driftform.testing.bodies import spheroid_body
 from driftform.water import Fluid, Pipe, Scenario, Segment
@@ -120,3 +121,25 @@ def test_both_integrators_roll_and_stick_alike():
         assert theirs[-1, 0] == ours[-1, 0] == 3.0
         assert theirs[-1, 1:4] == pytest.approx(ours[-1, 1:4], abs=1e-4)
         assert theirs[-1, 8:] == pytest.approx(ours[-1, 8:], abs=1e-3)
+
+
+def test_bodies_that_have_settled_on_the_wall_move_on_as_their_equations_say():
+    study = load_study("pipe-inspection", use={"simulator": "native"}, run={"seed": 1})
+    pipeline, rng, ends = study.make_pipeline(), np.random.default_rng(1), []
+    agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(5)]
+    for agent, yaw in [*((agent, 0.0) for agent in agents), (agents[1], 20.0), (agents[1], 90.0)]:
+        release = pipeline.scenario.release.model_copy(update={"yaw_deg": yaw})
+        # Water that gains a micrometre a second in eleven days has all of its steps integrated.
+        steady, changing = (
+            flown(agent, pipeline.scenario.model_copy(update={"flow": flow, "release": release}))
+            for flow in (UniformFlow(speed=0.6), UniformFlow(speed=0.6, acceleration=1e-12))
+        )
+        assert np.diff(steady[:, 0]).max() <= ACCURACY.max_step * (1 + 1e-9)
+        assert steady[-1, 0] == changing[-1, 0] == pipeline.scenario.flight.horizon
+        assert steady[-1, 1:4] == pytest.approx(changing[-1, 1:4], abs=1e-4)
+        assert steady[-1, 8:11] == pytest.approx(changing[-1, 8:11], abs=1e-6)
+        # Constant to the last bit: those steps were not integrated.
+        assert np.ptp(steady[-200:, 8:11], axis=0).max() == 0.0 < np.ptp(changing[-200:, 8:11], axis=0).max()
+        ends.append(steady[-1, 8])
+    assert any(speed < 1e-6 for speed in ends)
+    assert any(speed > 0.05 for speed in ends)

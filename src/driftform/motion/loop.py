@@ -4,6 +4,9 @@ A body that is clear of the wall moves smoothly, and DOP853 takes the longest st
 DOPRI5 does. Where a body rests, slides or rolls on it, the wall is stiff, and a Rosenbrock method takes the steps. The error
 of every step is controlled. An early error has the rest of the flight to grow, from collision to collision, so the tolerance
 of a step grows with time.
+
+Half of all random bodies end on the wall, at rest or sliding evenly. Where water and wall are the same all along the pipe, the rest
+of such a flight is a straight line, and the steps that remain follow it.
 """
 
 import math
@@ -21,6 +24,8 @@ from driftform.motion.runge_kutta import copy, take_step
 from driftform.motion.tableaus import DOP853, DOPRI5, ROS34PW2
 from driftform.types import FloatArray
 from driftform.util.compiled import allocating, borrow, compiled
+from driftform.water.profiles import GRID
+from driftform.water.velocity import ACCELERATION, KIND
 
 TOLERANCE_GROWTH = 0.5
 """Rate (1/s) at which the tolerance grows along a flight: about the rate at which small differences grow.
@@ -50,6 +55,13 @@ JACOBIAN_STEPS = 8
 EXPLICIT_STEPS = 10
 """Explicit steps after an implicit one that was rejected and became as short as they are."""
 
+SETTLED = 1.0
+"""Change over the rest of a flight, at its present rate and relative to the tolerance, below which a number is constant.
+
+A body settles by a factor of ten in about half a second, so that little of that change comes about: see
+docs/validation.md.
+"""
+
 _STATES = len(DOP853.b) + 3
 """States in the room of an integration: that of the last step, that of the next one, and the slopes of all stages."""
 
@@ -66,7 +78,7 @@ def grow_tolerance(tolerance: float, t: float) -> float:
 
 
 class _Progress(NamedTuple):
-    """How far an integration is: time (s), next step (s), what chooses the steps, samples, and whether the flight has ended."""
+    """How far an integration is: time (s), next step (s), what chooses the steps, samples, whether it has settled, and whether it has ended."""
 
     t: float
     h: float
@@ -75,6 +87,7 @@ class _Progress(NamedTuple):
     explicit: int
     age: int
     touching: int
+    settled: bool
     ended: bool
 
 
@@ -93,7 +106,7 @@ def take_all_steps(
     model, samples = unpack(values, fittings), np.empty((256, SAMPLE))
     size = _count_numbers(model, in_space)
     room = np.zeros(_STATES * size + count_work_space(size, 3 if in_space is None else 6))
-    progress = _Progress(0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0, 0, JACOBIAN_STEPS, 0, False)
+    progress = _Progress(0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0, 0, JACOBIAN_STEPS, 0, False, False)
     while True:
         progress = _take_steps(
             model,
@@ -155,6 +168,7 @@ def _take_steps(
     work = make_work_space(room, _STATES * size, size, velocities)
     t, h, earlier, count = progress.t, progress.h, progress.earlier, progress.taken
     explicit, age, touching, ended = progress.explicit, progress.age, progress.touching, False
+    settled, settles = progress.settled, _is_alike_along(model)
     longest = MOST_RADIANS / model.numbers[0].law.frequency
     if count == 0:
         for i in range(places.shape[0]):
@@ -181,6 +195,13 @@ def _take_steps(
         ):
             ended = True
             break
+        if settled:
+            h = min(max_step, horizon - t)
+            for i in range(size):
+                if i >= size - angles or (i < places.shape[0] and places[i] < 3):
+                    y[i] += h * slopes[0, i]
+            t = horizon if horizon - t <= h else t + h
+            continue
         pair, sharp = DOPRI5, grow_tolerance(tolerance, t)
         near = not is_far_from_wall(position, model.numbers[0].reach, model.pipe, model.fittings)
         if not near:
@@ -216,8 +237,49 @@ def _take_steps(
         t = horizon if horizon - t <= h * (1.0 + 1e-12) else t + h
         copy(new, y)
         copy(slopes[1 if implicit else pair.b.shape[0]], slopes[0])
+        settled = (
+            implicit
+            and settles
+            and _is_settled(y, slopes[0], (horizon - t) / (SETTLED * tolerance), places, angles, model)
+        )
         # Gustafsson's controller uses the step before as well, and so rejects few steps.
         now = math.log(max(error, 1e-8))
         h *= min(5.0, max(0.2, 0.9 * math.exp((0.4 * earlier - 0.7 * now) / power)))
         earlier = max(now, LOG_MIN_ERROR)
-    return _Progress(t, h, earlier, count, explicit, age, touching, ended)
+    return _Progress(t, h, earlier, count, explicit, age, touching, settled, ended)
+
+
+@compiled
+def _is_alike_along(model: FlightModel) -> bool:
+    """Return whether water and wall are the same all along the pipe, and at all times, and drag brings bodies to rest."""
+    flow = model.flow
+    return (
+        model.pipe.shape[0] == 1
+        and model.fittings is None
+        and model.strips.shape[0] > 0
+        and model.gusts.shape[0] == 0
+        and flow[KIND] != GRID
+        and flow[ACCELERATION] == 0.0
+        and model.numbers[0].water_level == math.inf
+    )
+
+
+@compiled
+def _is_settled(
+    y: FloatArray, rate: FloatArray, rest: float, places: FloatArray, angles: int, model: FlightModel
+) -> bool:
+    """Return whether all but the way along the pipe and the angle of the spin is constant for the rest of a flight.
+
+    ``rest`` is its duration (s) over the change that does not matter, relative to 1 + |value|.
+    """
+    along = 0.0
+    for i in range(places.shape[0]):
+        if places[i] < 3:
+            along += rate[i] * model.pipe[0, 3 + places[i]]
+    for i in range(y.shape[0] - angles):
+        change = rate[i]
+        if i < places.shape[0] and places[i] < 3:
+            change -= along * model.pipe[0, 3 + places[i]]
+        if not abs(change) * rest <= 1.0 + abs(y[i]):
+            return False
+    return True
