@@ -13,6 +13,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.motion.contact import is_far_from_wall
 from driftform.motion.flight import SAMPLE, has_left_pipe, is_finite, position_of
@@ -266,7 +267,12 @@ def _is_alike_along(model: FlightModel) -> bool:
 
 @compiled
 def _is_settled(
-    y: FloatArray, rate: FloatArray, rest: float, places: FloatArray, angles: int, model: FlightModel
+    y: FloatArray,
+    rate: FloatArray,
+    rest: float,
+    places: npt.NDArray[np.int64],
+    angles: int,
+    model: FlightModel,
 ) -> bool:
     """Return whether all but the way along the pipe and the angle of the spin is constant for the rest of a flight.
 
