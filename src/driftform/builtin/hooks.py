@@ -27,9 +27,10 @@ def driftform_recorder() -> "list[type[Recorder[Any]]]":
 
 @hookimpl
 def driftform_strategy() -> "list[type[Strategy[Any]]]":
-    """Return MAP-Elites, evolution by single symbols, and random search."""
+    """Return MAP-Elites, evolution by single symbols, random search, and the evolution of tuned bodies."""
     from driftform.search.strategies.atlas import AtlasStrategy
     from driftform.search.strategies.evolution import EvolutionStrategy
     from driftform.search.strategies.random import RandomStrategy
+    from driftform.search.strategies.tuned import TunedStrategy
 
-    return [AtlasStrategy, EvolutionStrategy, RandomStrategy]
+    return [AtlasStrategy, EvolutionStrategy, RandomStrategy, TunedStrategy]

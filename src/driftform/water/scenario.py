@@ -142,10 +142,22 @@ class Robustness(Table):
         ge=0,
         le=10_000,
     )
+    within: (
+        Annotated[float, Field(gt=0, le=1000)] | dict[str, Annotated[float, Field(gt=0, le=1000)]] | None
+    ) = option(
+        None,
+        "how near a flight must pass a target to hit it, for all targets or by the name of each; 5 % of the farthest distance "
+        "by default",
+        "m",
+    )
+    weighed: bool = option(
+        True,
+        "search and choose by prints that are weighed and trimmed with ballast, so that the errors of mass and wall do not count",
+    )
     survey: int = option(
-        2,
-        "disturbed flights, among those of the choice, of each agent that may be among the best of the search; the search "
-        "goes by the mean fitness of these and of the undisturbed flight",
+        8,
+        "most disturbed flights, among those of the choice, of each agent that may be among the best of the search; the search "
+        "goes by the mean fitness of these and of the undisturbed flight; whoever falls behind flies no more",
         ge=0,
         le=10_000,
     )
@@ -263,6 +275,12 @@ class Scenario(Table):
         return self
 
     def _check_targets(self) -> None:
+        within = self.robustness.within
+        for name in within if isinstance(within, dict) else ():
+            if name not in self.targets:
+                raise ValueError(
+                    f"robustness.within.{name}: no such target{did_you_mean(name, self.targets)}"
+                )
         outlets = {outlet.name: outlet.opening.centre for outlet in self.pipe.layout.outlets}
         for name, target in self.targets.items():
             if isinstance(target, str):
