@@ -107,7 +107,7 @@ def open_traveller(
     if not text.startswith(_SPHERE):
         return trim_design(open_agent(text, *settings, scenario=environment), buoyancy)
     from driftform import load_study
-    from driftform.motion.forces import make_sphere
+    from driftform.motion import forces
 
     pipeline = load_study(environment, settings, run={"seed": 0}).make_pipeline()
     number = text.removeprefix(_SPHERE).removesuffix("mm")
@@ -119,7 +119,7 @@ def open_traveller(
         raise InputError(
             f"AGENT '{text}': a sphere is named by its diameter from 0.5 to 2000 mm, such as sphere:5mm"
         )
-    agent = make_sphere(diameter, pipeline.scenario.fluid, buoyancy or 0.0)
+    agent = forces.make_sphere(diameter, pipeline.scenario.fluid, buoyancy or 0.0)
     if agent.mass.mass <= 0:
         raise InputError(f"--buoyancy {buoyancy:g}: {text} displaces too little water for it")
     name = text.replace(":", "-") + (_name_trim(buoyancy) if buoyancy else "")

@@ -8,10 +8,8 @@ from math import inf, sqrt
 
 import numpy as np
 
-from driftform.agent import mass_properties
 from driftform.errors import InputError
 from driftform.interfaces import SearchSpace, Strategy
-from driftform.motion.way import farthest_distances, find_offsets
 from driftform.options import Table, option
 from driftform.search.tuning import find_next, root_weight, square_root_weight
 from driftform.types import Candidate, Evaluation, FloatArray, Genome
@@ -37,6 +35,16 @@ class TunedOptions(Table):
         4, "best shapes kept for each target, from which others descend", "", gt=0, le=10_000
     )
     flights: int = option(6, "most flights to tune a shape for a target", "", gt=1, le=1000)
+    first: int = option(
+        3, "bodies for each target before those with a large miss get more", "", gt=0, le=10_000
+    )
+    pressure: float = option(
+        1.0,
+        "the share of the bodies for a target is proportional to this power of the miss of its best",
+        "",
+        ge=0,
+        le=10,
+    )
     retune: float = option(
         0.3,
         "share of the new bodies that have a shape which is among the best for another target",
@@ -128,6 +136,8 @@ class TunedStrategy(Strategy[TunedOptions]):
         self._asked: deque[list[_Job]] = deque()
         self._bodies: set[int] = set()
         self._numbers = count()
+        from driftform.motion.way import farthest_distances
+
         release = space.scenario.release_position()
         points = space.scenario.target_array().reshape(-1, 3)
         self._ways = np.linalg.norm(points - release, axis=1)
@@ -158,6 +168,8 @@ class TunedStrategy(Strategy[TunedOptions]):
                 self._learn(index, job, evaluation)
 
     def _learn(self, index: int, job: _Job, evaluation: Evaluation) -> None:
+        from driftform.motion.way import find_offsets
+
         shape, root = job.shape, job.shape.find_root(job.tuning)
         offsets = find_offsets(evaluation, self.space.scenario)
         shape.points.append((root, offsets[:, 2]))
@@ -191,8 +203,7 @@ class TunedStrategy(Strategy[TunedOptions]):
 
     def _start_job(self) -> _Job:
         rng, options = self.space.rng, self.options
-        least = min(self._started)
-        target = int(rng.choice([k for k, n in enumerate(self._started) if n == least]))
+        target = self._choose_target()
         self._started[target] += 1
         elites = self._elites[target]
         shape, elite, draw = None, None, rng.random()
@@ -216,6 +227,15 @@ class TunedStrategy(Strategy[TunedOptions]):
         else:
             root = 0.0
         return _Job(shape, target, shape.tune(root), () if elite is None else (elite.index,))
+
+    def _choose_target(self) -> int:
+        """Return the target that a new body is made for: at first each in turn, then by the miss of its best body."""
+        least = min(self._started)
+        if least < self.options.first:
+            return int(self.space.rng.choice([k for k, n in enumerate(self._started) if n == least]))
+        misses = np.array([100 - elites[0].fitness if elites else 100.0 for elites in self._elites])
+        weights = np.maximum(misses, 1e-9) ** self.options.pressure
+        return int(self.space.rng.choice(len(weights), p=weights / weights.sum()))
 
     def _draw_elite(self, elites: Sequence[_Elite]) -> _Elite:
         """Return the best with probability 1/2, the second with 1/4, and so on."""
@@ -258,6 +278,8 @@ class TunedStrategy(Strategy[TunedOptions]):
         return None
 
     def _examine(self, genome: Genome) -> _Shape | None:
+        from driftform.agent import mass_properties
+
         builder, water = self.space.builder, self.space.scenario.fluid.density
         assert builder is not None
         try:
