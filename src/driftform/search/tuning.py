@@ -6,7 +6,7 @@ secant is taken in that variable, here in kg^1/2.
 """
 
 from collections.abc import Sequence
-from math import copysign, sqrt
+from math import copysign, nan, prod, sqrt
 
 LEAST_SLOPE = 0.02
 """Least response, over the expected one, of a body that is tuned: a body that rides the wall has less."""
@@ -41,6 +41,8 @@ def find_next(points: Sequence[tuple[float, float]], slope: float) -> float | No
     # The lightest that passes below, and the heaviest above: heavier bodies pass lower.
     if above and below and above[-1][0] < below[0][0]:
         (a, high), (b, low) = above[-1], below[0]
+        if len(ordered) > 2 and a < (curved := _interpolate_inverse(ordered)) < b:
+            return curved
         at = high / (high - low)
         # Near one end, take a step that is likely to bring the other end near too.
         return a + min(max(at, 0.02), 0.98) * (b - a)
@@ -54,3 +56,15 @@ def find_next(points: Sequence[tuple[float, float]], slope: float) -> float | No
         step = -miss / found
         return a + copysign(min(abs(step), FARTHEST * abs(b - a)), step)
     return a - miss / found
+
+
+def _interpolate_inverse(points: Sequence[tuple[float, float]]) -> float:
+    """Return the root by the inverse parabola through the three points of least height; NaN if two heights are equal."""
+    nearest = sorted(points, key=lambda point: abs(point[1]))[:3]
+    heights = [height for _, height in nearest]
+    if len(set(heights)) < len(nearest):
+        return nan
+    return sum(
+        root * prod(other / (other - height) for other in heights if other != height)
+        for root, height in nearest
+    )

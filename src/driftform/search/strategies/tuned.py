@@ -57,7 +57,7 @@ class TunedOptions(Table):
 
 
 @dataclass(eq=False)
-class _Shape:
+class Shape:
     """A shape, and how its flights passed the targets.
 
     Attributes
@@ -95,10 +95,10 @@ class _Shape:
 
 
 @dataclass(eq=False)
-class _Job:
+class Job:
     """A shape on its way to hit a target: the tuning of its next flight, and how many it had; ``parents`` of the shape."""
 
-    shape: _Shape
+    shape: Shape
     target: int
     tuning: float
     parents: tuple[int, ...] = ()
@@ -109,7 +109,7 @@ class _Job:
 class _Elite:
     fitness: float
     index: int
-    shape: _Shape
+    shape: Shape
     root: float
 
 
@@ -131,9 +131,9 @@ class TunedStrategy(Strategy[TunedOptions]):
             raise InputError("strategy 'tuned' needs a builder")
         self._elites: list[list[_Elite]] = [[] for _ in space.targets]
         self._started = [0] * len(space.targets)
-        self._fresh: deque[_Shape] = deque()
-        self._ready: deque[_Job] = deque()
-        self._asked: deque[list[_Job]] = deque()
+        self._fresh: deque[Shape] = deque()
+        self._ready: deque[Job] = deque()
+        self._asked: deque[list[Job]] = deque()
         self._bodies: set[int] = set()
         self._numbers = count()
         from driftform.motion.way import farthest_distances
@@ -141,6 +141,9 @@ class TunedStrategy(Strategy[TunedOptions]):
         release = space.scenario.release_position()
         points = space.scenario.target_array().reshape(-1, 3)
         self._ways = np.linalg.norm(points - release, axis=1)
+        # How far below the release each target is: in a straight pipe, by how much a neutral body passes above it.
+        straight = space.scenario.pipe.straight is not None
+        self._drops = release[2] - points[:, 2] if straight else np.zeros(len(points))
         self._bars = 100 * (1 - HIT / farthest_distances(space.scenario)) if space.targets else np.zeros(0)
 
     def ask(self, limit: int) -> list[Candidate]:
@@ -167,7 +170,7 @@ class TunedStrategy(Strategy[TunedOptions]):
             if evaluation.failure is None:
                 self._learn(index, job, evaluation)
 
-    def _learn(self, index: int, job: _Job, evaluation: Evaluation) -> None:
+    def _learn(self, index: int, job: Job, evaluation: Evaluation) -> None:
         from driftform.motion.way import find_offsets
 
         shape, root = job.shape, job.shape.find_root(job.tuning)
@@ -186,22 +189,32 @@ class TunedStrategy(Strategy[TunedOptions]):
             job.tuning = tuning
             self._ready.append(job)
 
-    def _find_tuning(self, shape: _Shape, target: int) -> float | None:
+    def _find_tuning(self, shape: Shape, target: int) -> float | None:
         """Return the tuning of the next flight of a shape for a target; ``None`` if it cannot come nearer."""
         points = [(root, float(heights[target])) for root, heights in shape.points]
-        found = find_next(points, -self._guess_response(shape, target))
+        response = -self._guess_response(shape, target)
+        if len(points) == 1 and points[0][0]:
+            # With what a body without net weight should do, one flight shows the response.
+            [(root, height)] = points
+            seen = (height - self._drops[target]) / root
+            response = min(max(seen, 5 * response), response / 5)
+        found = find_next(points, response)
         if found is None:
             return None
         tuning = shape.tune(found)
         return None if any(shape.tune(root) == tuning for root, _ in points) else tuning
 
-    def _guess_response(self, shape: _Shape, target: int) -> float:
+    def _guess_root(self, shape: Shape, target: int) -> float:
+        """Return the root of the net weight with which a body should hit, by its size alone, kg^1/2."""
+        return float(self._drops[target]) / self._guess_response(shape, target)
+
+    def _guess_response(self, shape: Shape, target: int) -> float:
         """Return by how much a body should pass lower for each kg^1/2 of the root of its net weight, m."""
         fluid = self.space.scenario.fluid
         sinking = sqrt(2 * fluid.gravity / (fluid.density * DRAG * shape.size))
         return sinking * float(self._ways[target]) / max(self.space.scenario.flow.speed, 1e-6)
 
-    def _start_job(self) -> _Job:
+    def _start_job(self) -> Job:
         rng, options = self.space.rng, self.options
         target = self._choose_target()
         self._started[target] += 1
@@ -218,15 +231,15 @@ class TunedStrategy(Strategy[TunedOptions]):
                 shape = self._vary(elite, target)
         if shape is None:
             shape, elite = self._take_random(target), None
+            if len(self._fresh) < self.options.shapes and shape not in self._fresh:
+                self._fresh.append(shape)
         shape.tried.add(target)
-        if shape.points:
-            tuning = self._find_tuning(shape, target)
-            root = shape.find_root(tuning) if tuning is not None else 0.0
-        elif elite is not None:
-            root = elite.root * sqrt(shape.size / elite.shape.size)
-        else:
-            root = 0.0
-        return _Job(shape, target, shape.tune(root), () if elite is None else (elite.index,))
+        tuning = self._find_tuning(shape, target) if shape.points else None
+        if tuning is None and elite is not None and not shape.points:
+            tuning = shape.tune(elite.root * sqrt(shape.size / elite.shape.size))
+        if tuning is None:
+            tuning = shape.tune(self._guess_root(shape, target))
+        return Job(shape, target, tuning, () if elite is None else (elite.index,))
 
     def _choose_target(self) -> int:
         """Return the target that a new body is made for: at first each in turn, then by the miss of its best body."""
@@ -241,23 +254,23 @@ class TunedStrategy(Strategy[TunedOptions]):
         """Return the best with probability 1/2, the second with 1/4, and so on."""
         return elites[min(int(self.space.rng.geometric(0.5)), len(elites)) - 1]
 
-    def _take_random(self, target: int) -> _Shape:
+    def _take_random(self, target: int) -> Shape:
         """Return a random shape; at first one of a few that serve all targets."""
         untried = [shape for shape in self._fresh if target not in shape.tried]
         if len(self._fresh) < self.options.shapes or not untried:
             shape = self._draw_shape(lambda: self.space.grammar.random(self.space.rng))
-            if shape is not None and len(self._fresh) < self.options.shapes:
-                self._fresh.append(shape)
             if shape is not None:
                 return shape
-        if not untried:
+        # In a small space all shapes may be known: one of them is tried again.
+        known = untried or list(self._fresh)
+        if not known:
             raise InputError(
-                "strategy 'tuned': no shape of the grammar can be tuned: set [builder] tuning to 'ballast' or 'wall', or use "
-                "the strategy 'evolution'"
+                f"strategy '{self.name}': no shape of the grammar can be tuned: set [builder] tuning to 'ballast' or 'wall', "
+                "or use the strategy 'evolution'"
             )
-        return untried[int(self.space.rng.integers(len(untried)))]
+        return known[int(self.space.rng.integers(len(known)))]
 
-    def _vary(self, elite: _Elite, target: int) -> _Shape | None:
+    def _vary(self, elite: _Elite, target: int) -> Shape | None:
         rng, grammar, genome = self.space.rng, self.space.grammar, elite.shape.genome
 
         def change() -> Genome:
@@ -270,14 +283,14 @@ class TunedStrategy(Strategy[TunedOptions]):
 
         return self._draw_shape(change) if genome.symbols else None
 
-    def _draw_shape(self, draw: Callable[[], Genome]) -> _Shape | None:
+    def _draw_shape(self, draw: Callable[[], Genome]) -> Shape | None:
         """Return the first new shape that can be tuned to float freely, of some that are drawn."""
         for _ in range(MAX_DRAWS):
             if (shape := self._examine(draw())) is not None:
                 return shape
         return None
 
-    def _examine(self, genome: Genome) -> _Shape | None:
+    def _examine(self, genome: Genome) -> Shape | None:
         from driftform.agent import mass_properties
 
         builder, water = self.space.builder, self.space.scenario.fluid.density
@@ -300,9 +313,9 @@ class TunedStrategy(Strategy[TunedOptions]):
         neutral = bounds[0] + (water * light.volume - light.mass) / rate
         if not bounds[0] < neutral < bounds[1]:
             return None
-        return _Shape(genome, bounds, neutral, rate, body.length * body.max_diameter)
+        return Shape(genome, bounds, neutral, rate, body.length * body.max_diameter)
 
-    def _make_candidate(self, job: _Job, generation: int) -> Candidate:
+    def _make_candidate(self, job: Job, generation: int) -> Candidate:
         # Only a hit matters, and what else passes near is not tuned.
         threshold = [inf] * len(self.space.targets)
         threshold[job.target] = float(self._bars[job.target])
