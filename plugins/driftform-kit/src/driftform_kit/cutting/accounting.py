@@ -6,15 +6,19 @@ from typing import Any
 import numpy as np
 
 from driftform.agent import mass_properties, solid_of_revolution
+from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform.types import Agent, Body, Fittings, FloatArray, MassProperties, Moments
 from driftform_frusta.kit_options import KitOptions, PartOptions
-from driftform_kit.ballast import ball_mass, name_material
+from driftform_kit.ballast import NEGLIGIBLE, ball_diameter, ball_mass, name_material
 from driftform_kit.cutting.engraving import Engraving
 from driftform_kit.cutting.held_ballast import HeldBall
 from driftform_kit.cutting.meridian import MM, moments
 from driftform_kit.cutting.pieces import Kit, Piece, engrave_kit, make_kit
 from driftform_kit.cutting.weighing import plan_kit
+
+_ROUNDS = 20
+"""Most times that a ball is made anew because of the mass of its seat."""
 
 _LIGHTER = 0.95
 """Mass of the parts, over that which gives the simulated mass, at which ballast is to make up for the rest."""
@@ -23,12 +27,13 @@ _LIGHTER = 0.95
 def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     """Return mass properties of the assembled kit with its core.
 
-    Parts of revolution are integrated in closed form, or by slices to 1e-6 of the mass (:func:`plan_kit`); glue and O-rings weigh nothing here, and holes of ``drain``
+    Ballast is not counted, but its seats are. Parts of revolution are integrated in closed form, or by slices to 1e-6 of
+    the mass (:func:`driftform_kit.cutting.weighing.plan_kit`); glue and O-rings weigh nothing here, and holes of ``drain``
     are taken to be plugged flush. An engraving is taken out as a point mass, which is exact but for the inertia, and
     outside it fills with water.
     """
     added, engravings = _measure_added(body, options)
-    whole = mass_properties(body, _wall_moments(body) + added)
+    whole = mass_properties(replace(body, ballast=Moments()), _wall_moments(body) + added)
     outside = options.engrave_side == "outside"
     for text in engravings:
         whole = _subtract(whole, text, body.hull_density, outside)
@@ -38,6 +43,43 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
 def held_mass(held: HeldBall, options: PartOptions) -> float:
     """Return the mass of a ball of ballast, kg."""
     return ball_mass(2 * held.ball.radius / MM, options.ballast_density)
+
+
+def place_ballast(body: Body, options: PartOptions) -> tuple[float, float]:
+    """Return x and diameter (m) of the ball that has, with its seat, the mass and the moment of a body's ballast.
+
+    Where such a ball would be in the way of the core, it lies at the place of the ballast, and the seat alone moves the
+    centre of gravity, by some tenths of a millimetre at most.
+
+    Raises
+    ------
+    WorkFailedError
+        if the kit cannot hold it; the message has the reason.
+    """
+    try:
+        return _settle_ball(body, options, True)
+    except WorkFailedError:
+        return _settle_ball(body, options, False)
+
+
+def _settle_ball(body: Body, options: PartOptions, balanced: bool) -> tuple[float, float]:
+    density, bare = options.ballast_density, kit_mass(body, options)
+    mass, x = body.ballast.volume * body.ballast_density, body.ballast.centroid
+    lacking, moment, seat = mass, mass * x, 0.0
+    for _ in range(_ROUNDS):
+        ball = round(moment / lacking if balanced else x, 7), round(ball_diameter(lacking, density), 7)
+        seated = kit_mass(body, options.model_copy(update={"ballast": (ball,)}))
+        seat = seated.mass - bare.mass
+        before, lacking = lacking, mass - seat
+        moment = mass * x - float(seated.mass * seated.cog[0] - bare.mass * bare.cog[0])
+        if not lacking > 0:
+            break
+        if abs(lacking - before) < NEGLIGIBLE:
+            return ball
+    raise WorkFailedError(
+        f"no kit can be made: ballast of {1000 * mass:.4g} g is too little for a ball beside its seat, which weighs "
+        f"{1000 * seat:.2g} g"
+    )
 
 
 @dataclass(frozen=True)
@@ -104,8 +146,10 @@ def _measure_added(body: Body, options: KitOptions) -> tuple[Moments, tuple[Engr
     if not options.ballast:
         return kit_moments(kit) - _wall_moments(body), kit.engravings
     plain = options.model_copy(update={"ballast": ()})
-    seats = kit_moments(kit) - kit_moments(make_kit(body, plain))
-    return _measure_added(body, plain)[0] + seats, kit.engravings
+    added = _measure_added(body, plain)[0]
+    if any(held.seat is not None for held in kit.ballast):
+        added += kit_moments(kit) - kit_moments(make_kit(body, plain))
+    return added, kit.engravings
 
 
 def _wall_moments(body: Body) -> Moments:
