@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.agent import body_key
+from driftform.agent.identity import body_key
 from driftform.types import Core, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 

@@ -14,7 +14,7 @@ from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit_options import KitOptions
 from driftform_kit.cutting.accounting import kit_moments
 from driftform_kit.cutting.bay import Ball, is_held
-from driftform_kit.cutting.kernels import move_line, read_line
+from driftform_kit.cutting.kernels import move_line, read_radius
 from driftform_kit.cutting.pieces import _draw_parts, make_kit
 from driftform_kit.cutting.weighing import plan_kit
 
@@ -78,9 +78,9 @@ def test_the_core_has_a_seat_where_the_parts_as_drawn_do_not_hold_it(body, optio
 def test_a_line_that_is_moved_keeps_its_distance_and_loses_short_edges():
     line = np.array([[-100.0, 105.0], [0.0, 5.0], [0.1, 5.0], [4.0, 8.9], [100.0, 8.9]])
     inner, outer = move_line(line, 1.0), move_line(line, -1.0)
-    assert read_line(inner, 50.0) == pytest.approx(7.9)
-    assert read_line(inner, 2.0) == pytest.approx(read_line(line, 2.0) - math.sqrt(2))
-    assert read_line(inner, -9.0) == pytest.approx(read_line(line, -9.0) - math.sqrt(2))
+    assert read_radius(inner, 50.0) == pytest.approx(7.9)
+    assert read_radius(inner, 2.0) == pytest.approx(read_radius(line, 2.0) - math.sqrt(2))
+    assert read_radius(inner, -9.0) == pytest.approx(read_radius(line, -9.0) - math.sqrt(2))
     # Outward, the two slopes meet above what was flat between them.
-    assert read_line(outer, 0.05) == pytest.approx(5.0 - 0.05 + math.sqrt(2))
+    assert read_radius(outer, 0.05) == pytest.approx(5.0 - 0.05 + math.sqrt(2))
     assert len(np.unique(outer[:, 0])) == len(np.unique(inner[:, 0])) - 1

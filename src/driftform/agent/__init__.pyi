@@ -1,5 +1,4 @@
 from .distance import distance_from as distance_from
-from .identity import body_key as body_key
 from .mass import hull_mass as hull_mass
 from .mass import mass_properties as mass_properties
 from .mass_elements import MassElement as MassElement

@@ -56,13 +56,6 @@ JACOBIAN_STEPS = 8
 EXPLICIT_STEPS = 10
 """Explicit steps after an implicit one that was rejected and became as short as they are."""
 
-SETTLED = 1.0
-"""Change over the rest of a flight, at its present rate and relative to the tolerance, below which a number is constant.
-
-A body settles by a factor of ten in about half a second, so that little of that change comes about: see
-docs/validation.md.
-"""
-
 _STATES = len(DOP853.b) + 3
 """States in the room of an integration: that of the last step, that of the next one, and the slopes of all stages."""
 
@@ -241,7 +234,7 @@ def _take_steps(
         settled = (
             implicit
             and settles
-            and _is_settled(y, slopes[0], (horizon - t) / (SETTLED * tolerance), places, angles, model)
+            and _is_settled(y, slopes[0], (horizon - t) / tolerance, places, angles, model)
         )
         # Gustafsson's controller uses the step before as well, and so rejects few steps.
         now = math.log(max(error, 1e-8))
@@ -253,16 +246,9 @@ def _take_steps(
 @compiled
 def _is_alike_along(model: FlightModel) -> bool:
     """Return whether water and wall are the same all along the pipe, and at all times, and drag brings bodies to rest."""
-    flow = model.flow
-    return (
-        model.pipe.shape[0] == 1
-        and model.fittings is None
-        and model.strips.shape[0] > 0
-        and model.gusts.shape[0] == 0
-        and flow[KIND] != GRID
-        and flow[ACCELERATION] == 0.0
-        and model.numbers[0].water_level == math.inf
-    )
+    flow, level = model.flow, model.numbers[0].water_level
+    steady = flow[KIND] != GRID and flow[ACCELERATION] == 0.0 and model.gusts.shape[0] == 0
+    return bool(steady and model.pipe.shape[0] == 1 and model.strips.shape[0] > 0 and level == math.inf)
 
 
 @compiled
@@ -276,7 +262,7 @@ def _is_settled(
 ) -> bool:
     """Return whether all but the way along the pipe and the angle of the spin is constant for the rest of a flight.
 
-    ``rest`` is its duration (s) over the change that does not matter, relative to 1 + |value|.
+    ``rest`` is its duration (s) over the tolerance of its steps, within which each number must stay at its present rate.
     """
     along = 0.0
     for i in range(places.shape[0]):

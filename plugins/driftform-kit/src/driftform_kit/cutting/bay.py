@@ -6,6 +6,7 @@ degrees, so that it prints without support with the closed end of its part on th
 """
 
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -67,31 +68,19 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
 
     A flat end does not: the ball rolls aside.
     """
-    play = max(PLAY, PLAY_OF_SEATS * gap)
-    drawn = ball.draw()
-    low, high = sorted((ball.z, ball.z + side * play))
-    # The part that the ball moves to comes first: it is most likely to be met.
-    near = [part for part in parts[::-side] if _spans(part, low - 2 * ball.radius, high + 2 * ball.radius)]
+    play, drawn = max(PLAY, PLAY_OF_SEATS * gap), ball.draw()
+    whole = CrossSection.batch_boolean(list(parts), OpType.Add)
 
     def meets(aside: float, along: float) -> bool:
-        moved = drawn.translate((aside, side * along))
-        return any((moved ^ part).area() > _AREA for part in near)
+        return bool((drawn.translate((aside, side * along)) ^ whole).area() > _AREA)
 
     if not meets(0.0, play):
         return False
-    places = np.linspace(0.0, play, _STEPS)
-    # Elsewhere no edge is within the disc, so that it meets nothing.
-    touched = distance_along(near, ball.z + side * places) <= meridian.circumradius(ball.radius)
-    rest = next((along for along in places[touched].tolist() if meets(0.0, along)), play)
+    places = np.linspace(0.0, play, _STEPS).tolist()
+    rest = places[bisect_left(places, True, key=lambda along: meets(0.0, along))]
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(LATITUDES_DEG[-1]))
     return meets(play, rest - lift)
-
-
-def _spans(section: CrossSection, low: float, high: float) -> bool:
-    """Return whether a section reaches between two heights."""
-    _, lowest, _, highest = section.bounds()
-    return bool(lowest <= high and highest >= low)
 
 
 def distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> FloatArray:

@@ -2,28 +2,52 @@
 
 All compiled functions are in this file, because the cache of a function detects no changes of other files of this plugin.
 
-A joint is a row of :data:`Z` to :data:`FURTHEST` and the radius of its meeting surface, points (s, r) with s from its cut towards
-the part with the plug, in ascending order. That surface, and those at a distance from it, are polylines; the parts at a
-joint lie between them and the cavity. Lengths are in mm.
+Surfaces are polylines (k, 2) of position and radius, in ascending order; lengths are in mm.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from driftform.types import FloatArray
 from driftform.util import allocating, compiled
 
-Z, SIDE, LAP, PLUG, GAP, RECESS, GROOVE, WIDTH, LEAD, BORE, TIP, CORE, FURTHEST = range(13)
-"""Numbers of a joint: those of :class:`driftform_kit.cutting.joint.Joint`, width of the groove and size of the chamfer, the radius
-inside the plug at the cut and outside its tip, the radius that the core needs, and how far from the cut the joint may
-reach."""
 
-STEP = 0.05
-"""Thickness of the slices of joints and seats."""
+class Cut(NamedTuple):
+    """A joint: the numbers of :class:`driftform_kit.cutting.joint.Joint`, and what follows from them in a hull.
+
+    ``width`` is that of the groove, ``lead`` the size of the chamfer, ``root`` the radius inside the plug at the cut, ``tip`` that
+    outside its end, ``core`` the radius that the core needs, and ``furthest`` how far from the cut the joint may reach. The
+    surfaces are those of the ``bore`` along z, and along s from the cut towards the part with the plug the ``mouth`` where
+    the parts meet, the plug's ``inner`` and ``outer`` side, and the ``bottom`` of the socket.
+    """
+
+    z: float
+    side: float
+    lap: float
+    plug: float
+    gap: float
+    recess: float
+    groove: float
+    width: float
+    lead: float
+    root: float
+    tip: float
+    core: float
+    furthest: float
+    bore: FloatArray
+    mouth: FloatArray
+    inner: FloatArray
+    outer: FloatArray
+    bottom: FloatArray
+
+
+STEP = 0.04
+"""Thickness of the slices of joints."""
 
 FINE = 0.02
-"""Thickness of the slices in which a seat is clear of other parts."""
+"""Thickness of the slices of seats."""
 
 HEIGHTS = 480
 """Heights at which the least radius around the core is known."""
@@ -35,17 +59,6 @@ AREA = 1e-3
 """mm2: sections that share less than this do not meet."""
 
 _GAUSS = (0.5 - math.sqrt(1.0 / 12.0), 0.5 + math.sqrt(1.0 / 12.0))
-
-
-@compiled
-def read_line(line: FloatArray, s: float) -> float:
-    """Return the radius of a polyline (k, 2) in ascending order of s, which continues straight beyond its ends."""
-    k = 1
-    while k < line.shape[0] - 1 and line[k, 0] < s:
-        k += 1
-    run = line[k, 0] - line[k - 1, 0]
-    share = (s - line[k - 1, 0]) / run if run > 0.0 else 0.0
-    return float(line[k - 1, 1] + share * (line[k, 1] - line[k - 1, 1]))
 
 
 @allocating
@@ -85,61 +98,58 @@ def move_line(line: FloatArray, by: float) -> FloatArray:
 
 
 @compiled
-def read_bore(bore: FloatArray, z: float) -> float:
-    """Return the radius of a cavity (n, 2) of ascending z, 0 beyond its ends."""
-    low, high = 0, bore.shape[0] - 1
-    if z < bore[0, 0] or z > bore[high, 0]:
+def read_radius(line: FloatArray, x: float) -> float:
+    """Return the radius of a surface, 0 beyond its ends."""
+    low, high = 0, line.shape[0] - 1
+    if x < line[0, 0] or x > line[high, 0]:
         return 0.0
     while high - low > 1:
         middle = (low + high) // 2
-        if bore[middle, 0] <= z:
+        if line[middle, 0] <= x:
             low = middle
         else:
             high = middle
-    run = bore[high, 0] - bore[low, 0]
-    share = (z - bore[low, 0]) / run if run > 0.0 else 0.0
-    return float(bore[low, 1] + share * (bore[high, 1] - bore[low, 1]))
+    run = line[high, 0] - line[low, 0]
+    share = (x - line[low, 0]) / run if run > 0.0 else 0.0
+    return float(line[low, 1] + share * (line[high, 1] - line[low, 1]))
 
 
 @compiled
-def _find_groove(joint: FloatArray) -> tuple[float, float]:
+def _find_groove(cut: Cut) -> tuple[float, float]:
     """Return the ends of the bottom of a joint's groove, of which that at the plug's tip is sloped."""
-    far = -(joint[LAP] + joint[WIDTH] - joint[GROOVE]) / 2.0
-    return far, far + joint[WIDTH]
+    far = -(cut.lap + cut.width - cut.groove) / 2.0
+    return far, far + cut.width
 
 
 @compiled
-def read_part(
-    joint: FloatArray, lines: FloatArray, bore: FloatArray, plug: bool, s: float
-) -> tuple[float, float]:
+def read_part(cut: Cut, plug: bool, s: float) -> tuple[float, float]:
     """Return the least and the greatest radius of a part at a joint: the one with the plug, or the other.
 
     What continues into the wall has an infinite greatest radius; a part that is not there has an infinite least one.
-    ``lines`` are the meeting surface, the plug's inner and outer surface, and the bottom of the socket, (4, k, 2).
     """
-    z = joint[Z] + joint[SIDE] * s
-    wall, end = read_bore(bore, z), -(joint[LAP] + joint[GAP])
-    least = math.sqrt(max(0.0, joint[CORE] * joint[CORE] - z * z))
+    z = cut.z + cut.side * s
+    wall, end = read_radius(cut.bore, z), -(cut.lap + cut.gap)
+    least = math.sqrt(max(0.0, cut.core * cut.core - z * z))
     if not plug:
         if s > 0.0:
             return math.inf, math.inf
         if s >= end:
             # The bottom of the socket, in the wall of a rabbet, and else where the cavity has a ledge.
-            return max(read_line(lines[3], s), least if joint[RECESS] == 0.0 else 0.0), math.inf
-        return min(wall, max(least, read_line(lines[0], s))), math.inf
-    if s < -joint[LAP]:
+            return max(read_radius(cut.bottom, s), least if cut.recess == 0.0 else 0.0), math.inf
+        return min(wall, max(least, read_radius(cut.mouth, s))), math.inf
+    if s < -cut.lap:
         return math.inf, math.inf
-    inner = read_line(lines[1], s)
+    inner = read_radius(cut.inner, s)
     if s >= 0.0:
-        root = min(inner, joint[BORE]) if s < joint[PLUG] else joint[BORE] + s - joint[PLUG]
+        root = min(inner, cut.root) if s < cut.plug else cut.root + s - cut.plug
         return min(wall, max(least, root)), math.inf
-    outer = read_line(lines[2], s)
-    if joint[RECESS] == 0.0:
+    outer = read_radius(cut.outer, s)
+    if cut.recess == 0.0:
         # The chamfer at the tip, and the groove of an O-ring.
-        outer = min(outer, joint[TIP] - joint[LEAD] + joint[LAP] + s)
-        far, near = _find_groove(joint)
-        if joint[GROOVE] > 0.0 and s <= near:
-            outer = min(outer, joint[TIP] - joint[GROOVE] + max(0.0, far - s))
+        outer = min(outer, cut.tip - cut.lead + cut.lap + s)
+        far, near = _find_groove(cut)
+        if cut.groove > 0.0 and s <= near:
+            outer = min(outer, cut.tip - cut.groove + max(0.0, far - s))
     inner = max(inner, least)
     return (inner, outer) if outer > inner else (math.inf, math.inf)
 
@@ -155,63 +165,53 @@ def _add_ring(z: float, least: float, greatest: float, width: float, out: FloatA
     out[3] += volume * (outer + inner) / 2.0
 
 
-@compiled
-def add_joint(joint: FloatArray, lines: FloatArray, bore: FloatArray, out: FloatArray) -> None:
+@allocating
+def add_joint(cut: Cut, out: FloatArray) -> None:
     """Add the integrals (mm3 to mm5) of what a joint adds to a hull, less what it removes."""
-    groove, far = _find_groove(joint), joint[FURTHEST]
-    ends = (-far, -joint[LAP] - joint[GAP], -joint[LAP], *groove, 0.0, joint[PLUG], far)
-    first = joint[SIDE] * (bore[0, 0] - joint[Z])
-    last = joint[SIDE] * (bore[bore.shape[0] - 1, 0] - joint[Z])
-    for piece in range(7):
-        # Nothing is added beyond the ends of the cavity, which may be flat.
-        low, high = max(ends[piece], min(first, last)), min(ends[piece + 1], max(first, last))
-        while low < high:
-            stop = high
-            for k in range(bore.shape[0] - 1):
-                ledge = joint[SIDE] * (bore[k, 0] - joint[Z])
-                if bore[k + 1, 0] - bore[k, 0] < 1e-9 and low + 1e-9 < ledge < stop:
-                    stop = ledge
-            # Nothing but slopes of 45 degrees lies beyond.
-            _add_slices(joint, lines, bore, low, stop, STEP if 0 < piece < 6 else 2.0 * STEP, out)
-            low = stop
+    count, far, near = cut.bore.shape[0], *_find_groove(cut)
+    knots = np.empty(count + 6)
+    for k in range(count):
+        knots[k] = cut.side * (cut.bore[k, 0] - cut.z)
+    # Nothing is added beyond the ends of the cavity, which may be flat.
+    lowest = max(-cut.furthest, min(knots[0], knots[count - 1]))
+    highest = min(cut.furthest, max(knots[0], knots[count - 1]))
+    knots[count], knots[count + 1], knots[count + 2] = -cut.lap - cut.gap, -cut.lap, 0.0
+    knots[count + 3], knots[count + 4], knots[count + 5] = cut.plug, far, near
+    knots.sort()
+    for k in range(count + 6):
+        low, high = max(lowest, knots[k - 1] if k > 0 else lowest), min(highest, knots[k])
+        if high > low:
+            _add_slices(cut, low, high, out)
+    if highest > knots[count + 5]:
+        _add_slices(cut, max(lowest, knots[count + 5]), highest, out)
 
 
 @compiled
-def _add_slices(
-    joint: FloatArray,
-    lines: FloatArray,
-    bore: FloatArray,
-    low: float,
-    high: float,
-    step: float,
-    out: FloatArray,
-) -> None:
+def _add_slices(cut: Cut, low: float, high: float, out: FloatArray) -> None:
     """Add the integrals of what a joint adds between two values of s, where no surface has a ledge."""
-    count = max(1, int((high - low) / step))
+    count = max(1, int((high - low) / STEP))
     step = (high - low) / count
     for i in range(count):
         for k in range(2):
             s, width = low + (i + _GAUSS[k]) * step, 0.5 * math.pi * step
-            z = joint[Z] + joint[SIDE] * s
-            least, _ = read_part(joint, lines, bore, s > 0.0, s)
-            _add_ring(z, least, read_bore(bore, z), width, out)
-            inner, outer = read_part(joint, lines, bore, True, s)
+            z = cut.z + cut.side * s
+            least, _ = read_part(cut, s > 0.0, s)
+            _add_ring(z, least, read_radius(cut.bore, z), width, out)
+            inner, outer = read_part(cut, True, s)
             if s < 0.0 and outer < math.inf:
                 _add_ring(z, inner, outer, width, out)
 
 
 @allocating
-def holds_core(
-    joint: FloatArray, lines: FloatArray, bore: FloatArray, core: float, play: float, lift: float
-) -> tuple[bool, bool]:
+def holds_core(cut: Cut, core: float, play: float, lift: float) -> tuple[bool, bool]:
     """Return whether a core that moves along the axis, aft or fore, comes to rest within its play on what centres it.
 
     A flat end does not centre it: the core rolls aside.
     """
     reach, room = core + play, np.empty(HEIGHTS)
     for i in range(HEIGHTS):
-        s = joint[SIDE] * (reach * ((2 * i + 1) / HEIGHTS - 1.0) - joint[Z])
-        room[i] = min(read_part(joint, lines, bore, True, s)[0], read_part(joint, lines, bore, False, s)[0])
+        s = cut.side * (reach * ((2 * i + 1) / HEIGHTS - 1.0) - cut.z)
+        room[i] = min(read_part(cut, True, s)[0], read_part(cut, False, s)[0])
     return _holds(room, core, play, lift, -1.0), _holds(room, core, play, lift, 1.0)
 
 
@@ -242,63 +242,43 @@ def _meets(room: FloatArray, core: float, play: float, aside: float, along: floa
     return area > AREA
 
 
-@compiled
+@allocating
 def place_seat(
-    joint: FloatArray,
-    lines: FloatArray,
-    bore: FloatArray,
-    radius: float,
-    half: float,
-    overlap: float,
-    side: float,
-    latitude: float,
-    out: FloatArray,
+    cut: Cut, radius: float, half: float, overlap: float, side: float, latitude: float, out: FloatArray
 ) -> bool:
     """Add the integrals of a seat at a latitude on one side of the core, if there is room; return whether there is.
 
     A strip about the ray of that latitude, ``half`` wide on either side, runs from ``radius``, that of the core with its gap, into
     the wall by ``overlap``. It must touch its own part, and keep the gap from the other one.
     """
-    c, sine, gap = math.cos(latitude), math.sin(latitude), joint[GAP]
-    own = (side > 0) == (joint[SIDE] > 0.0)
-    straight = math.sqrt(radius * radius - half * half)
-    start, low = straight * sine - half * c, radius * sine - (half + gap) * c - gap
-    touched, taken, i, ends = 0.0, 0.0, 0, False
-    end = -bore[0, 0] if side < 0.0 else bore[bore.shape[0] - 1, 0]
+    c, sine, gap = math.cos(latitude), math.sin(latitude), cut.gap
+    own, total = (side > 0) == (cut.side > 0.0), np.zeros(4)
+    end = -cut.bore[0, 0] if side < 0.0 else cut.bore[cut.bore.shape[0] - 1, 0]
+    # The cavity may have a flat end: a slice ends there.
+    away = end - FINE * (0.5 + math.floor((end - radius * sine + (half + gap) * c + gap) / FINE))
+    touched, taken, joined, ends, ended = 0.0, 0.0, False, False, False
     while not ends:
-        away = low + (i + 0.5) * FINE
-        z, i = side * away, i + 1
-        s, wall = joint[SIDE] * (z - joint[Z]), 0.0
-        if away <= end + overlap:
-            # Also into an end that is flat.
-            wall = read_bore(bore, side * min(away, end)) + overlap
+        s, wall = cut.side * (side * away - cut.z), read_radius(cut.bore, side * away)
+        beyond = read_radius(cut.bore, side * min(away, end)) + overlap if away <= end + overlap else 0.0
         inner, outer = (c * away - half) / sine, (c * away + half) / sine
-        ends = inner - gap / sine > wall + gap
         arc = math.sqrt(max(0.0, radius * radius - away * away))
-        least, greatest = read_part(joint, lines, bore, not own, s)
+        least, greatest = read_part(cut, not own, s)
         taken += FINE * max(
-            0.0, min(outer + gap / sine, wall + gap, greatest) - max(inner - gap / sine, arc, least)
+            0.0, min(outer + gap / sine, beyond + gap, greatest) - max(inner - gap / sine, arc, least)
         )
-        least, greatest = read_part(joint, lines, bore, own, s)
-        touched += FINE * max(0.0, min(outer, wall, greatest) - max(inner, arc, least))
+        least, greatest = read_part(cut, own, s)
+        touched += FINE * max(0.0, min(outer, beyond, greatest) - max(inner, arc, least))
+        ends = inner - gap / sine > beyond + gap
+        inner, ended = max(0.0, inner, arc), ended or inner > wall + overlap
+        # Beyond where they meet, what is left between the seat and its part would be sealed: it is filled.
+        joined = joined or (greatest > inner and outer >= least)
+        outer = least if joined else outer
+        if outer > inner and not ended:
+            _add_ring(side * away, inner, outer, math.pi * FINE, total)
+        away += FINE
     # The sections have another half on the other side of the axis.
     if 2.0 * touched < AREA or 2.0 * taken > AREA:
         return False
-    end = min(end, low + i * FINE)
-    count, joined = max(1, int((end - start) / STEP)), False
-    step = (end - start) / count
-    for j in range(count):
-        for k in range(2):
-            away = start + (j + _GAUSS[k]) * step
-            z = side * away
-            arc = math.sqrt(max(0.0, radius * radius - away * away))
-            inner, outer = max(0.0, (c * away - half) / sine, arc), (c * away + half) / sine
-            least, greatest = read_part(joint, lines, bore, own, joint[SIDE] * (z - joint[Z]))
-            # Beyond where they meet, what is left between the seat and its part would be sealed: it is filled.
-            joined = joined or (greatest > inner and outer >= least)
-            outer = least if joined else outer
-            if inner > read_bore(bore, z) + overlap:
-                return True
-            if outer > inner:
-                _add_ring(z, inner, outer, 0.5 * math.pi * step, out)
+    for k in range(4):
+        out[k] += total[k]
     return True
