@@ -30,8 +30,9 @@ pytestmark = pytest.mark.slow
 SIMULATORS = ("native", "exudyn")
 
 
-def test_stages_of_an_evaluation(count_of, milliseconds):
-    pipelines = {use: load_study("paper", use={"simulator": use}).make_pipeline() for use in SIMULATORS}
+@pytest.mark.parametrize("study", ["paper", "pipe-inspection"])
+def test_stages_of_an_evaluation(study, count_of, milliseconds):
+    pipelines = {use: load_study(study, use={"simulator": use}).make_pipeline() for use in SIMULATORS}
     pipeline, rng = pipelines["native"], np.random.default_rng(0)
     scenario = pipeline.scenario
     genomes = [pipeline.grammar.random(rng) for _ in range(count_of("AGENTS", 60))]
@@ -46,7 +47,13 @@ def test_stages_of_an_evaluation(count_of, milliseconds):
         "coefficients": milliseconds(
             lambda body: pipeline.hydrodynamics.coefficients(body, scenario.fluid), bodies
         ),
+        "estimated coefficients": milliseconds(
+            lambda body: pipeline.hydrodynamics.estimate(body, scenario.fluid), bodies
+        ),
         "flight model": milliseconds(lambda agent: flight_model(agent, scenario), agents),
+        "screen (native)": milliseconds(
+            lambda agent: pipeline.simulator.screen_batch([agent], [scenario], lambda *_: False), agents
+        ),
         "simulate (native)": milliseconds(lambda agent: pipeline.fly([agent]), agents),
         "simulate (Exudyn)": milliseconds(lambda agent: pipelines["exudyn"].fly([agent]), agents),
         "score ten targets": milliseconds(
@@ -56,7 +63,8 @@ def test_stages_of_an_evaluation(count_of, milliseconds):
     }
     simulation = np.median(stages["simulate (native)"])
     # A flight makes its model itself.
-    part = ("flight model", "simulate (native)", "simulate (Exudyn)")
+    part = ("flight model", "estimated coefficients", "screen (native)")
+    part += ("simulate (native)", "simulate (Exudyn)")
     others = sum(np.median(times) for name, times in stages.items() if name not in part)
     lines = ["| stage | median ms | 90 % ms | of a native flight |", "|---|---|---|---|"]
     for name, times in stages.items():

@@ -1,7 +1,5 @@
 """Body -> mass, centre of gravity, inertia, displaced volume, centre of buoyancy (eq. 11 to 24, corrected)."""
 
-from functools import lru_cache
-
 import numpy as np
 
 from driftform.agent.solids import solid_of_revolution
@@ -18,18 +16,13 @@ def hull_mass(body: Body) -> float:
     return hull_moments(body).volume * body.hull_density
 
 
-@lru_cache(maxsize=4)
 def wall_moments(body: Body) -> Moments:
-    """Return the volume integrals of a hull's wall: outer contour less cavity, without fittings; the latest are kept."""
+    """Return the volume integrals of a hull's wall: outer contour less cavity, without fittings."""
     return displaced_moments(body) - solid_of_revolution(body.cavity)
 
 
-@lru_cache(maxsize=4)
 def displaced_moments(body: Body) -> Moments:
-    """Return the volume integrals of the inside of a body's outer contour.
-
-    Those of the latest bodies are kept, because the added mass of an agent and its mass properties share them.
-    """
+    """Return the volume integrals of the inside of a body's outer contour."""
     return solid_of_revolution(body.outer)
 
 

@@ -251,8 +251,9 @@ def _choose_fewest(
 
 def _take_best(hull: Hull, ways: Sequence[_Way], joint: Joint) -> _Way:
     """The best of some ways with a joint that follows them."""
-    slim = plug_bore(hull, joint) < SLIM_BORE
-    return min((way.cut(joint, slim) for way in ways), key=_Way.rank)
+    z = abs(joint.z)
+    best = min(ways, key=lambda way: (way.slim, max(way.highest, z - way.begin)))
+    return best.cut(joint, plug_bore(hull, joint) < SLIM_BORE)
 
 
 def _name_side(side: int) -> str:

@@ -10,7 +10,7 @@ from driftform.errors import WorkFailedError
 from driftform.types import Body
 from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import KitOptions
-from driftform_frusta.printable import refuse_other_volume
+from driftform_frusta.printable import check_printable_section, refuse_other_volume
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, draw_cone
 from driftform_kit.cutting.cut import CoreJoint
@@ -78,6 +78,8 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     WorkFailedError
         if it cannot be cut; the message has the reason.
     """
+    # A hull that cannot be printed whole cannot be cut either.
+    check_printable_section(body)
     plan, gap = plan_kit(body, options), MM * options.clearance
     hull, joints, chosen = plan.hull, plan.joints, plan.core_joint
     refuse_other_volume(

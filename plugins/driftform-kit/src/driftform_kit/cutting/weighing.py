@@ -14,7 +14,6 @@ import numpy as np
 from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray, Moments
 from driftform_frusta.kit_options import GROOVE_WIDTH, KitOptions
-from driftform_frusta.printable import check_printable_section
 from driftform_kit.cutting import kernels, meridian
 from driftform_kit.cutting.bay import LATITUDES_DEG, PLAY, PLAY_OF_SEATS, SEAT
 from driftform_kit.cutting.cut import CoreJoint, choose_bed_joints, choose_core_joint
@@ -46,8 +45,6 @@ def plan_kit(body: Body, options: KitOptions) -> Plan:
     WorkFailedError
         if it cannot be cut; the message has the reason.
     """
-    # A hull that cannot be printed whole cannot be cut either.
-    check_printable_section(body)
     hull = meridian.draw_hull(body)
     chosen = choose_core_joint(hull, options)
     others = choose_bed_joints(hull, chosen.joint, options)
