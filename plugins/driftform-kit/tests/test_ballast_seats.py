@@ -228,7 +228,9 @@ def test_the_kit_of_a_tuned_body_weighs_and_balances_as_simulated():
         assert printed.mass + ball == pytest.approx(simulated.mass, abs=5e-6)
         # Where the ball makes room for the core, its seat moves the centre of gravity a little.
         cog = (printed.mass * printed.cog[0] + ball * x) / simulated.mass
-        assert cog == pytest.approx(simulated.cog[0], abs=1e-5 if x != round(body.ballast.centroid, 7) else 5e-4)
+        assert cog == pytest.approx(
+            simulated.cog[0], abs=1e-5 if x != round(body.ballast.centroid, 7) else 5e-4
+        )
         tried += 1
         if tried == 5:
             return
