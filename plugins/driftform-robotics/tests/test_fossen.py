@@ -179,7 +179,9 @@ def unsigned_volume(path: Path) -> float:
     """``SubMesh::Volume`` of gz-common as it was released up to 2026: tetrahedra without their sign."""
     lines = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
     points = np.array([line[1:] for line in lines if line[0] == "v"], dtype=float)
-    corners = np.array([line[1:] for line in lines if line[0] == "f"], dtype=int) - 1
+    corners = (
+        np.array([[c.split("/")[0] for c in line[1:]] for line in lines if line[0] == "f"], dtype=int) - 1
+    )
     a, b, c = points[corners].transpose(1, 0, 2)
     return float(np.abs(np.einsum("ij,ij->i", np.cross(a, b), c)).sum() / 6)
 

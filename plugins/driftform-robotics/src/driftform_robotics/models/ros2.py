@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-from driftform_robotics.models.xml import add, add_texts, format_document
+from driftform_robotics.models.xml import add, add_maintainer, add_texts, format_document
 
 _SCHEMA = (
     '<?xml-model href="http://download.ros.org/schema/package_format3.xsd" '
@@ -83,7 +83,7 @@ def make_package(
 def _format_manifest(name: str, description: str, depends: Sequence[str]) -> str:
     root = ET.Element("package", format="3")
     add_texts(root, name=name, version="0.1.0", description=description)
-    add(root, "maintainer", "driftform", email="driftform@example.org")
+    add_maintainer(root)
     add(root, "license", "MIT", file="LICENSE")
     add(root, "buildtool_depend", "ament_cmake")
     for package in depends:

@@ -19,7 +19,7 @@ from driftform_robotics.models.exporter import Model, ModelExporter, ModelOption
 from driftform_robotics.models.link import Link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.scenery import add_pipe, add_scene, add_targets, make_static
 from driftform_robotics.models.urdf import add_link
-from driftform_robotics.models.xml import add, add_comment, add_texts
+from driftform_robotics.models.xml import add, add_comment, add_maintainer, add_texts
 
 SMOOTHING = 0.3
 """Weight of the newest acceleration (``ComputeAcc`` in HydrodynamicModel.cc)."""
@@ -224,7 +224,7 @@ def _package_files(model: Model) -> dict[str, str]:
     """Return the files that make the folder a ROS package for catkin."""
     root = ET.Element("package", format="2")
     add_texts(root, name=model.title, version="0.1.0", description=f"The agent {model.job.name} of driftform")
-    add(root, "maintainer", "driftform", email="driftform@localhost")
+    add_maintainer(root)
     add_texts(root, license="MIT", buildtool_depend="catkin")
     for package in _DEPENDS:
         add(root, "exec_depend", package)

@@ -1,11 +1,20 @@
-"""Topics -> a bag of ROS 2: a folder with the messages and ``metadata.yaml``."""
+"""Topics -> a bag of ROS 2, which is a folder with the messages and ``metadata.yaml``, or of ROS 1, which is a file."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from heapq import merge
 from pathlib import Path
 from typing import Any, Literal
 
-from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+from rosbags.interfaces import (
+    Connection,
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
+from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
 from driftform_robotics.recording.messages import Messages, full_name
@@ -23,7 +32,6 @@ def write_bag(
 
     Messages are sorted by time; messages with the same time are in the order of ``topics``.
     """
-    counts = dict.fromkeys((topic.name for topic in topics), 0)
     writer = Writer(folder, version=VERSION, storage_plugin=StoragePlugin[storage.upper()])
     if storage == "mcap":
         writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
@@ -36,11 +44,30 @@ def write_bag(
             connections.append(
                 writer.add_connection(topic.name, kind, typestore=ros.store, offered_qos_profiles=qos)
             )
-        streams = [_number_messages(place, topic) for place, topic in enumerate(topics)]
-        for stamp, place, message in merge(*streams, key=lambda item: item[:2]):
-            topic = topics[place]
-            writer.write(connections[place], stamp, ros.encode(topic.kind, message))
-            counts[topic.name] += 1
+        return _write_messages(writer, connections, topics, ros)
+
+
+def write_bag_of_ros1(path: Path, topics: Sequence[Topic], ros: Messages) -> dict[str, int]:
+    """Write a bag of ROS 1 into a file that does not exist yet; return the number of messages of each topic."""
+    with Writer1(path) as writer:
+        connections = [
+            writer.add_connection(
+                topic.name, full_name(topic.kind), typestore=ros.store, latching=int(topic.latched)
+            )
+            for topic in topics
+        ]
+        return _write_messages(writer, connections, topics, ros)
+
+
+def _write_messages(
+    writer: Writer | Writer1, connections: Sequence[Connection], topics: Sequence[Topic], ros: Messages
+) -> dict[str, int]:
+    counts = dict.fromkeys((topic.name for topic in topics), 0)
+    streams = [_number_messages(place, topic) for place, topic in enumerate(topics)]
+    for stamp, place, message in merge(*streams, key=lambda item: item[:2]):
+        topic = topics[place]
+        writer.write(connections[place], stamp, ros.encode(topic.kind, message))
+        counts[topic.name] += 1
     return counts
 
 
