@@ -28,8 +28,8 @@ from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Pipe, Scenario, Segment
 from driftform_robotics import sensors
 from driftform_robotics.plume import make_plume
-from driftform_robotics.recording.recorders import McapRecorder, Rosbag1Recorder, Rosbag2Recorder
 from driftform_robotics.recording.options import FlightOptions, Ros2Options, Rosbag2Options
+from driftform_robotics.recording.recorders import McapRecorder, Rosbag1Recorder, Rosbag2Recorder
 
 KINDS = {
     "/clock": "rosgraph_msgs/msg/Clock",

@@ -121,7 +121,8 @@ class Mesh:
         for corner in self.triangles.T:
             np.add.at(normals, corner, self.area_vectors)
         lengths = _lengths(normals.T)[:, None]
-        return np.divide(normals, lengths, out=np.tile([0.0, 0.0, 1.0], (len(normals), 1)), where=lengths > 0)
+        upward: FloatArray = np.tile([0.0, 0.0, 1.0], (len(normals), 1))
+        return np.divide(normals, lengths, out=upward, where=lengths > 0)
 
     @property
     def area(self) -> float:
