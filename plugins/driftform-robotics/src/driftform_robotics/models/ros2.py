@@ -26,6 +26,11 @@ def read_template(name: str) -> str:
     return files("driftform_robotics.models").joinpath("templates", name).read_text(encoding="utf-8")
 
 
+def list_items(texts: Iterable[str]) -> str:
+    """Return texts as a list in Markdown."""
+    return "\n".join(f"- {text}" for text in texts) or "Nothing."
+
+
 @dataclass(frozen=True)
 class Bridge:
     """One topic of a bridge between Gazebo and ROS: names, types of messages, and ``direction``."""

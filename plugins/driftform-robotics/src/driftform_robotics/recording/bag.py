@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rosbags.interfaces import (
-    Connection,
     Qos,
     QosDurability,
     QosHistory,
@@ -26,49 +25,40 @@ VERSION: Literal[8] = 8
 
 
 def write_bag(
-    folder: Path, topics: Sequence[Topic], ros: Messages, storage: Storage, notes: Mapping[str, str]
+    path: Path, topics: Sequence[Topic], ros: Messages, storage: Storage | None, notes: Mapping[str, str]
 ) -> dict[str, int]:
-    """Write a bag into a folder that does not exist yet; return the number of messages of each topic.
+    """Write a bag into a folder or a file that does not exist yet; return the number of messages of each topic.
 
-    Messages are sorted by time; messages with the same time are in the order of ``topics``.
+    Messages are sorted by time; messages with the same time are in the order of ``topics``. Without a ``storage`` the bag
+    is one of ROS 1, which has no place for ``notes``.
     """
-    writer = Writer(folder, version=VERSION, storage_plugin=StoragePlugin[storage.upper()])
+    writer = Writer1(path) if storage is None else _make_writer(path, storage, notes)
+    counts = dict.fromkeys((topic.name for topic in topics), 0)
+    with writer:
+        connections = []
+        for topic in topics:
+            kind, latched = full_name(topic.kind), topic.latched
+            more: dict[str, Any] = (
+                {"latching": int(latched)}
+                if storage is None
+                else {"offered_qos_profiles": [_make_qos(latched)]}
+            )
+            connections.append(writer.add_connection(topic.name, kind, typestore=ros.store, **more))
+        streams = [_number_messages(place, topic) for place, topic in enumerate(topics)]
+        for stamp, place, message in merge(*streams, key=lambda item: item[:2]):
+            topic = topics[place]
+            writer.write(connections[place], stamp, ros.encode(topic.kind, message))
+            counts[topic.name] += 1
+    return counts
+
+
+def _make_writer(path: Path, storage: Storage, notes: Mapping[str, str]) -> Writer:
+    writer = Writer(path, version=VERSION, storage_plugin=StoragePlugin[storage.upper()])
     if storage == "mcap":
         writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
     for key, text in notes.items():
         writer.set_custom_data(key, text)
-    with writer:
-        connections = []
-        for topic in topics:
-            kind, qos = full_name(topic.kind), [_make_qos(topic.latched)]
-            connections.append(
-                writer.add_connection(topic.name, kind, typestore=ros.store, offered_qos_profiles=qos)
-            )
-        return _write_messages(writer, connections, topics, ros)
-
-
-def write_bag_of_ros1(path: Path, topics: Sequence[Topic], ros: Messages) -> dict[str, int]:
-    """Write a bag of ROS 1 into a file that does not exist yet; return the number of messages of each topic."""
-    with Writer1(path) as writer:
-        connections = [
-            writer.add_connection(
-                topic.name, full_name(topic.kind), typestore=ros.store, latching=int(topic.latched)
-            )
-            for topic in topics
-        ]
-        return _write_messages(writer, connections, topics, ros)
-
-
-def _write_messages(
-    writer: Writer | Writer1, connections: Sequence[Connection], topics: Sequence[Topic], ros: Messages
-) -> dict[str, int]:
-    counts = dict.fromkeys((topic.name for topic in topics), 0)
-    streams = [_number_messages(place, topic) for place, topic in enumerate(topics)]
-    for stamp, place, message in merge(*streams, key=lambda item: item[:2]):
-        topic = topics[place]
-        writer.write(connections[place], stamp, ros.encode(topic.kind, message))
-        counts[topic.name] += 1
-    return counts
+    return writer
 
 
 def _number_messages(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:

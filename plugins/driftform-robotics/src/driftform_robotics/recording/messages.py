@@ -1,6 +1,6 @@
 """Messages of one release of ROS, made without ROS."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -9,23 +9,26 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from driftform.types import FloatArray
+from driftform_robotics.recording.options import Release
 
 SECOND = 1_000_000_000
 """Nanoseconds in a second."""
 
 
 class Messages:
-    """Makes messages of a release, such as ``ROS2_JAZZY``, and encodes them; fields without a value are zero or empty."""
+    """Makes messages of a release and encodes them; fields without a value are zero or empty.
 
-    def __init__(self, release: str) -> None:
-        self.store = get_typestore(Stores[release])
+    Without a ``release`` of ROS 2 they are those of Noetic, the last of ROS 1.
+    """
+
+    def __init__(self, release: Release | None) -> None:
+        self.store = get_typestore(Stores[f"ROS2_{release.upper()}"] if release else Stores.ROS1_NOETIC)
         if "tf2_msgs/msg/TFMessage" not in self.store.types:
             # It is not in rosbags' definitions of Noetic, where it belongs to another repository.
             self.store.register(
                 get_types_from_msg("geometry_msgs/TransformStamped[] transforms\n", "tf2_msgs/msg/TFMessage")
             )
-        encode = self.store.serialize_ros1 if release.startswith("ROS1") else self.store.serialize_cdr
-        self._encode: Callable[[Any, str], memoryview] = encode
+        self._encode = self.store.serialize_cdr if release else self.store.serialize_ros1
         self._list_zeros = cache(self._make_zeros)
 
     def make(self, kind: str, **fields: Any) -> Any:

@@ -11,7 +11,7 @@ Storage = Literal["sqlite3", "mcap"]
 
 
 class FlightOptions(SensorOptions):
-    """Options of the messages of a flight, which are those of the last release of ROS 1."""
+    """Options of the messages of a flight."""
 
     namespace: str = option(
         "agent", "namespace of topics and frames", "", min_length=1, pattern=r"^[A-Za-z][A-Za-z0-9_]*$"
@@ -34,21 +34,11 @@ class FlightOptions(SensorOptions):
     concentration_noise: float = option(0.0, "standard deviation of the concentration", "kg/m3", ge=0, le=1e3)
     seed: int = option(0, "seed of the noise", ge=0, le=2**63 - 1)
 
-    @property
-    def messages(self) -> str:
-        """Name of the message definitions."""
-        return "ROS1_NOETIC"
-
 
 class Ros2Options(FlightOptions):
     """Options of messages of ROS 2."""
 
     release: Release = option("jazzy", "release of ROS 2 whose message definitions are used")
-
-    @property
-    def messages(self) -> str:
-        """Name of the message definitions."""
-        return f"ROS2_{self.release.upper()}"
 
 
 class Rosbag2Options(Ros2Options):

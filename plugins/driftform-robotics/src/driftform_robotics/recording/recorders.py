@@ -90,14 +90,10 @@ def _write_bag(
     path: Path, job: ExportJob, trajectory: Trajectory, options: FlightOptions, storage: Storage | None
 ) -> dict[str, object]:
     """Write a bag of ROS 2 with this storage, or of ROS 1 without one; return its facts."""
-    from driftform_robotics.recording.bag import write_bag, write_bag_of_ros1
+    from driftform_robotics.recording.bag import write_bag
     from driftform_robotics.recording.topics import FlightTopics
 
     found = FlightTopics(job, trajectory, options)
-    topics = found.list_topics()
-    if storage is None:
-        counts = write_bag_of_ros1(path, topics, found.ros)
-    else:
-        notes = {"agent": job.name, "end": str(trajectory.end), "document": json.dumps(job.document)}
-        counts = write_bag(path, topics, found.ros, storage, notes)
+    notes = {"agent": job.name, "end": str(trajectory.end), "document": json.dumps(job.document)}
+    counts = write_bag(path, found.list_topics(), found.ros, storage, notes)
     return {"messages": sum(counts.values()), "duration": float(trajectory.t[-1]), "topics": counts}

@@ -17,7 +17,7 @@ from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.models.pipe import list_bores
 from driftform_robotics.plume import Plume, make_plume
 from driftform_robotics.recording.messages import SECOND, Messages
-from driftform_robotics.recording.options import FlightOptions
+from driftform_robotics.recording.options import FlightOptions, Ros2Options
 
 WORLD = "world"
 
@@ -48,7 +48,7 @@ class FlightTopics:
 
     def __init__(self, job: ExportJob, trajectory: Trajectory, options: FlightOptions) -> None:
         self.job, self.trajectory, self.options = job, trajectory, options
-        self.ros = Messages(options.messages)
+        self.ros = Messages(options.release if isinstance(options, Ros2Options) else None)
         self.stamps = [round(options.start * SECOND) + round(float(t) * SECOND) for t in trajectory.t]
         self.base = f"{options.namespace}/base_link"
 
