@@ -24,7 +24,7 @@ from driftform.runs.misses import Misses
 from driftform.runs.run import Run as StoredRun
 from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
-from driftform.runs.wording import list_cells, list_headings
+from driftform.runs.wording import is_promised, list_cells, list_headings
 from driftform.search.advance import Observer, advance_run, find_best, list_best, search_run
 from driftform.search.finalists import find_winner
 from driftform.search.in_process import InProcess
@@ -36,6 +36,7 @@ from driftform.study import Study, load_study
 from driftform.types import Trajectory
 from driftform.util.notebook import show_picture, show_table
 from driftform.util.progress import count_progress
+from driftform.water.disturbances import Specimen
 
 __all__ = [
     "Design",
@@ -103,7 +104,8 @@ class Run(StoredRun, Mapping[str, Design]):
         """Return how far the disturbed flights of a target's best agent miss; ``None`` before they are flown."""
         with self.read() as store:
             winner = find_winner(self.study, store, target)
-        return None if winner is None else winner.misses
+        promise = None if winner is None else winner.promises.get(Specimen.PRINT)
+        return None if promise is None else promise.misses
 
     def map_coverage(self) -> CoverageMap:
         """Return which cells of the pipe its flights cross.
@@ -208,16 +210,17 @@ class Run(StoredRun, Mapping[str, Design]):
             self.best(),
             self.study.make_plugin("fitness"),
         )
+        promised = all(map(is_promised, best.values()))
         rows = (
             (
                 target,
                 ", ".join(f"{c:g}" for c in places[target]),
-                *list_cells(fitness, row["fitness"]),
+                *list_cells(fitness, row, promised),
                 str(row["evaluation"]),
             )
             for target, row in best.items()
         )
-        header = ("target", "x, y, z m", *list_headings(fitness), "evaluation")
+        header = ("target", "x, y, z m", *list_headings(fitness, promised), "evaluation")
         overview = self.path / "figures" / "overview.svg"
         shown = show_picture(overview.read_text(encoding="utf-8"), repr(self)) if overview.is_file() else ""
         return shown + show_table(header, rows, str(self.path))

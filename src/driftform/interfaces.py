@@ -142,8 +142,16 @@ class PhenotypeBuilder(Plugin[OptionsT_co]):
         """Return the meridian section of the morphology.
 
         The body must be valid for any morphology: both contours start and end on the axis and do not cross themselves,
-        and the cavity lies inside the outer contour.
+        and the cavity lies inside the outer contour. ``morphology.tuning`` lies within :meth:`find_tunings`.
         """
+
+    def find_tunings(self, morphology: Morphology) -> tuple[float, float] | None:
+        """Return the least and the greatest tuning that the body of a morphology can have; ``None`` for a body without.
+
+        The tuning is one continuous setting that a maker can choose after the shape, such as the mass of ballast. It must
+        change the weight of the body, and not its outer contour. By default there is none.
+        """
+        return None
 
 
 class HydrodynamicsOptions(Table):
@@ -248,6 +256,13 @@ class Fitness(Plugin[OptionsT_co]):
             return Verdict.REACHED
         return Verdict.NEAR if fitness >= 95 else Verdict.MISSED
 
+    def is_hit(self, fitness: float, miss: float, within: float) -> bool:
+        """Return whether a disturbed flight hits its target, from its fitness (%) and its miss, both of a target.
+
+        ``within`` is how near the study calls near enough, m. By default it is the fitness that decides.
+        """
+        return self.judge(fitness) is Verdict.REACHED
+
     def describe(self, fitness: float) -> str:
         """Return what people read of a fitness (%), as text with its unit."""
         return f"{self.measure(fitness):.2f} {self.unit}"
@@ -267,12 +282,15 @@ class SearchSpace:
         the only source of randomness that a strategy may use.
     scenario
         the environment of the flights; open water by default.
+    builder
+        makes bodies, for a strategy that compares or tunes them; ``None`` where only genomes are known.
     """
 
     grammar: Grammar[Any]
     targets: tuple[str, ...]
     rng: np.random.Generator
     scenario: Scenario = field(default_factory=Scenario)
+    builder: PhenotypeBuilder[Any] | None = None
 
 
 class Strategy(Plugin[OptionsT_co]):

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.agent import mass_properties
+from driftform.agent import mass_properties, solid_of_revolution
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.plugins.faults import describe_fault
@@ -33,6 +33,7 @@ from driftform.types import (
 from driftform.water import Scenario
 from driftform.water.disturbances import (
     Condition,
+    Specimen,
     disturb_body,
     disturb_calibration,
     disturb_fluid,
@@ -90,8 +91,9 @@ class Pipeline:
     fitness: Fitness[Any]
 
     def express(self, genome: Genome) -> Morphology:
-        """Genome -> morphology."""
-        return require_morphology(self.grammar.express(genome), self.grammar)
+        """Genome -> morphology, with the genome's tuning."""
+        morphology = require_morphology(self.grammar.express(genome), self.grammar)
+        return replace(morphology, tuning=genome.tuning) if genome.tuning else morphology
 
     def realise(
         self, morphology: Morphology, genome: Genome | None = None, condition: Condition | None = None
@@ -127,6 +129,11 @@ class Pipeline:
     ) -> Agent:
         scenario, options = self.scenario, self.hydrodynamics.options
         fluid, calibration = scenario.fluid, scenario.calibration
+        if condition is not None and condition.specimen is Specimen.IDLE:
+            from driftform.motion.forces import make_sphere
+
+            volume = solid_of_revolution(body.outer).volume
+            return make_sphere((6 * volume / np.pi) ** (1 / 3), disturb_fluid(condition, fluid))
         if condition is not None:
             body, fluid = disturb_body(condition, body), disturb_fluid(condition, fluid)
             calibration = disturb_calibration(condition, calibration)

@@ -88,10 +88,15 @@ def freeze_fields(value: object, **shapes: tuple[int | None, ...]) -> None:
 
 @dataclass(frozen=True)
 class Genome:
-    """A genotype: a flat tuple of symbols; only the named grammar knows their structure."""
+    """A genotype: a flat tuple of symbols, and the one gene that is a number, the tuning of the body.
+
+    Only the named grammar knows the structure of the symbols, and only the builder the meaning of the tuning, such as
+    the mass of ballast; 0 leaves the body as it is without.
+    """
 
     grammar: str
     symbols: tuple[str, ...]
+    tuning: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.symbols, tuple):
@@ -118,10 +123,11 @@ class Module:
 
 @dataclass(frozen=True)
 class Morphology:
-    """The modules on the two sides of the core, ``fore`` and ``aft``, each ordered from the core outward."""
+    """The modules on the two sides of the core, ``fore`` and ``aft``, each ordered from the core outward; and the tuning."""
 
     fore: tuple[Module, ...] = ()
     aft: tuple[Module, ...] = ()
+    tuning: float = 0.0
 
     @property
     def modules(self) -> tuple[Module, ...]:
@@ -222,6 +228,11 @@ class Body:
         density of the hull's material, kg/m3.
     fittings
         what the hull has beside the wall between both contours.
+    ballast
+        volume integrals of the ball of ballast that lies inside the hull, on its axis. What holds it counts as a part of
+        it, so that the hull does not depend on it.
+    ballast_density
+        density of the ballast, kg/m3.
     """
 
     outer: FloatArray
@@ -231,6 +242,8 @@ class Body:
     wall: float
     hull_density: float
     fittings: Fittings = Fittings()
+    ballast: Moments = Moments()
+    ballast_density: float = 0.0
 
     def __post_init__(self) -> None:
         freeze_fields(self, outer=(None, 2), cavity=(None, 2), joints=(None,))

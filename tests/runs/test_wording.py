@@ -3,7 +3,14 @@
 from driftform.builtin.closest_approach import ClosestApproach
 from driftform.interfaces import Fitness
 from driftform.options import Table
-from driftform.runs.wording import list_cells, list_headings, summarise
+from driftform.runs.wording import (
+    describe_result,
+    describe_worth,
+    list_cells,
+    list_headings,
+    name_verdict,
+    summarise,
+)
 from driftform.types import Verdict
 
 
@@ -35,8 +42,8 @@ class Plain(Lightness):
 def test_the_closest_approach_speaks_of_errors_in_percent_of_d_max():
     fitness = ClosestApproach(Table())
     assert list_headings(fitness) == ("fitness %", "error % of d_max")
-    assert list_cells(fitness, 97.5) == ("97.500", "2.500")
-    assert summarise(fitness, {"A": 99.5, "B": 90.0}) == (
+    assert list_cells(fitness, {"fitness": 97.5}) == ("97.500", "2.500")
+    assert summarise(fitness, {"A": {"fitness": 99.5}, "B": {"fitness": 90.0}}) == (
         "1 of 2 targets are reached: an error of at most 1 % of the farthest distance in the pipe; "
         "error % of d_max at worst 10.00 (B)"
     )
@@ -45,9 +52,9 @@ def test_the_closest_approach_speaks_of_errors_in_percent_of_d_max():
 def test_another_fitness_speaks_in_its_own_unit():
     fitness = Lightness(Table())
     assert list_headings(fitness) == ("fitness %", "mass g")
-    assert list_cells(fitness, 90) == ("90.000", "5.000")
+    assert list_cells(fitness, {"fitness": 90}) == ("90.000", "5.000")
     assert fitness.describe(90) == "5.00 g"
-    assert summarise(fitness, {"A": 90.0}) == (
+    assert summarise(fitness, {"A": {"fitness": 90.0}}) == (
         "The target is reached: a mass of at most 10 g; mass g at worst 5.00 (A)"
     )
 
@@ -55,5 +62,54 @@ def test_another_fitness_speaks_in_its_own_unit():
 def test_a_fitness_without_words_shows_itself_once():
     fitness = Plain(Table())
     assert list_headings(fitness) == ("fitness %",)
-    assert list_cells(fitness, 42) == ("42.000",)
-    assert summarise(fitness, {"A": 42.0}).startswith("The target is not reached: a fitness of at least 99 %")
+    assert list_cells(fitness, {"fitness": 42}) == ("42.000",)
+    assert summarise(fitness, {"A": {"fitness": 42.0}}).startswith(
+        "The target is not reached: a fitness of at least 99 %"
+    )
+
+
+def promise(hit, p90):
+    return {"hit": hit, "flights": 40, "failed": 0, "median": p90 / 2, "p90": p90}
+
+
+def result_of(printed, weighed, idle, p90=(0.073, 0.07, 0.5)):
+    one, other, nothing = (
+        promise(hit, miss) for hit, miss in zip((printed, weighed, idle), p90, strict=True)
+    )
+    return {"fitness": 99.9, "within": 0.4, "robust": {**one, "weighed": other, "baseline": nothing}}
+
+
+def test_a_target_is_kept_from_nine_flights_of_ten():
+    fitness = ClosestApproach(Table())
+    assert name_verdict(fitness, result_of(0.9, 0.9, 0)) == "kept"
+    assert name_verdict(fitness, result_of(0.875, 0.9, 0)) == "kept if weighed"
+    assert name_verdict(fitness, result_of(0.875, 0.875, 1)) == "missed"
+    assert name_verdict(fitness, {"fitness": 99.9}) == "reached"
+
+
+def test_a_promise_is_said_with_the_number_of_flights():
+    fitness, result = ClosestApproach(Table()), result_of(0.94, 0.96, 0)
+    assert describe_result(fitness, result) == "hit by 94 % of 40 flights (9 of 10 within 73 mm)"
+    headings, cells = list_headings(fitness, promised=True), list_cells(fitness, result, promised=True)
+    assert len(headings) == len(cells)
+    assert cells == ("400", "94", "73", "96", "70", "0", "500")
+
+
+def test_a_summary_counts_who_keeps_the_targets():
+    results = {
+        "A": result_of(0.95, 0.95, 0.0),
+        "B": result_of(0.5, 0.95, 0.95),
+        "C": result_of(0.5, 0.5, 0.0),
+    }
+    found = summarise(ClosestApproach(Table()), results)
+    assert (
+        found.startswith("2 of 3 targets are kept")
+        and "1 if it is not" in found
+        and found.endswith("keeps 1")
+    )
+
+
+def test_a_shape_that_is_hardly_better_than_nothing_is_said_to_matter_little():
+    results = {"A": result_of(1, 1, 0, (0.3, 0.2, 0.5)), "B": result_of(1, 1, 1, (0.3, 0.28, 0.3))}
+    assert describe_worth(results).startswith("the shape matters little for B:")
+    assert describe_worth({"A": results["A"]}) == ""

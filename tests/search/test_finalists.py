@@ -24,6 +24,7 @@ from driftform.search.jobs import Job, Outcome
 from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, FloatArray, Genome
+from driftform.water.disturbances import Specimen
 from driftform.water.scenario import Robustness
 
 SETTINGS = ("robustness.conditions=4", "robustness.finalists=2", "robustness.checks=3")
@@ -60,10 +61,10 @@ def test_finalists_fly_under_each_condition_of_the_choice_and_winners_under_thos
     for target in ("TP2", "TP6"):
         flown = {index: set(flights) for index, flights in store.read_disturbed(target).items()}
         assert flown.keys() == finalists
-        assert all(flown[index] == set(range(7)) for index in winners)
+        assert all(flown[index] == set(range(13)) for index in winners)
         assert all(numbers == set(range(len(numbers))) for numbers in flown.values())
     total = len(store.list_disturbed())
-    assert total <= 4 * len(finalists) + 3 * len(winners)
+    assert total <= 4 * len(finalists) + 9 * len(winners)
     assert seen[0][0] == 0 and seen[-1] == (total, total)
     assert all(a <= b for (a, _), (b, _) in pairwise(seen))
     assert all(total <= promised for _, promised in seen)
@@ -85,7 +86,7 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
     evaluations = study.make_pipeline().evaluate(
         [genome] * len(flights),
         conditions=conditions[: len(flights)],
-        thresholds=[*unchecked, None, None, None][: len(flights)],
+        thresholds=[*unchecked, *[None] * 9][: len(flights)],
     )
     d_max = study.scenario.pipe.farthest_distance(study.scenario.targets["TP6"])
     for number, evaluation in enumerate(evaluations):
@@ -99,8 +100,7 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
 
 def test_the_conditions_of_the_promise_are_not_those_of_the_choice() -> None:
     drawn = draw_rounds(study_of())
-    assert len(drawn) == 7
-    assert len(set(drawn)) == 7
+    assert len(set(drawn)) == len(drawn) == 4 + 3 * len(Specimen)
     assert not {c.gusts for c in drawn[:4]} & {c.gusts for c in drawn[4:]}
 
 
@@ -240,7 +240,9 @@ def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score:
     study = study_of(f"robustness.score='{score}'", *chosen, evaluations=count)
     undisturbed = rng.uniform(level, 101, (count, 2)).clip(max=100)
     reliable = rng.uniform(50, 100, (count, 1, 2))
-    disturbed = np.minimum(reliable + rng.normal(0, 10, (count, 15, 2)), 100).clip(min=0).round()
+    disturbed = (
+        np.minimum(reliable + rng.normal(0, 10, (count, 12 + 3 * len(Specimen), 2)), 100).clip(min=0).round()
+    )
     executor = Table(study, undisturbed, disturbed)
     with TemporaryDirectory() as folder, Store.create(Path(folder) / "run.db", dict(study.document)) as store:
         run_search(study, store, executor)
@@ -264,12 +266,12 @@ def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score:
             if may[row, number]
         }
         assert winner is not None and winner.index == max(scores, key=lambda row: scores[row])
-    assert flights <= 12 * len(finalists) + 3 * len({winner.index for winner in found if winner is not None})
+    assert flights <= 12 * len(finalists) + 9 * len({winner.index for winner in found if winner is not None})
 
 
 def test_an_agent_that_always_misses_loses_to_one_that_reaches_its_target_undisturbed(tmp_path: Path) -> None:
     study = study_of("robustness.survey=0")
-    undisturbed, disturbed = np.full((8, 2), 98.0), np.full((8, 7, 2), 97.0)
+    undisturbed, disturbed = np.full((8, 2), 98.0), np.full((8, 13, 2), 97.0)
     undisturbed[3, 0], disturbed[3] = 99.5, 70.0
     executor = Table(study, undisturbed, disturbed)
     with Store.create(tmp_path / "run.db", dict(study.document)) as store:

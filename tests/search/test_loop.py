@@ -283,8 +283,8 @@ def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> Non
     for number, best in enumerate(results):
         records = list(store.read_records(study.scenario.target_names))
         fitness = [record.evaluation.fitness[number] for record in records]
-        assert best.fitness == max(fitness)
-        assert best.index == int(np.argmax(fitness))
+        assert best.result["fitness"] == max(fitness)
+        assert best.result["evaluation"] == int(np.argmax(fitness))
         assert {path.name for path in best.files} == {
             "agent.json",
             "trajectory.csv",
@@ -293,7 +293,7 @@ def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> Non
         }
         # Equation 25 backwards, with the stored flight in place of the one that was scored.
         d_max = study.scenario.pipe.farthest_distance(np.array(study.scenario.targets[best.target]))
-        assert best.nominal == pytest.approx(best.error_percent / 100 * d_max, rel=1e-3)
+        assert best.result["nominal"] == pytest.approx(best.result["error_percent"] / 100 * d_max, rel=1e-3)
 
 
 def test_writing_the_best_again_gives_the_same_files(store: Store, tmp_path: Path) -> None:

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from driftform.motion.forces import make_sphere
 from driftform.types import End
 from driftform.water import Scenario
-from driftform_networks.bodies import Traveller, make_sphere, open_traveller
+from driftform_networks.bodies import Traveller, open_traveller
 from driftform_networks.bore import spread_points
 from driftform_networks.streamtubes import divide_bore, smallest_share
 from driftform_networks.tee_flights import fly_tee
@@ -71,7 +72,7 @@ def compare(traveller: Traveller, size: float, bore: float, share: float) -> Com
         )
         for right, up in places.tolist()
     ]
-    sphere = make_sphere(size * BORE, scenarios[0])
+    sphere = make_sphere(size * BORE, scenarios[0].fluid)
     flights = traveller.simulator.screen_batch([sphere] * len(places), scenarios, lambda _, __: False)
     [outlet] = [o for o in scenarios[0].pipe.layout.outlets if o.name == "branch"]
     held = np.array([flight.end == End.HORIZON for flight in flights])
@@ -109,7 +110,9 @@ def test_spheres_take_the_branch_as_the_streamtubes_say_unless_they_are_wide_and
             assert found.flown < 0.02 and found.divided > 0.05
         # The tables of routes say what these flights do.
         tee = Tee(BORE, SPEED, bore, 90.0, 90.0, share)
-        table = fly_tee(replace(traveller, agent=make_sphere(size * BORE, traveller.scenario)), tee, None)
+        table = fly_tee(
+            replace(traveller, agent=make_sphere(size * BORE, traveller.scenario.fluid)), tee, None
+        )
         entered, held = table.onward[0, BRANCH].sum(), 1 - table.onward[0].sum()
         # Without friction, the spheres that the edge would hold move on, and some of them enter the branch.
         assert found.flown - 0.02 < entered < found.flown + found.held + 0.02

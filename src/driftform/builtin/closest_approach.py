@@ -32,6 +32,10 @@ class ClosestApproach(Fitness[Table]):
             return Verdict.REACHED
         return Verdict.NEAR if error <= 5 else Verdict.MISSED
 
+    def is_hit(self, fitness: float, miss: float, within: float) -> bool:
+        """Return whether the flight passes its target near enough."""
+        return miss <= within
+
     def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,)."""
         from driftform.motion.way import approach_targets, farthest_distances

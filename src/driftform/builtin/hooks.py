@@ -10,11 +10,12 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_fitness() -> "list[type[Fitness[Any]]]":
-    """Return the paper's fitness, equation 25, and that of outlets."""
+    """Return the paper's fitness, equation 25, that of outlets, and that of groups of targets."""
     from driftform.builtin.closest_approach import ClosestApproach
+    from driftform.builtin.group import GroupFitness
     from driftform.builtin.outlet import OutletFitness
 
-    return [ClosestApproach, OutletFitness]
+    return [ClosestApproach, GroupFitness, OutletFitness]
 
 
 @hookimpl
@@ -27,9 +28,11 @@ def driftform_recorder() -> "list[type[Recorder[Any]]]":
 
 @hookimpl
 def driftform_strategy() -> "list[type[Strategy[Any]]]":
-    """Return MAP-Elites, evolution by single symbols, and random search."""
+    """Return MAP-Elites, evolution by single symbols, random search, and the searches of tuned bodies."""
     from driftform.search.strategies.atlas import AtlasStrategy
+    from driftform.search.strategies.direct import DirectStrategy
     from driftform.search.strategies.evolution import EvolutionStrategy
     from driftform.search.strategies.random import RandomStrategy
+    from driftform.search.strategies.tuned import TunedStrategy
 
-    return [AtlasStrategy, EvolutionStrategy, RandomStrategy]
+    return [AtlasStrategy, DirectStrategy, EvolutionStrategy, RandomStrategy, TunedStrategy]

@@ -35,6 +35,13 @@ def evolve(
         typer.Option(metavar="N", min=0, help="Seed of all randomness; drawn and recorded by default."),
     ] = None,
     robust: Robust = None,
+    within: Annotated[
+        float | None,
+        typer.Option(
+            metavar="M",
+            help="How near a flight must pass a target to hit it, m; 5 % of the farthest distance by default.",
+        ),
+    ] = None,
     workers: Workers = None,
     executor: ExecutorName = None,
     scheduler: Scheduler = None,
@@ -58,11 +65,13 @@ def evolve(
     with 'driftform resume'.
 
     The best agents of the search are flown again under disturbed conditions. The one that is chosen for a target is
-    then flown under fresh conditions, which show the miss that 9 of 10 flights stay within. --robust 0 leaves this out.
+    then flown under fresh conditions, which show how many flights hit the target, and the miss that 9 of 10 stay within:
+    as it comes from the printer, weighed and trimmed, and beside it a body that does nothing. --robust 0 leaves this out.
     """
     from driftform.study import load_study
 
-    disturbed = () if robust is None else (f"robustness.conditions={robust}",)
+    given = {"conditions": robust, "within": within}
+    disturbed = (f"robustness.{key}={value}" for key, value in given.items() if value is not None)
     checked = load_study(
         study,
         (*(settings or ()), *disturbed),

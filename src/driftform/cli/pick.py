@@ -13,9 +13,16 @@ NUMBERS = {"ignore_unknown_options": True}
 
 def pick(
     run: RunArgument,
-    x: Annotated[float, typer.Argument(metavar="X", help="World coordinates of the point, m.")],
-    y: Annotated[float, typer.Argument(metavar="Y", help="Its second coordinate.")],
-    z: Annotated[float, typer.Argument(metavar="Z", help="Its third coordinate.")],
+    x: Annotated[float | None, typer.Argument(metavar="X", help="World coordinates of the point, m.")] = None,
+    y: Annotated[float | None, typer.Argument(metavar="Y", help="Its second coordinate.")] = None,
+    z: Annotated[float | None, typer.Argument(metavar="Z", help="Its third coordinate.")] = None,
+    place: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TOML",
+            help="A place in the pipe instead, such as 'part = \"straight 2\", at = 1.2, clock = 12, off_wall = 0.03'.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Directory for the agent; by default RUN/picks/X_Y_Z.")
     ] = None,
@@ -26,10 +33,16 @@ def pick(
     Searches every stored flight; the run need not be finished.
     """
     from driftform.cli.output import print_json
+    from driftform.errors import InputError
     from driftform.runs.run import Run
-    from driftform.search.picking import write_pick
+    from driftform.search.picking import find_place, write_pick
 
-    stored, path = write_pick(Run.open(run, check=False), (x, y, z), out)
+    opened = Run.open(run, check=False)
+    if place is not None and x is None:
+        x, y, z = find_place(place, opened.study.scenario.pipe)
+    elif place is not None or x is None or y is None or z is None:
+        raise InputError("a point is named by X Y Z, its coordinates in m, or by --place")
+    stored, path = write_pick(opened, (x, y, z), out)
     if json:
         print_json({"agent": str(path), **stored.result})
         return

@@ -35,7 +35,6 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
     except WorkersLostError as error:
         raise WorkersLostError(f"{error}; {_describe_stop(run)}") from None
     seconds = time.perf_counter() - started
-    fitness = run.study.make_plugin("fitness")
     overview, reach = (run.path / "figures" / f"{name}.svg" for name in ("overview", "reach"))
     if json:
         evaluations, failed = run.count()
@@ -49,14 +48,13 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
                 "seconds": seconds,
                 "targets": {
                     best.target: {
-                        "fitness": best.fitness,
-                        "error_percent": best.error_percent,
-                        "verdict": fitness.judge(best.fitness),
-                        "distance": best.nominal,
-                        "nominal": best.nominal,
-                        "median": best.median,
-                        "p90": best.p90,
-                        "robust": best.robust,
+                        **best.result,
+                        "distance": best.result["nominal"],
+                        **{
+                            key: best.result.get("robust", {}).get(key)
+                            for key in ("hit", "weighed", "baseline")
+                        },
+                        "robust": best.result.get("robust", {}),
                         "agent": str(best.agent),
                         "files": [str(path) for path in best.files],
                     }
@@ -87,66 +85,45 @@ def _describe_stop(run: "Run") -> str:
     )
 
 
-def _format_share(share: float | None) -> str:
-    return "-" if share is None else f"{100 * share:.0f}"
-
-
-def _summarise_misses(results: "list[Best]") -> str:
-    """Return in one line how far the promised misses reach."""
-    from statistics import median
-
-    from driftform.cli.output import format_miss
-
-    reach = {best.target: float("inf") if best.p90 is None else best.p90 for best in results}
-    worst = max(reach, key=lambda target: reach[target])
-    return (
-        f"9 of 10 disturbed flights pass their target within {format_miss(median(reach.values()))} mm in the median over "
-        f"targets, within {format_miss(reach[worst])} mm at worst ({worst})"
+def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
+    from driftform.cli.output import print_table, print_text
+    from driftform.runs.wording import (
+        describe_worth,
+        explain_columns,
+        is_promised,
+        list_cells,
+        list_headings,
+        summarise,
     )
 
-
-def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
-    from driftform.cli.output import format_miss, print_table, print_text
-    from driftform.runs.wording import list_cells, list_headings, summarise
-
-    fitness = run.study.make_plugin("fitness")
-    promised = any(best.robust for best in results)
-    misses = ("nominal mm", "median mm", "90 % mm") if promised else ("nominal mm",)
-    shared = (fitness.share,) if promised and fitness.share else ()
-    header = ("target", "x m", "y m", "z m", *list_headings(fitness), *misses, *shared)
+    fitness, scenario = run.study.make_plugin("fitness"), run.study.scenario
+    found = {best.target: best.result for best in results}
+    promised = all(map(is_promised, found.values()))
+    header = ("target", "x m", "y m", "z m", *list_headings(fitness, promised))
+    header += () if promised else ("nominal mm",)
     print_table(
         header,
         (
             (
-                best.target,
-                *(f"{c:g}" for c in run.study.scenario.target_points()[best.target]),
-                *list_cells(fitness, best.fitness),
-                f"{1000 * best.nominal:.1f}",
-                *((format_miss(best.median), format_miss(best.p90)) if promised else ()),
-                *(_format_share(best.robust.get("reached")) for _ in shared),
+                target,
+                *(f"{c:g}" for c in scenario.target_points()[target]),
+                *list_cells(fitness, result, promised),
+                *(() if promised else (f"{1000 * result['nominal']:.1f}",)),
             )
-            for best in results
+            for target, result in found.items()
         ),
         right=range(1, len(header)),
     )
     if results:
-        print_text(summarise(fitness, {best.target: best.fitness for best in results}))
-    if shared:
-        print_text(
-            f"{fitness.share}: the share of {run.study.scenario.robustness.checks} flights under fresh disturbed conditions "
-            f"that reach the target, with {fitness.goal}"
-        )
-    elif promised:
-        print_text(_summarise_misses(results))
-    lost = {best.target: best.robust["failed"] for best in results if best.robust.get("failed")}
+        print_text(summarise(fitness, found))
+    if results and promised:
+        print_text(explain_columns(fitness, scenario.robustness.checks))
+        if worth := describe_worth(found):
+            print_text(worth)
+    lost = {name: r["robust"]["failed"] for name, r in found.items() if promised and r["robust"]["failed"]}
     if lost:
         counts = ", ".join(f"{count} of {target}" for target, count in lost.items())
         print_text(f"disturbed flights that failed, and do not count: {counts}")
-    if promised and not shared:
-        print_text(
-            "nominal: the undisturbed flight; median and 90 %: half, and 9 of 10, of "
-            f"{run.study.scenario.robustness.checks} flights under fresh disturbed conditions miss by less"
-        )
     evaluations, failed = run.count()
     print(f"{evaluations} evaluations ({failed} failed) in {seconds:.1f} s, seed {run.study.seed}")
     commonest = run.describe_failures()

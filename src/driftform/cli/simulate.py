@@ -158,7 +158,7 @@ def _print(design: "Design", flight: "Flight", misses: "DisturbedFlights | None"
     print_table(
         header,
         (
-            (name, *list_cells(fitness, f), f"{d:.4f}", f"{t:.2f}")
+            (name, *list_cells(fitness, {"fitness": f}), f"{d:.4f}", f"{t:.2f}")
             for (name, f), (d, t) in zip(flight.fitness.items(), flight.approaches.values(), strict=True)
         ),
         right=range(1, len(header)),

@@ -146,6 +146,11 @@ def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]
         ("mass", f"{1000 * mass.mass:.1f} g"),
         ("hull", f"{1000 * hull_mass(body):.1f} g of {body.hull_density:.0f} kg/m³"),
         ("core", f"{1000 * body.core.mass:.1f} g"),
+        *(
+            [("ballast", f"{1000 * body.ballast.volume * body.ballast_density:.2f} g")]
+            if body.ballast.volume
+            else []
+        ),
         ("volume", f"{1e6 * mass.volume:.1f} cm³"),
     ]
     if scenario is not None:
@@ -172,6 +177,10 @@ def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
         svg.add_line(root, svg.lines_data(lines), _STEEL, 0.8, "hatch")
     if len(cavity):
         svg.add_line(root, svg.path_data(cavity), INK, 0.9, "cavity", stroke_linejoin="round")
+    if ball := body.ballast.volume:
+        at = place.x + place.px_per_m * body.ballast.centroid
+        radius = place.px_per_m * (0.75 * ball / np.pi) ** (1 / 3)
+        svg.add_circle(root, at, place.y, radius, tint(INK, 0.55), class_="ballast")
     radius = body.core.radius * place.px_per_m
     svg.add_circle(root, place.x, place.y, radius, ORANGE, class_="core")
     # Above the axis the core is behind the wall: lighter, with a dashed (hidden) edge.

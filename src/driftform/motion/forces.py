@@ -5,6 +5,7 @@ import numpy as np
 from driftform.motion.body_drag import estimate_drag
 from driftform.motion.drag import still_water_wrench
 from driftform.motion.path import world_velocity
+from driftform.motion.spheres import make_sphere
 from driftform.motion.terminal import terminal_speeds
 from driftform.types import Agent, FloatArray, MassProperties, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
@@ -14,6 +15,7 @@ __all__ = [
     "acceleration_at",
     "accelerations_along",
     "estimate_drag",
+    "make_sphere",
     "net_wrench",
     "still_water_wrench",
     "terminal_speeds",

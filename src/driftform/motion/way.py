@@ -17,6 +17,9 @@ from driftform.util.latest import keep_latest
 from driftform.water import Pipe, Scenario
 from driftform.water.pipe import Vector
 
+WITHIN = 0.05
+"""Share of the farthest distance within which a flight hits its target, if the study does not say it: the paper's 5 %."""
+
 _BETWEEN = 4
 """Points of the path between two samples, the first one included, that are compared first."""
 
@@ -71,6 +74,14 @@ def find_offsets(evaluation: Evaluation, scenario: Scenario) -> FloatArray:
 def farthest_distances(scenario: Scenario) -> FloatArray:
     """Return for each target the greatest distance through the water to a point of the pipe's volume, m, (targets,)."""
     return _farthest_distances(scenario.pipe, tuple(scenario.target_points().values()))
+
+
+def find_within(scenario: Scenario) -> FloatArray:
+    """Return how near a flight must pass each target to hit it, m, (targets,): that of the study, or :data:`WITHIN`."""
+    within = scenario.robustness.within
+    given = within if isinstance(within, dict) else dict.fromkeys(scenario.targets, within)
+    usual = dict(zip(scenario.targets, (WITHIN * farthest_distances(scenario)).tolist(), strict=True))
+    return np.array([given.get(name) or distance for name, distance in usual.items()])
 
 
 def name_outlet(trajectory: Trajectory, scenario: Scenario) -> str | None:

@@ -12,17 +12,22 @@ from typing import Any
 from driftform.agent import hull_mass
 from driftform.figures import scene, style
 from driftform.figures.section import section_svg
-from driftform.interfaces import Fitness
 from driftform.motion.limits import list_limits
 from driftform.report.contents import Contents, collect_contents
 from driftform.runs.run import Run
-from driftform.runs.wording import summarise
-from driftform.types import Verdict
+from driftform.runs.wording import (
+    describe_worth,
+    explain_columns,
+    is_promised,
+    list_cells,
+    list_headings,
+    summarise,
+)
 from driftform.util.files import make_directory, write_text
 from driftform.water.regime import warn_of_regime
 
-STYLES = {Verdict.REACHED: "good", Verdict.NEAR: "fair", Verdict.MISSED: "poor"}
-"""The style class of each verdict of the fitness."""
+STYLES = {"kept": "good", "kept if weighed": "fair", "reached": "good", "near": "fair", "missed": "poor"}
+"""The style class of each verdict."""
 
 SEAMS = ("grammar", "builder", "hydrodynamics", "simulator", "fitness", "strategy")
 """Tables of a study whose plugins the page lists."""
@@ -57,17 +62,24 @@ def page_html(contents: Contents) -> str:
     # The viewer reads tens of thousands of numbers; spaces between them would make the page larger.
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
     study, fitness = contents.study.document, contents.study.make_plugin("fitness")
+    results = {entry.target: entry.stored.result for entry in contents.entries}
+    promised = all(map(is_promised, results.values()))
     return environment.from_string(_read("page.html")).render(
         contents=contents,
         title=str(study.get("title", "")) or contents.name,
         style=_read("page.css"),
         script=scene.read_viewer(),
         data=viewer_data(contents),
-        lead=_summarise(contents, fitness),
+        lead=summarise(fitness, results) + ".",
+        worth=describe_worth(results),
+        legend=explain_columns(fitness, contents.scenario.robustness.checks),
         fitness=fitness,
-        styles=STYLES,
         numbers=_list_numbers(contents),
-        has_spread=any("robust" in entry.stored.result for entry in contents.entries),
+        promised=promised,
+        headings=list_headings(fitness, promised),
+        cells={name: list_cells(fitness, result, promised) for name, result in results.items()},
+        verdicts={name: result["verdict"] for name, result in results.items()},
+        styles={name: STYLES[result["verdict"]] for name, result in results.items()},
         plugins={seam: study[seam]["use"] for seam in SEAMS if seam in study},
         study=tomli_w.dumps(dict(study)),
         sections=[
@@ -112,10 +124,6 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
 
 def _read(name: str) -> str:
     return files("driftform.report").joinpath(name).read_text(encoding="utf-8")
-
-
-def _summarise(contents: Contents, fitness: Fitness[Any]) -> str:
-    return summarise(fitness, {entry.target: entry.fitness for entry in contents.entries}) + "."
 
 
 def _list_numbers(contents: Contents) -> dict[str, str]:

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any, Self
 
@@ -33,7 +34,11 @@ class StoredAgent:
             "format": FORMAT,
             "version": VERSION,
             "name": self.name,
-            "genome": {"grammar": self.genome.grammar, "symbols": list(self.genome.symbols)},
+            "genome": {
+                "grammar": self.genome.grammar,
+                "symbols": list(self.genome.symbols),
+                "tuning": self.genome.tuning,
+            },
             "result": dict(self.result),
             "environment": dict(self.environment),
         }
@@ -77,9 +82,10 @@ class StoredAgent:
             or not isinstance(genome.get("grammar"), str)
             or not isinstance(symbols, list)
             or not all(isinstance(symbol, str) for symbol in symbols)
+            or not _is_number(genome.get("tuning", 0.0))
         ):
             raise InputError(
-                f'{path}: its "genome" must hold "grammar", a name, and "symbols", a list of strings'
+                f'{path}: its "genome" must hold "grammar", a name, "symbols", a list of strings, and "tuning", a number'
             )
         if not isinstance(environment, dict):
             raise InputError(
@@ -88,7 +94,11 @@ class StoredAgent:
         name, result = document.get("name"), document.get("result")
         return cls(
             name if isinstance(name, str) else path.stem,
-            Genome(genome["grammar"], tuple(symbols)),
+            Genome(genome["grammar"], tuple(symbols), float(genome.get("tuning", 0.0))),
             environment,
             result if isinstance(result, dict) else {},
         )
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)

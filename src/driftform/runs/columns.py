@@ -26,6 +26,7 @@ _OUTCOME = (
     Column("population", "text", "", "target that its population works for; empty where it works for all"),
     Column("parents", "integers", "", "evaluations that it descends from; none for a random genome"),
     Column("genome", "text", "", "the genome in one line"),
+    Column("tuning", "float", "", "of the body, such as the mass of ballast (kg); 0 for none"),
     Column("failure", "text", "", "what went wrong; none for a sound evaluation"),
     Column("end", "text", "", "why the flight ended"),
     Column("duration", "float", "s", "of the flight"),

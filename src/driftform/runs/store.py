@@ -36,7 +36,7 @@ from driftform.util.files import write_whole
 APPLICATION_ID = 0x64726674
 """In the header of a file of SQLite: by it a database is known as one of ours."""
 
-SCHEMA_VERSION = 5
+SCHEMA_VERSION = 6
 """Of the tables; a database of another version is refused."""
 
 _SCHEMA = """
@@ -51,6 +51,7 @@ CREATE TABLE evaluation (
     parents TEXT NOT NULL,       -- JSON array of evaluation ids
     grammar TEXT NOT NULL,
     symbols TEXT NOT NULL,       -- JSON array of strings
+    tuning REAL NOT NULL,        -- of the body, in the unit of its builder
     seed INTEGER NOT NULL,       -- of what was random about it, see scenario.evaluation_seed()
     failure TEXT,
     ended TEXT,
@@ -106,7 +107,7 @@ _LARGEST_ROW = LARGEST_FLIGHT + (1 << 20)
 _DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 """Errors of SQLite that mean damage; all others are about the place: a full disk, a lock, a right that is missing."""
 
-_INSERT = f"INSERT INTO evaluation VALUES ({','.join('?' * 15)})"
+_INSERT = f"INSERT INTO evaluation VALUES ({','.join('?' * 16)})"
 
 _UNWRITTEN = "cannot be written: {}; what was written before is safe"
 
@@ -497,7 +498,7 @@ class Store:
 
     def read_genome(self, index: int) -> Genome:
         """Return the genome of one evaluation."""
-        query = "SELECT grammar, symbols FROM evaluation WHERE id = ?"
+        query = "SELECT grammar, symbols, tuning FROM evaluation WHERE id = ?"
         with self._reading():
             return self._genome(*self._connection.execute(query, (index,)).fetchone())
 
@@ -536,14 +537,18 @@ class Store:
         except (sqlite3.Error, zlib.error, ValueError, TypeError, KeyError, RecursionError) as error:
             raise _describe_read_error(self._path, error) from None
 
-    def _genome(self, grammar: object, symbols: object) -> Genome:
+    def _genome(self, grammar: object, symbols: object, tuning: object) -> Genome:
         """Return a genome from the values of its columns."""
         if self._grammar not in (None, grammar):
             raise ValueError(f"a genome is of the grammar {grammar!r}, expected {self._grammar!r}")
-        return Genome(check_text(grammar, "a grammar"), read_texts(symbols, "the symbols"))
+        return Genome(
+            check_text(grammar, "a grammar"),
+            read_texts(symbols, "the symbols"),
+            check_number(tuning, "the tuning"),
+        )
 
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
-        index, generation, population, parents, grammar, symbols, seed, failure, ended, _, *rest = row
+        index, generation, population, parents, grammar, symbols, tuning, seed, failure, ended, _, *rest = row
         contact, drift, error, seconds, blob = rest
         # By target first, as the key has it: otherwise SQLite would read every row of the table.
         among = f"target IN ({','.join('?' * len(targets))})"
@@ -552,7 +557,7 @@ class Store:
                 f"SELECT target, fitness FROM score WHERE {among} AND evaluation = ?", (*targets, index)
             ).fetchall()
         )
-        genome = self._genome(grammar, symbols)
+        genome = self._genome(grammar, symbols, tuning)
         evaluation = Evaluation(
             genome,
             np.array([_check_fitness(scores[target]) for target in targets]),
@@ -637,6 +642,7 @@ def _row(record: Record) -> tuple[Any, ...]:
         json.dumps(candidate.parents),
         candidate.genome.grammar,
         json.dumps(candidate.genome.symbols),
+        candidate.genome.tuning,
         record.seed,
         evaluation.failure,
         str(flight.end) if flight else None,

@@ -5,6 +5,7 @@ Both have the column ``evaluation``, by which they are joined. SI units; frames 
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -163,6 +164,7 @@ def _describer(study: Study) -> Callable[[Record], tuple[Any, ...]]:
             candidate.target,
             list(candidate.parents),
             grammar.to_text(candidate.genome),
+            candidate.genome.tuning,
             evaluation.failure,
             *outcome,
             evaluation.seconds,
@@ -178,7 +180,7 @@ def _body_facts(
     grammar: Grammar[Any], builder: PhenotypeBuilder[Any], fluid: Fluid, genome: Genome
 ) -> tuple[Any, ...]:
     try:
-        morphology = grammar.express(genome)
+        morphology = replace(grammar.express(genome), tuning=genome.tuning)
         body = builder.build(morphology)
         mass = mass_properties(body)
     except Exception:

@@ -1,4 +1,8 @@
-"""A fitness in words and in the cells of tables: those of the fitness in use."""
+"""The result of a run for a target in words and in the cells of tables: those of the fitness in use.
+
+A result is what an agent file holds of it. If the agent was flown under disturbed conditions, its verdict is the share of
+these flights that hit the target; without, it is what the fitness says of the undisturbed flight.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,27 +10,123 @@ from typing import Any
 from driftform.interfaces import Fitness
 from driftform.types import Verdict
 
+KEPT = 0.9
+"""Least share of the flights that hit a target that is kept."""
 
-def list_headings(fitness: Fitness[Any]) -> tuple[str, ...]:
+WORTH = 0.1
+"""Least part by which the 90 % miss is to be below that of a body that does nothing, for the shape to matter."""
+
+Result = Mapping[str, Any]
+"""``result`` of an agent file: fitness (%), nominal miss (m), and what was promised as ``robust``."""
+
+
+def is_promised(result: Result) -> bool:
+    """Return whether the agent was flown under fresh disturbed conditions."""
+    return "flights" in result.get("robust", {})
+
+
+def is_kept(promise: Mapping[str, Any]) -> bool:
+    """Return whether a target is kept by what a promise is of."""
+    return (promise.get("hit") or 0.0) >= KEPT
+
+
+def name_verdict(fitness: Fitness[Any], result: Result) -> str:
+    """Return the verdict: kept, kept if weighed, or missed; without promises what the fitness says."""
+    if not is_promised(result):
+        return str(fitness.judge(result["fitness"]))
+    if is_kept(result["robust"]):
+        return "kept"
+    return "kept if weighed" if is_kept(result["robust"]["weighed"]) else "missed"
+
+
+def describe_result(fitness: Fitness[Any], result: Result) -> str:
+    """Return how well a target is kept, in one line; without promises what people read of the fitness."""
+    if not is_promised(result):
+        return fitness.describe(result["fitness"])
+    robust = result["robust"]
+    within = "" if fitness.share else f" (9 of 10 within {_format_miss(robust['p90'])} mm)"
+    return f"hit by {_format_share(robust['hit'])} % of {robust['flights']} flights{within}"
+
+
+def list_headings(fitness: Fitness[Any], promised: bool = False) -> tuple[str, ...]:
     """Return the headings of the columns of :func:`list_cells`."""
-    return ("fitness %",) if fitness.heading == Fitness.heading else ("fitness %", fitness.heading)
+    plain = ("fitness %",) if fitness.heading == Fitness.heading else ("fitness %", fitness.heading)
+    if not promised:
+        return plain
+    if fitness.share:
+        return (*plain, fitness.share, "weighed %", "idle %")
+    return ("within mm", "hit %", "90 % mm", "weighed %", "90 % mm", "idle %", "90 % mm")
 
 
-def list_cells(fitness: Fitness[Any], value: float) -> tuple[str, ...]:
-    """Return a fitness (%), and beside it what people read of it."""
-    return (f"{value:.3f}", f"{fitness.measure(value):.3f}")[: len(list_headings(fitness))]
+def list_cells(fitness: Fitness[Any], result: Result, promised: bool = False) -> tuple[str, ...]:
+    """Return the cells of a result: its fitness (%) and what people read of it, or how well it keeps the target."""
+    value = result["fitness"]
+    plain = (f"{value:.3f}", f"{fitness.measure(value):.3f}")[: len(list_headings(fitness))]
+    if not promised:
+        return plain
+    robust = result.get("robust", {})
+    each = [robust, robust.get("weighed", {}), robust.get("baseline", {})]
+    if fitness.share:
+        return (*plain, *(_format_share(promise.get("hit")) for promise in each))
+    cells = (cell for one in each for cell in (_format_share(one.get("hit")), _format_miss(one.get("p90"))))
+    return (_format_miss(result.get("within")), *cells)
 
 
-def summarise(fitness: Fitness[Any], values: Mapping[str, float]) -> str:
-    """Return how many targets are reached, and the worst one, from the fitness (%) for each target."""
-    reached = sum(fitness.judge(value) == Verdict.REACHED for value in values.values())
-    subject = f"{reached} of {len(values)} targets are"
-    if len(values) == 1:
-        subject = "The target is" if reached else "The target is not"
-    return f"{subject} reached: {fitness.goal}; {describe_worst(fitness, values)}"
+def summarise(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
+    """Return how many targets are kept, by whom; without promises how many are reached, and the worst one."""
+    promises = [result["robust"] for result in results.values() if is_promised(result)]
+    count = len(results)
+    if len(promises) < count:
+        reached = sum(fitness.judge(result["fitness"]) == Verdict.REACHED for result in results.values())
+        subject = f"{reached} of {count} targets are"
+        if count == 1:
+            subject = "The target is" if reached else "The target is not"
+        return f"{subject} reached: {fitness.goal}; {describe_worst(fitness, results)}"
+    weighed = sum(is_kept(promise["weighed"]) for promise in promises)
+    printed, idle = sum(map(is_kept, promises)), sum(is_kept(promise["baseline"]) for promise in promises)
+    return (
+        f"{weighed} of {count} {'target is' if count == 1 else 'targets are'} kept by {100 * KEPT:.0f} % of the flights or more "
+        f"if the print is weighed and trimmed, {printed} if it is not; a body that does nothing keeps {idle}"
+    )
 
 
-def describe_worst(fitness: Fitness[Any], values: Mapping[str, float]) -> str:
+def describe_worst(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
     """Return the target with the least fitness, and what people read of it."""
-    worst = min(values, key=lambda target: values[target])
-    return f"{fitness.heading} at worst {fitness.measure(values[worst]):.2f} ({worst})"
+    worst = min(results, key=lambda target: results[target]["fitness"])
+    return f"{fitness.heading} at worst {fitness.measure(results[worst]['fitness']):.2f} ({worst})"
+
+
+def describe_worth(results: Mapping[str, Result]) -> str:
+    """Return for which targets the shape matters little, and why; an empty text for none."""
+    idle = [
+        name
+        for name, result in results.items()
+        if is_promised(result)
+        and None
+        not in (mine := result["robust"]["weighed"]["p90"], nothing := result["robust"]["baseline"]["p90"])
+        and mine > (1 - WORTH) * nothing
+    ]
+    if not idle:
+        return ""
+    return (
+        f"the shape matters little for {', '.join(idle)}: a body that does nothing keeps nearly the same 90 % miss, because the "
+        "water carries it there, and gusts decide the rest"
+    )
+
+
+def explain_columns(fitness: Fitness[Any], flights: int) -> str:
+    """Return what the columns of a promise mean, in one line; ``flights`` is how many there were of each kind."""
+    hit = f"{fitness.goal}" if fitness.share else "a miss within the first column"
+    rest = "" if fitness.share else "; 90 %: the miss that 9 of 10 of them stay within"
+    return (
+        f"share of {flights} flights under fresh disturbed conditions with {hit}{rest}: of the print as it comes, of one that is "
+        "weighed and trimmed, and idle, of a neutral sphere of the same volume"
+    )
+
+
+def _format_share(share: float | None) -> str:
+    return "-" if share is None else f"{100 * share:.0f}"
+
+
+def _format_miss(metres: float | None) -> str:
+    return "-" if metres is None else f"{1000 * metres:.0f}"

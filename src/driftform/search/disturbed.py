@@ -1,23 +1,30 @@
 """Flights of evaluations under disturbed conditions: each is flown once, and stored as it arrives."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 from driftform.motion.way import find_offsets
 from driftform.runs.store import DisturbedResult, Store
 from driftform.search.jobs import Executor, Job
 from driftform.study import Study
 from driftform.util.latest import keep_latest
-from driftform.water.disturbances import Condition, draw_conditions
+from driftform.water.disturbances import Condition, Specimen, draw_conditions
 from driftform.water.scenario import evaluation_seed
 
 
 @keep_latest
 def draw_rounds(study: Study) -> tuple[Condition, ...]:
-    """Return the conditions of the choice, and after them those of the promise, for a run of a study."""
+    """Return the conditions of the choice, and after them those of the promise, for a run of a study.
+
+    The latter are the same for each of :class:`Specimen`: print, weighed print and idle body, in this order.
+    """
     robustness, calibration = study.scenario.robustness, study.scenario.calibration
+    choice = draw_conditions(robustness, robustness.conditions, (study.seed, 0), calibration)
+    fresh = draw_conditions(robustness, robustness.checks, (study.seed, 1), calibration)
+    chosen = Specimen.WEIGHED if robustness.weighed else Specimen.PRINT
     return (
-        *draw_conditions(robustness, robustness.conditions, (study.seed, 0), calibration),
-        *draw_conditions(robustness, robustness.checks, (study.seed, 1), calibration),
+        *(replace(condition, specimen=chosen) for condition in choice),
+        *(replace(condition, specimen=specimen) for specimen in Specimen for condition in fresh),
     )
 
 

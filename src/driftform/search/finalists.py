@@ -5,7 +5,7 @@ that the choice never saw show how far the winner misses.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from math import ceil, inf, isnan
 from typing import Any
@@ -13,15 +13,17 @@ from typing import Any
 import numpy as np
 
 from driftform.interfaces import Fitness
-from driftform.motion.way import find_offsets
+from driftform.motion.way import find_offsets, find_within
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.misses import Misses, finite_or_none
 from driftform.runs.store import Store
+from driftform.runs.wording import describe_result, name_verdict
 from driftform.search.disturbed import draw_rounds, fly_disturbed
 from driftform.search.jobs import Executor
 from driftform.search.survey import read_flights, read_scores
 from driftform.study import Study
 from driftform.types import BoolArray, FloatArray, Verdict
+from driftform.water.disturbances import Specimen
 from driftform.water.scenario import Robustness
 
 ROUND = 5
@@ -50,12 +52,12 @@ def fly_finalists(
     )
     rows = choose_finalists(np.array(list(scores.values())), robustness.finalists, reaching)
     finalists = {list(scores)[row]: reaching[row] for row in rows}
-    to_come = min(len(finalists), len(targets)) * robustness.checks
     conditions = draw_rounds(study)
+    to_come = min(len(finalists), len(targets)) * (len(conditions) - robustness.conditions)
     fly = partial(fly_disturbed, study, store, executor, conditions)
     done = _race(study, store, fly, finalists, scores, lambda count, left: on_flights(count, left + to_come))
     winners = sorted({won.index for t in targets if (won := find_winner(study, store, t)) is not None})
-    numbers = range(robustness.conditions, robustness.conditions + robustness.checks)
+    numbers = range(robustness.conditions, len(conditions))
     checked = [(index, number) for index in winners for number in numbers]
     fly(checked, lambda count: on_flights(done + count, done + len(checked)))
 
@@ -170,6 +172,18 @@ def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
+class Promise:
+    """The misses of flights under fresh conditions, and the share of those that did not fail that hit the target."""
+
+    misses: Misses
+    hit: float | None
+
+    def document(self) -> dict[str, Any]:
+        """Return the numbers of flights and failures, the share of hits, and median and 90 % miss, m."""
+        return {"hit": self.hit, **self.misses.describe(0)}
+
+
+@dataclass(frozen=True, eq=False)
 class Winner:
     """The best finalist for a target.
 
@@ -179,28 +193,24 @@ class Winner:
         of its evaluation.
     score
         by which it was chosen, %.
-    misses
-        of its flights under the conditions of the promise, ``None`` before they are flown.
-    reached
-        share of these flights, of those that did not fail, that reach the target, as the fitness judges it.
+    promises
+        of what flies under the conditions of the promise, empty before that.
     """
 
     index: int
     score: float
-    misses: Misses | None
-    reached: float | None = None
+    promises: Mapping[Specimen, Promise] = field(default_factory=dict)
 
     def document(self) -> dict[str, Any]:
-        """Return what an agent file and a JSON document hold of it: flights, failures, share that reach the target, score; misses in m."""
-        if self.misses is None:
+        """Return what an agent file and a JSON document hold of it: the score, and of each promise its numbers, misses in m."""
+        documents = {specimen: promise.document() for specimen, promise in self.promises.items()}
+        if not documents:
             return {"score": self.score}
-        promise = self.misses.describe(0)
         return {
             "score": self.score,
-            "flights": promise.pop("flights"),
-            "failed": promise.pop("failed"),
-            "reached": self.reached,
-            **promise,
+            **documents[Specimen.PRINT],
+            "weighed": documents[Specimen.WEIGHED],
+            "baseline": documents[Specimen.IDLE],
         }
 
 
@@ -216,6 +226,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
         return None
     conditions = draw_rounds(study)
     judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
+    number, within = study.scenario.target_names.index(target), find_within(study.scenario)
     flown = store.read_disturbed(target)
     judged_all = [index for index, flights in flown.items() if all(number in flights for number in judged)]
     if not judged_all:
@@ -229,12 +240,18 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     equals = sorted((index for index in scores if scores[index] == best), key=lambda i: (-undisturbed[i], i))
     flights = flown[equals[0]]
     if not all(number in flights for number in checked):
-        return Winner(equals[0], best, None)
-    offsets = store.read_offsets(target, equals[0])
-    misses = Misses(conditions[len(judged) :], np.array([offsets[number] for number in checked])[:, None])
-    sound = [flights[number] for number in checked if not isnan(flights[number])]
-    reached = [fitness.judge(value) for value in sound].count(Verdict.REACHED) / len(sound) if sound else None
-    return Winner(equals[0], best, misses, reached)
+        return Winner(equals[0], best)
+    offsets, promises = store.read_offsets(target, equals[0]), dict[Specimen, Promise]()
+    for specimen in Specimen:
+        fresh = [at for at in checked if conditions[at].specimen is specimen]
+        misses = Misses([conditions[at] for at in fresh], np.array([offsets[at] for at in fresh])[:, None])
+        sound = [
+            fitness.is_hit(flights[at], miss, float(within[number]))
+            for at, miss in zip(fresh, misses.distances[:, 0].tolist(), strict=True)
+            if not isnan(flights[at])
+        ]
+        promises[specimen] = Promise(misses, sum(sound) / len(sound) if sound else None)
+    return Winner(equals[0], best, promises)
 
 
 def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
@@ -264,9 +281,15 @@ def describe_best(study: Study, store: Store, target: str, winner: Winner | None
         "error_percent": 100 - fitness,
         "evaluation": index,
         "nominal": finite_or_none(float(np.linalg.norm(offset))),
-        "median": promise.pop("median", None),
-        "p90": promise.pop("p90", None),
+        "within": float(find_within(study.scenario)[targets.index(target)]),
+        "median": promise.get("median"),
+        "p90": promise.get("p90"),
     }
     if promise:
         result["robust"] = promise
+    fitness_plugin = study.make_plugin("fitness")
+    result["verdict"], result["summary"] = (
+        name_verdict(fitness_plugin, result),
+        describe_result(fitness_plugin, result),
+    )
     return StoredAgent(target, record.candidate.genome, study.environment(record.index), result)

@@ -14,7 +14,7 @@ from driftform.plugins.faults import report_faults
 from driftform.plugins.seams import require_candidates
 from driftform.runs.store import Record, Store
 from driftform.search.jobs import Executor, Job, Outcome
-from driftform.search.survey import count_survey, survey
+from driftform.search.survey import Survey, count_survey
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation
 from driftform.water.scenario import Robustness, evaluation_seed
@@ -82,7 +82,7 @@ def run_search(
     """
     strategy, targets = study.make_strategy(), study.scenario.target_names
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
-    waiting: deque[Job] = deque()
+    survey, waiting = Survey(study), deque[Job]()
     arrivals = _evaluate_forever(executor, waiting)
     batches: deque[_Batch] = deque()
     asked = told = 0
@@ -115,7 +115,7 @@ def run_search(
             if len(batches) == 1 or count_survey(study.scenario.robustness):
                 # Nothing is flown meanwhile, or the survey reads them.
                 journal.write()
-            strategy.tell(told, survey(study, store, executor, told, batch.candidates, batch.ordered))
+            strategy.tell(told, survey.fly(store, executor, told, batch.candidates, batch.ordered))
             best.add(batch.ordered)
             batches.popleft()
             told += len(batch.candidates)

@@ -1,9 +1,12 @@
 """Pick the agent of a run whose flight passes closest to a point, also to a point that was not a target."""
 
+import tomllib
 from collections import deque
 from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
+
+import numpy as np
 
 from driftform.errors import InputError
 from driftform.pipeline import Pipeline
@@ -16,6 +19,7 @@ from driftform.util.files import make_directory
 from driftform.util.progress import track_progress
 from driftform.water import Pipe, Scenario
 from driftform.water.pipe import Vector
+from driftform.water.places import find_nearest_inside, resolve_place
 
 
 def pick_agent(run: Run, point: Vector) -> StoredAgent:
@@ -75,6 +79,22 @@ def write_pick(run: Run, point: Vector, folder: Path | None = None) -> tuple[Sto
     return stored, path
 
 
+def find_place(text: str, pipe: Pipe) -> Vector:
+    """Return the point (m) of a place in a pipe, given as the inside of an inline table of TOML.
+
+    Raises
+    ------
+    InputError
+        if it is no place of the pipe.
+    """
+    try:
+        place = tomllib.loads(f"place = {{ {text} }}")["place"]
+        x, y, z = resolve_place(place, pipe.layout)
+    except ValueError as error:
+        raise InputError(f"--place {text}: {error}") from None
+    return x, y, z
+
+
 def name_point(point: Vector) -> str:
     """Return a point as a name of a folder.
 
@@ -96,7 +116,12 @@ def check_point(point: Vector, scenario: Scenario) -> None:
     if not all(map(isfinite, point)):
         raise InputError(f"{given}: should be three finite numbers, in m")
     if not scenario.pipe.is_open and not scenario.pipe.contains(point):
-        raise InputError(f"{given} lies outside the pipe, {_describe_way(scenario.pipe)}")
+        nearest, away = find_nearest_inside(np.array(point), scenario.pipe.layout)
+        inside = " ".join(f"{value:.4g}" for value in nearest)
+        raise InputError(
+            f"{given} lies outside the pipe, {_describe_way(scenario.pipe)}; it is {away:.3g} m away, and the nearest point "
+            f"inside is {inside}"
+        )
 
 
 def _describe_way(pipe: Pipe) -> str:

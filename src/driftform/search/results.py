@@ -2,7 +2,7 @@
 
 import shutil
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,13 +16,14 @@ from driftform.runs.coverage import CoverageMap, PipeGrid, map_coverage
 from driftform.runs.misses import Misses
 from driftform.runs.run import Run
 from driftform.runs.store import Store
-from driftform.runs.wording import describe_worst
+from driftform.runs.wording import summarise
 from driftform.search.finalists import Winner, describe_best, find_winner
 from driftform.search.jobs import Executor, FunctionDiedError
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
 from driftform.util.files import remove_parts, write_text, write_whole
 from driftform.util.progress import track_progress
+from driftform.water.disturbances import Specimen
 
 # Drawing needs the compiled kernels, which take half a second to load. They are imported only inside the functions that
 # draw: worker processes, which have loaded them already, call these, and the coordinator starts its workers earlier.
@@ -38,40 +39,21 @@ class Best:
     ----------
     target
         its name.
-    index
-        of the evaluation.
-    fitness
-        for that target, %.
-    nominal
-        distance of the closest approach of its undisturbed flight, m.
-    median, p90
-        median of the disturbed flights' misses, and the miss that 9 of 10 of them stay within, m; ``None`` without
-        disturbed flights, or if too many of them failed.
+    result
+        what the agent's file holds of it: evaluation, fitness (%), misses (m), and promises.
     agent
         path of its ``agent.json``.
     files
         paths of whatever else was written.
     problems
         what could not be written, one line for each.
-    robust
-        number of disturbed flights and of failures, and the score of the choice; empty without disturbed flights.
     """
 
     target: str
-    index: int
-    fitness: float
-    nominal: float
-    median: float | None
-    p90: float | None
+    result: Mapping[str, Any]
     agent: Path
     files: tuple[Path, ...] = ()
     problems: tuple[str, ...] = ()
-    robust: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def error_percent(self) -> float:
-        """Distance of closest approach, in percent of the farthest distance in the pipe (eq. 25)."""
-        return 100 - self.fitness
 
 
 def write_results(run: Run, executor: Executor) -> list[Best]:
@@ -157,19 +139,7 @@ def _write_agents(run: Run, store: Store, stored: Sequence[StoredAgent]) -> tupl
         else:
             write_trajectory(samples, flight)
         write_text(picture, section_svg(agent, target, run.study.scenario))
-        found.append(
-            Best(
-                target,
-                result["evaluation"],
-                result["fitness"],
-                result["nominal"],
-                result["median"],
-                result["p90"],
-                document,
-                tuple(files),
-                robust=result.get("robust", {}),
-            )
-        )
+        found.append(Best(target, result, document, tuple(files)))
     return found, agent
 
 
@@ -253,7 +223,8 @@ def read_best(run: Run, store: Store) -> list[BestFlight]:
         index = stored.result["evaluation"]
         if index not in flown:
             flown[index] = pipeline.make_agent(stored.genome), read_flight(run, store, index)
-        found.append(BestFlight(stored, *flown[index], None if winner is None else winner.misses))
+        promise = None if winner is None else winner.promises.get(Specimen.PRINT)
+        found.append(BestFlight(stored, *flown[index], None if promise is None else promise.misses))
     return found
 
 
@@ -263,12 +234,12 @@ def draw_overview(study: Study, best: Sequence[BestFlight]) -> str:
     from driftform.figures.overview import overview_svg
 
     fitness = study.make_plugin("fitness")
-    values = {one.stored.result["target"]: one.stored.result["fitness"] for one in best}
+    results = {one.stored.result["target"]: one.stored.result for one in best}
     flights = [
-        GalleryEntry(target, one.agent, one.trajectory, fitness.measure(value), fitness.unit)
-        for one, (target, value) in zip(best, values.items(), strict=True)
+        GalleryEntry(target, one.agent, one.trajectory, fitness.measure(result["fitness"]), fitness.unit)
+        for one, (target, result) in zip(best, results.items(), strict=True)
     ]
-    return overview_svg(flights, study.scenario, study.title, describe_worst(fitness, values))
+    return overview_svg(flights, study.scenario, study.title, summarise(fitness, results))
 
 
 def _write_overview(run: Run, store: Store) -> None:

@@ -26,46 +26,70 @@ def count_survey(robustness: Robustness) -> int:
     return min(robustness.survey, robustness.conditions)
 
 
-def survey(
-    study: Study,
-    store: Store,
-    executor: Executor,
-    first: int,
-    candidates: Sequence[Candidate],
-    evaluations: Sequence[Evaluation],
-) -> list[Evaluation]:
-    """Return what a strategy is given for a batch: evaluations with the mean fitness of all flights of an agent.
+class Survey:
+    """The race of a run's agents under the first conditions of the choice, the same for all.
 
-    The conditions are the first of those of the choice, the same for all agents. An agent is surveyed only while its
-    mean fitness, of the undisturbed flight at first, exceeds its ``threshold`` for some target: any other fitness does
-    not matter to its strategy. An agent without a threshold is not surveyed.
+    It is run in stages: few conditions for many agents, many for few. An agent goes on while, for a target that it is
+    among the best for, its mean over the conditions so far is among those of the best earlier agents over the same conditions.
 
     Parameters
     ----------
-    first
-        index of the first evaluation.
-    candidates, evaluations
-        the batch, and its undisturbed flights.
+    study
+        the study of the run; without disturbed conditions nothing is flown.
     """
-    robustness, targets = study.scenario.robustness, study.scenario.target_names
-    count, given = count_survey(robustness), list(evaluations)
-    alive = [
-        number
-        for number, (candidate, evaluation) in enumerate(zip(candidates, evaluations, strict=True))
-        if evaluation.failure is None and candidate.threshold is not None
-    ]
-    conditions = draw_rounds(study) if count else ()
-    for condition in range(count):
-        alive = [n for n in alive if np.any(given[n].fitness > np.array(candidates[n].threshold))]
-        pairs = [(first + number, condition) for number in alive]
-        # The error of an unchecked flight is far below the differences that decide.
-        fly_disturbed(study, store, executor, conditions, pairs, threshold=(inf,) * len(targets))
-        flown = read_flights(store, targets, condition + 1, first, first + len(candidates))
-        for number in alive:
-            given[number] = replace(
-                given[number], fitness=_mean_fitness(evaluations[number].fitness, flown[first + number])
+
+    def __init__(self, study: Study) -> None:
+        robustness, targets = study.scenario.robustness, study.scenario.target_names
+        count = count_survey(robustness)
+        self._study = study
+        self._conditions = draw_rounds(study) if count else ()
+        self._stages = sorted({count // 4, count // 2, count} - {0})
+        self._best = {stage: np.full((robustness.finalists, len(targets)), -np.inf) for stage in self._stages}
+
+    def fly(
+        self,
+        store: Store,
+        executor: Executor,
+        first: int,
+        candidates: Sequence[Candidate],
+        evaluations: Sequence[Evaluation],
+    ) -> list[Evaluation]:
+        """Return what a strategy is given for a batch: evaluations with the mean fitness of all flights of an agent.
+
+        An agent is surveyed if its undisturbed fitness exceeds its ``threshold`` for some target: any other fitness does
+        not matter to its strategy. An agent without a threshold is not surveyed.
+
+        Parameters
+        ----------
+        first
+            index of the first evaluation.
+        candidates, evaluations
+            the batch, and its undisturbed flights.
+        """
+        targets, given = self._study.scenario.target_names, list(evaluations)
+        matters = {
+            number: evaluation.fitness > np.array(candidate.threshold)
+            for number, (candidate, evaluation) in enumerate(zip(candidates, evaluations, strict=True))
+            if evaluation.failure is None and candidate.threshold is not None
+        }
+        alive = [number for number, at in matters.items() if at.any()]
+        flown = 0
+        for stage in self._stages:
+            pairs = [(first + number, condition) for number in alive for condition in range(flown, stage)]
+            # The error of an unchecked flight is far below the differences that decide.
+            fly_disturbed(
+                self._study, store, executor, self._conditions, pairs, threshold=(inf,) * len(targets)
             )
-    return given
+            flights = read_flights(store, targets, stage, first, first + len(candidates))
+            for number in alive:
+                mean = _mean_fitness(evaluations[number].fitness, flights[first + number])
+                given[number] = replace(given[number], fitness=mean)
+            best, flown = self._best[stage], stage
+            added = [given[number].fitness for number in alive]
+            alive = [n for n in alive if np.any((given[n].fitness > best[0])[matters[n]])]
+            if added:
+                self._best[stage] = np.sort(np.vstack([best, *added]), axis=0)[-len(best) :]
+        return given
 
 
 def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:

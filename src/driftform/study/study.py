@@ -142,7 +142,8 @@ class Study:
     def make_strategy(self) -> Strategy[Any]:
         """Create a strategy in its initial state, with a random generator from the seed."""
         rng = np.random.default_rng(self.seed)
-        space = SearchSpace(self.make_plugin("grammar"), self.scenario.target_names, rng, self.scenario)
+        grammar, builder = self.make_plugin("grammar"), self.make_plugin("builder")
+        space = SearchSpace(grammar, self.scenario.target_names, rng, self.scenario, builder)
         made = registry().create("strategy", *_split_selection(self.document, "strategy"), space=space)
         return cast("Strategy[Any]", made)
 

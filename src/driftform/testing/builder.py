@@ -2,6 +2,7 @@
 
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import Any, ClassVar
@@ -122,6 +123,22 @@ class BuilderContract(SeamContract[PhenotypeBuilder[Any]]):
         for point in (properties.cog, properties.cob):
             assert body.outer[:, 0].min() < point[0] < body.outer[:, 0].max()
             assert point[1] == point[2] == 0.0
+
+    @every_morphology
+    def test_a_tuning_changes_the_weight_and_not_the_outer_contour(self, kind: str) -> None:
+        """Within the bounds that :meth:`find_tunings` returns, the mass changes steadily, by the same for the same step."""
+        builder, morphology = self.plugin(), MORPHOLOGIES[kind]()
+        if (bounds := builder.find_tunings(morphology)) is None:
+            return
+        low, high = bounds
+        assert low <= high
+        tuned = (replace(morphology, tuning=low + share * (high - low)) for share in (0.0, 0.5, 1.0))
+        bodies = [require_body(builder.build(each), builder) for each in tuned]
+        assert all(np.array_equal(body.outer, bodies[0].outer) for body in bodies)
+        masses = [mass_properties(body).mass for body in bodies]
+        steps = np.diff(masses)
+        assert high == low or (np.all(steps > 0) or np.all(steps < 0))
+        assert steps[0] == pytest.approx(steps[1], rel=0.2)
 
     @every_morphology
     def test_joints_run_from_aft_to_fore_within_the_body(self, kind: str) -> None:

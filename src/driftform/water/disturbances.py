@@ -6,6 +6,7 @@ flown under the same conditions, so that their misses can be compared.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
@@ -24,6 +25,21 @@ BEYOND = 0.0013498980316300933
 
 MAX_RADIUS_SHARE = 0.98
 """Largest distance of a disturbed release from the axis, relative to the radius of the bore."""
+
+
+SCALE = 0.00005
+"""Smallest step of the scale that weighs a print, and of its ballast, kg."""
+
+
+class Specimen(StrEnum):
+    """What flies under a condition."""
+
+    PRINT = "print"
+    """The print as it comes from the printer."""
+    WEIGHED = "weighed"
+    """The print, weighed to the nearest :data:`SCALE` and trimmed with ballast to the nearest :data:`SCALE`."""
+    IDLE = "idle"
+    """A body that does nothing: a neutral sphere of the agent's volume, in its place."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +67,10 @@ class Condition:
         :attr:`driftform.water.Calibration.intervals`.
     swirl
         increase of the secondary flow of bends, relative to the mean speed.
+    left
+        what a weighed and trimmed print weighs too much, kg.
+    specimen
+        what flies.
     """
 
     across: tuple[float, float]
@@ -64,6 +84,8 @@ class Condition:
     gusts: int | None
     calibrated: tuple[float, ...] = ()
     swirl: float = 0.0
+    left: float = 0.0
+    specimen: Specimen = Specimen.PRINT
 
 
 def draw_conditions(
@@ -71,7 +93,8 @@ def draw_conditions(
 ) -> tuple[Condition, ...]:
     """Return ``count`` disturbed conditions, drawn from a seed; factors with an interval are those of ``calibration``.
 
-    They are a Latin hypercube. All distributions are normal, truncated at :data:`MAX_DEVIATION` standard deviations.
+    They are a Latin hypercube. All distributions are normal, truncated at :data:`MAX_DEVIATION` standard deviations, but for
+    what is left of the error of a weighed print: the scale and the ballast are each off by up to half a step, evenly.
     """
     from scipy.special import ndtri
 
@@ -94,13 +117,13 @@ def draw_conditions(
     gusts: list[int | None] = [None] * count
     if robustness.gusts:
         gusts = rng.integers(2**32, size=count).tolist()
+    left = SCALE * (shares[:, 6] + shares[:, 7] - 1)
+    rows = zip(
+        drawn.tolist(), gusts, factors, (robustness.swirl * cells).tolist(), left.tolist(), strict=True
+    )
     return tuple(
-        Condition(
-            (x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], gust, tuple(known), swirl
-        )
-        for x, gust, known, swirl in zip(
-            drawn.tolist(), gusts, factors, (robustness.swirl * cells).tolist(), strict=True
-        )
+        Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], *rest)
+        for x, *rest in ((x, gust, tuple(known), *others) for x, gust, known, *others in rows)
     )
 
 
@@ -160,8 +183,11 @@ def disturb_calibration(condition: Condition, calibration: Calibration) -> Calib
 def disturb_body(condition: Condition, body: Body) -> Body:
     """Return the body as printed under a disturbed condition.
 
-    A wall that is thicker by d weighs (1 + d / wall) times as much, to first order; the outer contour does not change.
+    A wall that is thicker by d weighs (1 + d / wall) times as much, to first order; the outer contour does not change. A
+    weighed print has the mass of the design, but for what is ``left``, which lies beside the core.
     """
+    if condition.specimen is Specimen.WEIGHED:
+        return replace(body, core=replace(body.core, mass=max(0.0, body.core.mass + condition.left)))
     thicker = max(0.0, 1 + condition.wall / body.wall) if body.wall else 1.0
     return replace(body, hull_density=body.hull_density * condition.mass * thicker)
 

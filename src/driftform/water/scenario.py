@@ -1,6 +1,7 @@
 """The tables of a scenario: pipe, flow, fluid, release, contact, targets. Validated here, read by kernels as arrays."""
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
@@ -27,6 +28,7 @@ from driftform.water.flow import (
 from driftform.water.fluids import FLUIDS
 from driftform.water.pipe import Pipe, Vector
 from driftform.water.pipe_parts import VERTICAL
+from driftform.water.places import find_nearest_inside, resolve_place
 from driftform.water.wetted import find_surface_fault
 
 
@@ -142,10 +144,22 @@ class Robustness(Table):
         ge=0,
         le=10_000,
     )
+    within: (
+        Annotated[float, Field(gt=0, le=1000)] | dict[str, Annotated[float, Field(gt=0, le=1000)]] | None
+    ) = option(
+        None,
+        "how near a flight must pass a target to hit it, for all targets or by the name of each; 5 % of the farthest distance "
+        "by default",
+        "m",
+    )
+    weighed: bool = option(
+        True,
+        "search and choose by prints that are weighed and trimmed with ballast, so that the errors of mass and wall do not count",
+    )
     survey: int = option(
-        2,
-        "disturbed flights, among those of the choice, of each agent that may be among the best of the search; the search "
-        "goes by the mean fitness of these and of the undisturbed flight",
+        8,
+        "most disturbed flights, among those of the choice, of each agent that may be among the best of the search; the search "
+        "goes by the mean fitness of these and of the undisturbed flight; whoever falls behind flies no more",
         ge=0,
         le=10_000,
     )
@@ -231,6 +245,23 @@ class Scenario(Table):
         """Return the options of each kind of current: rows ``{option, type, bounds, default, unit, help}``."""
         return {kind: describe(model) for kind, model in FLOWS.items()}
 
+    @model_validator(mode="before")
+    @classmethod
+    def _find_places(cls, values: Any) -> Any:
+        """Replace targets that name a place in the pipe by its coordinates."""
+        targets = values.get("targets") if isinstance(values, Mapping) else None
+        if not isinstance(targets, Mapping) or not any(
+            isinstance(target, Mapping) for target in targets.values()
+        ):
+            return values
+        layout, found = Pipe.model_validate(values.get("pipe", {})).layout, dict[str, Any]()
+        for name, target in targets.items():
+            try:
+                found[name] = resolve_place(target, layout)
+            except ValueError as error:
+                raise ValueError(f"targets.{name}: {error}") from None
+        return {**values, "targets": found}
+
     @model_validator(mode="after")
     def _check_together(self) -> "Scenario":
         if self.targets and self.pipe.is_open:
@@ -263,6 +294,12 @@ class Scenario(Table):
         return self
 
     def _check_targets(self) -> None:
+        within = self.robustness.within
+        for name in within if isinstance(within, dict) else ():
+            if name not in self.targets:
+                raise ValueError(
+                    f"robustness.within.{name}: no such target{did_you_mean(name, self.targets)}"
+                )
         outlets = {outlet.name: outlet.opening.centre for outlet in self.pipe.layout.outlets}
         for name, target in self.targets.items():
             if isinstance(target, str):
@@ -271,7 +308,12 @@ class Scenario(Table):
                         f"targets.{name} = '{target}': the pipe has no such outlet{did_you_mean(target, outlets)}"
                     )
             elif not self.pipe.contains(target):
-                raise ValueError(f"targets.{name} = {list(target)} lies outside the pipe")
+                nearest, away = find_nearest_inside(np.array(target), self.pipe.layout)
+                inside = ", ".join(f"{x:.4g}" for x in nearest)
+                raise ValueError(
+                    f"targets.{name} = {list(target)} lies outside the pipe, {away:.3g} m from it; the nearest point "
+                    f"inside is [{inside}]"
+                )
 
     @property
     def target_names(self) -> tuple[str, ...]:

@@ -8,10 +8,12 @@ from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
 
+from driftform.errors import WorkFailedError
 from driftform.interfaces import PhenotypeBuilder, Table, option
 from driftform.types import Body, Core, Module, Morphology
+from driftform_frusta.ballast_seat import SPARE, find_most_ballast, name_ball, place_ballast
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
-from driftform_frusta.kit_options import KitOptions
+from driftform_frusta.kit_options import LEAD, KitOptions
 from driftform_frusta.section import hull_section, lay_chains, open_section
 
 _PAPERS = Core(radius=0.01, mass=0.05)
@@ -45,6 +47,12 @@ class FrustaOptions(Table):
         "engraving, as the exporters cut it with the same options",
     )
     kit: KitOptions | None = option(None, "how that kit is cut; its options are those of the exporters")
+    tuning: Literal["none", "ballast", "wall"] = option(
+        "none",
+        "what a search may adjust of a finished shape: 'ballast', the mass (kg) of a ball of lead beside the core, with its "
+        "seat; 'wall', by how much (m) the wall is thinner than `wall`, from inside, down to `thinnest`",
+    )
+    thinnest: float = option(0.0008, "least thickness of the wall, if tuning = 'wall'", "m", ge=1e-5, le=1)
 
     @field_validator("core")
     @classmethod
@@ -138,21 +146,48 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         dome = o.core_radius + o.clearance + o.wall
         chains = lay_chains(morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2)
         section = hull_section if o.wall_model == "mitred" else open_section
-        outer, cavity = section(chains, dome, o.wall)
+        wall = o.wall - morphology.tuning if o.tuning == "wall" else o.wall
+        outer, cavity = section(chains, dome, wall)
         body = Body(
             outer=outer,
             cavity=cavity,
             joints=chains[:, 0],
             core=Core(o.core_radius, o.core_mass),
-            wall=o.wall,
+            wall=wall,
             hull_density=o.hull_density,
         )
-        if o.kit is None:
-            return body
-        # The sections of parts take a while to import, and most studies weigh the hull in one piece.
+        if o.kit is not None:
+            # The sections of parts take a while to import, and most studies weigh the hull in one piece.
+            from driftform_frusta.kits import find_maker
+
+            body = replace(body, fittings=find_maker().measure_fittings(body, o.kit))
+        if o.tuning == "ballast" and morphology.tuning:
+            return replace(body, ballast=place_ballast(body, morphology.tuning), ballast_density=LEAD)
+        return body
+
+    def find_tunings(self, morphology: Morphology) -> tuple[float, float] | None:
+        """Return 0 and the most that the wall may be thinner (m), or the heaviest ballast that has room (kg)."""
+        o = self.options
+        if o.tuning == "wall":
+            return (0.0, max(0.0, o.wall - o.thinnest))
+        if o.tuning == "ballast":
+            body = self.build(replace(morphology, tuning=0.0))
+            most = find_most_ballast(body)
+            return (0.0, most) if most and self._can_hold(body, most / SPARE) else None
+        return None
+
+    def _can_hold(self, body: Body, mass: float) -> bool:
+        """Return whether the kit of a body, if it is one, has a seat for ballast of some mass, kg."""
+        if self.options.kit is None:
+            return True
         from driftform_frusta.kits import find_maker
 
-        return replace(body, fittings=find_maker().measure_fittings(body, o.kit))
+        ball = name_ball(place_ballast(body, mass))
+        try:
+            find_maker().measure_fittings(body, self.options.kit.model_copy(update={"ballast": (ball,)}))
+        except WorkFailedError:
+            return False
+        return True
 
 
 def _check_modules(side: str, modules: Sequence[Module]) -> None:

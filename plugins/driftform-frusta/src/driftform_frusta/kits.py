@@ -7,6 +7,7 @@ from typing import Any, Protocol
 from driftform.errors import InputError
 from driftform.interfaces import ExportJob
 from driftform.types import Body, Fittings
+from driftform_frusta.ballast_seat import name_ball
 from driftform_frusta.kit_options import KitOptions, PartOptions
 from driftform_frusta.parts import Part
 
@@ -25,6 +26,9 @@ class KitMaker(Protocol):
 
     def measure_fittings(self, body: Body, options: KitOptions) -> Fittings:
         """Return what a kit has beside the wall of the hull: joints and seats."""
+
+    def place_ballast(self, body: Body, options: PartOptions) -> tuple[float, float]:
+        """Return x and diameter (m) of the ball that has, with its seat, the mass and the moment of a body's ballast."""
 
     def list_facts(self, job: ExportJob, options: PartOptions) -> dict[str, Any]:
         """Return how a kit balances, as facts of its files."""
@@ -46,6 +50,20 @@ def find_maker() -> KitMaker:
         maker: KitMaker = point.load()
         return maker
     raise InputError("a kit needs a distribution that makes kits; run: pip install driftform-kit")
+
+
+def settle_ballast(body: Body, options: PartOptions) -> PartOptions:
+    """Return options with the ballast of a body; the same ones if it has none, or if the options have ballast.
+
+    Raises
+    ------
+    WorkFailedError
+        if a kit cannot hold it; the message has the reason.
+    """
+    if not body.ballast.volume or options.ballast:
+        return options
+    ball = find_maker().place_ballast(body, options) if options.kit else name_ball(body.ballast)
+    return options.model_copy(update={"ballast": (ball,)})
 
 
 def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:

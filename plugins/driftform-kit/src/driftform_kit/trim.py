@@ -14,6 +14,7 @@ from driftform.cli import formats
 from driftform.errors import InputError, WorkFailedError
 from driftform.types import Agent, FloatArray
 from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.kits import settle_ballast
 from driftform_kit import ballast
 from driftform_kit.ballast import NEGLIGIBLE, Piece, RequiredBallast
 from driftform_kit.kit import HeldBall, KitReport, report_kit
@@ -370,6 +371,7 @@ def trim_design(
         raise WorkFailedError(
             f"exporter '{format}' does not report how its kit balances; weigh the kit, and leave --kit out"
         )
+    given = settle_ballast(body, given)
     if ballast_density is None:
         ballast_density = given.ballast_density
 

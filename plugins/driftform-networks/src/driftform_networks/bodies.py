@@ -11,7 +11,7 @@ import numpy as np
 
 import driftform
 from driftform.errors import InputError
-from driftform.types import Agent, Body, Coefficients, Core
+from driftform.types import Agent
 from driftform_networks.cache import hash_content
 
 if TYPE_CHECKING:
@@ -107,6 +107,7 @@ def open_traveller(
     if not text.startswith(_SPHERE):
         return trim_design(open_agent(text, *settings, scenario=environment), buoyancy)
     from driftform import load_study
+    from driftform.motion import forces
 
     pipeline = load_study(environment, settings, run={"seed": 0}).make_pipeline()
     number = text.removeprefix(_SPHERE).removesuffix("mm")
@@ -118,7 +119,7 @@ def open_traveller(
         raise InputError(
             f"AGENT '{text}': a sphere is named by its diameter from 0.5 to 2000 mm, such as sphere:5mm"
         )
-    agent = make_sphere(diameter, pipeline.scenario, buoyancy or 0.0)
+    agent = forces.make_sphere(diameter, pipeline.scenario.fluid, buoyancy or 0.0)
     if agent.mass.mass <= 0:
         raise InputError(f"--buoyancy {buoyancy:g}: {text} displaces too little water for it")
     name = text.replace(":", "-") + (_name_trim(buoyancy) if buoyancy else "")
@@ -154,29 +155,6 @@ def _name_trim(buoyancy: float) -> str:
     if not buoyancy:
         return "-neutral"
     return f"-{'light' if buoyancy > 0 else 'heavy'}-{1000 * abs(buoyancy):g}mN"
-
-
-def make_sphere(diameter: float, scenario: "Scenario", buoyancy: float = 0.0) -> Agent:
-    """Return a homogeneous sphere, whose added mass is half of that of the water it displaces; ``buoyancy`` in N."""
-    from driftform.agent import mass_properties
-    from driftform.motion import forces
-
-    radius, fluid = diameter / 2, scenario.fluid
-    angle = np.linspace(0, np.pi, 65)
-    outer = np.column_stack([-radius * np.cos(angle), radius * np.sin(angle)])
-    outer[[0, -1], 1] = 0.0
-
-    def make_body(density: float) -> Body:
-        return Body(outer, np.zeros((0, 2)), np.array([-radius, radius]), Core(0.0, 0.0), radius, density)
-
-    displaced = mass_properties(make_body(fluid.density)).mass
-    body = make_body(fluid.density * (1 - buoyancy / (fluid.gravity * displaced)))
-    added = np.diag([displaced / 2] * 3 + [0.0] * 3)
-    return Agent(
-        body,
-        mass_properties(body),
-        Coefficients(added, drag=forces.estimate_drag(body, fluid.viscosity, 0.0)),
-    )
 
 
 @cache

@@ -69,7 +69,7 @@ class LiveRun:
         with self._lock:
             monitor = self._monitor
             monitor.poll()
-            status, fitness = monitor.status, run.study.make_plugin("fitness")
+            status = monitor.status
             disturbed = self._count_disturbed(run)
             targets: list[dict[str, Any]] = []
             for name, target in status.targets.items():
@@ -82,8 +82,6 @@ class LiveRun:
                     {
                         "name": name,
                         "curve": [None if error is None else round(error, 5) for error in curve],
-                        "verdict": str(fitness.judge(result["fitness"])),
-                        "measure": fitness.describe(result["fitness"]),
                         **result,
                     }
                 )

@@ -43,8 +43,11 @@ class PartExporter(Exporter[PartOptions]):
         WorkFailedError
             if the body has no closed printable solid, or a file cannot be written.
         """
-        from driftform_frusta.kits import find_maker, make_parts
+        from driftform_frusta.kits import find_maker, make_parts, settle_ballast
 
+        settled = settle_ballast(job.agent.body, self.options)
+        if settled != self.options:
+            return type(self)(settled).write(job, path)
         # All are made before the first is written: a kit that cannot be printed leaves no files.
         made = list(self.make_files(job, make_parts(job.agent.body, self.options), path))
         for target, content, _ in made:

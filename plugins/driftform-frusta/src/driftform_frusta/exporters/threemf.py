@@ -70,9 +70,10 @@ class ThreeMfExporter(PartExporter):
 
     def plate_picture(self, job: ExportJob) -> bytes:
         """Return a larger picture of the first plate than the file has, a PNG file."""
-        from driftform_frusta.kits import make_parts
+        from driftform_frusta.kits import make_parts, settle_ballast
 
-        placed = self._placed(make_parts(job.agent.body, self.options))
+        body = job.agent.body
+        placed = self._placed(make_parts(body, settle_ballast(body, self.options)))
         return self._picture([p for p in placed if p.plate == 0], 200.0, 150.0)
 
     def _placed(self, parts: "Sequence[Part]") -> list[_Placed]:

@@ -6,14 +6,18 @@ from typing import Any
 import numpy as np
 
 from driftform.agent import mass_properties, solid_of_revolution
+from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform.types import Agent, Body, Fittings, FloatArray, MassProperties, Moments
 from driftform_frusta.kit_options import KitOptions, PartOptions
-from driftform_kit.ballast import ball_mass, name_material
+from driftform_kit.ballast import NEGLIGIBLE, ball_diameter, ball_mass, name_material
 from driftform_kit.cutting.engraving import Engraving
 from driftform_kit.cutting.held_ballast import HeldBall
 from driftform_kit.cutting.meridian import MM, moments
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
+
+_ROUNDS = 20
+"""Most times that a ball is made anew because of the mass of its seat."""
 
 _LIGHTER = 0.95
 """Mass of the parts, over that which gives the simulated mass, at which ballast is to make up for the rest."""
@@ -22,12 +26,12 @@ _LIGHTER = 0.95
 def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     """Return mass properties of the assembled kit with its core.
 
-    Parts of revolution are integrated in closed form; glue and O-rings weigh nothing here, and holes of ``drain``
+    Ballast is not counted, but its seats are. Parts of revolution are integrated in closed form; glue and O-rings weigh nothing here, and holes of ``drain``
     are taken to be plugged flush. An engraving is taken out as a point mass, which is exact but for the inertia, and
     outside it fills with water.
     """
     kit = make_kit(body, options)
-    whole = mass_properties(body, kit_moments(kit))
+    whole = mass_properties(replace(body, ballast=Moments()), kit_moments(kit))
     outside = options.engrave_side == "outside"
     for text in kit.engravings:
         whole = _subtract(whole, text, body.hull_density, outside)
@@ -37,6 +41,32 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
 def held_mass(held: HeldBall, options: PartOptions) -> float:
     """Return the mass of a ball of ballast, kg."""
     return ball_mass(2 * held.ball.radius / MM, options.ballast_density)
+
+
+def place_ballast(body: Body, options: PartOptions) -> tuple[float, float]:
+    """Return x and diameter (m) of the ball that has, with its seat, the mass and the moment of a body's ballast.
+
+    Raises
+    ------
+    WorkFailedError
+        if the kit cannot hold it; the message has the reason.
+    """
+    density, bare = options.ballast_density, kit_mass(body, options)
+    mass = body.ballast.volume * body.ballast_density
+    lacking, moment = mass, mass * body.ballast.centroid
+    for _ in range(_ROUNDS):
+        ball = round(moment / lacking, 7), round(ball_diameter(lacking, density), 7)
+        seated = kit_mass(body, options.model_copy(update={"ballast": (ball,)}))
+        seat = seated.mass - bare.mass
+        before, lacking = lacking, mass - seat
+        moment = mass * body.ballast.centroid - float(seated.mass * seated.cog[0] - bare.mass * bare.cog[0])
+        if not lacking > 0:
+            break
+        if abs(lacking - before) < NEGLIGIBLE:
+            return ball
+    raise WorkFailedError(
+        f"no kit can be made: the seat of its ballast of {1000 * mass:.4g} g weighs {1000 * seat:.2g} g, too much for a ball beside it"
+    )
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import { Space, Turntable } from "./space.js";
 const WORDS = {
   starting: "Starting", running: "Searching", "writing the best agents": "Flying and writing the best agents", pausing: "Pausing", paused: "Paused", finished: "Finished", failed: "Stopped by an error", damaged: "Damaged",
 };
-const STYLES = { reached: "good", near: "fair", missed: "poor" };
+const STYLES = { kept: "good", "kept if weighed": "fair", reached: "good", near: "fair", missed: "poor" };
 
 let begin, fields, design; // what the server offers; the fields; the design that they show
 let run = null; // {name, info, status}; null while a design is being made
@@ -262,27 +262,30 @@ function showProgress({ state, done, budget, disturbed, rate, extent }) {
   find("curve").hidden = !extent;
 }
 
+const metres = (value) => make("td", {}, value == null ? "–" : length(value));
+const share = (value) => make("td", {}, value == null ? "–" : `${Math.round(100 * value)} %`);
+
 function showPromises({ state, targets }) {
   find("promise").hidden = !targets.some((t) => t.evaluation !== null);
   const promised = targets.some((t) => t.p90 !== undefined && t.p90 !== null);
   find("promise-hint").textContent = promised
-    ? "Nominal: the undisturbed flight. Half, and 9 of 10, of the flights under fresh disturbed conditions miss by less than the median and the last."
+    ? "Hit: the share of fresh disturbed flights that pass near enough; 90 %: the miss that 9 of 10 stay within. Weighed: the same of a print that is weighed and trimmed. Idle: of a neutral sphere in its place. A target is kept from 90 % on."
     : run.info.conditions ? "So far the undisturbed flights. The best agents are flown under disturbed conditions when the search ends."
       : "The undisturbed flights. This search has no disturbed flights, so it promises nothing of a real agent.";
   const rows = targets.map((t, number) => {
     const dot = make("i", { class: "dot" });
     dot.style.background = colour(number);
     const name = make("td", {}, make("span", { class: "name" }, dot, t.name));
-    if (t.evaluation === null) return make("tr", {}, name, make("td", { colspan: 5 }, "no flight yet"));
+    if (t.evaluation === null) return make("tr", {}, name, make("td", { colspan: 7 }, "no flight yet"));
     const seen = agent?.key === t.name;
     return make("tr", { class: seen ? "chosen" : "" }, name,
-      make("td", {}, length(t.nominal)), make("td", {}, t.median == null ? "–" : length(t.median)), make("td", {}, t.p90 == null ? "–" : length(t.p90)),
+      ...promised ? [share(t.robust?.hit), metres(t.p90), share(t.robust?.weighed?.hit), metres(t.robust?.weighed?.p90), share(t.robust?.baseline?.hit)] : [metres(t.nominal)],
       make("td", { class: `at ${STYLES[t.verdict] ?? ""}` }, t.verdict),
       make("td", {}, make("button", { type: "button", "aria-pressed": String(seen), "aria-label": `Show the agent for ${t.name}`, onclick: () => openAgent(t.name) }, "Agent")));
   });
   const focused = document.activeElement?.closest?.("#promises button")?.getAttribute("aria-label");
   find("promises").replaceChildren(
-    make("thead", {}, make("tr", {}, ...["target", "nominal", "median", "90 %"].map((text) => make("th", { scope: "col" }, text)), make("th", { scope: "col", class: "at" }, ""), make("th", { scope: "col" }, make("span", { hidden: true }, "agent")))),
+    make("thead", {}, make("tr", {}, ...["target", ...promised ? ["hit", "90 %", "weighed", "90 %", "idle"] : ["nominal"]].map((text) => make("th", { scope: "col" }, text)), make("th", { scope: "col", class: "at" }, ""), make("th", { scope: "col" }, make("span", { hidden: true }, "agent")))),
     make("tbody", {}, ...rows),
   );
   if (focused) for (const button of find("promises").querySelectorAll("button")) if (button.getAttribute("aria-label") === focused) button.focus();

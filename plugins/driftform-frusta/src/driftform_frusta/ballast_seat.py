@@ -1,0 +1,78 @@
+"""Where ballast lies in a hull: a ball of lead on the axis, as near to the core as it has room."""
+
+import math
+
+import numpy as np
+
+from driftform.agent import distance_from, mass_properties
+from driftform.types import Body, Moments
+from driftform_frusta.kit_options import LEAD
+
+WATER = 1000.0
+"""kg/m3: fresh water, in which ballast makes a buoyant body float freely."""
+
+SPARE = 1.5
+"""Most ballast over that which the body floats freely with: the body must be able to sink."""
+
+_GAP = 0.0003
+"""m between ball and wall."""
+
+_STATIONS = 100
+
+
+def place_ballast(body: Body, mass: float) -> Moments:
+    """Return the volume integrals of a ball of lead of some mass (kg) at the seat, which follows from the shape alone.
+
+    Raises
+    ------
+    ValueError
+        if the ball has no room.
+    """
+    x, room = _find_seat(body)
+    volume = mass / LEAD
+    radius = _ball_radius(volume)
+    if not radius <= room * (1 + 1e-9):
+        most = 1000 * LEAD * _ball_volume(room)
+        raise ValueError(f"ballast of {1000 * mass:g} g cannot be placed: the hull has room for {most:.4g} g")
+    own = 0.2 * volume * radius**2
+    return Moments(volume, volume * x, volume * x**2 + own, 2 * own)
+
+
+def name_ball(ballast: Moments) -> tuple[float, float]:
+    """Return x and diameter of a ball of ballast (m), in steps of 10 um, as the options of a kit have them."""
+    return round(ballast.centroid, 5), round(2 * _ball_radius(ballast.volume), 5)
+
+
+def find_most_ballast(body: Body) -> float:
+    """Return the greatest mass of ballast, kg: what has room, at most :data:`SPARE` of what the body floats freely with.
+
+    It is 0 for a body that sinks without ballast.
+    """
+    lacking = _find_lacking(body)
+    return min(LEAD * _ball_volume(_find_seat(body)[1]), SPARE * lacking) if lacking > 0 else 0.0
+
+
+def _find_lacking(body: Body) -> float:
+    """Return what a body without ballast is lighter than the water it displaces, kg."""
+    bare = mass_properties(body)
+    return WATER * bare.volume - bare.mass
+
+
+def _ball_volume(radius: float) -> float:
+    return 4 / 3 * math.pi * radius**3
+
+
+def _ball_radius(volume: float) -> float:
+    return math.cbrt(3 * volume / (4 * math.pi))
+
+
+def _find_seat(body: Body) -> tuple[float, float]:
+    """Return x of the seat and the radius of the largest ball there, m; 0 without a cavity beside the core."""
+    if not len(body.cavity):
+        return 0.0, 0.0
+    x = np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _STATIONS + 2)[1:-1]
+    wall = distance_from(np.column_stack((x, np.zeros_like(x))), body.cavity)
+    room = np.maximum(np.minimum(wall, np.abs(x) - body.core.radius) - _GAP, 0.0)
+    enough = room >= _ball_radius(SPARE * max(_find_lacking(body), 0.0) / LEAD)
+    best = int(np.where(enough, np.abs(x), np.inf).argmin()) if enough.any() else int(room.argmax())
+    return float(x[best]), float(room[best])

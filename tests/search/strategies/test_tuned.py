@@ -1,0 +1,142 @@
+"""The searches of tuned bodies: contract, hits by secants, and what they do with bodies that cannot be tuned."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftform.errors import InputError
+from driftform.interfaces import PhenotypeBuilder, SearchSpace
+from driftform.options import Table
+from driftform.search.strategies.direct import DirectStrategy
+from driftform.search.strategies.tuned import HIT, TunedOptions, TunedStrategy
+from driftform.testing import BuilderContract, StrategyContract
+from driftform.testing.letters import LetterGrammar
+from driftform.testing.strategy import search_space
+from driftform.types import Body, Core, End, Evaluation, FloatArray, Genome, Moments, Morphology, Trajectory
+from driftform.water import Scenario
+
+RADIUS = 0.02
+"""Of the bodies, m."""
+
+SPEED, FALL = 1.0, 1.2
+"""Of the current, m/s, and of a body with a net weight of 1 kg, m/s."""
+
+
+class Cigars(PhenotypeBuilder[Table]):
+    """Solid cigars that float, with ballast at the origin; the first module decides how long they are."""
+
+    name = "cigars"
+    most = 0.5
+
+    def build(self, morphology: Morphology) -> Body:
+        aft, fore = (
+            0.03 + sum(m.length + 0.001 * (index + 1) * m.tilt for index, m in enumerate(side))
+            for side in (morphology.aft, morphology.fore)
+        )
+        outer = np.array([(-aft, 0.0), (-aft / 2, RADIUS), (fore / 2, RADIUS), (fore, 0.0)])
+        volume = morphology.tuning / 11_000
+        return Body(
+            outer,
+            np.zeros((0, 2)),
+            np.array([-aft, fore]),
+            Core(0.01, 0.0),
+            0.001,
+            500.0,
+            ballast=Moments(volume),
+            ballast_density=11_000.0,
+        )
+
+    def find_tunings(self, morphology: Morphology) -> tuple[float, float] | None:
+        return (0.0, self.most)
+
+
+class Corks(Cigars):
+    """Bodies that float whatever their ballast."""
+
+    most = 1e-6
+
+
+class TestCigars(BuilderContract):
+    def plugin(self) -> Cigars:
+        return Cigars(Table())
+
+
+class TestTuned(StrategyContract):
+    def plugin(self, space: SearchSpace) -> TunedStrategy:
+        return TunedStrategy(TunedOptions(), replace(space, builder=Cigars(Table())))
+
+
+class TestDirect(StrategyContract):
+    def plugin(self, space: SearchSpace) -> DirectStrategy:
+        return DirectStrategy(TunedOptions(), replace(space, builder=Cigars(Table())))
+
+
+def make_space(builder: PhenotypeBuilder[Table], seed: int = 0) -> SearchSpace:
+    space = search_space(LetterGrammar(Table()), ("low", "high"), seed)
+    targets = {"low": (4.0, 0.0, -0.3), "high": (7.0, 0.0, 0.5)}
+    return replace(space, scenario=space.scenario.model_copy(update={"targets": targets}), builder=builder)
+
+
+def fly(genome: Genome) -> Trajectory:
+    """A body that sinks with the square root of its net weight."""
+    from driftform.agent import mass_properties
+
+    builder, grammar = Cigars(Table()), LetterGrammar(Table())
+    mass = mass_properties(builder.build(replace(grammar.express(genome), tuning=genome.tuning)))
+    weight = mass.mass - Scenario().fluid.density * mass.volume
+    course = np.array([SPEED, 0.0, -FALL * np.sign(weight) * abs(weight) ** 0.5])
+    t = np.linspace(0, 9, 91)
+    turn = np.tile([1.0, 0.0, 0.0, 0.0], (len(t), 1))
+    return Trajectory(t, t[:, None] * course, turn, np.tile([*course, 0, 0, 0], (len(t), 1)), End.OUTLET)
+
+
+def play(strategy: TunedStrategy, flights: int) -> FloatArray:
+    """Return the distance from each target of all flights, m, (flights, 2)."""
+    from driftform.motion.way import approach_targets, farthest_distances
+
+    scenario, misses = strategy.space.scenario, list[FloatArray]()
+    while len(misses) < flights:
+        candidates = strategy.ask(flights - len(misses))
+        flown = [fly(candidate.genome) for candidate in candidates]
+        passed = [approach_targets(flight, scenario)[0] for flight in flown]
+        scores = [100 * (1 - miss / farthest_distances(scenario)) for miss in passed]
+        outcomes = [Evaluation(c.genome, s, f) for c, s, f in zip(candidates, scores, flown, strict=True)]
+        strategy.tell(len(misses), outcomes)
+        misses += passed
+    return np.array(misses)
+
+
+@pytest.mark.parametrize("kind", [TunedStrategy, DirectStrategy])
+def test_each_target_is_hit_within_few_flights(kind: type[TunedStrategy]) -> None:
+    for seed in range(5):
+        misses = play(kind(TunedOptions(), make_space(Cigars(Table()), seed)), 30)
+        assert (misses.min(axis=0) <= HIT).all()
+
+
+def test_a_body_that_hits_matters_and_a_body_on_its_way_does_not() -> None:
+    strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
+    for candidate in strategy.ask(10):
+        assert candidate.threshold is not None
+        number = strategy.space.targets.index(candidate.target)
+        assert 99.98 < candidate.threshold[number] < 100
+        assert candidate.threshold[1 - number] == np.inf
+
+
+def test_no_body_is_tuned_twice_for_a_target() -> None:
+    strategy, seen = (
+        TunedStrategy(TunedOptions(flights=2), make_space(Cigars(Table()))),
+        list[tuple[str, str]](),
+    )
+    for _ in range(30):
+        candidates = strategy.ask(10)
+        shapes = [("".join(c.genome.symbols), c.target) for c in candidates if not c.parents]
+        seen += shapes
+        strategy.tell(0, [Evaluation(c.genome, np.zeros(2), failure="it broke") for c in candidates])
+    assert len(seen) > 100 and len(set(seen)) == len(seen)
+
+
+def test_a_study_whose_bodies_cannot_float_freely_is_refused_with_the_next_step() -> None:
+    strategy = TunedStrategy(TunedOptions(), make_space(Corks(Table())))
+    with pytest.raises(InputError, match="tuning to 'ballast' or 'wall', or use the strategy 'evolution'"):
+        strategy.ask(10)

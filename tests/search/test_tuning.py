@@ -1,0 +1,41 @@
+"""The secant of tuning finds the weight with which a body hits."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftform.search.tuning import find_next, root_weight, square_root_weight
+
+
+@given(st.floats(-1, 1))
+def test_the_root_of_a_net_weight_keeps_its_sign_and_squares_to_it(weight: float) -> None:
+    assert square_root_weight(root_weight(weight)) == pytest.approx(weight, rel=1e-12, abs=1e-300)
+
+
+@given(
+    root=st.floats(-0.3, 0.3),
+    slope=st.floats(-30, -0.5),
+    guess=st.floats(0.2, 5),
+    bend=st.floats(-0.5, 0.5),
+    start=st.floats(-0.05, 0.05),
+)
+def test_any_falling_response_is_solved_to_a_millimetre(root, slope, guess, bend, start) -> None:
+    def fly(at: float) -> float:
+        away = at - root
+        return slope * away * (1 + bend * away / (1 + abs(away)))
+
+    points = [(start, fly(start))]
+    while abs(points[-1][1]) > 1e-3 and len(points) < 12:
+        following = find_next(points, guess * slope)
+        assert following is not None
+        points.append((following, fly(following)))
+    assert abs(points[-1][1]) <= 1e-3
+
+
+def test_a_body_that_rides_the_wall_does_not_respond_and_is_left() -> None:
+    assert find_next([(0.10, 0.27), (0.15, 0.27 + 1e-5)], -10.0) is None
+
+
+def test_between_two_flights_that_pass_on_either_side_the_next_is_between_them() -> None:
+    following = find_next([(0.0, 0.5), (0.1, -0.1), (-0.2, 0.6)], -10.0)
+    assert following == pytest.approx(0.1 * 0.5 / 0.6)
