@@ -400,3 +400,12 @@ def test_a_flight_that_no_reader_would_unpack_is_not_stored(monkeypatch: pytest.
                 encode(flight)
         else:
             assert (decode(encode(flight), flight.end).t == t.astype(np.float32)).all()
+
+
+def test_the_tuning_of_a_genome_is_stored_and_read_back(tmp_path: Path) -> None:
+    genome = Genome("letters", ("a", "b"), 0.012345678901234567)
+    record = Record(0, Candidate(genome), Evaluation(genome, np.array([50.0])))
+    with Store.create(tmp_path / "run.db", {}) as store:
+        store.add([record], ("T",))
+        assert store.read_genome(0) == genome
+        assert store.read_record(0, ("T",)).candidate == record.candidate

@@ -39,3 +39,7 @@ def test_a_body_that_rides_the_wall_does_not_respond_and_is_left() -> None:
 def test_between_two_flights_that_pass_on_either_side_the_next_is_between_them() -> None:
     following = find_next([(0.0, 0.5), (0.1, -0.1), (-0.2, 0.6)], -10.0)
     assert following == pytest.approx(0.1 * 0.5 / 0.6)
+
+
+def test_two_flights_with_the_same_weight_count_as_one() -> None:
+    assert find_next([(0.1, 0.2), (0.1, 0.2001)], -10.0) == pytest.approx(0.1 + 0.02, abs=1e-4)

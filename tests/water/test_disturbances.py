@@ -10,14 +10,16 @@ from hypothesis import strategies as st
 from scipy.special import ndtr
 from scipy.stats import qmc
 
-from driftform.agent import hull_mass
+from driftform.agent import hull_mass, mass_properties
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 from driftform.water import Scenario
 from driftform.water.disturbances import (
     BEYOND,
     MAX_DEVIATION,
+    SCALE,
     Condition,
+    Specimen,
     disturb_body,
     disturb_scenario,
     draw_conditions,
@@ -183,3 +185,36 @@ def test_disturbed_flights_have_the_secondary_flow_of_bends_and_no_other_draw_de
     assert [replace(condition, swirl=0.0) for condition in drawn] == list(calm)
     scenario = load_study("pipe-inspection", ["flow.swirl=0.05"]).scenario
     assert disturb_scenario(drawn[0], scenario).flow.swirl == pytest.approx(0.05 + drawn[0].swirl)
+
+
+def test_what_is_left_of_a_weighed_print_is_the_sum_of_two_even_roundings_of_a_scale():
+    left = np.array([c.left for c in draw_conditions(Robustness(), 4000, (3,))])
+    assert abs(left).max() <= SCALE
+    # Each is even over a step, with a variance of a twelfth of its square.
+    assert left.std() == pytest.approx(SCALE / math.sqrt(6), rel=0.03)
+    assert abs(left.mean()) < 0.02 * SCALE
+
+
+def test_a_weighed_print_has_the_mass_of_the_design_but_for_what_is_left():
+    body = hollow_body()
+    disturbed = changed(mass=1.03, wall=0.0001, left=2e-5)
+    design = mass_properties(body).mass
+    assert mass_properties(disturb_body(disturbed, body)).mass > 1.02 * hull_mass(body) + body.core.mass
+    weighed = disturb_body(replace(disturbed, specimen=Specimen.WEIGHED), body)
+    assert mass_properties(weighed).mass - design == pytest.approx(2e-5, abs=1e-12)
+    assert hull_mass(weighed) == hull_mass(body)
+
+
+def test_what_does_nothing_is_a_neutral_sphere_of_the_same_volume_in_the_same_water():
+    study = load_study("pipe-inspection", use={"simulator": "native"}, run={"seed": 0})
+    pipeline = study.make_pipeline()
+    genome = pipeline.grammar.random(np.random.default_rng(5))
+    idle = pipeline.make_agent(genome, changed(density=1.002, mass=1.1, specimen=Specimen.IDLE))
+    assert idle.mass.volume == pytest.approx(
+        mass_properties(pipeline.make_agent(genome).body).volume, rel=0.01
+    )
+    assert idle.mass.mass == pytest.approx(1.002 * 999.1 * idle.mass.volume, rel=1e-9)
+    assert idle.mass.cog == pytest.approx(idle.mass.cob, abs=1e-12)
+    [calm] = pipeline.evaluate([genome], conditions=[changed(gusts=None, specimen=Specimen.IDLE)])
+    # Without gusts it stays on the axis, where it is released.
+    assert np.abs(calm.trajectory.position[:, 1:]).max() < 1e-4

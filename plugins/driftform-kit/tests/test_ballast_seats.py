@@ -1,6 +1,7 @@
 """Seats for balls of ballast, tried on the meshes of the parts: the ball gets there, lies there, and stays there."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,12 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold
 
+from driftform.agent import mass_properties
 from driftform.errors import WorkFailedError
-from driftform.types import Module, Morphology
+from driftform.testing.builder import random_morphology
+from driftform.types import Module, Moments, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
-from driftform_kit.cutting.accounting import kit_mass
+from driftform_frusta.kit_options import LEAD, PartOptions
+from driftform_frusta.kits import make_parts, settle_ballast
+from driftform_kit.cutting.accounting import kit_mass, place_ballast
 from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.cutting.upright import overhang_area
 
@@ -204,3 +207,40 @@ def test_two_balls_are_kept_apart():
 def test_a_builder_takes_no_ballast():
     with pytest.raises(ValueError, match="set it for the exporter"):
         FrustaOptions(made_as="kit", kit={"ballast": [[0.04, 0.006]]})
+
+
+def test_the_kit_of_a_tuned_body_weighs_and_balances_as_simulated():
+    """Ball and seat together have the mass and the moment of the ballast that flew."""
+    builder, tried = FrustaBuilder(FrustaOptions(tuning="ballast", made_as="kit", core_mass=0.02)), 0
+    for seed in range(60):
+        morphology = random_morphology(seed, 12)
+        try:
+            bounds = builder.find_tunings(morphology)
+        except WorkFailedError:
+            continue
+        if bounds is None:
+            continue
+        body = builder.build(replace(morphology, tuning=bounds[1] / 1.5))
+        options = settle_ballast(body, PartOptions(kit=True))
+        [(x, diameter)] = options.ballast
+        printed, ball = kit_mass(body, options), LEAD * math.pi / 6 * diameter**3
+        simulated = mass_properties(body)
+        assert printed.mass + ball == pytest.approx(simulated.mass, abs=5e-6)
+        # Where the ball makes room for the core, its seat moves the centre of gravity a little.
+        cog = (printed.mass * printed.cog[0] + ball * x) / simulated.mass
+        assert cog == pytest.approx(
+            simulated.cog[0], abs=1e-5 if x != round(body.ballast.centroid, 7) else 5e-4
+        )
+        tried += 1
+        if tried == 5:
+            return
+    raise AssertionError(f"only {tried} bodies of 60 have a kit with ballast")
+
+
+def test_a_ball_whose_seat_weighs_more_than_the_ballast_is_refused():
+    body = FrustaBuilder(FrustaOptions(tuning="ballast")).build(
+        Morphology((Module(0.05, 0.2), Module(0.02, 0.0)), ())
+    )
+    light = replace(body, ballast=Moments(1e-9, 2e-11), ballast_density=LEAD)
+    with pytest.raises(WorkFailedError, match="no kit can be made"):
+        place_ballast(light, PartOptions(kit=True))

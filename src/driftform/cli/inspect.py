@@ -53,6 +53,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
         ("mass", f"{1000 * facts['mass']:.3f} g"),
         ("  of it hull", f"{1000 * facts['hull_mass']:.3f} g"),
         ("  of it core", f"{1000 * facts['core_mass']:.3f} g"),
+        *([("  of it ballast", f"{1000 * facts['ballast_mass']:.3f} g")] if facts["ballast_mass"] else []),
         ("displaced volume", f"{1e6 * facts['volume']:.3f} cm3"),
         ("net buoyancy", f"{net:+.4f} N (it {weight})"),
         ("centre of gravity", f"x {1000 * facts['cog'][0]:+.3f} mm from the core's centre"),

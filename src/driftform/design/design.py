@@ -22,6 +22,7 @@ from driftform.motion.resampling import check_rate
 from driftform.motion.way import find_offsets, name_outlet
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
+from driftform.plugins.genome_text import write_genome
 from driftform.plugins.registry import registry
 from driftform.plugins.seams import require_facts, require_file, require_files
 from driftform.runs.agent_file import StoredAgent
@@ -120,7 +121,7 @@ class Design:
     @property
     def genome(self) -> str:
         """The genome as text; :func:`driftform.open_agent` reads it."""
-        return self.pipeline.grammar.to_text(self.stored.genome)
+        return write_genome(self.pipeline.grammar, self.stored.genome)
 
     @property
     def scenario(self) -> Scenario:

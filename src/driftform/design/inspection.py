@@ -15,6 +15,7 @@ from driftform.motion.model import flight_model
 from driftform.motion.stability import stable_rest
 from driftform.motion.terminal import terminal_speeds
 from driftform.pipeline import Pipeline
+from driftform.plugins.genome_text import write_genome
 from driftform.plugins.registry import registry
 from driftform.types import Agent, FloatArray
 from driftform.water import Calibration, Fluid, Scenario
@@ -57,7 +58,7 @@ def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | Non
     sides += [] if morphology is None else [("fore", m) for m in morphology.fore]
     return {
         "agent": name,
-        "genome": pipeline.grammar.to_text(agent.genome),
+        "genome": write_genome(pipeline.grammar, agent.genome),
         "modules": [
             {"side": side, "length": m.length, "tilt_deg": float(np.rad2deg(m.tilt))} for side, m in sides
         ],
@@ -66,6 +67,7 @@ def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | Non
         "mass": mass.mass,
         "hull_mass": hull_mass(body),
         "core_mass": body.core.mass,
+        "ballast_mass": body.ballast.volume * body.ballast_density,
         "volume": mass.volume,
         "net_buoyancy": net,
         "cog": mass.cog,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from driftform.design.design import Design
 from driftform.errors import DriftformError, InputError, did_you_mean
-from driftform.plugins.seams import require_genome
+from driftform.plugins.genome_text import read_genome
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import DATABASE
 from driftform.runs.run import Run
@@ -79,7 +79,7 @@ def _find(
     study = load_study(scenario, settings, use=use)
     grammar = study.make_plugin("grammar")
     try:
-        genome = require_genome(grammar.parse(text), grammar, "parse")
+        genome = read_genome(grammar, text)
     except DriftformError as error:
         raise InputError(
             f"AGENT '{_shorten(text)}' is not a file, not RUN:TARGET and not a genome: {_shorten(str(error), 300)}"

@@ -12,6 +12,7 @@ from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.trend import Trend, trend_svg
 from driftform.interfaces import Flown, ReportJob
 from driftform.motion.way import approach_targets
+from driftform.plugins.genome_text import write_genome
 from driftform.plugins.seams import require
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.misses import Misses
@@ -106,7 +107,7 @@ def collect_contents(run: Run) -> Contents:
                     float(distances[number]),
                     float(times[number]),
                     one.stored,
-                    grammar.to_text(one.stored.genome),
+                    write_genome(grammar, one.stored.genome),
                     one.agent,
                     one.trajectory,
                 )

@@ -35,7 +35,8 @@ def find_next(points: Sequence[tuple[float, float]], slope: float) -> float | No
     slope
         expected change of the height with the root, which is negative, m / kg^1/2.
     """
-    ordered = sorted(set(points))
+    # Flights with the same weight may differ a little, by their tolerances.
+    ordered = sorted(dict(points).items())
     above = [point for point in ordered if point[1] > 0]
     below = [point for point in ordered if point[1] <= 0]
     # The lightest that passes below, and the heaviest above: heavier bodies pass lower.

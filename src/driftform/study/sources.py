@@ -221,7 +221,8 @@ def merge(
 
 
 def _merge_value(old: Any, value: Any, path: KeyPath) -> Any:
-    if isinstance(old, list) and isinstance(value, Mapping) and value:
+    # A place in a pipe is a table in place of coordinates.
+    if isinstance(old, list) and isinstance(value, Mapping) and value and "part" not in value:
         return _merge_items(old, value, path)
     if not (isinstance(old, Mapping) and isinstance(value, Mapping)):
         return value

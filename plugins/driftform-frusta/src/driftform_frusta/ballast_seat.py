@@ -17,6 +17,9 @@ SPARE = 1.5
 _GAP = 0.0003
 """m between ball and wall."""
 
+_BESIDE = 0.002
+"""m between ball and core: a seat that weighs too moves the ball by as much."""
+
 _STATIONS = 100
 
 
@@ -72,7 +75,7 @@ def _find_seat(body: Body) -> tuple[float, float]:
         return 0.0, 0.0
     x = np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _STATIONS + 2)[1:-1]
     wall = distance_from(np.column_stack((x, np.zeros_like(x))), body.cavity)
-    room = np.maximum(np.minimum(wall, np.abs(x) - body.core.radius) - _GAP, 0.0)
+    room = np.maximum(np.minimum(wall - _GAP, np.abs(x) - body.core.radius - _BESIDE), 0.0)
     enough = room >= _ball_radius(SPARE * max(_find_lacking(body), 0.0) / LEAD)
     best = int(np.where(enough, np.abs(x), np.inf).argmin()) if enough.any() else int(room.argmax())
     return float(x[best]), float(room[best])

@@ -14,8 +14,7 @@ class DirectStrategy(TunedStrategy):
 
     name = "direct"
 
-    def _start_job(self) -> Job:
-        target = self._choose_target()
+    def _start_job(self, target: int) -> Job:
         self._started[target] += 1
         shape = next((shape for shape in self._fresh if target not in shape.tried), None)
         if shape is None:

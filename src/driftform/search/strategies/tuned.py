@@ -36,7 +36,7 @@ class TunedOptions(Table):
     )
     flights: int = option(6, "most flights to tune a shape for a target", "", gt=1, le=1000)
     first: int = option(
-        3, "bodies for each target before those with a large miss get more", "", gt=0, le=10_000
+        3, "bodies that are tuned for a target one after the other until one hits", "", gt=0, le=10_000
     )
     pressure: float = option(
         1.0,
@@ -149,16 +149,28 @@ class TunedStrategy(Strategy[TunedOptions]):
     def ask(self, limit: int) -> list[Candidate]:
         """Return the next flights of bodies that are being tuned, and the first ones of new bodies."""
         jobs = [self._ready.popleft() for _ in range(min(len(self._ready), self.options.batch))]
-        while len(jobs) < self.options.batch:
-            jobs.append(self._start_job())
+        if missing := self._list_missing():
+            # At first each target gets one body after the other, until one has hit.
+            busy = {job.target for job in jobs}
+            free = [target for target in missing if target not in busy]
+            jobs += map(self._start_job, free[: self.options.batch - len(jobs)])
+        while len(jobs) < (1 if missing else self.options.batch):
+            jobs.append(self._start_job(self._choose_target()))
         generation = next(self._numbers)
         candidates = [self._make_candidate(job, generation) for job in jobs[:limit]]
         self._asked.append(jobs[:limit])
         return candidates
 
     def can_ask_ahead(self) -> bool:
-        """Return True: bodies are tuned independently of each other."""
-        return True
+        """Return True once each target is hit, or was tried often: then bodies are tuned independently of each other."""
+        return not self._list_missing()
+
+    def _list_missing(self) -> list[int]:
+        return [
+            k
+            for k, elites in enumerate(self._elites)
+            if not elites and self._started[k] <= self.options.first
+        ]
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Find the next tuning of each body, or rank a body that has hit."""
@@ -214,9 +226,8 @@ class TunedStrategy(Strategy[TunedOptions]):
         sinking = sqrt(2 * fluid.gravity / (fluid.density * DRAG * shape.size))
         return sinking * float(self._ways[target]) / max(self.space.scenario.flow.speed, 1e-6)
 
-    def _start_job(self) -> Job:
+    def _start_job(self, target: int) -> Job:
         rng, options = self.space.rng, self.options
-        target = self._choose_target()
         self._started[target] += 1
         elites = self._elites[target]
         shape, elite, draw = None, None, rng.random()
@@ -242,10 +253,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         return Job(shape, target, tuning, () if elite is None else (elite.index,))
 
     def _choose_target(self) -> int:
-        """Return the target that a new body is made for: at first each in turn, then by the miss of its best body."""
-        least = min(self._started)
-        if least < self.options.first:
-            return int(self.space.rng.choice([k for k, n in enumerate(self._started) if n == least]))
+        """Return the target that a new body is made for, by the miss of its best body."""
         misses = np.array([100 - elites[0].fitness if elites else 100.0 for elites in self._elites])
         weights = np.maximum(misses, 1e-9) ** self.options.pressure
         return int(self.space.rng.choice(len(weights), p=weights / weights.sum()))

@@ -46,26 +46,37 @@ def held_mass(held: HeldBall, options: PartOptions) -> float:
 def place_ballast(body: Body, options: PartOptions) -> tuple[float, float]:
     """Return x and diameter (m) of the ball that has, with its seat, the mass and the moment of a body's ballast.
 
+    Where such a ball would be in the way of the core, it lies at the place of the ballast, and the seat alone moves the
+    centre of gravity, by some tenths of a millimetre at most.
+
     Raises
     ------
     WorkFailedError
         if the kit cannot hold it; the message has the reason.
     """
+    try:
+        return _settle_ball(body, options, True)
+    except WorkFailedError:
+        return _settle_ball(body, options, False)
+
+
+def _settle_ball(body: Body, options: PartOptions, balanced: bool) -> tuple[float, float]:
     density, bare = options.ballast_density, kit_mass(body, options)
-    mass = body.ballast.volume * body.ballast_density
-    lacking, moment = mass, mass * body.ballast.centroid
+    mass, x = body.ballast.volume * body.ballast_density, body.ballast.centroid
+    lacking, moment, seat = mass, mass * x, 0.0
     for _ in range(_ROUNDS):
-        ball = round(moment / lacking, 7), round(ball_diameter(lacking, density), 7)
+        ball = round(moment / lacking if balanced else x, 7), round(ball_diameter(lacking, density), 7)
         seated = kit_mass(body, options.model_copy(update={"ballast": (ball,)}))
         seat = seated.mass - bare.mass
         before, lacking = lacking, mass - seat
-        moment = mass * body.ballast.centroid - float(seated.mass * seated.cog[0] - bare.mass * bare.cog[0])
+        moment = mass * x - float(seated.mass * seated.cog[0] - bare.mass * bare.cog[0])
         if not lacking > 0:
             break
         if abs(lacking - before) < NEGLIGIBLE:
             return ball
     raise WorkFailedError(
-        f"no kit can be made: the seat of its ballast of {1000 * mass:.4g} g weighs {1000 * seat:.2g} g, too much for a ball beside it"
+        f"no kit can be made: ballast of {1000 * mass:.4g} g is too little for a ball beside its seat, which weighs "
+        f"{1000 * seat:.2g} g"
     )
 
 

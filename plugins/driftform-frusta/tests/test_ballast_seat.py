@@ -1,0 +1,73 @@
+"""Ballast at its seat: where it lies, what it weighs, and what has no room."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftform.agent import mass_properties
+from driftform.testing.builder import random_morphology
+from driftform_frusta.ballast_seat import SPARE, WATER, find_most_ballast, place_ballast
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.kit_options import LEAD
+
+BUILDER = FrustaBuilder(FrustaOptions(tuning="ballast", core_mass=0.02))
+BODIES = [BUILDER.build(random_morphology(seed, 12)) for seed in range(30)]
+BUOYANT = [body for body in BODIES if find_most_ballast(body) > 0]
+
+
+def test_ballast_makes_a_buoyant_body_float_freely_with_some_to_spare() -> None:
+    assert len(BUOYANT) > 3
+    for body in BUOYANT:
+        bare = mass_properties(body)
+        lacking = WATER * bare.volume - bare.mass
+        assert 0 < find_most_ballast(body) <= SPARE * lacking * (1 + 1e-12)
+
+
+def test_a_body_that_sinks_needs_no_ballast() -> None:
+    heavy = replace(BUOYANT[0], hull_density=20_000.0)
+    assert find_most_ballast(heavy) == 0.0
+    assert BUILDER.find_tunings(random_morphology(0, 0)) is None
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 1.0])
+def test_the_ball_is_inside_the_cavity_and_beside_the_core(share: float) -> None:
+    for body in BUOYANT:
+        ball = place_ballast(body, share * find_most_ballast(body))
+        radius = (0.75 * ball.volume / np.pi) ** (1 / 3)
+        assert abs(ball.centroid) >= body.core.radius + radius
+        around = np.linspace(0, np.pi, 50)
+        x, r = ball.centroid + radius * np.cos(around), radius * np.sin(around)
+        assert (np.interp(x, *body.cavity.T) >= r).all()
+
+
+def test_the_tuned_body_weighs_the_ballast_more_and_balances_at_their_common_centre() -> None:
+    morphology = next(m for m in (random_morphology(s, 12) for s in range(30)) if BUILDER.find_tunings(m))
+    bare, mass = mass_properties(BUILDER.build(morphology)), 0.005
+    body = BUILDER.build(replace(morphology, tuning=mass))
+    tuned, ball = mass_properties(body), body.ballast
+    assert body.ballast_density == LEAD
+    assert tuned.mass == pytest.approx(bare.mass + mass, rel=1e-12)
+    assert tuned.mass * tuned.cog[0] == pytest.approx(bare.mass * bare.cog[0] + mass * ball.centroid)
+    # A sphere: 2/5 m R^2 about each axis through its centre, and Steiner about the common centre.
+    own = 0.4 * mass * (0.75 * ball.volume / np.pi) ** (2 / 3)
+    apart = bare.mass * mass / tuned.mass * (ball.centroid - bare.cog[0]) ** 2
+    assert tuned.inertia[0, 0] == pytest.approx(bare.inertia[0, 0] + own)
+    assert tuned.inertia[1, 1] == pytest.approx(bare.inertia[1, 1] + own + apart)
+    assert tuned.volume == bare.volume
+
+
+def test_ballast_that_has_no_room_is_refused_with_what_has() -> None:
+    with pytest.raises(ValueError, match="the hull has room for"):
+        place_ballast(BUOYANT[0], 100.0)
+
+
+def test_a_thinner_wall_is_lighter_and_keeps_the_outer_contour() -> None:
+    builder = FrustaBuilder(FrustaOptions(tuning="wall", thinnest=0.0008))
+    morphology = random_morphology(1, 12)
+    bounds = builder.find_tunings(morphology)
+    assert bounds == pytest.approx((0.0, 0.00045))
+    thick, thin = (builder.build(replace(morphology, tuning=t)) for t in bounds)
+    assert thin.wall == pytest.approx(0.0008) and np.array_equal(thin.outer, thick.outer)
+    ratio = (mass_properties(thin).mass - 0.05) / (mass_properties(thick).mass - 0.05)
+    assert ratio == pytest.approx(0.0008 / 0.00125, rel=0.1)
