@@ -172,7 +172,7 @@ def test_rospy_receives_every_message_of_a_bag_and_tf2_the_poses(
     times = [str(1 + t) for t in flight.t[:-1]]
     run_system("rosparam set /use_sim_time true", tmp_path, env=environment)
     with listen(environment, *topics, "--frames", "world", "agent/base_link", "--times", *times) as finish:
-        play = f"rosbag play --quiet --wait-for-subscribers --queue 10000 --delay 0.5 {bag}"
+        play = f"timeout 60 rosbag play --quiet --wait-for-subscribers --queue 10000 --delay 0.5 {bag}"
         run_system(play, tmp_path, env=environment)
         time.sleep(0.5)
         received = finish()

@@ -90,7 +90,7 @@ class Gap:
 
     def describe(self) -> str:
         """Say in a sentence how far the paths are apart."""
-        near = [f"{d:.2g} m after {t:g} s" for t, d in self.distances.items() if np.isfinite(d)]
+        near = [f"{d:.3g} m after {t:g} s" for t, d in self.distances.items() if np.isfinite(d)]
         if not near:
             return f"The path by {self.name} diverges, with steps of {self.step:g} s."
         end = ", and then diverges" if len(near) < len(self.distances) else ""
