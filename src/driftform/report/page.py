@@ -14,6 +14,7 @@ from driftform.figures import scene, style
 from driftform.figures.section import section_svg
 from driftform.motion.limits import list_limits
 from driftform.report.contents import Contents, collect_contents
+from driftform.report.kinds import count_kinds, name_kind
 from driftform.runs.run import Run
 from driftform.runs.wording import (
     describe_worth,
@@ -64,6 +65,7 @@ def page_html(contents: Contents) -> str:
     study, fitness = contents.study.document, contents.study.make_plugin("fitness")
     results = {entry.target: entry.stored.result for entry in contents.entries}
     promised = all(map(is_promised, results.values()))
+    kinds = {e.target: name_kind(e.agent, e.trajectory, contents.scenario, e.t) for e in contents.entries}
     return environment.from_string(_read("page.html")).render(
         contents=contents,
         title=str(study.get("title", "")) or contents.name,
@@ -72,6 +74,8 @@ def page_html(contents: Contents) -> str:
         data=viewer_data(contents),
         lead=summarise(fitness, results) + ".",
         worth=describe_worth(results),
+        kinds=kinds,
+        kinds_in_words=count_kinds(kinds.values()),
         legend=explain_columns(fitness, contents.scenario.robustness.checks),
         fitness=fitness,
         numbers=_list_numbers(contents),

@@ -116,11 +116,11 @@ def describe_worth(results: Mapping[str, Result]) -> str:
 
 def explain_columns(fitness: Fitness[Any], flights: int) -> str:
     """Return what the columns of a promise mean, in one line; ``flights`` is how many there were of each kind."""
-    hit = f"{fitness.goal}" if fitness.share else "a miss within the first column"
+    hit = f"have {fitness.goal}" if fitness.share else "pass within the first column"
     rest = "" if fitness.share else "; 90 %: the miss that 9 of 10 of them stay within"
     return (
-        f"share of {flights} flights under fresh disturbed conditions with {hit}{rest}: of the print as it comes, of one that is "
-        "weighed and trimmed, and idle, of a neutral sphere of the same volume"
+        f"hit: the share of {flights} flights under fresh disturbed conditions that {hit}{rest}; as printed, weighed and trimmed, "
+        "and idle: a neutral sphere of the same volume"
     )
 
 

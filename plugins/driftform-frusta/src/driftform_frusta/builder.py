@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
@@ -18,6 +19,10 @@ from driftform_frusta.section import hull_section, lay_chains, open_section
 
 _PAPERS = Core(radius=0.01, mass=0.05)
 """The paper's core."""
+
+
+KEPT_BODIES = 256
+"""Bodies that are kept: a search asks for the same shape with many tunings."""
 
 
 class FrustaOptions(Table):
@@ -140,27 +145,9 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         WorkFailedError
             if the body is weighed as a kit, and no kit can be made of it; the message has the reason.
         """
-        _check_modules("fore", morphology.fore)
-        _check_modules("aft", morphology.aft)
         o = self.options
-        dome = o.core_radius + o.clearance + o.wall
-        chains = lay_chains(morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2)
-        section = hull_section if o.wall_model == "mitred" else open_section
-        wall = o.wall - morphology.tuning if o.tuning == "wall" else o.wall
-        outer, cavity = section(chains, dome, wall)
-        body = Body(
-            outer=outer,
-            cavity=cavity,
-            joints=chains[:, 0],
-            core=Core(o.core_radius, o.core_mass),
-            wall=wall,
-            hull_density=o.hull_density,
-        )
-        if o.kit is not None:
-            # The sections of parts take a while to import, and most studies weigh the hull in one piece.
-            from driftform_frusta.kits import find_maker
-
-            body = replace(body, fittings=find_maker().measure_fittings(body, o.kit))
+        thinner = morphology.tuning if o.tuning == "wall" else 0.0
+        body = _build_untuned(o, replace(morphology, tuning=0.0), thinner)
         if o.tuning == "ballast" and morphology.tuning:
             return replace(body, ballast=place_ballast(body, morphology.tuning), ballast_density=LEAD)
         return body
@@ -171,7 +158,7 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         if o.tuning == "wall":
             return (0.0, max(0.0, o.wall - o.thinnest))
         if o.tuning == "ballast":
-            body = self.build(replace(morphology, tuning=0.0))
+            body = _build_untuned(o, replace(morphology, tuning=0.0), 0.0)
             most = find_most_ballast(body)
             return (0.0, most) if most and self._can_hold(body, most / SPARE) else None
         return None
@@ -188,6 +175,31 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         except WorkFailedError:
             return False
         return True
+
+
+@lru_cache(maxsize=KEPT_BODIES)
+def _build_untuned(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
+    """Return a body without ballast, with a wall that is thinner by so much (m)."""
+    _check_modules("fore", morphology.fore)
+    _check_modules("aft", morphology.aft)
+    dome = o.core_radius + o.clearance + o.wall
+    chains = lay_chains(morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2)
+    section = hull_section if o.wall_model == "mitred" else open_section
+    outer, cavity = section(chains, dome, o.wall - thinner)
+    body = Body(
+        outer=outer,
+        cavity=cavity,
+        joints=chains[:, 0],
+        core=Core(o.core_radius, o.core_mass),
+        wall=o.wall - thinner,
+        hull_density=o.hull_density,
+    )
+    if o.kit is None:
+        return body
+    # The sections of parts take a while to import, and most studies weigh the hull in one piece.
+    from driftform_frusta.kits import find_maker
+
+    return replace(body, fittings=find_maker().measure_fittings(body, o.kit))
 
 
 def _check_modules(side: str, modules: Sequence[Module]) -> None:

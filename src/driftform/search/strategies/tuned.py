@@ -36,7 +36,11 @@ class TunedOptions(Table):
     )
     flights: int = option(6, "most flights to tune a shape for a target", "", gt=1, le=1000)
     first: int = option(
-        3, "bodies that are tuned for a target one after the other until one hits", "", gt=0, le=10_000
+        3,
+        "bodies for each target, one after the other until one hits, before those with a large miss get more",
+        "",
+        gt=0,
+        le=10_000,
     )
     pressure: float = option(
         1.0,
@@ -253,7 +257,10 @@ class TunedStrategy(Strategy[TunedOptions]):
         return Job(shape, target, tuning, () if elite is None else (elite.index,))
 
     def _choose_target(self) -> int:
-        """Return the target that a new body is made for, by the miss of its best body."""
+        """Return the target that a new body is made for: at first each in turn, then by the miss of its best body."""
+        least = min(self._started)
+        if least < self.options.first:
+            return int(self.space.rng.choice([k for k, n in enumerate(self._started) if n == least]))
         misses = np.array([100 - elites[0].fitness if elites else 100.0 for elites in self._elites])
         weights = np.maximum(misses, 1e-9) ** self.options.pressure
         return int(self.space.rng.choice(len(weights), p=weights / weights.sum()))
