@@ -24,7 +24,7 @@ def test_a_flight_in_four_formats(call: Call) -> None:
         "export-flight",
         WORD,
         "--format",
-        "csv,parquet,mcap,rosbag2",
+        "csv,parquet,mcap,rosbag1,rosbag2",
         *QUICK,
         "--rate-hz",
         "20",
@@ -34,7 +34,7 @@ def test_a_flight_in_four_formats(call: Call) -> None:
     )
     assert result.exit_code == 0, result.stderr
     told = json.loads(result.stdout)
-    assert {file["format"] for file in told["files"]} == {"csv", "parquet", "mcap", "rosbag2"}
+    assert {file["format"] for file in told["files"]} == {"csv", "parquet", "mcap", "rosbag1", "rosbag2"}
     assert all(Path(file["path"]).stat().st_size for file in told["files"])
     assert told["simulator"] == "native" and told["end"]["reason"] == "outlet"
     paths = {file["format"]: file["path"] for file in told["files"]}

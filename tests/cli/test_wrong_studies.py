@@ -113,6 +113,11 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
         "warned",
         "carries an agent away from targets TP1",
     ),
+    "a slow current in a short flight": (
+        ["flow.speed=0.01", "flight.horizon=5"],
+        "warned",
+        "set flight.horizon to more than 850 s",
+    ),
     "no current": (["flow.speed=0"], "warned", "the water is at rest"),
     "a horizon that is too short": (["flight.horizon=3"], "warned", "set flight.horizon to more than 8.5 s"),
     "a body that fills the bore": (

@@ -135,6 +135,34 @@ def requires_program() -> Callable[[str], str]:
 
 
 @pytest.fixture(scope="session")
+def system_environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The environment of programs of the system, without the Python of the tests; ROS writes its logs to its own folder."""
+    home = tmp_path_factory.mktemp("home")
+    return {"PATH": "/usr/bin:/bin", "HOME": str(home), "ROS_HOME": str(home), "LC_ALL": "C.UTF-8"}
+
+
+@pytest.fixture(scope="session")
+def run_system(system_environment: dict[str, str]) -> Callable[..., str]:
+    """Run a command of the shell in a folder, by the system's own programs; return what it prints."""
+
+    def run(command: str, folder: Path, env: dict[str, str] = system_environment) -> str:
+        done = subprocess.run(
+            ["bash", "-c", command],
+            cwd=folder,
+            env=env,
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=300,
+            check=False,
+        )
+        assert done.returncode == 0, f"{command} ended with {done.returncode}\n{done.stdout}\n{done.stderr}"
+        return done.stdout
+
+    return run
+
+
+@pytest.fixture(scope="session")
 def check_sdf() -> Callable[[str, Path], subprocess.CompletedProcess[str]]:
     """Check an SDF file by Ignition's program; bytes of the output that are not UTF-8 are replaced."""
 

@@ -18,6 +18,8 @@ from driftform.types import Coefficients
 from driftform.water import Fluid, Scenario
 from driftform.water.flow import UniformFlow
 from driftform.water.scenario import FlightLimits, Release
+from driftform_robotics.models.gap import fly_own, fly_reader, read_link
+from driftform_robotics.models.link import make_link
 
 if sys.platform == "win32":
     pytest.skip("DART has no wheel for Windows", allow_module_level=True)
@@ -37,13 +39,13 @@ def spatial(inertial: ET.Element, inertia_of: Callable) -> np.ndarray:
 
 
 def flight_by_dart(
-    job: ExportJob, folder: Path, inertia_of: Callable, step: float
+    job: ExportJob, folder: Path, inertia_of: Callable, step: float, frame: str = "core"
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Times and places of the core's centre, with the mass, pose and added mass of the file."""
+    """Times and places of the core's centre, or of the link's, with the mass, pose and added mass of the file."""
     model = ET.parse(folder / "world.sdf").getroot().find("world/model[@name='random']")
     inertial = model.find("link/inertial")
     place = np.array(model.findtext("pose").split(), dtype=float)
-    core = np.array(model.findtext("frame[@name='core']/pose").split(), dtype=float)[:3]
+    core = np.array(model.findtext("frame[@name='core']/pose").split(), dtype=float)[:3] * (frame == "core")
 
     skeleton = dart.dynamics.Skeleton()
     joint, body = skeleton.createFreeJointAndBodyNodePair()
@@ -100,3 +102,22 @@ def test_dart_flies_as_we_do(
     ours = interpolate_positions(study.make_pipeline().simulator.simulate(job.agent, scenario), times)
     assert np.linalg.norm(ours[-1] - ours[0]) > 0.2
     assert np.linalg.norm(2 * fine - coarse - ours, axis=1).max() < 0.001
+
+
+def test_steps_of_the_gap_are_those_of_dart(
+    jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable
+) -> None:
+    """A tumbling agent, and steps so long that their error after 1 s is centimetres: it has the same in both."""
+    agent = jobs["dragged"].agent
+    undamped = Coefficients(agent.coefficients.added_mass, agent.coefficients.origin)
+    release = Release(pitch_deg=25.0, velocity=(0.4, 0.0, 0.1))
+    scenario = Scenario(flow=UniformFlow(speed=0.0), release=release)
+    job = ExportJob("random", replace(agent, coefficients=undamped), scenario)
+    link = make_link(job)
+    times, path = flight_by_dart(job, export("sdf", job), inertia_of, 0.002, "link")
+    reader = read_link("Gazebo", link, scenario.fluid.density)
+    steps, ours = fly_reader(reader, job, link, 10.0, 0.002), fly_own(job, link, 10.0)
+    until = times <= 1.0
+    found, exact = ((fly[1 : len(times) + 1] + link.position)[until] for fly in (steps, ours))
+    assert np.linalg.norm(found - exact, axis=1).max() > 0.01
+    np.testing.assert_allclose(path[until], found, atol=1e-6)

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -125,3 +126,21 @@ def test_angles_make_the_rotation_that_they_came_from(roll: float, pitch: float,
 
     R = matrix(roll, pitch, yaw)
     np.testing.assert_allclose(matrix(*roll_pitch_yaw(R)), R, atol=1e-7)
+
+
+def test_every_mesh_of_every_format_has_one_normal_for_each_vertex(
+    job: ExportJob, export: Callable[..., Path]
+) -> None:
+    """DART crashes on a mesh without them."""
+    for format in ("sdf", "uuv", "urdf", "mjcf"):
+        paths = list(export(format, job).glob("meshes/*.obj"))
+        assert len(paths) > 1
+        for path in paths:
+            lines = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
+            points, normals = (
+                np.array([line[1:] for line in lines if line[0] == key], float) for key in ("v", "vn")
+            )
+            assert normals.shape == points.shape
+            assert np.linalg.norm(normals, axis=1) == pytest.approx(1, abs=1e-4)
+            corners = [corner.split("/") for line in lines if line[0] == "f" for corner in line[1:]]
+            assert all(vertex == normal for vertex, _, normal in corners)

@@ -11,6 +11,7 @@ import pytest
 
 from driftform.interfaces import ExportJob
 from driftform.study import Study
+from driftform.types import Coefficients
 from driftform.util.rotations import matrix_from_quaternion
 from driftform_robotics.models.link import make_link
 from driftform_robotics.models.mujoco_path import Paths, compare_paths
@@ -27,7 +28,7 @@ def drifting(study: Study) -> list[ExportJob]:
 
 
 def compare(job: ExportJob) -> Paths:
-    return compare_paths(make_link(job), job.scenario.fluid, job.scenario.current())
+    return compare_paths(job, make_link(job))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -125,6 +126,6 @@ def test_an_agent_as_light_as_foam_is_compared_within_seconds(drifting: list[Exp
 
 def test_an_agent_without_added_mass_has_the_same_path_in_both(drifting: list[ExportJob]) -> None:
     job = drifting[12]
-    link = replace(make_link(job), added_mass=np.zeros((6, 6)))
-    paths = compare_paths(link, job.scenario.fluid, job.scenario.current())
+    bare = Coefficients(np.zeros((6, 6)), job.agent.coefficients.origin)
+    paths = compare(replace(job, agent=replace(job.agent, coefficients=bare)))
     assert paths.apart < 1e-4 and "wrong by" in paths.describe()

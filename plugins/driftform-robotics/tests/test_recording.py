@@ -28,10 +28,11 @@ from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Pipe, Scenario, Segment
 from driftform_robotics import sensors
 from driftform_robotics.plume import make_plume
-from driftform_robotics.recording.recorders import McapRecorder, Rosbag2Options, Rosbag2Recorder
-from driftform_robotics.recording.topics import FlightOptions
+from driftform_robotics.recording.options import FlightOptions, Ros2Options, Rosbag2Options
+from driftform_robotics.recording.recorders import McapRecorder, Rosbag1Recorder, Rosbag2Recorder
 
 KINDS = {
+    "/clock": "rosgraph_msgs/msg/Clock",
     "/tf_static": "tf2_msgs/msg/TFMessage",
     "/tf": "tf2_msgs/msg/TFMessage",
     "/markers": "visualization_msgs/msg/MarkerArray",
@@ -49,12 +50,17 @@ ONCE = {"/tf_static", "/markers", "/agent/path"}
 
 class TestMcap(RecorderContract):
     def plugin(self) -> McapRecorder:
-        return McapRecorder(FlightOptions())
+        return McapRecorder(Ros2Options())
 
 
 class TestRosbag2(RecorderContract):
     def plugin(self) -> Rosbag2Recorder:
         return Rosbag2Recorder(Rosbag2Options())
+
+
+class TestRosbag1(RecorderContract):
+    def plugin(self) -> Rosbag1Recorder:
+        return Rosbag1Recorder(FlightOptions())
 
 
 class TestRosbag2WithMcap(RecorderContract):
@@ -75,7 +81,7 @@ def flight() -> Trajectory:
 @pytest.fixture(scope="module")
 def mcap(job: ExportJob, flight: Trajectory, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("mcap") / "agent.mcap"
-    McapRecorder(FlightOptions(sensor=(0.02, 0.0, 0.01))).write(job, flight, path)
+    McapRecorder(Ros2Options(sensor=(0.02, 0.0, 0.01))).write(job, flight, path)
     return path
 
 
@@ -227,7 +233,7 @@ def test_a_database_holds_the_same_bytes_as_the_mcap_file(
     options = Rosbag2Options()
     folder, file = tmp_path / "agent-rosbag2", tmp_path / "agent.mcap"
     Rosbag2Recorder(options).write(job, flight, folder)
-    McapRecorder(FlightOptions()).write(job, flight, file)
+    McapRecorder(Ros2Options()).write(job, flight, file)
     with sqlite3.connect(f"file:{folder / 'agent-rosbag2.db3'}?mode=ro", uri=True) as database:
         topics = {i: (name, kind) for i, name, kind in database.execute("SELECT id, name, type FROM topics")}
         rows = database.execute(
@@ -280,17 +286,17 @@ def test_the_metadata_of_a_bag_describes_its_contents(
 
 def test_topics_without_data_are_left_out(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
     path = tmp_path / "agent.mcap"
-    McapRecorder(FlightOptions()).write(replace(job, scenario=Scenario()), flight, path)
+    McapRecorder(Ros2Options()).write(replace(job, scenario=Scenario()), flight, path)
     missing = {"/agent/range", "/agent/clearance", "/agent/concentration"}
     assert set(messages(path)) == set(KINDS) - missing
     inside = job.scenario.model_copy(update={"targets": {"middle": (0.1, 0.0, 0.0)}})
-    McapRecorder(FlightOptions()).write(replace(job, scenario=inside), flight, path)
+    McapRecorder(Ros2Options()).write(replace(job, scenario=inside), flight, path)
     assert set(messages(path)) == set(KINDS) - {"/agent/concentration"}
 
 
 def test_the_name_of_the_agent_can_be_chosen(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
     path = tmp_path / "agent.mcap"
-    McapRecorder(FlightOptions(namespace="diver", start=5.0)).write(job, flight, path)
+    McapRecorder(Ros2Options(namespace="diver", start=5.0)).write(job, flight, path)
     found = messages(path)
     assert set(found) == {topic.replace("/agent/", "/diver/") for topic in KINDS}
     assert found["/tf"][0][0] == 5 * 10**9
@@ -302,7 +308,7 @@ def test_noise_is_as_large_as_asked_for_and_comes_again_with_its_seed(
 ) -> None:
     def pressures(name: str, **options: Any) -> np.ndarray:
         path = tmp_path / name
-        McapRecorder(FlightOptions(**options)).write(job, long, path)
+        McapRecorder(Ros2Options(**options)).write(job, long, path)
         return np.array([m.fluid_pressure for _, m in messages(path)["/agent/pressure"]])
 
     t = np.linspace(0, 0.4, 200)
@@ -325,7 +331,7 @@ def test_other_releases_have_their_own_definitions(
     release: Any, job: ExportJob, flight: Trajectory, tmp_path: Path
 ) -> None:
     path = tmp_path / "agent.mcap"
-    McapRecorder(FlightOptions(release=release)).write(job, flight, path)
+    McapRecorder(Ros2Options(release=release)).write(job, flight, path)
     _, first = messages(path)["/agent/range"][0]
     # The message Range has had a variance since Iron.
     assert hasattr(first, "variance") == (release != "humble")
@@ -335,7 +341,7 @@ def test_a_tilted_pipe_is_drawn_as_it_lies(job: ExportJob, flight: Trajectory, t
     path, start, end = tmp_path / "agent.mcap", (1.0, 2.0, 3.0), (2.0, 4.0, 1.0)
     pipe = Pipe(segments=(Segment(start=start, end=end, radius=0.5),))
     tilted = Scenario(pipe=pipe)
-    McapRecorder(FlightOptions()).write(replace(job, scenario=tilted), flight, path)
+    McapRecorder(Ros2Options()).write(replace(job, scenario=tilted), flight, path)
     [(_, message)] = messages(path)["/markers"]
     drawn = next(marker for marker in message.markers if marker.ns == "pipe")
     turned = drawn.pose.orientation
@@ -352,3 +358,11 @@ def test_velocities_of_the_messages_lead_from_pose_to_pose(
     assert world_velocity(flight)[1:-1] == pytest.approx(slope[1:-1], abs=1e-9)
     stamps = np.array([stamp for stamp, _ in read["/agent/odom"]]) / 1e9
     assert np.diff(stamps) == pytest.approx(np.diff(flight.t))
+
+
+def test_the_clock_shows_the_time_of_each_sample(
+    read: dict[str, list[tuple[int, Any]]], flight: Trajectory
+) -> None:
+    shown = [message.clock.sec * 10**9 + message.clock.nanosec for _, message in read["/clock"]]
+    assert shown == [stamp for stamp, _ in read["/clock"]]
+    assert np.diff(shown) / 1e9 == pytest.approx(np.diff(flight.t), abs=2e-9)

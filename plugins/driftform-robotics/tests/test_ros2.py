@@ -93,6 +93,34 @@ def test_cmake_installs_every_file_where_the_launch_file_looks_for_it(
     assert f"launch/{FORMATS[format][1]}" in kept
 
 
+def test_colcon_builds_and_registers_both_packages_of_every_agent(
+    jobs: dict[str, ExportJob],
+    export: Callable[..., Path],
+    requires_program: Callable[[str], str],
+    run_system: Callable[..., str],
+    tmp_path: Path,
+) -> None:
+    requires_program("colcon")
+    source = tmp_path / "src"
+    source.mkdir()
+    packages = {}
+    for job in jobs.values():
+        for format in FORMATS:
+            folder = export(format, job)
+            packages[name_of(folder)] = folder
+            (source / name_of(folder)).symlink_to(folder)
+    built = run_system("colcon build --merge-install", tmp_path)
+    assert f"{len(packages)} packages finished" in built and "stderr" not in built
+    # By this index `ros2 launch` and `ros2 run` find packages.
+    index = "install/share/ament_index/resource_index/packages"
+    run_system(f"source install/setup.bash && test $AMENT_PREFIX_PATH = {tmp_path}/install", tmp_path)
+    assert {path.name for path in (tmp_path / index).iterdir()} == set(packages)
+    for name, folder in packages.items():
+        share, lib = tmp_path / "install" / "share" / name, tmp_path / "install" / "lib" / name
+        for path in files_of(folder) - {"CMakeLists.txt", "README.md", "LICENSE"}:
+            assert ((lib if path.endswith(".sh") else share) / path).is_file(), path
+
+
 def test_the_launch_file_starts_only_packages_that_the_manifest_names(package: tuple[str, Path]) -> None:
     format, folder = package
     text = (folder / "launch" / FORMATS[format][1]).read_text(encoding="utf-8")

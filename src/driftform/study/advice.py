@@ -232,7 +232,7 @@ class _Advice:
                 f"the water is at rest (flow.speed = {scenario.flow.speed:g} m/s), and {list_targets({**upstream, **beyond})} "
                 f"up to {show_length(max(map(abs, off.values())))} along the pipe: set flow.speed"
             )
-        elif beyond and high < reach:
+        elif beyond and high < reach and scenario.flow.speed < 0:
             yield (
                 f"the current of {scenario.flow.speed:g} m/s carries an agent away from {list_targets(beyond)}, up to "
                 f"{show_length(max(beyond.values()))} along the pipe: make flow.speed positive, or exchange start and "

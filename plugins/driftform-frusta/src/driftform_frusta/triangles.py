@@ -112,6 +112,19 @@ class Mesh:
         return _area_vectors(self._corners(self.vertices)).T
 
     @property
+    def vertex_normals(self) -> FloatArray:
+        """Outward unit normals of the vertices, (n, 3): the mean of the triangles around each, weighted by area.
+
+        A vertex without a triangle, and the tip of a needle around which the normals cancel, have that of the z axis.
+        """
+        normals = np.zeros((len(self.vertices), 3))
+        for corner in self.triangles.T:
+            np.add.at(normals, corner, self.area_vectors)
+        lengths = _lengths(normals.T)[:, None]
+        upward: FloatArray = np.tile([0.0, 0.0, 1.0], (len(normals), 1))
+        return np.divide(normals, lengths, out=upward, where=lengths > 0)
+
+    @property
     def area(self) -> float:
         """Of the surface, in the square of the unit."""
         return float(_lengths(_area_vectors(self._corners(self.vertices))).sum())
@@ -157,19 +170,23 @@ class Mesh:
         return _STL_HEADER + len(facets).to_bytes(4, "little") + facets.tobytes()
 
     def to_obj(self, first: int = 1) -> str:
-        """Return the lines of an OBJ file: ``v`` for each vertex, ``f`` for each triangle.
+        """Return the lines of an OBJ file: ``v`` and ``vn`` for each vertex, ``f`` for each triangle.
 
-        Format: Wavefront Technologies, "Object Files (.obj)", Advanced Visualizer manual, appendix B1; with nine digits,
-        which bring back the same number in single precision.
+        Gazebo's physics refuses a mesh that has not one normal for each vertex. Format: Wavefront Technologies, "Object
+        Files (.obj)", Advanced Visualizer manual, appendix B1; with nine digits, which bring back the same number in
+        single precision.
 
         Parameters
         ----------
         first
             number of the first vertex in the file: 1 plus the vertices of the meshes before this one.
         """
-        points = "v %.9g %.9g %.9g\n" * len(self.vertices) % tuple((self.vertices + 0.0).ravel().tolist())
-        return points + "f %d %d %d\n" * len(self.triangles) % tuple(
-            (self.triangles + first).ravel().tolist()
+        points, normals = ((array + 0.0).ravel().tolist() for array in (self.vertices, self.vertex_normals))
+        corners = np.repeat(self.triangles.ravel() + first, 2).tolist()
+        return (
+            "v %.9g %.9g %.9g\n" * len(self.vertices) % tuple(points)
+            + "vn %.5g %.5g %.5g\n" * len(self.vertices) % tuple(normals)
+            + "f %d//%d %d//%d %d//%d\n" * len(self.triangles) % tuple(corners)
         )
 
     def _corners(self, vertices: npt.NDArray[Any]) -> FloatArray:

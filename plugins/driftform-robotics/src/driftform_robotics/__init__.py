@@ -1,4 +1,4 @@
-"""driftform plugins for robotics: models for Gazebo, the UUV simulator and MuJoCo, recordings for ROS 2, plumes of leaks."""
+"""driftform plugins for robotics: models for Gazebo, the UUV simulator and MuJoCo, recordings for ROS, plumes of leaks."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -31,10 +31,10 @@ def driftform_fitness() -> "type[Fitness[Any]]":
 def driftform_recorder() -> "list[type[Recorder[Any]]]":
     """Return recorders for Foxglove and RViz. Check here that rosbags is installed; import it only to write a file."""
     from driftform.util import require_module
-    from driftform_robotics.recording.recorders import McapRecorder, Rosbag2Recorder
+    from driftform_robotics.recording.recorders import McapRecorder, Rosbag1Recorder, Rosbag2Recorder
 
     require_module("rosbags")
-    return [McapRecorder, Rosbag2Recorder]
+    return [McapRecorder, Rosbag1Recorder, Rosbag2Recorder]
 
 
 @hookimpl

@@ -37,7 +37,7 @@ class TunedOptions(Table):
     flights: int = option(6, "most flights to tune a shape for a target", "", gt=1, le=1000)
     first: int = option(
         3,
-        "bodies for each target, one after the other until one hits, before those with a large miss get more",
+        "random bodies for each target, one after the other until one hits, before shapes evolve",
         "",
         gt=0,
         le=10_000,
@@ -235,7 +235,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         self._started[target] += 1
         elites = self._elites[target]
         shape, elite, draw = None, None, rng.random()
-        if elites and draw >= options.random:
+        if elites and draw >= options.random and self._started[target] > options.first:
             if draw < options.random + options.retune:
                 others = [one for them in self._elites for one in them if target not in one.shape.tried]
                 if others:

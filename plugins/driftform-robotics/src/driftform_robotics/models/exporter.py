@@ -37,7 +37,14 @@ class ModelOptions(Table):
         le=100,
         strict=True,
     )
-    step: float = option(0.001, "time step of the simulation", "s", ge=1e-6, le=1)
+    step: float | None = option(
+        None,
+        "time step of the simulation; by default the longest up to 0.002 whose error is small; for MuJoCo 0.001",
+        "s",
+        ge=1e-6,
+        le=1,
+        strict=True,
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from driftform_robotics.models.exporter import Model
-from driftform_robotics.models.ros2 import Bridge, make_package, read_template
+from driftform_robotics.models.ros2 import Bridge, list_items, make_package, read_template
 
 WORLD = "driftform"
 """Name of the world in Gazebo."""
@@ -63,7 +63,7 @@ def gazebo_package(
         worlds=(_DRIFT.format(title=title, current=current) if first == "drift.sdf" else _STILL)
         + (_PUSH.format(package=name) if first == "drift.sdf" and "push.sh" in files else ""),
         topics="\n".join(f"| `{b.ros}` | `{b.ros_type}` | {_WAYS[b.direction]} |" for b in bridges),
-        warnings="\n".join(f"- {warning}" for warning in warnings) or "Nothing.",
+        warnings=list_items(warnings),
     )
     return make_package(
         name,

@@ -14,8 +14,9 @@ from driftform.interfaces import Table
 from driftform.water import Scenario
 from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid
 from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions, piece_path
+from driftform_robotics.models.gap import COMMON_STEP, measure_gap
 from driftform_robotics.models.meshes import obj_text
-from driftform_robotics.models.mujoco_path import REACH, compare_paths
+from driftform_robotics.models.mujoco_path import REACH, compare_paths, read_mujoco
 from driftform_robotics.models.pipe import Wall, list_bores, make_wall
 from driftform_robotics.models.xml import add, add_comment, format_document
 
@@ -40,8 +41,11 @@ class MjcfExporter(ModelExporter[ModelOptions]):
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return ``scene.xml`` and ``agent.xml``, and the warnings."""
         ellipsoid = fit_ellipsoid(model.link, model.job.scenario.fluid.density)
+        step = self.options.step or COMMON_STEP
+        gap = measure_gap(read_mujoco(model.job, model.link), model.job, model.link, step)
         warnings = _list_warnings(model, ellipsoid)
-        agent = _make_agent(model, ellipsoid, self.options.step, warnings)
+        warnings.insert(1, gap.describe())
+        agent = _make_agent(model, ellipsoid, step, warnings)
         pipe = model.job.scenario.pipe
         wall = make_wall(pipe) if pipe.straight is None else None
         scene = _make_scene(model.title, model.job.scenario, wall)
@@ -56,7 +60,7 @@ def _list_warnings(model: Model, ellipsoid: Ellipsoid) -> list[str]:
     surge, sway = link.added_mass[0, 0] / link.mass, link.added_mass[1, 1] / link.mass
     pitch = float(link.added_mass[4, 4] - link.added_mass[1, 5] ** 2 / link.added_mass[1, 1])
     found = [
-        compare_paths(link, fluid, scenario.current(), reach).describe(),
+        compare_paths(model.job, link, reach).describe(),
         "MuJoCo ignores the inertia of added mass: it accelerates the agent "
         f"{1 + surge:.3g} times as fast along its axis, and {1 + sway:.3g} times as fast across it.",
         "The ellipsoid has the agent's added mass along and across its axis; in pitch it has "

@@ -1,21 +1,12 @@
-"""How far an agent's path in MuJoCo is from its own: the equations of motion with and without the inertia of added mass.
+"""How far an agent's path in MuJoCo is from its own: MuJoCo has the Coriolis forces of added mass, and not its inertia."""
 
-About the centre of gravity, in the frame of a uniform current, with (P, H) = M_A nu and nu = (v, w) in body axes (Fossen,
-Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., eq. 6.1 to 6.3)::
-
-    (M_RB + M_A) nu' = (m v x w, I w x w) + (P x w, H x w + P x v) - D_1 nu - D_2 |nu| nu + weight and buoyancy
-
-MuJoCo has the same right-hand side, up to its ellipsoid, and M_RB alone on the left.
-"""
-
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.motion import inertia
+from driftform.interfaces import ExportJob
 from driftform.types import FloatArray
-from driftform.water import Fluid
+from driftform_robotics.models import gap
 from driftform_robotics.models.link import Link
 
 SECONDS = 3.0
@@ -27,13 +18,11 @@ REACH = 1.0
 FAR = 20.0
 """MuJoCo's path ends there, in such distances."""
 
-STEPS = 4000
-"""Largest number of steps of a path, which ends with them: an agent of foam tumbles thousands of times a second there."""
+FINE = 4e-6
+"""The shorter of the steps from which MuJoCo's path is extrapolated, relative to its duration."""
 
 LEVEL = 0.1
 """An agent that rises or sinks by less than this share of the larger change of height keeps its height."""
-
-_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,59 +69,36 @@ class Paths:
         return f"{words[self._sense(path)]} {abs(float(path[2])):.2g} m"
 
 
-def compare_paths(link: Link, fluid: Fluid, current: FloatArray, reach: float = REACH) -> Paths:
-    """Return the paths of a link in open water with a uniform ``current`` (m/s, (3,)), until it has gone ``reach`` (m)."""
-    total = link.rigid_mass + link.added_mass
-    seconds, true = _integrate(link, fluid, current, total, SECONDS, reach)
-    until, mujoco = _integrate(link, fluid, current, link.rigid_mass, seconds, FAR * reach)
-    if until < seconds:
-        _, true = _integrate(link, fluid, current, total, until, reach)
-    return Paths(until, true, mujoco)
+def read_mujoco(job: ExportJob, link: Link) -> gap.Reader:
+    """Return MuJoCo: without the inertia of added mass, and without linear damping."""
+    none, density = np.zeros((6, 6)), job.scenario.fluid.density
+    return gap.Reader("MuJoCo", none, link.added_mass, none, link.quadratic_damping, density)
 
 
-def _integrate(
-    link: Link, fluid: Fluid, current: FloatArray, total: FloatArray, seconds: float, reach: float
-) -> tuple[float, FloatArray]:
-    """Return when a body with the mass matrix ``total`` has gone ``reach``, and its displacement relative to the water."""
-    from scipy.integrate import RK45
-
-    inverse, added, mass = np.linalg.inv(total), link.added_mass, link.rigid_mass
-    lift = fluid.density * link.volume * fluid.gravity
-    weight = link.mass * fluid.gravity - lift
-
-    def rates(_: float, state: FloatArray) -> FloatArray:
-        R, nu = state[3:12].reshape(3, 3), state[12:]
-        flow = added @ nu
-        momentum = mass @ nu + flow
-        turn = inertia.cross_matrix(nu[3:])
-        force = -turn @ momentum[:3] - weight * R[2]
-        torque = (
-            -turn @ momentum[3:]
-            - inertia.cross_matrix(nu[:3]) @ flow[:3]
-            + lift * (inertia.cross_matrix(link.buoyancy) @ R[2])
-        )
-        damping = link.linear_damping @ nu + link.quadratic_damping @ (np.abs(nu) * nu)
-        return np.concatenate(
-            (R @ nu[:3], (R @ turn).ravel(), inverse @ (np.concatenate((force, torque)) - damping))
-        )
-
-    moving = np.concatenate((link.rotation.T @ (link.velocity - current), np.zeros(3)))
-    start = np.concatenate((np.zeros(3), link.rotation.ravel(), moving))
-    solver = RK45(rates, 0.0, start, seconds, rtol=_TOLERANCE, atol=_TOLERANCE)
-    for _ in range(STEPS):
-        solver.step()
-        if np.linalg.norm(solver.y[:3]) >= reach:
-            return _find_end(solver.dense_output(), solver.t_old, solver.t, reach)
-        if solver.status != "running":
+def compare_paths(job: ExportJob, link: Link, reach: float = REACH) -> Paths:
+    """Return the paths of an agent in open water with a uniform current, until it has gone ``reach`` (m)."""
+    reader = read_mujoco(job, link)
+    # An agent of foam tumbles thousands of times a second there.
+    for seconds in (SECONDS, SECONDS / 10, SECONDS / 100, SECONDS / 1000):
+        true = gap.fly_own(job, link, seconds)
+        step = seconds * FINE
+        fine, coarse = (gap.fly_reader(reader, job, link, seconds, s) for s in (step, 2 * step))
+        mujoco = 2 * fine - coarse
+        times = np.linspace(0.0, seconds, len(true))
+        until = min(_find_end(times, true, reach), _find_end(times, mujoco, FAR * reach))
+        if until:
             break
-    return float(solver.t), np.asarray(solver.y[:3], dtype=np.float64)
+    at_end = [[float(np.interp(until, times, axis)) for axis in path.T] for path in (true, mujoco)]
+    return Paths(until, *map(np.array, at_end))
 
 
-def _find_end(
-    path: Callable[[float], FloatArray], start: float, end: float, reach: float
-) -> tuple[float, FloatArray]:
-    """When a path, which holds the displacement in its first three numbers, leaves a sphere, and where."""
-    from scipy.optimize import brentq
-
-    left = float(brentq(lambda t: float(np.linalg.norm(path(t)[:3])) - reach, start, end))
-    return left, np.asarray(path(left)[:3], dtype=np.float64)
+def _find_end(times: FloatArray, path: FloatArray, reach: float) -> float:
+    """Return when a path (n, 3) leaves a sphere, or stops to be finite, or ends, s."""
+    gone = np.linalg.norm(path, axis=1)
+    outside = np.flatnonzero(~(gone < reach))
+    if not len(outside):
+        return float(times[-1])
+    i = int(outside[0])
+    if not np.isfinite(gone[i]):
+        return float(times[i - 1])
+    return float(np.interp(reach, gone[i - 1 : i + 1], times[i - 1 : i + 1]))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-from driftform_robotics.models.xml import add, add_texts, format_document
+from driftform_robotics.models.xml import add, add_maintainer, add_texts, format_document
 
 _SCHEMA = (
     '<?xml-model href="http://download.ros.org/schema/package_format3.xsd" '
@@ -24,6 +24,11 @@ _NOTICE = "Copyright 2026 the driftform authors"
 def read_template(name: str) -> str:
     """Return a text of the package's files, with the names that are to be replaced in it."""
     return files("driftform_robotics.models").joinpath("templates", name).read_text(encoding="utf-8")
+
+
+def list_items(texts: Iterable[str]) -> str:
+    """Return texts as a list in Markdown."""
+    return "\n".join(f"- {text}" for text in texts) or "Nothing."
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,7 @@ def make_package(
 def _format_manifest(name: str, description: str, depends: Sequence[str]) -> str:
     root = ET.Element("package", format="3")
     add_texts(root, name=name, version="0.1.0", description=description)
-    add(root, "maintainer", "driftform", email="driftform@example.org")
+    add_maintainer(root)
     add(root, "license", "MIT", file="LICENSE")
     add(root, "buildtool_depend", "ament_cmake")
     for package in depends:

@@ -16,6 +16,7 @@ from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models import scenery, xml
 from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions, piece_path
+from driftform_robotics.models.gap import Gap, measure_gap, read_link
 from driftform_robotics.models.gazebo_package import WORLD, gazebo_package
 from driftform_robotics.models.link import make_link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.meshes import obj_text
@@ -77,27 +78,30 @@ class SdfExporter(ModelExporter[SdfOptions]):
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return the worlds, the model, the mesh of the pipe and the scripts of the release, and the warnings."""
-        gazebo, step, scenario = _GAZEBO[self.options.gazebo], self.options.step, model.job.scenario
-        warnings = _list_warnings(model, gazebo, PUSH)
+        gazebo, scenario = _GAZEBO[self.options.gazebo], model.job.scenario
+        gap = _measure_gap(model, gazebo, "world.sdf", self.options.step)
+        warnings = [gap.describe(), *_list_warnings(model, gazebo, PUSH)]
         alone = ET.Element("sdf", version=gazebo.sdf)
         _add_model(alone, model, gazebo, warnings)
         wall = make_wall(scenario.pipe)
         files = {
-            "world.sdf": xml.format_document(_make_world(model, gazebo, step, warnings)),
+            "world.sdf": xml.format_document(_make_world(model, gazebo, gap.step, warnings)),
             "model.sdf": xml.format_document(alone),
             "model.config": xml.format_document(_make_config(model, gazebo)),
             **({} if wall is None else {PIPE: obj_text(wall.mesh)}),
         }
         if model.link.velocity.any():
-            files[PUSH] = _make_push_script(model, gazebo, step)
+            files[PUSH] = _make_push_script(model, gazebo, gap.step)
         # Nothing moves evenly with the water through a bend.
         if scenario.current().any() and _is_straight(scenario):
             drifting = _move_to_water_frame(model, self.options.drag_speed)
-            adrift = [*warn_of_flow(scenario), *_list_warnings(drifting, gazebo, PUSH_DRIFT)]
-            world = _make_world(drifting, gazebo, step, adrift, -scenario.current())
+            gap = _measure_gap(drifting, gazebo, "drift.sdf", self.options.step)
+            warnings.insert(0, gap.describe())
+            adrift = [gap.describe(), *warn_of_flow(scenario), *_list_warnings(drifting, gazebo, PUSH_DRIFT)]
+            world = _make_world(drifting, gazebo, gap.step, adrift, -scenario.current())
             files["drift.sdf"] = xml.format_document(world)
             if drifting.link.velocity.any():
-                files[PUSH_DRIFT] = _make_push_script(drifting, gazebo, step)
+                files[PUSH_DRIFT] = _make_push_script(drifting, gazebo, gap.step)
         shared = [*files, HULL]
         files |= gazebo_package(model, shared, gazebo.messages, gazebo.program, warnings)
         return files, warnings
@@ -117,6 +121,16 @@ def _move_to_water_frame(model: Model, drag_speed: float | None) -> Model:
     }
     job = replace(model.job, scenario=scenario.model_copy(update=calm))
     return replace(model, job=job, link=make_link(job, drag_speed))
+
+
+def _measure_gap(model: Model, gazebo: _Gazebo, world: str, step: float | None) -> Gap:
+    link, scenario = model.link, model.job.scenario
+    reader = read_link(f"Gazebo in {world}", link, scenario.fluid.density)
+    if gazebo.solves_added_mass:
+        reader = replace(reader, turning=scenario.current())
+    else:
+        reader = replace(reader, momentum=np.diag(np.diag(link.added_mass)), smoothing=1.0)
+    return measure_gap(reader, model.job, link, step)
 
 
 def _list_warnings(model: Model, gazebo: _Gazebo, push: str) -> list[str]:

@@ -6,11 +6,14 @@ Format: http://wiki.ros.org/urdf/XML.
 import xml.etree.ElementTree as ET
 from typing import ClassVar
 
+import numpy as np
+
 from driftform.interfaces import Table, option
 from driftform_robotics.models import xml
 from driftform_robotics.models.exporter import HULL, Model, ModelExporter, piece_path
+from driftform_robotics.models.gap import COMMON_STEP, Reader, measure_gap
 from driftform_robotics.models.link import warn_of_folding
-from driftform_robotics.models.ros2 import make_package, read_template
+from driftform_robotics.models.ros2 import list_items, make_package, read_template
 from driftform_robotics.models.xml import add, add_comment
 
 ZERO = "0 0 0"
@@ -39,23 +42,29 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return ``agent.urdf`` and the files of a ROS 2 package, and the warnings."""
         name = f"{model.title}_description"
-        files = {"agent.urdf": xml.format_document(self._make_robot(model, name))}
+        dry = Reader("a program that knows no water", *4 * (np.zeros((6, 6)),), 0.0)
+        gap = measure_gap(dry, model.job, model.link, COMMON_STEP)
+        warnings = [gap.describe(), *warn_of_folding(model.job.agent.body)]
+        files = {"agent.urdf": xml.format_document(self._make_robot(model, name, warnings))}
         files |= make_package(
             name,
             f"The agent {model.job.name} of driftform: its URDF, without water",
             [*files, HULL],
             launch=("display.launch.py", read_template("display.launch.py.in")),
             depends=("launch", "launch_ros", "robot_state_publisher", "rviz2"),
-            readme=read_template("urdf-readme.md.in").format(agent=model.job.name, package=name),
+            readme=read_template("urdf-readme.md.in").format(
+                agent=model.job.name, package=name, warnings=list_items(warnings)
+            ),
         )
-        return files, list(warn_of_folding(model.job.agent.body))
+        return files, warnings
 
-    def _make_robot(self, model: Model, package: str) -> ET.Element:
+    def _make_robot(self, model: Model, package: str, warnings: list[str]) -> ET.Element:
         link = model.link
         root = ET.Element("robot", name=model.title)
         add_comment(
             root,
             "The origin is the centre of gravity; x points forward along the axis; z points up.",
+            *warnings,
             "URDF cannot describe water. The displaced volume is "
             f"{xml.format_number(link.volume)} m3, about {xml.format_numbers(link.buoyancy)} m. The added mass is",
             *(xml.format_numbers(row) for row in link.added_mass),

@@ -7,6 +7,7 @@ acceleration of the previous step. The water fills z < 0.
 """
 
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -16,10 +17,12 @@ from driftform.types import Body, FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models import xml
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
+from driftform_robotics.models.gap import Gap, measure_gap, read_link
 from driftform_robotics.models.link import Link, warn_of_divergence, warn_of_flow
+from driftform_robotics.models.ros2 import list_items, read_template
 from driftform_robotics.models.scenery import add_pipe, add_scene, add_targets, make_static
 from driftform_robotics.models.urdf import add_link
-from driftform_robotics.models.xml import add, add_comment, add_texts
+from driftform_robotics.models.xml import add, add_comment, add_maintainer, add_texts
 
 SMOOTHING = 0.3
 """Weight of the newest acceleration (``ComputeAcc`` in HydrodynamicModel.cc)."""
@@ -60,15 +63,22 @@ class UuvExporter(ModelExporter[UuvOptions]):
         scenario, title, link = model.job.scenario, model.title, model.link
         level = scenario.fluid.water_level
         offset = np.array([0.0, 0.0, -self.options.depth if level is None else -level])
-        warnings = _list_warnings(model, offset)
+        gap = _measure_gap(model, self.options.step)
+        warnings = [gap.describe(), *_list_warnings(model, offset)]
         files = {
             "launch/start.launch": xml.format_document(_make_start_launch(title, link, offset)),
             "launch/release.launch": xml.format_document(_make_release_launch(title, link, offset)),
             "urdf/agent.xacro": xml.format_document(_make_robot(model, warnings)),
-            "worlds/pipe.world": xml.format_document(_make_world(scenario, offset, self.options.step)),
-            **_package_files(model),
+            "worlds/pipe.world": xml.format_document(_make_world(scenario, offset, gap.step)),
+            **_package_files(model, warnings),
         }
         return files, warnings
+
+
+def _measure_gap(model: Model, step: float | None) -> Gap:
+    reader = read_link("the UUV simulator", model.link, model.job.scenario.fluid.density)
+    diagonal = np.diag(np.diag(model.link.quadratic_damping))
+    return measure_gap(replace(reader, quadratic=diagonal, smoothing=SMOOTHING), model.job, model.link, step)
 
 
 def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
@@ -220,11 +230,11 @@ def _make_release_launch(title: str, link: Link, offset: FloatArray) -> ET.Eleme
     return root
 
 
-def _package_files(model: Model) -> dict[str, str]:
+def _package_files(model: Model, warnings: list[str]) -> dict[str, str]:
     """Return the files that make the folder a ROS package for catkin."""
     root = ET.Element("package", format="2")
     add_texts(root, name=model.title, version="0.1.0", description=f"The agent {model.job.name} of driftform")
-    add(root, "maintainer", "driftform", email="driftform@localhost")
+    add_maintainer(root)
     add_texts(root, license="MIT", buildtool_depend="catkin")
     for package in _DEPENDS:
         add(root, "exec_depend", package)
@@ -234,4 +244,7 @@ find_package(catkin REQUIRED)
 catkin_package()
 install(DIRECTORY . DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}})
 """
-    return {"package.xml": xml.format_document(root), "CMakeLists.txt": build}
+    readme = read_template("uuv-readme.md.in").format(
+        package=model.title, agent=model.job.name, warnings=list_items(warnings)
+    )
+    return {"package.xml": xml.format_document(root), "CMakeLists.txt": build, "README.md": readme}

@@ -42,6 +42,11 @@ def add_comment(parent: ET.Element, *lines: str) -> None:
         parent.append(ET.Comment(f" {text} "))
 
 
+def add_maintainer(parent: ET.Element) -> None:
+    """Append the maintainer of a ROS package; catkin requires an address with a full domain."""
+    add(parent, "maintainer", "driftform", email="driftform@example.org")
+
+
 def format_document(root: ET.Element) -> str:
     """Return the text of an XML file."""
     ET.indent(root)

@@ -1,11 +1,19 @@
-"""Topics -> a bag of ROS 2: a folder with the messages and ``metadata.yaml``."""
+"""Topics -> a bag of ROS 2, which is a folder with the messages and ``metadata.yaml``, or of ROS 1, which is a file."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from heapq import merge
 from pathlib import Path
 from typing import Any, Literal
 
-from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+from rosbags.interfaces import (
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
+from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
 from driftform_robotics.recording.messages import Messages, full_name
@@ -17,31 +25,40 @@ VERSION: Literal[8] = 8
 
 
 def write_bag(
-    folder: Path, topics: Sequence[Topic], ros: Messages, storage: Storage, notes: Mapping[str, str]
+    path: Path, topics: Sequence[Topic], ros: Messages, storage: Storage | None, notes: Mapping[str, str]
 ) -> dict[str, int]:
-    """Write a bag into a folder that does not exist yet; return the number of messages of each topic.
+    """Write a bag into a folder or a file that does not exist yet; return the number of messages of each topic.
 
-    Messages are sorted by time; messages with the same time are in the order of ``topics``.
+    Messages are sorted by time; messages with the same time are in the order of ``topics``. Without a ``storage`` the bag
+    is one of ROS 1, which has no place for ``notes``.
     """
+    writer = Writer1(path) if storage is None else _make_writer(path, storage, notes)
     counts = dict.fromkeys((topic.name for topic in topics), 0)
-    writer = Writer(folder, version=VERSION, storage_plugin=StoragePlugin[storage.upper()])
-    if storage == "mcap":
-        writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
-    for key, text in notes.items():
-        writer.set_custom_data(key, text)
     with writer:
         connections = []
         for topic in topics:
-            kind, qos = full_name(topic.kind), [_make_qos(topic.latched)]
-            connections.append(
-                writer.add_connection(topic.name, kind, typestore=ros.store, offered_qos_profiles=qos)
+            kind, latched = full_name(topic.kind), topic.latched
+            more: dict[str, Any] = (
+                {"latching": int(latched)}
+                if storage is None
+                else {"offered_qos_profiles": [_make_qos(latched)]}
             )
+            connections.append(writer.add_connection(topic.name, kind, typestore=ros.store, **more))
         streams = [_number_messages(place, topic) for place, topic in enumerate(topics)]
         for stamp, place, message in merge(*streams, key=lambda item: item[:2]):
             topic = topics[place]
             writer.write(connections[place], stamp, ros.encode(topic.kind, message))
             counts[topic.name] += 1
     return counts
+
+
+def _make_writer(path: Path, storage: Storage, notes: Mapping[str, str]) -> Writer:
+    writer = Writer(path, version=VERSION, storage_plugin=StoragePlugin[storage.upper()])
+    if storage == "mcap":
+        writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    for key, text in notes.items():
+        writer.set_custom_data(key, text)
+    return writer
 
 
 def _number_messages(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:

@@ -1,4 +1,4 @@
-"""Messages of one release of ROS 2, made without ROS."""
+"""Messages of one release of ROS, made without ROS."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from rosbags.interfaces import Nodetype
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from driftform.types import FloatArray
 from driftform_robotics.recording.options import Release
@@ -16,10 +16,19 @@ SECOND = 1_000_000_000
 
 
 class Messages:
-    """Makes messages of a release and encodes them; fields without a value are zero or empty."""
+    """Makes messages of a release and encodes them; fields without a value are zero or empty.
 
-    def __init__(self, release: Release) -> None:
-        self.store = get_typestore(Stores[f"ROS2_{release.upper()}"])
+    Without a ``release`` of ROS 2 they are those of Noetic, the last of ROS 1.
+    """
+
+    def __init__(self, release: Release | None) -> None:
+        self.store = get_typestore(Stores[f"ROS2_{release.upper()}"] if release else Stores.ROS1_NOETIC)
+        if "tf2_msgs/msg/TFMessage" not in self.store.types:
+            # It is not in rosbags' definitions of Noetic, where it belongs to another repository.
+            self.store.register(
+                get_types_from_msg("geometry_msgs/TransformStamped[] transforms\n", "tf2_msgs/msg/TFMessage")
+            )
+        self._encode = self.store.serialize_cdr if release else self.store.serialize_ros1
         self._list_zeros = cache(self._make_zeros)
 
     def make(self, kind: str, **fields: Any) -> Any:
@@ -29,13 +38,16 @@ class Messages:
         return self.store.types[name](**{key: fields.get(key, zero) for key, zero in zeros.items()})
 
     def encode(self, kind: str, message: Any) -> bytes:
-        """Return a message in CDR."""
-        return bytes(self.store.serialize_cdr(message, full_name(kind)))
+        """Return a message in CDR, or as ROS 1 serializes it."""
+        return bytes(self._encode(message, full_name(kind)))
 
     def make_header(self, stamp: int, frame: str) -> Any:
         """Return a header; ``stamp`` is in ns."""
-        time = self.make("builtin_interfaces/Time", sec=stamp // SECOND, nanosec=stamp % SECOND)
-        return self.make("std_msgs/Header", stamp=time, frame_id=frame)
+        return self.make("std_msgs/Header", stamp=self.make_time(stamp), frame_id=frame)
+
+    def make_time(self, stamp: int) -> Any:
+        """Return a time; ``stamp`` is in ns."""
+        return self.make("builtin_interfaces/Time", sec=stamp // SECOND, nanosec=stamp % SECOND)
 
     def make_vector(self, values: FloatArray, kind: str = "geometry_msgs/Vector3") -> Any:
         """Return a vector or a point."""

@@ -13,7 +13,6 @@ Storage = Literal["sqlite3", "mcap"]
 class FlightOptions(SensorOptions):
     """Options of the messages of a flight."""
 
-    release: Release = option("jazzy", "release of ROS 2 whose message definitions are used")
     namespace: str = option(
         "agent", "namespace of topics and frames", "", min_length=1, pattern=r"^[A-Za-z][A-Za-z0-9_]*$"
     )
@@ -36,7 +35,13 @@ class FlightOptions(SensorOptions):
     seed: int = option(0, "seed of the noise", ge=0, le=2**63 - 1)
 
 
-class Rosbag2Options(FlightOptions):
+class Ros2Options(FlightOptions):
+    """Options of messages of ROS 2."""
+
+    release: Release = option("jazzy", "release of ROS 2 whose message definitions are used")
+
+
+class Rosbag2Options(Ros2Options):
     """Options of the messages of a bag, and how they are stored."""
 
     storage: Storage = option(

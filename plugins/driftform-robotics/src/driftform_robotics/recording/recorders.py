@@ -1,4 +1,4 @@
-"""Flights for Foxglove and RViz, as one MCAP file or as a bag of ROS 2."""
+"""Flights for Foxglove and RViz, as one MCAP file or as a bag of ROS 2 or ROS 1."""
 
 import json
 import shutil
@@ -7,10 +7,10 @@ from pathlib import Path
 from driftform.interfaces import ExportJob, Recorder
 from driftform.types import Trajectory, WrittenFile
 from driftform.util import files
-from driftform_robotics.recording.options import FlightOptions, Rosbag2Options, Storage
+from driftform_robotics.recording.options import FlightOptions, Ros2Options, Rosbag2Options, Storage
 
 
-class McapRecorder(Recorder[FlightOptions]):
+class McapRecorder(Recorder[Ros2Options]):
     """A flight as one MCAP file with messages of ROS 2, for Foxglove and other programs that read MCAP.
 
     It holds transforms, odometry, the net force and torque, markers of the pipe, the targets and the agent, and the
@@ -19,7 +19,7 @@ class McapRecorder(Recorder[FlightOptions]):
 
     name = "mcap"
     suffix = ".mcap"
-    Options = FlightOptions
+    Options = Ros2Options
 
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file."""
@@ -65,13 +65,35 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
         )
 
 
+class Rosbag1Recorder(Recorder[FlightOptions]):
+    """A flight as a bag of ROS 1, for ``rosbag play`` and RViz: one file.
+
+    It holds the same messages as ``rosbag2``, by the definitions of Noetic. Writing it does not need ROS.
+    """
+
+    name = "rosbag1"
+    suffix = ".bag"
+    Options = FlightOptions
+
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the file."""
+        facts: dict[str, object] = {}
+
+        def write(part: Path) -> None:
+            facts.update(_write_bag(part, job, trajectory, self.options, None))
+
+        files.write_whole(path, write)
+        return (WrittenFile(self.name, str(path), dict(facts)),)
+
+
 def _write_bag(
-    folder: Path, job: ExportJob, trajectory: Trajectory, options: FlightOptions, storage: Storage
+    path: Path, job: ExportJob, trajectory: Trajectory, options: FlightOptions, storage: Storage | None
 ) -> dict[str, object]:
+    """Write a bag of ROS 2 with this storage, or of ROS 1 without one; return its facts."""
     from driftform_robotics.recording.bag import write_bag
     from driftform_robotics.recording.topics import FlightTopics
 
     found = FlightTopics(job, trajectory, options)
     notes = {"agent": job.name, "end": str(trajectory.end), "document": json.dumps(job.document)}
-    counts = write_bag(folder, found.list_topics(), found.ros, storage, notes)
+    counts = write_bag(path, found.list_topics(), found.ros, storage, notes)
     return {"messages": sum(counts.values()), "duration": float(trajectory.t[-1]), "topics": counts}

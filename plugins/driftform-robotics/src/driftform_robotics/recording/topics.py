@@ -17,7 +17,7 @@ from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.models.pipe import list_bores
 from driftform_robotics.plume import Plume, make_plume
 from driftform_robotics.recording.messages import SECOND, Messages
-from driftform_robotics.recording.options import FlightOptions
+from driftform_robotics.recording.options import FlightOptions, Ros2Options
 
 WORLD = "world"
 
@@ -48,7 +48,7 @@ class FlightTopics:
 
     def __init__(self, job: ExportJob, trajectory: Trajectory, options: FlightOptions) -> None:
         self.job, self.trajectory, self.options = job, trajectory, options
-        self.ros = Messages(options.release)
+        self.ros = Messages(options.release if isinstance(options, Ros2Options) else None)
         self.stamps = [round(options.start * SECOND) + round(float(t) * SECOND) for t in trajectory.t]
         self.base = f"{options.namespace}/base_link"
 
@@ -56,6 +56,7 @@ class FlightTopics:
         """Return the topics that have messages."""
         name = self.options.namespace
         found = [
+            Topic("/clock", "rosgraph_msgs/Clock", self._make_clock),
             Topic("/tf_static", "tf2_msgs/TFMessage", self._make_static_tf, latched=True),
             Topic("/tf", "tf2_msgs/TFMessage", self._make_tf),
             Topic("/markers", "visualization_msgs/MarkerArray", self._make_markers, latched=True),
@@ -120,6 +121,10 @@ class FlightTopics:
 
     def _list_poses(self) -> Iterator[tuple[int, FloatArray, FloatArray]]:
         return zip(self.stamps, self.trajectory.position, self.trajectory.quaternion, strict=True)
+
+    def _make_clock(self) -> Iterator[tuple[int, Any]]:
+        for stamp in self.stamps:
+            yield stamp, self.ros.make("rosgraph_msgs/Clock", clock=self.ros.make_time(stamp))
 
     def _make_tf(self) -> Iterator[tuple[int, Any]]:
         for stamp, place, turned in self._list_poses():

@@ -1,0 +1,49 @@
+"""Listen to topics with rospy and tf2, and print what arrived when a line comes on the standard input.
+
+listen.py TOPIC:TYPE ... [--frames PARENT CHILD] [--times T ...] prints `ready` once it has subscribed, and at the end as
+JSON: the number of messages of each topic, the clock of ROS, and poses (x, y, z, qw, qx, qy, qz) of CHILD in PARENT,
+null where tf2 has none.
+"""
+
+import argparse
+import collections
+import functools
+import json
+import sys
+
+import roslib.message
+import rospy
+import tf2_ros
+
+parser = argparse.ArgumentParser()
+parser.add_argument("topics", nargs="*")
+parser.add_argument("--frames", nargs=2)
+parser.add_argument("--times", nargs="*", type=float, default=[0.0])
+given = parser.parse_args()
+
+rospy.init_node("listen", anonymous=True)
+counts: dict[str, int] = collections.Counter()
+kept = []
+
+
+def count(topic: str, _: object) -> None:
+    counts[topic] += 1
+
+
+for topic in given.topics:
+    name, _, kind = topic.partition(":")
+    message = roslib.message.get_message_class(kind)
+    kept.append(rospy.Subscriber(name, message, functools.partial(count, name)))
+frames = tf2_ros.Buffer()
+kept.append(tf2_ros.TransformListener(frames))
+print("ready", flush=True)
+sys.stdin.readline()
+poses = []
+for time in given.times if given.frames else []:
+    if not frames.can_transform(*given.frames, rospy.Time.from_sec(time)):
+        poses.append(None)
+        continue
+    found = frames.lookup_transform(*given.frames, rospy.Time.from_sec(time)).transform
+    place, turn = found.translation, found.rotation
+    poses.append([place.x, place.y, place.z, turn.w, turn.x, turn.y, turn.z])
+print(json.dumps({"counts": counts, "clock": rospy.get_time(), "poses": poses}), flush=True)
