@@ -2,7 +2,6 @@
 
 import pickle
 from dataclasses import replace
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,10 +12,9 @@ from driftform.study import load_study
 NOWHERE, ANYWHERE = (np.inf,) * 10, (-np.inf,) * 10
 
 
-# The hydrodynamics of the second has estimates.
-@pytest.fixture(scope="module", params=["paper", "pipe-inspection"])
-def pipeline(request) -> Pipeline:
-    return load_study(request.param, use={"simulator": "native"}).make_pipeline()
+@pytest.fixture(scope="module")
+def pipeline() -> Pipeline:
+    return load_study("paper", use={"simulator": "native"}).make_pipeline()
 
 
 @pytest.fixture(scope="module")
@@ -62,16 +60,6 @@ def test_one_target_within_the_margin_below_its_threshold_is_enough(
     threshold = (*NOWHERE[:-1], float(screened.fitness[-1]) + below)
     [evaluation] = pipeline.evaluate(genomes[:1], thresholds=[threshold])
     assert (evaluation.trajectory.error is not None) is is_checked
-
-
-def test_only_flights_that_stay_unchecked_are_of_estimates(pipeline, genomes, monkeypatch) -> None:
-    panels = load_study("pipe-inspection", use={"simulator": "native"}).make_pipeline().hydrodynamics
-    for name in ("estimate", "coefficients"):
-        monkeypatch.setattr(panels, name, Mock(wraps=getattr(panels, name)))
-    mixed = replace(pipeline, hydrodynamics=panels)
-    mixed.evaluate(genomes, thresholds=[NOWHERE, None, NOWHERE, NOWHERE, ANYWHERE, NOWHERE])
-    assert panels.estimate.call_count == 5
-    assert panels.coefficients.call_count == 2
 
 
 def test_a_flight_that_fails_without_a_check_is_checked(pipeline, genomes) -> None:

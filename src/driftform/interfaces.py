@@ -184,14 +184,6 @@ class Hydrodynamics(Plugin[HydrodynamicsOptionsT_co]):
         A model does not compute the drag of strips: the pipeline adds it if ``options.drag`` is ``"strips"``.
         """
 
-    def estimate(self, body: Body, fluid: Fluid) -> Coefficients:
-        """Return the coefficients for a flight that is unchecked, unless its fitness comes near to its threshold.
-
-        Override it if less exact ones cost less, and change the fitness of a flight by less than
-        :data:`driftform.pipeline.MARGIN`. The base class returns those of :meth:`coefficients`.
-        """
-        return self.coefficients(body, fluid)
-
 
 class Simulator(Plugin[OptionsT_co]):
     """Agent in a scenario -> trajectory.

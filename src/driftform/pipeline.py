@@ -101,10 +101,10 @@ class Pipeline:
         """Morphology -> agent, as calibrated, and as printed under a disturbed condition if one is given."""
         return self._complete(self.build(morphology), morphology, genome, condition)
 
-    def make_agent(self, genome: Genome, condition: Condition | None = None, rough: bool = False) -> Agent:
-        """Genome -> agent; a ``rough`` one has estimated coefficients."""
+    def make_agent(self, genome: Genome, condition: Condition | None = None) -> Agent:
+        """Genome -> agent."""
         morphology, body = self._develop(genome)
-        return self._complete(body, morphology, genome, condition, rough)
+        return self._complete(body, morphology, genome, condition)
 
     @cached_property
     def _develop(self) -> Callable[[Genome], tuple[Morphology, Body]]:
@@ -125,12 +125,7 @@ class Pipeline:
         return require_body(self.builder.build(morphology), self.builder)
 
     def _complete(
-        self,
-        body: Body,
-        morphology: Morphology,
-        genome: Genome | None,
-        condition: Condition | None,
-        rough: bool = False,
+        self, body: Body, morphology: Morphology, genome: Genome | None, condition: Condition | None
     ) -> Agent:
         scenario, options = self.scenario, self.hydrodynamics.options
         fluid, calibration = scenario.fluid, scenario.calibration
@@ -145,7 +140,7 @@ class Pipeline:
         factors = calibration.factors
         body = factors.scale_body(body)
         mass = mass_properties(body)
-        found = (self.hydrodynamics.estimate if rough else self.hydrodynamics.coefficients)(body, fluid)
+        found = self.hydrodynamics.coefficients(body, fluid)
         coefficients = require_coefficients(found, body, self.hydrodynamics)
         if options.drag == "strips":
             from driftform.motion.body_drag import estimate_drag, wake_factor
@@ -220,8 +215,7 @@ class Pipeline:
         An error in the evaluation of a genome becomes the failure of that evaluation, and does not affect the others.
         A flight with a threshold may stay unchecked (its ``error`` is ``None``) if its fitness is more than
         :data:`MARGIN` below that for every target, or :data:`CLOSE_MARGIN` if a flight of known error says so. All other
-        flights are checked. If the hydrodynamics has estimates (:meth:`driftform.interfaces.Hydrodynamics.estimate`), flights with
-        a threshold are first made with these, and again if they may matter.
+        flights are checked.
 
         Parameters
         ----------
@@ -235,42 +229,10 @@ class Pipeline:
             for each genome, the fitness for each target (%) that it must exceed to matter; ``None`` if every fitness
             matters.
         """
-        started, nothing = time.perf_counter(), (None,) * len(genomes)
-        seeds, conditions, bounds = seeds or nothing, conditions or nothing, thresholds or nothing
-        rough = [
-            bound is not None and type(self.hydrodynamics).estimate is not Hydrodynamics.estimate
-            for bound in bounds
-        ]
-        found = self._evaluate(genomes, seeds, conditions, bounds, rough)
-        again = [
-            index
-            for index, is_rough in enumerate(rough)
-            if is_rough and _matters(found[index], bounds[index])
-        ]
-        if again:
-            exact = self._evaluate(
-                [genomes[index] for index in again],
-                [seeds[index] for index in again],
-                [conditions[index] for index in again],
-                [bounds[index] for index in again],
-                [False] * len(again),
-            )
-            for index, evaluation in zip(again, exact, strict=True):
-                found[index] = evaluation
-        share = (time.perf_counter() - started) / max(1, len(genomes))
-        return [replace(evaluation, seconds=share) for evaluation in found]
-
-    def _evaluate(
-        self,
-        genomes: Sequence[Genome],
-        seeds: Sequence[int | None],
-        conditions: Sequence[Condition | None],
-        thresholds: Sequence[tuple[float, ...] | None],
-        rough: Sequence[bool],
-    ) -> list[Evaluation]:
-        """Return the evaluations, those of ``rough`` agents of flights that are unchecked even if they matter."""
+        started = time.perf_counter()
         targets = len(self.scenario.targets)
-        scenarios = [self.scenario.with_gusts(seed) for seed in seeds]
+        conditions = conditions or [None] * len(genomes)
+        scenarios = [self.scenario.with_gusts(seed) for seed in seeds or [None] * len(genomes)]
         scenarios = [
             usual if condition is None else disturb_scenario(condition, usual)
             for usual, condition in zip(scenarios, conditions, strict=True)
@@ -279,7 +241,7 @@ class Pipeline:
         agents: dict[int, Agent] = {}
         for index, genome in enumerate(genomes):
             try:
-                agent = self.make_agent(genome, conditions[index], rough[index])
+                agent = self.make_agent(genome, conditions[index])
             except (Exception, SystemExit) as error:
                 outcomes[index] = Evaluation.failed(genome, targets, describe_fault(error))
                 continue
@@ -290,42 +252,39 @@ class Pipeline:
                 agents[index] = agent
             else:
                 outcomes[index] = Evaluation.failed(genome, targets, misfit)
-        screened = dict[Agent, ScoredFlight]()
+        bounds, screened = list(thresholds or [None] * len(genomes)), dict[Agent, ScoredFlight]()
         flights = self._fly_each(
             list(agents.values()),
             [scenarios[index] for index in agents],
-            [thresholds[index] for index in agents],
-            [rough[index] for index in agents],
+            [bounds[index] for index in agents],
             screened,
         )
         for index, flight in zip(agents, flights, strict=True):
             agent = agents[index]
             disturbed = conditions[index] is not None
             outcomes[index] = self._score(genomes[index], agent, flight, screened.get(agent), disturbed)
-        return [outcomes[index] for index in range(len(genomes))]
+        share = (time.perf_counter() - started) / max(1, len(genomes))
+        return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
 
     def _fly_each(
         self,
         agents: Sequence[Agent],
         scenarios: Sequence[Scenario],
         thresholds: Sequence[tuple[float, ...] | None],
-        rough: Sequence[bool],
         screened: dict[Agent, ScoredFlight],
     ) -> list[Trajectory | str]:
         """Return a flight, or why there is none, for each agent; keep what the screening of unchecked flights scored."""
         if not agents:
             return []
         try:
-            return list(self._fly_or_screen(agents, scenarios, thresholds, rough, screened))
+            return list(self._fly_or_screen(agents, scenarios, thresholds, screened))
         except (Exception, SystemExit) as error:
             if len(agents) == 1:
                 return [describe_fault(error)]
             return [
                 flight
-                for agent, scenario, threshold, estimated in zip(
-                    agents, scenarios, thresholds, rough, strict=True
-                )
-                for flight in self._fly_each([agent], [scenario], [threshold], [estimated], screened)
+                for agent, scenario, threshold in zip(agents, scenarios, thresholds, strict=True)
+                for flight in self._fly_each([agent], [scenario], [threshold], screened)
             ]
 
     def _fly_or_screen(
@@ -333,7 +292,6 @@ class Pipeline:
         agents: Sequence[Agent],
         scenarios: Sequence[Scenario],
         thresholds: Sequence[tuple[float, ...] | None],
-        rough: Sequence[bool],
         screened: dict[Agent, ScoredFlight],
     ) -> list[Trajectory]:
         if all(threshold is None for threshold in thresholds):
@@ -342,15 +300,15 @@ class Pipeline:
         def matters(index: int, trajectory: Trajectory) -> bool:
             agent, threshold = agents[index], thresholds[index]
             if threshold is None or trajectory.failure is not None:
-                return not rough[index]
+                return True
             try:
                 fitness = self.score(trajectory, agent)
             except (Exception, SystemExit):
                 # The same error in the score of the checked flight is the failure of the evaluation.
-                return not rough[index]
+                return True
             screened[agent] = ScoredFlight(trajectory, fitness)
             margin = MARGIN if trajectory.error is None else CLOSE_MARGIN
-            return not rough[index] and not np.all(fitness <= np.array(threshold) - margin)
+            return not np.all(fitness <= np.array(threshold) - margin)
 
         flights = self.simulator.screen_batch(agents, scenarios, matters)
         return require_flights(flights, len(agents), self.simulator, "screen_batch")
@@ -379,8 +337,3 @@ class Pipeline:
             return Evaluation(genome, self.score(trajectory, agent), trajectory)
         except (Exception, SystemExit) as error:
             return Evaluation.failed(genome, targets, describe_fault(error))
-
-
-def _matters(evaluation: Evaluation, threshold: tuple[float, ...] | None) -> bool:
-    """Return whether an evaluation of estimated coefficients may exceed a threshold, or fails by them."""
-    return evaluation.failure is not None or not np.all(evaluation.fitness <= np.array(threshold) - MARGIN)

@@ -47,9 +47,6 @@ def test_stages_of_an_evaluation(study, count_of, milliseconds):
         "coefficients": milliseconds(
             lambda body: pipeline.hydrodynamics.coefficients(body, scenario.fluid), bodies
         ),
-        "estimated coefficients": milliseconds(
-            lambda body: pipeline.hydrodynamics.estimate(body, scenario.fluid), bodies
-        ),
         "flight model": milliseconds(lambda agent: flight_model(agent, scenario), agents),
         "screen (native)": milliseconds(
             lambda agent: pipeline.simulator.screen_batch([agent], [scenario], lambda *_: False), agents
@@ -63,8 +60,7 @@ def test_stages_of_an_evaluation(study, count_of, milliseconds):
     }
     simulation = np.median(stages["simulate (native)"])
     # A flight makes its model itself.
-    part = ("flight model", "estimated coefficients", "screen (native)")
-    part += ("simulate (native)", "simulate (Exudyn)")
+    part = ("flight model", "screen (native)", "simulate (native)", "simulate (Exudyn)")
     others = sum(np.median(times) for name, times in stages.items() if name not in part)
     lines = ["| stage | median ms | 90 % ms | of a native flight |", "|---|---|---|---|"]
     for name, times in stages.items():

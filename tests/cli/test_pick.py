@@ -128,7 +128,7 @@ def test_what_a_writer_has_just_stored_is_found(call, run_copy: Path, flights) -
         (("nan", "0", "0"), "X Y Z = nan 0 0: should be three finite numbers"),
         (("4", "0", "inf"), "should be three finite numbers"),
         (("4", "0", "up"), "Invalid value for 'Z'"),
-        (("4", "0"), "Missing argument 'Z'"),
+        (("4", "0"), "a point is named by X Y Z, its coordinates in m, or by --place"),
         (("4", "0", "0", "--jsn"), "--jsn"),
     ],
 )

@@ -11,7 +11,7 @@ from scipy.special import ellipe, ellipkm1
 
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform_panels import meridian
-from driftform_panels.kernels import NODES, assemble_equations, choose_nodes, integrate_rings
+from driftform_panels.kernels import assemble_equations, integrate_rings
 from driftform_panels.meridian import make_panels
 
 
@@ -86,9 +86,7 @@ def identity_errors(contour):
     There 2 pi phi + D phi = S dphi/dn, with D as it is for the outside.
     """
     divided = make_panels(contour, 15, 0.2)
-    matrices, sides, (x, r, _, _) = assemble_equations(
-        divided.x, divided.r, divided.lengths, choose_nodes(NODES)
-    )
+    matrices, sides, (x, r, _, _) = assemble_equations(divided.x, divided.r, divided.lengths)
     surge = 4 * np.pi * x - matrices[0] @ x + sides[:, 0]
     sway = 4 * np.pi * r - matrices[1] @ r + sides[:, 1]
     return np.abs(surge).max() / np.abs(x).max(), np.abs(sway).max() / r.max()
@@ -107,17 +105,17 @@ def test_a_uniform_flow_inside_satisfies_greens_identity(body, error, monkeypatc
 
 def test_a_constant_potential_has_no_flow():
     divided = make_panels(cylinder_body(3.0, 1.0).outer, 15, 0.2)
-    matrices, _, _ = assemble_equations(divided.x, divided.r, divided.lengths, choose_nodes(NODES))
+    matrices, _, _ = assemble_equations(divided.x, divided.r, divided.lengths)
     np.testing.assert_allclose(matrices[0].sum(axis=1), 4 * np.pi, rtol=1e-13)
 
 
 COMPILE = """
 import numpy as np
 from driftform.testing.bodies import spheroid_body
-from driftform_panels.kernels import NODES, assemble_equations, choose_nodes
+from driftform_panels.kernels import assemble_equations
 from driftform_panels.meridian import make_panels
 panels = make_panels(spheroid_body(0.06, 0.01).outer, 40, 0.02)
-assemble_equations(panels.x, panels.r, panels.lengths, choose_nodes(NODES))
+assemble_equations(panels.x, panels.r, panels.lengths)
 [assembly] = assemble_equations.inspect_asm().values()
 print(assembly.count("sqrtpd"))
 """

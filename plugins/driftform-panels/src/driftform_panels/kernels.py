@@ -12,7 +12,6 @@ m = 1. The equations hold in any unit of length.
 """
 
 import math
-from functools import cache
 
 import numpy as np
 
@@ -21,9 +20,6 @@ from driftform.util import compiled, vectorized
 
 NODES = 3
 """Values of the potential on each panel, at Gauss's points of the panel's parameter."""
-
-FEW_NODES = 2
-"""The same for a coarse solution."""
 
 FAR = 3.0
 """Distance of a panel's middle, in panel lengths, beyond which these points suffice for quadrature."""
@@ -37,22 +33,12 @@ SHORTEST = 1e-3
 _MAX_PIECES = 48
 _EIGHT = 8
 
+_x, _w = np.polynomial.legendre.leggauss(NODES)
+POINTS, WEIGHTS = (_x + 1) / 2, _w / 2
 _x, _w = np.polynomial.legendre.leggauss(_EIGHT)
 _POINTS_8, _WEIGHTS_8 = (_x + 1) / 2, _w / 2
-
-
-@cache
-def choose_nodes(count: int) -> FloatArray:
-    """Return Gauss's points of a panel's parameter, their weights, and polynomials: row k of (count, 5).
-
-    The last three columns are the quadratic that is 1 at the k-th point and 0 at the others, highest power first.
-    """
-    x, w = np.polynomial.legendre.leggauss(count)
-    table = np.zeros((count, 5))
-    table[:, 0], table[:, 1] = (x + 1) / 2, w / 2
-    table[:, 5 - count :] = np.linalg.inv(np.vander(table[:, 0])).T
-    table.setflags(write=False)
-    return table
+_BASIS = np.linalg.inv(np.vander(POINTS)).T.copy()
+"""Row k holds the quadratic that is 1 at the k-th point and 0 at the others, highest power first."""
 
 
 @compiled
@@ -186,9 +172,9 @@ def _choose_points_beside(
 
 @vectorized
 def assemble_equations(
-    x: FloatArray, r: FloatArray, lengths: FloatArray, rule: FloatArray
+    x: FloatArray, r: FloatArray, lengths: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Set up the equations of m = 0 and m = 1 at the collocation points, two or three on each panel.
+    """Set up the equations of m = 0 and m = 1 at the collocation points, three on each panel.
 
     Far panels are integrated by Gauss's rule at the nodes of the potential, for which the interpolation drops out; near
     panels by eight points on each piece; the point's own panel with a substitution that removes the logarithm (the panel
@@ -202,8 +188,6 @@ def assemble_equations(
         the panels' curves: polynomials in u from 0 to 1, highest power first, (panels, 4).
     lengths
         lengths of the panels, (panels,).
-    rule
-        the points of a panel, from :func:`choose_nodes`.
 
     Returns
     -------
@@ -214,26 +198,26 @@ def assemble_equations(
     nodes
         x, r, n_x, n_r at the collocation points, the normal times the quadrature weight along the arc, (4, n).
     """
-    panels, few = len(lengths), len(rule)
-    n = few * panels
+    panels = len(lengths)
+    n = NODES * panels
     matrices, sides = np.empty((2, n, n)), np.empty((n, 3))
     nodes, far = np.empty((4, n)), np.empty((5, n))
     size = _EIGHT * _MAX_PIECES
     points, weights, source, near = np.empty(size), np.empty(size), np.empty((4, size)), np.empty((5, size))
     for j in range(panels):
-        for k in range(few):
-            _place_ring(x[j], r[j], rule[k, 0], rule[k, 1], nodes, few * j + k)
+        for k in range(NODES):
+            _place_ring(x[j], r[j], POINTS[k], WEIGHTS[k], nodes, NODES * j + k)
     for i in range(n):
         xi, ri = nodes[0, i], nodes[1, i]
         integrate_rings(xi, ri, nodes, n, far)
         surge, sway, yaw, row = 0.0, 0.0, 0.0, 0.0
         for j in range(panels):
-            first = few * j
-            u = rule[i - first, 0] if first <= i < first + few else -1.0
+            first = NODES * j
+            u = POINTS[i - first] if i // NODES == j else -1.0
             if u < 0.0 and (
                 math.hypot(xi - _evaluate(x[j], 0.5), ri - _evaluate(r[j], 0.5)) >= FAR * lengths[j]
             ):
-                for k in range(first, first + few):
+                for k in range(first, first + NODES):
                     surge += far[0, k]
                     sway += far[1, k]
                     yaw += far[2, k]
@@ -248,7 +232,7 @@ def assemble_equations(
             for k in range(count):
                 _place_ring(x[j], r[j], points[k], weights[k], source, k)
             integrate_rings(xi, ri, source, count, near)
-            for m in range(few):
+            for m in range(NODES):
                 matrices[0, i, first + m] = 0.0
                 matrices[1, i, first + m] = 0.0
             for k in range(count):
@@ -256,8 +240,8 @@ def assemble_equations(
                 sway += near[1, k]
                 yaw += near[2, k]
                 row += near[3, k]
-                for m in range(few):
-                    share = (rule[m, 2] * points[k] + rule[m, 3]) * points[k] + rule[m, 4]
+                for m in range(NODES):
+                    share = (_BASIS[m, 0] * points[k] + _BASIS[m, 1]) * points[k] + _BASIS[m, 2]
                     matrices[0, i, first + m] -= share * near[3, k]
                     matrices[1, i, first + m] -= share * near[4, k]
         matrices[0, i, i] += 2.0 * math.pi + (2.0 * math.pi + row)

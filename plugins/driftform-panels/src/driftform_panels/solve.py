@@ -90,10 +90,7 @@ class PanelSolution:
 
 
 def solve(
-    contour: npt.ArrayLike,
-    options: PanelOptions | None = None,
-    origin: float | None = None,
-    coarse: bool = False,
+    contour: npt.ArrayLike, options: PanelOptions | None = None, origin: float | None = None
 ) -> PanelSolution:
     """Compute the added mass of a body of revolution in unbounded potential flow.
 
@@ -106,8 +103,6 @@ def solve(
         resolution of the contour.
     origin
         x (m) of the point of the axis that the result refers to; ``None`` for the centroid of the volume.
-    coarse
-        whether two points on each panel suffice: see :meth:`driftform_panels.coefficients.PanelMethod.estimate`.
 
     Raises
     ------
@@ -117,17 +112,17 @@ def solve(
     points: FloatArray = np.asarray(contour, dtype=np.float64)
     options = options or PanelOptions()
     centre = solid_of_revolution(points).centroid if origin is None else origin
-    return solve_panels(make_panels(points - (centre, 0.0), options.panels, options.corner), centre, coarse)
+    return solve_panels(make_panels(points - (centre, 0.0), options.panels, options.corner), centre)
 
 
-def solve_panels(divided: Panels, origin: float = 0.0, coarse: bool = False) -> PanelSolution:
+def solve_panels(divided: Panels, origin: float = 0.0) -> PanelSolution:
     """Compute the added mass about x = 0 of the panels; ``origin`` (m) is the x of that point in the body frame.
 
     A_ij = - int phi_i n_j dS with the potential phi_i of motion i, where the integral over the circle is 2 pi r for
     m = 0 and pi r for m = 1 (Newman, Marine Hydrodynamics, section 4.14).
     """
     # Imported here, because compiled code loads the compiler, and listing the plugins must not.
-    from driftform_panels.kernels import FEW_NODES, NODES, assemble_equations, choose_nodes
+    from driftform_panels.kernels import assemble_equations
 
     wall = divided.thinnest_wall()
     if wall < MIN_WALL:
@@ -135,8 +130,7 @@ def solve_panels(divided: Panels, origin: float = 0.0, coarse: bool = False) -> 
             f"a wall is {wall:.2g} times as thick as its panels are long, but must be at least {MIN_WALL:g} times: "
             "raise hydrodynamics.panels"
         )
-    rule = choose_nodes(FEW_NODES if coarse else NODES)
-    matrices, sides, (x, r, nx, nr) = assemble_equations(divided.x, divided.r, divided.lengths, rule)
+    matrices, sides, (x, r, nx, nr) = assemble_equations(divided.x, divided.r, divided.lengths)
     # More than one thread makes systems of this size slower, and much slower on busy cores.
     with _find_libraries().limit(limits=1, user_api="blas"):
         surge = np.linalg.solve(matrices[0], sides[:, 0])

@@ -14,8 +14,7 @@ from driftform_kit.ballast import NEGLIGIBLE, ball_diameter, ball_mass, name_mat
 from driftform_kit.cutting.engraving import Engraving
 from driftform_kit.cutting.held_ballast import HeldBall
 from driftform_kit.cutting.meridian import MM, moments
-from driftform_kit.cutting.pieces import Kit, Piece, engrave_kit, make_kit
-from driftform_kit.cutting.weighing import plan_kit
+from driftform_kit.cutting.pieces import Kit, Piece, make_kit
 
 _ROUNDS = 20
 """Most times that a ball is made anew because of the mass of its seat."""
@@ -27,15 +26,14 @@ _LIGHTER = 0.95
 def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     """Return mass properties of the assembled kit with its core.
 
-    Ballast is not counted, but its seats are. Parts of revolution are integrated in closed form, or by slices to 1e-6 of
-    the mass (:func:`driftform_kit.cutting.weighing.plan_kit`); glue and O-rings weigh nothing here, and holes of ``drain``
+    Ballast is not counted, but its seats are. Parts of revolution are integrated in closed form; glue and O-rings weigh nothing here, and holes of ``drain``
     are taken to be plugged flush. An engraving is taken out as a point mass, which is exact but for the inertia, and
     outside it fills with water.
     """
-    added, engravings = _measure_added(body, options)
-    whole = mass_properties(replace(body, ballast=Moments()), _wall_moments(body) + added)
+    kit = make_kit(body, options)
+    whole = mass_properties(replace(body, ballast=Moments()), kit_moments(kit))
     outside = options.engrave_side == "outside"
-    for text in engravings:
+    for text in kit.engravings:
         whole = _subtract(whole, text, body.hull_density, outside)
     return whole
 
@@ -129,31 +127,11 @@ def measure_fittings(body: Body, options: KitOptions) -> Fittings:
     of the centre of gravity from the axis: an engraving on one side moves it by micrometres, and a body of revolution
     has it on the axis.
     """
-    added, engravings = _measure_added(body, options)
-    removed = sum((_point_moments(text) for text in engravings), Moments())
-    flooded = removed if options.engrave_side == "outside" else Moments()
-    return Fittings(added - removed, Moments() - flooded)
-
-
-def _measure_added(body: Body, options: KitOptions) -> tuple[Moments, tuple[Engraving, ...]]:
-    """Return what parts without engravings have beside the wall of a body, and the engravings.
-
-    Only a kit with ballast or holes is cut for that.
-    """
-    if not (options.ballast or options.drain):
-        return plan_kit(body, options).added, engrave_kit(body, options)
     kit = make_kit(body, options)
-    if not options.ballast:
-        return kit_moments(kit) - _wall_moments(body), kit.engravings
-    plain = options.model_copy(update={"ballast": ()})
-    added = _measure_added(body, plain)[0]
-    if any(held.seat is not None for held in kit.ballast):
-        added += kit_moments(kit) - kit_moments(make_kit(body, plain))
-    return added, kit.engravings
-
-
-def _wall_moments(body: Body) -> Moments:
-    return solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
+    removed = sum((_point_moments(text) for text in kit.engravings), Moments())
+    wall = solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
+    flooded = removed if options.engrave_side == "outside" else Moments()
+    return Fittings(kit_moments(kit) - wall - removed, Moments() - flooded)
 
 
 def kit_moments(kit: Kit) -> Moments:

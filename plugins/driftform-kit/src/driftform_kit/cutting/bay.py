@@ -6,7 +6,6 @@ degrees, so that it prints without support with the closed end of its part on th
 """
 
 import math
-from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,6 +13,7 @@ import numpy as np
 from manifold3d import CrossSection, OpType
 
 from driftform.agent import distance_from
+from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.meridian import Hull
@@ -30,7 +30,7 @@ PLAY = 0.5
 PLAY_OF_SEATS = 2.0
 """Least play along the axis, in clearances: a seat at 45 degrees leaves 1.4."""
 
-LATITUDES_DEG = (45.0, 50.0, 55.0, 60.0, 65.0, 70.0)
+_LATITUDES_DEG = (45.0, 50.0, 55.0, 60.0, 65.0, 70.0)
 """Latitudes at which a seat may touch the core; the first that has room is taken."""
 
 _STEPS = 26
@@ -68,19 +68,31 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
 
     A flat end does not: the ball rolls aside.
     """
-    play, drawn = max(PLAY, PLAY_OF_SEATS * gap), ball.draw()
-    whole = CrossSection.batch_boolean(list(parts), OpType.Add)
+    play = max(PLAY, PLAY_OF_SEATS * gap)
+    drawn = ball.draw()
+    low, high = sorted((ball.z, ball.z + side * play))
+    # The part that the ball moves to comes first: it is most likely to be met.
+    near = [part for part in parts[::-side] if _spans(part, low - 2 * ball.radius, high + 2 * ball.radius)]
 
     def meets(aside: float, along: float) -> bool:
-        return bool((drawn.translate((aside, side * along)) ^ whole).area() > _AREA)
+        moved = drawn.translate((aside, side * along))
+        return any((moved ^ part).area() > _AREA for part in near)
 
     if not meets(0.0, play):
         return False
-    places = np.linspace(0.0, play, _STEPS).tolist()
-    rest = places[bisect_left(places, True, key=lambda along: meets(0.0, along))]
+    places = np.linspace(0.0, play, _STEPS)
+    # Elsewhere no edge is within the disc, so that it meets nothing.
+    touched = distance_along(near, ball.z + side * places) <= meridian.circumradius(ball.radius)
+    rest = next((along for along in places[touched].tolist() if meets(0.0, along)), play)
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
-    lift = play / math.tan(math.radians(LATITUDES_DEG[-1]))
+    lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
     return meets(play, rest - lift)
+
+
+def _spans(section: CrossSection, low: float, high: float) -> bool:
+    """Return whether a section reaches between two heights."""
+    _, lowest, _, highest = section.bounds()
+    return bool(lowest <= high and highest >= low)
 
 
 def distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> FloatArray:
@@ -92,26 +104,44 @@ def distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> FloatA
     return nearest
 
 
+def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[int, int]) -> list[Seat]:
+    """Return the seats that keep the core at its simulated place in parts, whose sections are given as joined.
+
+    ``gap`` is that between seat and core, mm; ``shells`` are the indices of the aft and the fore shell.
+
+    Fails if a seat is needed and has no room.
+    """
+    found, core = [], Ball(0.0, hull.core)
+    for side in (-1, 1):
+        if is_held(parts, core, side, gap):
+            continue
+        part = shells[0 if side < 0 else 1]
+        others = [p for i, p in enumerate(parts) if i != part]
+        section = draw_seat(hull, core, parts[part], others, side, gap)
+        if section is None:
+            raise WorkFailedError(
+                f"no kit can be made: the core is not held on its {'fore' if side > 0 else 'aft'} side, and a seat has "
+                "no room beside the joint; set joint to 'rabbet', or lap to less"
+            )
+        found.append(Seat(section, part))
+    return found
+
+
 def draw_seat(
     hull: Hull, ball: Ball, part: CrossSection, others: Sequence[CrossSection], side: int, gap: float
 ) -> CrossSection | None:
     """Return the section of a cone on one side of a ball that merges with a part and is clear of others; ``None`` without room."""
     taken = CrossSection.batch_boolean(list(others), OpType.Add)
-    for latitude in np.radians(LATITUDES_DEG).tolist():
-        section = draw_cone(hull, ball, side, latitude, gap)
+    far = 2 * float(np.abs(hull.skin).max())
+    for latitude in np.radians(_LATITUDES_DEG).tolist():
+        # A strip about the ray from the ball's centre at that latitude.
+        along = np.array([math.cos(latitude), side * math.sin(latitude)])
+        across = np.array([-along[1], along[0]]) * SEAT / 2
+        strip = np.array([-across, far * along - across, far * along + across, across])
+        section = _cut_nearest(hull, ball, strip, gap)
         if _fits(section, part, taken, gap):
             return section
     return None
-
-
-def draw_cone(hull: Hull, ball: Ball, side: int, latitude: float, gap: float) -> CrossSection:
-    """Return the section of a cone that touches a ball at a latitude (rad) on one side, from the ball to the nearest wall."""
-    far = 2 * float(np.abs(hull.skin).max())
-    # A strip about the ray from the ball's centre at that latitude.
-    along = np.array([math.cos(latitude), side * math.sin(latitude)])
-    across = np.array([-along[1], along[0]]) * SEAT / 2
-    strip = np.array([-across, far * along - across, far * along + across, across])
-    return _cut_nearest(hull, ball, strip, gap)
 
 
 def draw_tube(

@@ -251,9 +251,8 @@ def _choose_fewest(
 
 def _take_best(hull: Hull, ways: Sequence[_Way], joint: Joint) -> _Way:
     """The best of some ways with a joint that follows them."""
-    z = abs(joint.z)
-    best = min(ways, key=lambda way: (way.slim, max(way.highest, z - way.begin)))
-    return best.cut(joint, plug_bore(hull, joint) < SLIM_BORE)
+    slim = plug_bore(hull, joint) < SLIM_BORE
+    return min((way.cut(joint, slim) for way in ways), key=_Way.rank)
 
 
 def _name_side(side: int) -> str:

@@ -4,7 +4,7 @@ It is the intersection of the letters' prism, which is normal to the axis, and a
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
@@ -34,38 +34,14 @@ _ROWS = 60
 
 @dataclass(frozen=True, eq=False)
 class Engraving:
-    """A text in the wall of a hull from ``begin`` (z, mm) on, with the options of its kit.
+    """The solid that a text removes from a part, mm from the core's centre: it projects from the wall, to leave no skin.
 
     ``volume`` (m3) and ``centroid`` (body frame, m, (3,)) are those of the material within the wall.
     """
 
-    hull: Hull
-    begin: float
-    end: float
-    options: KitOptions
+    tool: Node
     volume: float
     centroid: FloatArray
-
-    @cached_property
-    def tool(self) -> Node:
-        """The solid that it removes, mm from the core's centre: it projects from the wall, to leave no skin."""
-        hull, options = self.hull, self.options
-        size, depth = MM * options.engrave_size, MM * options.engrave_depth
-        outside = options.engrave_side == "outside"
-        reach = float(hull.skin[:, 1].max()) + 1
-        text = Translate((0.0, -size / 2, 0.0), Text(options.engrave, size, reach))
-        # The text faces the reader: seen from -x outside, and from the axis towards +x inside.
-        prism = Rotate((0.0, -90.0, 0.0), text)
-        placed = Translate((0.0 if outside else reach, 0.0, self.begin + size * STROKE / 2), prism)
-        window = make_slab(self.begin - MARGIN / 2, self.end + MARGIN / 2)
-
-        if outside:
-            layer = grow(hull.outer, _PROUD) - grow(hull.outer, -depth)
-        else:
-            layer = grow(hull.cavity, depth) - grow(hull.cavity, -_PROUD)
-        pieces = split_pieces(take_half(layer ^ window))
-        cut = Intersection((placed, Union(tuple(Revolve(*rings) for rings in pieces))))
-        return Named(f"engraved: {options.engrave}", cut)
 
 
 def engrave(
@@ -75,10 +51,27 @@ def engrave(
 
     The part has the hull's wall between the heights ``low`` and ``high``, with other features in the ranges ``taken``; mm.
     """
+    size, depth = MM * options.engrave_size, MM * options.engrave_depth
     place = _find_place(hull, low, high, taken, options)
     if place is None:
         return None
-    return Engraving(hull, *place, options, *_integrate_text(hull, place[0], options))
+    begin, end = place
+    outside = options.engrave_side == "outside"
+    reach = float(hull.skin[:, 1].max()) + 1
+    text = Translate((0.0, -size / 2, 0.0), Text(options.engrave, size, reach))
+    # The text faces the reader: seen from -x outside, and from the axis towards +x inside.
+    prism = Rotate((0.0, -90.0, 0.0), text)
+    placed = Translate((0.0 if outside else reach, 0.0, begin + size * STROKE / 2), prism)
+    window = make_slab(begin - MARGIN / 2, end + MARGIN / 2)
+
+    if outside:
+        layer = grow(hull.outer, _PROUD) - grow(hull.outer, -depth)
+    else:
+        layer = grow(hull.cavity, depth) - grow(hull.cavity, -_PROUD)
+    pieces = split_pieces(take_half(layer ^ window))
+    tool = Intersection((placed, Union(tuple(Revolve(*rings) for rings in pieces))))
+    volume, centroid = _integrate_text(hull, begin, options)
+    return Engraving(Named(f"engraved: {options.engrave}", tool), volume, centroid)
 
 
 def _integrate_text(hull: Hull, begin: float, options: KitOptions) -> tuple[float, FloatArray]:

@@ -112,11 +112,11 @@ def plug_bore(hull: Hull, joint: Joint) -> float:
 
 def groove_diameter(hull: Hull, joint: Joint) -> float:
     """Return the diameter of the bottom of a joint's groove for an O-ring, mm."""
-    return 2 * (plug_radius(joint, trace_mouth(hull, joint)) - joint.groove)
+    return 2 * (_plug_radius(joint, trace_mouth(hull, joint)) - joint.groove)
 
 
-def plug_radius(joint: Joint, line: Line) -> float:
-    """Return the outer radius of the plug at its tip, mm; ``line`` is that of :func:`trace_mouth`."""
+def _plug_radius(joint: Joint, line: Line) -> float:
+    """Outer radius of the plug at its tip, mm; ``line`` is that of :func:`trace_mouth`."""
     return float(radii_along(line, np.array(joint.lap))) - joint.gap
 
 
@@ -165,7 +165,7 @@ def _draw_relief(joint: Joint, line: Line) -> CrossSection:
     """The material removed from the plug: the chamfer at the tip, the groove of an O-ring."""
     if joint.kind == "rabbet":
         return CrossSection()
-    surface = plug_radius(joint, line)
+    surface = _plug_radius(joint, line)
     low, beyond = surface - LEAD, 5.0
     outer = surface + beyond
     chamfer = [(low - 1, -joint.lap - 1), (outer, -joint.lap + LEAD + beyond), (outer, -joint.lap - 1)]

@@ -39,12 +39,14 @@ Ring: TypeAlias = FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """A hull to be cut.
+    """A hull to be cut: the areas inside its outer contour and inside its cavity.
 
     ``bore`` and ``skin`` are the contours of the cavity and of the outside as z and r, (n, 2), from aft to fore; ``core`` is
     the core's radius, ``wall`` the nominal thickness of the wall, and ``joints`` has z of the joints of modules.
     """
 
+    outer: CrossSection
+    cavity: CrossSection
     bore: FloatArray
     skin: FloatArray
     core: float
@@ -85,16 +87,6 @@ class Hull:
         return min(self.core + gap, self.bore_at(0.0))
 
     @cached_property
-    def outer(self) -> CrossSection:
-        """The area inside the outer contour."""
-        return _mirror_contour(self.skin)
-
-    @cached_property
-    def cavity(self) -> CrossSection:
-        """The area inside the cavity."""
-        return _mirror_contour(self.bore)
-
-    @cached_property
     def material(self) -> CrossSection:
         """The hull itself."""
         return self.outer - self.cavity
@@ -125,6 +117,8 @@ def draw_hull(body: Body) -> Hull:
         )
     skin, bore = contours
     return Hull(
+        outer=_mirror_contour(skin),
+        cavity=_mirror_contour(bore),
         bore=bore,
         skin=skin,
         core=MM * body.core.radius,

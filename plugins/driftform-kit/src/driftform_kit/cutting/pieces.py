@@ -12,15 +12,14 @@ from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.printable import check_printable_section, refuse_other_volume
 from driftform_kit.cutting import meridian
-from driftform_kit.cutting.bay import Ball, Seat, draw_cone
-from driftform_kit.cutting.cut import CoreJoint
+from driftform_kit.cutting.bay import Ball, Seat, place_seats
+from driftform_kit.cutting.cut import CoreJoint, choose_bed_joints, choose_core_joint
 from driftform_kit.cutting.drain import add_drain
 from driftform_kit.cutting.engraving import Engraving, engrave, list_occupied
 from driftform_kit.cutting.held_ballast import HeldBall, hold_ballast, pause_height
 from driftform_kit.cutting.joint import Joint, draw_joint
 from driftform_kit.cutting.meridian import MM, Hull, Ring
 from driftform_kit.cutting.upright import prints_fore_down
-from driftform_kit.cutting.weighing import Plan, plan_kit
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,16 +79,23 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     """
     # A hull that cannot be printed whole cannot be cut either.
     check_printable_section(body)
-    plan, gap = plan_kit(body, options), MM * options.clearance
-    hull, joints, chosen = plan.hull, plan.joints, plan.core_joint
+    hull, gap = meridian.draw_hull(body), MM * options.clearance
     refuse_other_volume(
         MM**3 * meridian.moments(meridian.list_rings(meridian.take_right(hull.material))).volume,
         hull_volume(body),
         "hull",
     )
+    if options.engrave and MM * options.engrave_depth > hull.wall / 2:
+        raise WorkFailedError(
+            f"no kit can be made: an engraving of {MM * options.engrave_depth:g} mm goes deeper than half the wall of "
+            f"{hull.wall:g} mm; make engrave_depth smaller"
+        )
+    chosen = choose_core_joint(hull, options)
+    others = choose_bed_joints(hull, chosen.joint, options)
+    joints = tuple(sorted((chosen.joint, *others), key=lambda joint: joint.z))
     sections = _draw_parts(hull, joints, gap)
     inner = joints.index(chosen.joint)
-    found = _draw_seats(plan, gap)
+    found = tuple(place_seats(hull, sections, gap, (inner, inner + 1)))
     for seat in found:
         sections[seat.part] += seat.section
     balls = [Ball(MM * x, MM * diameter / 2) for x, diameter in options.ballast]
@@ -103,30 +109,6 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     engraved = _engrave_parts(hull, joints, found, options)
     pieces = [Piece(name, drawn, text) for name, drawn, text in zip(names, polygons, engraved, strict=True)]
     return Kit(hull, tuple(pieces), joints, chosen, found, ballast)
-
-
-def engrave_kit(body: Body, options: KitOptions) -> tuple[Engraving, ...]:
-    """Return the engravings of a kit without ballast, whose parts need not be drawn for that.
-
-    Raises
-    ------
-    WorkFailedError
-        if it cannot be cut or engraved; the message has the reason.
-    """
-    plan = plan_kit(body, options)
-    seats = _draw_seats(plan, MM * options.clearance) if options.engrave else ()
-    engraved = _engrave_parts(plan.hull, plan.joints, seats, options)
-    return tuple(text for text in engraved if text is not None)
-
-
-def _draw_seats(plan: Plan, gap: float) -> tuple[Seat, ...]:
-    """Return the seats of the core."""
-    core, inner = Ball(0.0, plan.hull.core), plan.joints.index(plan.core_joint.joint)
-    return tuple(
-        Seat(draw_cone(plan.hull, core, side, latitude, gap), inner + (side > 0))
-        for side, latitude in zip((-1, 1), plan.seats, strict=True)
-        if latitude is not None
-    )
 
 
 def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:
@@ -166,11 +148,6 @@ def _engrave_parts(
     bounds = [float(hull.skin[0, 0]), *(joint.z for joint in joints), float(hull.skin[-1, 0])]
     if not options.engrave:
         return [None] * (len(bounds) - 1)
-    if options.engrave and MM * options.engrave_depth > hull.wall / 2:
-        raise WorkFailedError(
-            f"no kit can be made: an engraving of {MM * options.engrave_depth:g} mm goes deeper than half the wall of "
-            f"{hull.wall:g} mm; make engrave_depth smaller"
-        )
     seated = [seat.section.bounds() for seat in found]
     taken = list_occupied(joints, [(box[1], box[3]) for box in seated], options.engrave_side == "inside")
     cut = [engrave(hull, low, high, taken, options) for low, high in pairwise(bounds)]
