@@ -29,7 +29,7 @@ class TunedOptions(Table):
 
     shapes: int = option(10, "random shapes at the start", "", gt=0, le=1_000_000)
     batch: int = option(
-        10, "flights per batch; one batch is asked for while another is flown", "", gt=0, le=100_000
+        5, "flights per batch; one batch is asked for while another is flown", "", gt=0, le=100_000
     )
     elites: int = option(
         4, "best shapes kept for each target, from which others descend", "", gt=0, le=10_000
@@ -37,7 +37,7 @@ class TunedOptions(Table):
     flights: int = option(6, "most flights to tune a shape for a target", "", gt=1, le=1000)
     first: int = option(
         3,
-        "random bodies for each target, one after the other until one hits, before shapes evolve",
+        "bodies for each target before those with a large miss get more",
         "",
         gt=0,
         le=10_000,
@@ -153,12 +153,7 @@ class TunedStrategy(Strategy[TunedOptions]):
     def ask(self, limit: int) -> list[Candidate]:
         """Return the next flights of bodies that are being tuned, and the first ones of new bodies."""
         jobs = [self._ready.popleft() for _ in range(min(len(self._ready), self.options.batch))]
-        if missing := self._list_missing():
-            # At first each target gets one body after the other, until one has hit.
-            busy = {job.target for job in jobs}
-            free = [target for target in missing if target not in busy]
-            jobs += map(self._start_job, free[: self.options.batch - len(jobs)])
-        while len(jobs) < (1 if missing else self.options.batch):
+        while len(jobs) < self.options.batch:
             jobs.append(self._start_job(self._choose_target()))
         generation = next(self._numbers)
         candidates = [self._make_candidate(job, generation) for job in jobs[:limit]]
@@ -166,15 +161,8 @@ class TunedStrategy(Strategy[TunedOptions]):
         return candidates
 
     def can_ask_ahead(self) -> bool:
-        """Return True once each target is hit, or was tried often: then bodies are tuned independently of each other."""
-        return not self._list_missing()
-
-    def _list_missing(self) -> list[int]:
-        return [
-            k
-            for k, elites in enumerate(self._elites)
-            if not elites and self._started[k] <= self.options.first
-        ]
+        """Return True: bodies are tuned independently of each other."""
+        return True
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Find the next tuning of each body, or rank a body that has hit."""
@@ -235,7 +223,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         self._started[target] += 1
         elites = self._elites[target]
         shape, elite, draw = None, None, rng.random()
-        if elites and draw >= options.random and self._started[target] > options.first:
+        if elites and draw >= options.random:
             if draw < options.random + options.retune:
                 others = [one for them in self._elites for one in them if target not in one.shape.tried]
                 if others:
