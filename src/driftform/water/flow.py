@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Discriminator, Tag, model_validator
+from pydantic import Discriminator, Tag
 
 from driftform.options import MAX_SEED, Table, option
 from driftform.validity import RANGES
@@ -80,22 +80,6 @@ class TurbulentFlow(RoughFlow):
     """
 
     kind: Literal["turbulent"] = option("turbulent", "name of the flow profile")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _refuse_moved_keys(cls, values: Any) -> Any:
-        moved = {
-            "intensity": "strength",
-            "memory": "memory",
-            "crossing": "crossing",
-            "smoothing": "smoothing",
-            "seed": "seed",
-        }
-        for key, name in moved.items():
-            if isinstance(values, Mapping) and key in values:
-                more = ", relative to that of the pipe" if key in ("memory", "smoothing") else ""
-                raise ValueError(f"flow.{key} is now gusts.{name}{more}: move it to the table [gusts]")
-        return values
 
 
 class GridFlow(Table):
