@@ -83,7 +83,7 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
     "gusts where they were once": (
         ["flow={kind='turbulent',intensity=1}"],
         "refused",
-        "is now gusts.strength",
+        "unknown key 'intensity' in [flow]",
     ),
     "oil with the profile of water": (
         ["fluid.viscosity=1e-3", "flow={kind='log_law',speed=1.0,upstream=1000}"],
