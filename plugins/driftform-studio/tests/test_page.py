@@ -260,8 +260,8 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     page.wait_for(lambda: page.run("return document.querySelectorAll('#promises tbody tr').length") == 3)
     row = page.find("#promises tbody tr:nth-child(2)").text.split()
     best = json.loads((run / "best" / "leak" / "agent.json").read_text())["result"]
-    assert row[0] == "leak" and float(row[1]) == pytest.approx(1000 * best["nominal"], rel=0.06, abs=0.6)
-    assert float(row[5]) == pytest.approx(1000 * best["p90"], rel=0.06, abs=0.6)
+    assert row[0] == "leak" and float(row[1]) == pytest.approx(100 * best["robust"]["hit"], abs=0.6)
+    assert float(row[3]) == pytest.approx(1000 * best["p90"], rel=0.06, abs=0.6)
     page.find("[aria-label='Show the agent for leak']").click()
     page.until("!document.getElementById('agent-shown').hidden")
     seen = [page.pixels("agent-view")]
