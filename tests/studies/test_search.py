@@ -131,7 +131,7 @@ def test_tuned_bodies_hit_every_target_within_a_hundred_flights(
 def test_no_seed_of_many_leaves_a_target_missed_by_more_than_a_percent(tmp_path: Path) -> None:
     seeds = range(100, 100 + int(os.environ.get("MANY_SEEDS", MANY_SEEDS)))
     with closing(LocalProcesses(study_of("tuned", 1, 1, "pipe-inspection").document, 2)) as executor:
-        worst = [errors.max() for errors in _runs("tuned", 100, "pipe-inspection", executor, tmp_path, seeds)]
+        worst = [errors.max() for errors in _runs("tuned", 500, "pipe-inspection", executor, tmp_path, seeds)]
     print(f"worst target of {len(worst)} seeds: {np.max(worst):.3f} %, in the mean {np.mean(worst):.3f} %")
     assert np.max(worst) <= 1
 

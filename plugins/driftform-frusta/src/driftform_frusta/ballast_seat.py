@@ -14,6 +14,9 @@ WATER = 1000.0
 SPARE = 1.5
 """Most ballast over that which the body floats freely with: the body must be able to sink."""
 
+LESS = (1.2, 1.05, 1.0)
+"""What is tried instead if the kit has no seat for that much."""
+
 _GAP = 0.0003
 """m between ball and wall."""
 

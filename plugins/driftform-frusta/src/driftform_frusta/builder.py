@@ -12,7 +12,7 @@ from pydantic import field_validator, model_validator
 from driftform.errors import WorkFailedError
 from driftform.interfaces import PhenotypeBuilder, Table, option
 from driftform.types import Body, Core, Module, Morphology
-from driftform_frusta.ballast_seat import SPARE, find_most_ballast, name_ball, place_ballast
+from driftform_frusta.ballast_seat import LESS, SPARE, find_most_ballast, name_ball, place_ballast
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit_options import LEAD, KitOptions
 from driftform_frusta.section import hull_section, lay_chains, open_section
@@ -160,7 +160,12 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         if o.tuning == "ballast":
             body = _build_untuned(o, replace(morphology, tuning=0.0), 0.0)
             most = find_most_ballast(body)
-            return (0.0, most) if most and self._can_hold(body, most / SPARE) else None
+            # The ball that lets the body float freely, and the largest one: those between them fit if both do.
+            if most and self._can_hold(body, most / SPARE):
+                return (
+                    0.0,
+                    next(m for m in (most, *(most * s / SPARE for s in LESS)) if self._can_hold(body, m)),
+                )
         return None
 
     def _can_hold(self, body: Body, mass: float) -> bool:
