@@ -84,10 +84,8 @@ def summarise(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
         return f"{subject} reached: {fitness.goal}; {describe_worst(fitness, results)}"
     weighed = sum(is_kept(promise["weighed"]) for promise in promises)
     printed, idle = sum(map(is_kept, promises)), sum(is_kept(promise["baseline"]) for promise in promises)
-    return (
-        f"{weighed} of {count} {'target is' if count == 1 else 'targets are'} kept by {100 * KEPT:.0f} % of the flights or more "
-        f"if the print is weighed and trimmed, {printed} if it is not; a body that does nothing keeps {idle}"
-    )
+    targets = "target is" if count == 1 else "targets are"
+    return f"{weighed} of {count} {targets} kept if the print is weighed, {printed} as it comes, {idle} by a body that does nothing"
 
 
 def describe_worst(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
@@ -119,7 +117,7 @@ def explain_columns(fitness: Fitness[Any], flights: int) -> str:
     hit = f"have {fitness.goal}" if fitness.share else "pass within the first column"
     rest = "" if fitness.share else "; 90 %: the miss that 9 of 10 of them stay within"
     return (
-        f"hit: the share of {flights} flights under fresh disturbed conditions that {hit}{rest}; as printed, weighed and trimmed, "
+        f"kept: {100 * KEPT:.0f} % hit, or more; hit: the share of {flights} flights under fresh disturbed conditions that {hit}{rest}; as printed, weighed and trimmed, "
         "and idle: a neutral sphere of the same volume"
     )
 

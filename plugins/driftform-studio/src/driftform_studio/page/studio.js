@@ -262,7 +262,7 @@ function showProgress({ state, done, budget, disturbed, rate, extent }) {
   find("curve").hidden = !extent;
 }
 
-const metres = (value) => make("td", {}, value == null ? "–" : length(value));
+const metres = (value) => make("td", { class: "wide" }, value == null ? "–" : length(value));
 const share = (value) => make("td", {}, value == null ? "–" : `${Math.round(100 * value)} %`);
 
 function showPromises({ state, targets }) {
@@ -279,13 +279,13 @@ function showPromises({ state, targets }) {
     if (t.evaluation === null) return make("tr", {}, name, make("td", { colspan: 7 }, "no flight yet"));
     const seen = agent?.key === t.name;
     return make("tr", { class: seen ? "chosen" : "" }, name,
-      ...promised ? [share(t.robust?.hit), metres(t.p90), share(t.robust?.weighed?.hit), metres(t.robust?.weighed?.p90), share(t.robust?.baseline?.hit)] : [metres(t.nominal)],
+      ...promised ? [share(t.robust?.hit), metres(t.p90), share(t.robust?.weighed?.hit), metres(t.robust?.weighed?.p90), share(t.robust?.baseline?.hit)] : [make("td", {}, t.nominal == null ? "–" : length(t.nominal))],
       make("td", { class: `at ${STYLES[t.verdict] ?? ""}` }, t.verdict),
       make("td", {}, make("button", { type: "button", "aria-pressed": String(seen), "aria-label": `Show the agent for ${t.name}`, onclick: () => openAgent(t.name) }, "Agent")));
   });
   const focused = document.activeElement?.closest?.("#promises button")?.getAttribute("aria-label");
   find("promises").replaceChildren(
-    make("thead", {}, make("tr", {}, ...["target", ...promised ? ["hit", "90 %", "weighed", "90 %", "idle"] : ["nominal"]].map((text) => make("th", { scope: "col" }, text)), make("th", { scope: "col", class: "at" }, ""), make("th", { scope: "col" }, make("span", { hidden: true }, "agent")))),
+    make("thead", {}, make("tr", {}, ...["target", ...promised ? ["hit", "90 %", "weighed", "90 %", "idle"] : ["nominal"]].map((text) => make("th", { scope: "col", class: text === "90 %" ? "wide" : "" }, text)), make("th", { scope: "col", class: "at" }, ""), make("th", { scope: "col" }, make("span", { hidden: true }, "agent")))),
     make("tbody", {}, ...rows),
   );
   if (focused) for (const button of find("promises").querySelectorAll("button")) if (button.getAttribute("aria-label") === focused) button.focus();
