@@ -20,6 +20,9 @@ HIT = 0.001
 MAX_DRAWS = 200
 """Number of genomes that are drawn in the search for a new shape that can be tuned."""
 
+MOST_UNFIT = 10
+"""Number of random shapes that are drawn in the search for one that can be heavy or light enough for a target."""
+
 DRAG = 1.0
 """Drag coefficient, on length times greatest diameter, by which the first response to a change of weight is guessed."""
 
@@ -29,7 +32,7 @@ class TunedOptions(Table):
 
     shapes: int = option(10, "random shapes at the start", "", gt=0, le=1_000_000)
     batch: int = option(
-        5, "flights per batch; one batch is asked for while another is flown", "", gt=0, le=100_000
+        3, "flights per batch; one batch is asked for while another is flown", "", gt=0, le=100_000
     )
     elites: int = option(
         4, "best shapes kept for each target, from which others descend", "", gt=0, le=10_000
@@ -212,6 +215,11 @@ class TunedStrategy(Strategy[TunedOptions]):
         """Return the root of the net weight with which a body should hit, by its size alone, kg^1/2."""
         return float(self._drops[target]) / self._guess_response(shape, target)
 
+    def _may_hit(self, shape: Shape, target: int) -> bool:
+        """Return whether a shape can be made as light or as heavy as it should have to be."""
+        root = self._guess_root(shape, target)
+        return abs(shape.find_root(shape.tune(root)) - root) < 1e-6
+
     def _guess_response(self, shape: Shape, target: int) -> float:
         """Return by how much a body should pass lower for each kg^1/2 of the root of its net weight, m."""
         fluid = self.space.scenario.fluid
@@ -259,11 +267,14 @@ class TunedStrategy(Strategy[TunedOptions]):
 
     def _take_random(self, target: int) -> Shape:
         """Return a random shape; at first one of a few that serve all targets."""
-        untried = [shape for shape in self._fresh if target not in shape.tried]
+        untried = [
+            shape for shape in self._fresh if target not in shape.tried and self._may_hit(shape, target)
+        ]
         if len(self._fresh) < self.options.shapes or not untried:
-            shape = self._draw_shape(lambda: self.space.grammar.random(self.space.rng))
-            if shape is not None:
-                return shape
+            for _ in range(MOST_UNFIT):
+                shape = self._draw_shape(lambda: self.space.grammar.random(self.space.rng))
+                if shape is not None and self._may_hit(shape, target):
+                    return shape
         # In a small space all shapes may be known: one of them is tried again.
         known = untried or list(self._fresh)
         if not known:
