@@ -29,6 +29,8 @@ def lines_of(block: Any, text: str) -> list[str]:
 def without_numbers(text: str) -> str:
     # Which target is the worst depends on the numbers.
     text = re.sub(r"(at worst \S+) \(.*?\)", r"\1", text)
+    # So do the targets where a shape gains little.
+    text = re.sub(r"the shape matters little for [^\n]*\n", "", text)
     # So does the side to which an agent tends.
     text = re.sub(r"\(it (floats|sinks)\)", "", text)
     return re.sub(r"[ \n]+", " ", re.sub(r"[+-]?\d+(\.\d+)?(e[+-]\d+)?", "#", text))

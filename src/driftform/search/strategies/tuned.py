@@ -271,10 +271,14 @@ class TunedStrategy(Strategy[TunedOptions]):
             shape for shape in self._fresh if target not in shape.tried and self._may_hit(shape, target)
         ]
         if len(self._fresh) < self.options.shapes or not untried:
+            found = None
             for _ in range(MOST_UNFIT):
                 shape = self._draw_shape(lambda: self.space.grammar.random(self.space.rng))
+                found = shape or found
                 if shape is not None and self._may_hit(shape, target):
-                    return shape
+                    break
+            if found is not None:
+                return found
         # In a small space all shapes may be known: one of them is tried again.
         known = untried or list(self._fresh)
         if not known:
