@@ -1,4 +1,4 @@
-"""How far the path by a file's equations lies from driftform's: the paths, the choice of the step, and where it is told."""
+"""How far the path by a file's equations lies from driftform's: the paths, the choice of the step, and where it is stated."""
 
 import re
 import xml.etree.ElementTree as ET
