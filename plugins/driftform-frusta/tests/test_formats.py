@@ -76,8 +76,8 @@ def reload(files):
             parts += read_3mf(file.path)
             continue
         # STL holds loose triangles, which are joined by their coordinates; the others share their vertices.
-        told = {"split_objects": True} if file.format == "obj" else {"maintain_order": True}
-        scene = trimesh.load_scene(file.path, process=file.format == "stl", validate=False, **told)
+        options = {"split_objects": True} if file.format == "obj" else {"maintain_order": True}
+        scene = trimesh.load_scene(file.path, process=file.format == "stl", validate=False, **options)
         for node in scene.graph.nodes_geometry:
             transform, name = scene.graph[node]
             mesh = scene.geometry[name]

@@ -469,6 +469,6 @@ def test_the_gap_of_the_uuv_simulator_has_the_lag_of_its_added_mass(
     emulated = fly_reader(reader, job, link, 1.0, step)
     assert np.linalg.norm(path[-1]) > 0.1
     np.testing.assert_allclose(emulated[1:], path, atol=1e-6)
-    gap, told = gap_in(folder / "urdf/agent.xacro")
+    gap, stated = gap_in(folder / "urdf/agent.xacro")
     ours = fly_own(job, link, 5.0)[100]
-    assert told == step and gap[1.0] == pytest.approx(np.linalg.norm(path[-1] - ours), rel=0.06)
+    assert stated == step and gap[1.0] == pytest.approx(np.linalg.norm(path[-1] - ours), rel=0.06)

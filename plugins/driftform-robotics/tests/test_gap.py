@@ -114,9 +114,9 @@ def test_the_gap_is_in_the_header_and_in_the_readme(
         sentences = set()
         for name in HEADERS[format]:
             if (folder / name).exists():
-                told = SENTENCE.search((folder / name).read_text(encoding="utf-8"))
-                assert told is not None, name
-                sentences.add(told.group(0))
+                stated = SENTENCE.search((folder / name).read_text(encoding="utf-8"))
+                assert stated is not None, name
+                sentences.add(stated.group(0))
         if format != "mjcf":
             readme = (folder / "README.md").read_text(encoding="utf-8")
             assert all(sentence in readme for sentence in sentences)
@@ -135,6 +135,6 @@ def test_the_step_of_a_world_is_that_of_its_sentence_and_can_be_given(
     ):
         for options, allowed in (({}, STEPS), ({"step": 0.004}, (0.004,))):
             folder = export(format, job, **options)
-            told = SENTENCE.search((folder / header).read_text(encoding="utf-8"))
-            assert told is not None
-            assert step_of(folder, world) == float(told.group(1)) and step_of(folder, world) in allowed
+            stated = SENTENCE.search((folder / header).read_text(encoding="utf-8"))
+            assert stated is not None
+            assert step_of(folder, world) == float(stated.group(1)) and step_of(folder, world) in allowed

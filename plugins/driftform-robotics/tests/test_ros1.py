@@ -88,10 +88,10 @@ def test_roslaunch_finds_every_file_and_xacro_makes_a_description_that_urdfdom_r
         launch = f"source devel/setup.bash && roslaunch {package} start.launch"
         nodes = run_system(f"{launch} --nodes", workspace).split()
         assert nodes == [f"/{package}/spawn", f"/{package}/robot_state_publisher"]
-        told = yaml.safe_load(run_system(f"{launch} --dump-params", workspace))
-        assert told["/use_sim_time"] and "uuv_underwater_current" in "".join(told["/world"])
+        stated = yaml.safe_load(run_system(f"{launch} --dump-params", workspace))
+        assert stated["/use_sim_time"] and "uuv_underwater_current" in "".join(stated["/world"])
         description = workspace / f"{name}.urdf"
-        description.write_text(told[f"/{package}/robot_description"], encoding="utf-8")
+        description.write_text(stated[f"/{package}/robot_description"], encoding="utf-8")
         robot = ET.parse(description).getroot()
         mass = robot.find("link/inertial/mass")
         assert mass is not None and float(mass.get("value", "")) == pytest.approx(job.agent.mass.mass)
@@ -106,8 +106,8 @@ def test_roslaunch_reads_the_release(workspace: Path, run_system: Callable[..., 
     [program, call, wait, service, state] = run_system(f"{launch} --args /release", workspace).split(" ", 4)
     assert Path(program).name == "rosservice" and (call, wait) == ("call", "--wait")
     assert service == "/gazebo/set_model_state"
-    told = yaml.safe_load(state.partition("__name")[0].strip().strip("'"))["model_state"]
-    assert told["twist"]["linear"] == {"x": 0.2, "y": 0.1, "z": -0.3}
+    stated = yaml.safe_load(state.partition("__name")[0].strip().strip("'"))["model_state"]
+    assert stated["twist"]["linear"] == {"x": 0.2, "y": 0.1, "z": -0.3}
 
 
 @pytest.fixture(scope="module")

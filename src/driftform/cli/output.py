@@ -1,7 +1,6 @@
 """What a command prints: one JSON document, or text for people."""
 
 import json
-import math
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -10,7 +9,7 @@ from typing import Any, TextIO
 
 from driftform.errors import escape_controls
 
-__all__ = ["escape_controls", "format_miss", "print_json", "print_table", "print_text", "reserve_stdout"]
+__all__ = ["escape_controls", "print_json", "print_table", "print_text", "reserve_stdout"]
 
 _reserved: list[TextIO] = []
 
@@ -78,11 +77,6 @@ def _draw_table(header: Sequence[str], rows: Sequence[Sequence[str]], right: Seq
     for row in rows:
         table.add_row(*map(Text, row))
     Console(highlight=False).print(table)
-
-
-def format_miss(metres: float | None) -> str:
-    """Return a miss in mm; a dash if too many flights failed for one, or none was flown."""
-    return "-" if metres is None or not math.isfinite(metres) else f"{1000 * metres:.0f}"
 
 
 def print_text(text: str) -> None:

@@ -190,7 +190,8 @@ def _print_misses(misses: "DisturbedFlights", flight: "Flight") -> None:
     """Print the misses for every target, and what the miss of the target that the agent comes closest to depends on."""
     import numpy as np
 
-    from driftform.cli.output import format_miss, print_table, print_text
+    from driftform.cli.output import print_table, print_text
+    from driftform.runs.wording import format_miss
 
     names = flight.scenario.target_names
     print(f"{misses.count} flights under disturbed conditions:")

@@ -5,6 +5,7 @@ these flights that hit the target; without, it is what the fitness says of the u
 """
 
 from collections.abc import Mapping
+from math import isfinite
 from typing import Any
 
 from driftform.interfaces import Fitness
@@ -44,7 +45,7 @@ def describe_result(fitness: Fitness[Any], result: Result) -> str:
     if not is_promised(result):
         return fitness.describe(result["fitness"])
     robust = result["robust"]
-    within = "" if fitness.share else f" (9 of 10 within {_format_miss(robust['p90'])} mm)"
+    within = "" if fitness.share else f" (9 of 10 within {format_miss(robust['p90'])} mm)"
     return f"hit by {_format_share(robust['hit'])} % of {robust['flights']} flights{within}"
 
 
@@ -68,8 +69,8 @@ def list_cells(fitness: Fitness[Any], result: Result, promised: bool = False) ->
     each = [robust, robust.get("weighed", {}), robust.get("baseline", {})]
     if fitness.share:
         return (*plain, *(_format_share(promise.get("hit")) for promise in each))
-    cells = (cell for one in each for cell in (_format_share(one.get("hit")), _format_miss(one.get("p90"))))
-    return (_format_miss(result.get("within")), *cells)
+    cells = (cell for one in each for cell in (_format_share(one.get("hit")), format_miss(one.get("p90"))))
+    return (format_miss(result.get("within")), *cells)
 
 
 def summarise(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
@@ -126,5 +127,6 @@ def _format_share(share: float | None) -> str:
     return "-" if share is None else f"{100 * share:.0f}"
 
 
-def _format_miss(metres: float | None) -> str:
-    return "-" if metres is None else f"{1000 * metres:.0f}"
+def format_miss(metres: float | None) -> str:
+    """Return a miss in mm; a dash if too many flights failed for one, or none was flown."""
+    return "-" if metres is None or not isfinite(metres) else f"{1000 * metres:.0f}"

@@ -226,7 +226,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
         return None
     conditions = draw_rounds(study)
     judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
-    number, within = study.scenario.target_names.index(target), find_within(study.scenario)
+    within = float(find_within(study.scenario)[study.scenario.target_names.index(target)])
     flown = store.read_disturbed(target)
     judged_all = [index for index, flights in flown.items() if all(number in flights for number in judged)]
     if not judged_all:
@@ -246,7 +246,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
         fresh = [at for at in checked if conditions[at].specimen is specimen]
         misses = Misses([conditions[at] for at in fresh], np.array([offsets[at] for at in fresh])[:, None])
         sound = [
-            fitness.is_hit(flights[at], miss, float(within[number]))
+            fitness.is_hit(flights[at], miss, within)
             for at, miss in zip(fresh, misses.distances[:, 0].tolist(), strict=True)
             if not isnan(flights[at])
         ]
@@ -287,9 +287,6 @@ def describe_best(study: Study, store: Store, target: str, winner: Winner | None
     }
     if promise:
         result["robust"] = promise
-    fitness_plugin = study.make_plugin("fitness")
-    result["verdict"], result["summary"] = (
-        name_verdict(fitness_plugin, result),
-        describe_result(fitness_plugin, result),
-    )
+    words = study.make_plugin("fitness")
+    result |= {"verdict": name_verdict(words, result), "summary": describe_result(words, result)}
     return StoredAgent(target, record.candidate.genome, study.environment(record.index), result)

@@ -133,6 +133,8 @@ class TunedStrategy(Strategy[TunedOptions]):
     Options = TunedOptions
 
     def __init__(self, options: TunedOptions, space: SearchSpace) -> None:
+        from driftform.motion.way import farthest_distances
+
         super().__init__(options, space)
         if space.builder is None:
             raise InputError("strategy 'tuned' needs a builder")
@@ -143,8 +145,6 @@ class TunedStrategy(Strategy[TunedOptions]):
         self._asked: deque[list[Job]] = deque()
         self._bodies: set[int] = set()
         self._numbers = count()
-        from driftform.motion.way import farthest_distances
-
         release = space.scenario.release_position()
         points = space.scenario.target_array().reshape(-1, 3)
         self._ways = np.linalg.norm(points - release, axis=1)
