@@ -28,11 +28,10 @@ def driftform_recorder() -> "list[type[Recorder[Any]]]":
 
 @hookimpl
 def driftform_strategy() -> "list[type[Strategy[Any]]]":
-    """Return MAP-Elites, evolution by single symbols, random search, and the searches of tuned bodies."""
-    from driftform.search.strategies.atlas import AtlasStrategy
+    """Return evolution by single symbols, random search, and the searches of tuned bodies."""
     from driftform.search.strategies.direct import DirectStrategy
     from driftform.search.strategies.evolution import EvolutionStrategy
     from driftform.search.strategies.random import RandomStrategy
     from driftform.search.strategies.tuned import TunedStrategy
 
-    return [AtlasStrategy, DirectStrategy, EvolutionStrategy, RandomStrategy, TunedStrategy]
+    return [DirectStrategy, EvolutionStrategy, RandomStrategy, TunedStrategy]

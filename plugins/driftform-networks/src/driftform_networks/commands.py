@@ -216,7 +216,9 @@ def fleet(
     ] = None,
     run: Annotated[
         Path | None,
-        typer.Option(metavar="RUN", help="Run, such as one of atlas, whose agents to choose from."),
+        typer.Option(
+            metavar="RUN", help="Run, such as one of the strategy ribs, whose agents to choose from."
+        ),
     ] = None,
     count: Annotated[
         int | None,

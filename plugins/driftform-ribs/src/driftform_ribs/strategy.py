@@ -53,8 +53,8 @@ class RibsStrategy(Strategy[RibsOptions]):
     """Quality diversity by pyribs: the archive keeps flights that pass the stations at different heights.
 
     The measures of a flight are its heights above the pipe's axis at some stations along it; the archive keeps the
-    fittest of the flights with similar measures. Parents are drawn uniformly from the elites. Unlike `atlas`, this
-    strategy assigns each flight to one cell, and uses the fitness for the targets.
+    fittest of the flights with similar measures. Parents are drawn uniformly from the elites. The map of
+    what flights reach so fills in places that are hard to reach, and `driftform pick` finds an agent for any point.
     """
 
     name = "ribs"
