@@ -1,6 +1,7 @@
 """Where ballast lies in a hull: a ball of lead on the axis, as near to the core as it has room."""
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -72,6 +73,7 @@ def _ball_radius(volume: float) -> float:
     return math.cbrt(3 * volume / (4 * math.pi))
 
 
+@lru_cache(maxsize=64)
 def _find_seat(body: Body) -> tuple[float, float]:
     """Return x of the seat and the radius of the largest ball there, m; 0 without a cavity beside the core."""
     if not len(body.cavity):

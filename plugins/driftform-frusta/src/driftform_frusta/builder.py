@@ -11,7 +11,7 @@ from pydantic import field_validator, model_validator
 
 from driftform.errors import WorkFailedError
 from driftform.interfaces import PhenotypeBuilder, Table, option
-from driftform.types import Body, Core, Module, Morphology
+from driftform.types import Body, Core, Fittings, Module, Morphology
 from driftform_frusta.ballast_seat import LESS, SPARE, find_most_ballast, name_ball, place_ballast
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit_options import LEAD, KitOptions
@@ -158,40 +158,45 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         if o.tuning == "wall":
             return (0.0, max(0.0, o.wall - o.thinnest))
         if o.tuning == "ballast":
-            body = _build_untuned(o, replace(morphology, tuning=0.0), 0.0)
+            untuned = replace(morphology, tuning=0.0)
+            body = _build_untuned(o, untuned, 0.0)
             most = find_most_ballast(body)
+
+            def can_hold(mass: float) -> bool:
+                """Return whether the kit of the body, if it is one, has a seat for ballast of some mass, kg."""
+                ball = name_ball(place_ballast(body, mass))
+                try:
+                    _measure_fittings(o, _draw(o, untuned, 0.0), (ball,))
+                except WorkFailedError:
+                    return False
+                return True
+
             # The ball that lets the body float freely, and the largest one: those between them fit if both do.
-            if most and self._can_hold(body, most / SPARE):
+            if most and can_hold(most / SPARE):
                 return (
                     0.0,
-                    next(m for m in (most, *(most * s / SPARE for s in LESS)) if self._can_hold(body, m)),
+                    next(m for m in (most, *(most * s / SPARE for s in LESS)) if can_hold(m)),
                 )
         return None
-
-    def _can_hold(self, body: Body, mass: float) -> bool:
-        """Return whether the kit of a body, if it is one, has a seat for ballast of some mass, kg."""
-        if self.options.kit is None:
-            return True
-        from driftform_frusta.kits import find_maker
-
-        ball = name_ball(place_ballast(body, mass))
-        try:
-            find_maker().measure_fittings(body, self.options.kit.model_copy(update={"ballast": (ball,)}))
-        except WorkFailedError:
-            return False
-        return True
 
 
 @lru_cache(maxsize=KEPT_BODIES)
 def _build_untuned(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
     """Return a body without ballast, with a wall that is thinner by so much (m)."""
+    bare = _draw(o, morphology, thinner)
+    return replace(bare, fittings=_measure_fittings(o, bare))
+
+
+@lru_cache(maxsize=KEPT_BODIES)
+def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
+    """Return the same without what the kit has beside the wall."""
     _check_modules("fore", morphology.fore)
     _check_modules("aft", morphology.aft)
     dome = o.core_radius + o.clearance + o.wall
     chains = lay_chains(morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2)
     section = hull_section if o.wall_model == "mitred" else open_section
     outer, cavity = section(chains, dome, o.wall - thinner)
-    body = Body(
+    return Body(
         outer=outer,
         cavity=cavity,
         joints=chains[:, 0],
@@ -199,12 +204,18 @@ def _build_untuned(o: FrustaOptions, morphology: Morphology, thinner: float) -> 
         wall=o.wall - thinner,
         hull_density=o.hull_density,
     )
+
+
+def _measure_fittings(
+    o: FrustaOptions, bare: Body, ballast: tuple[tuple[float, float], ...] = ()
+) -> Fittings:
+    """Return what the kit of a body has beside the wall, with seats for some balls; nothing for a hull in one piece."""
     if o.kit is None:
-        return body
+        return Fittings()
     # The sections of parts take a while to import, and most studies weigh the hull in one piece.
     from driftform_frusta.kits import find_maker
 
-    return replace(body, fittings=find_maker().measure_fittings(body, o.kit))
+    return find_maker().measure_fittings(bare, o.kit.model_copy(update={"ballast": ballast}))
 
 
 def _check_modules(side: str, modules: Sequence[Module]) -> None:

@@ -24,9 +24,6 @@ _AREA = 1e-3
 _LEAST = 0.05
 """mm2: section of the least material that is a seat."""
 
-_STEP = 0.1
-"""mm between the places along its way at which a ball is tried."""
-
 _ROUNDING = 0.01
 """mm: chords of a contour lie inside its curve by less than this."""
 
@@ -94,8 +91,17 @@ def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float
     inward = 1 if z > mouth.z else -1
     # A plug reaches out of its part; a socket begins at the cut.
     begin = mouth.tip if mouth.side == inward else mouth.z
-    way = np.linspace(begin, z, 2 + int(abs(z - begin) / _STEP))
-    return float(distance_along([part], way).min()) if hull.bore_radius(way).min() > 0 else 0.0
+    low, high = sorted((begin, z))
+    narrowest = hull.bore[(hull.bore[:, 0] > low) & (hull.bore[:, 0] < high), 1].min(initial=np.inf)
+    if min(narrowest, *hull.bore_radius([low, high]).tolist()) <= 0:
+        return 0.0
+    # The nearest point of a polygon is a vertex, except where an end of the way is nearest to an edge.
+    corners = np.concatenate(meridian.list_rings(part))
+    beyond = corners[:, 1] - np.clip(corners[:, 1], low, high)
+    return min(
+        float(np.hypot(corners[:, 0], beyond).min()),
+        float(distance_along([part], np.array([low, high])).min()),
+    )
 
 
 def _hold(
