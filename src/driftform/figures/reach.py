@@ -23,7 +23,7 @@ from driftform.types import FloatArray
 from driftform.water import Pipe, Scenario, Segment
 
 _LEFT, _RIGHT = 58.0, 22.0
-_SWATCH, _STEP = (34.0, 14.0), 74.0
+_SWATCH = (34.0, 14.0)
 
 
 def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
@@ -93,30 +93,15 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
     right, top = x + (end - start) * width, z + height
     boxes = _to_page(window, np.stack([x, z, right, z, right, top, x, top], axis=1))
     numbers = classes[start, row]
-    for number in sorted(set(numbers.tolist())):
-        colour = RAMP[number] if number >= 0 else "#ffffff"
-        # The stroke closes the seams that browsers leave between neighbours.
-        svg.add(
-            root,
-            "path",
-            class_="reached" if number >= 0 else "unreached",
-            d=svg.lines_data(boxes[numbers == number], closed=True),
-            fill=colour,
-            stroke=colour,
-            stroke_width=0.4,
-        )
+    bands = [(n, svg.lines_data(boxes[numbers == n], closed=True)) for n in sorted(set(numbers.tolist()))]
     bare = low[classes < 0]
-    if len(bare):
-        _draw_hatching(root, _to_page(window, np.hstack([bare, bare + reach.cells.size[:2]])))
+    slashes = _to_page(window, np.hstack([bare, bare + reach.cells.size[:2]]))
+    svg.draw_template(root, __package__, "reach", bands=bands, hatching=svg.lines_data(slashes))
 
 
 def _to_page(window: Window, lines: FloatArray) -> FloatArray:
     """Return the points on the page of lines, whose points in m are in one row each, (lines, points, 2)."""
-    return window.to_page(lines.reshape(-1, 2)).reshape(len(lines), -1, 2)
-
-
-def _draw_hatching(root: ET.Element, diagonals: FloatArray) -> None:
-    svg.add(root, "path", class_="hatching", d=svg.lines_data(diagonals), stroke=MUTED, stroke_width=0.8)
+    return window.to_page(lines.reshape(-1, 2)).reshape(len(lines), lines.shape[1] // 2, 2)
 
 
 def _draw_points(
@@ -135,18 +120,8 @@ def _draw_points(
 
 def _draw_legend(root: ET.Element, top: float) -> None:
     """Draw the colours with the distances between them, and the hatching of cells that no flight crosses."""
-    width, height = _SWATCH
     svg.add_segment(root, MARGIN, top - 16, WIDTH - MARGIN, top - 16, GRID)
     write(root, MARGIN, top + 11, "Closest approach to the middle of the cell (mm)", 12, MUTED)
-    x = WIDTH - MARGIN - len(RAMP) * width - 150
-    for number, colour in enumerate(RAMP):
-        svg.add(root, "rect", class_="swatch", x=x, y=top, width=width, height=height, fill=colour)
-        if number < len(BOUNDS):
-            write(root, x + width, top + height + 14, f"{1000 * BOUNDS[number]:g}", 11, MUTED, "middle")
-        x += width
-    x += 34
-    svg.add(
-        root, "rect", x=x, y=top, width=width, height=height, fill="#ffffff", stroke=MUTED, stroke_width=0.8
-    )
-    _draw_hatching(root, np.array([[(x + d, top + height), (x + d + height, top)] for d in (0, 10, 20)]))
-    write(root, x + width + 8, top + 11, "no flight", 12, MUTED)
+    left = WIDTH - MARGIN - len(RAMP) * _SWATCH[0] - 150
+    bounds = [f"{1000 * bound:g}" for bound in BOUNDS]
+    svg.draw_template(root, __package__, "reach-legend", left=left, top=top, size=_SWATCH, bounds=bounds)

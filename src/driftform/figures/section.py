@@ -1,17 +1,19 @@
 """One body to scale, as a half section: the outside above the axis, the section below it."""
 
-from typing import NamedTuple
+from itertools import accumulate
+from typing import Any, NamedTuple
 from xml.etree import ElementTree as ET
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.agent import hull_mass
 from driftform.agent.distance import radius_at
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
 from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, shorten, text_width, write
-from driftform.figures.style import BLUE, INK, MUTED, ORANGE, tint
-from driftform.figures.surface import Surface, find_rest, find_surface
+from driftform.figures.style import BLUE, MUTED, tint
+from driftform.figures.surface import find_rest, find_surface
 from driftform.figures.svg import PX_PER_MM
 from driftform.types import Agent, Body, FloatArray
 from driftform.water import Scenario
@@ -102,19 +104,17 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
         svg.add(root, "path", class_="water", d=svg.path_data(surface.wet, closed=True), fill=tint(BLUE, 0.1))
     draw_shading(root, body, place, _STEEL, below=0)
     draw_rims(root, body, place, tint(_STEEL, 0.62), 0.7, below=0)
-    _draw_cut(root, body, place)
-    outline = svg.path_data(place.to_page(closed_outline(body.outer)), closed=True)
-    svg.add_line(root, outline, INK, 1.3, "outline", stroke_linejoin="round")
-    _draw_axis(root, body, place)
-    if surface is not None:
-        _draw_water_line(root, surface)
-    _draw_callouts(root, body, place)
-    _draw_dimensions(root, body, place)
-    _draw_centres(root, agent, place, width)
+    dimensions = {**_plot_cut(body, place), **_plot_callouts(body, place), **_plot_dimensions(body, place)}
+    centres = _plot_centres(agent, place, width)
+    svg.draw_template(root, __package__, "section", surface=surface, marks=centres, **dimensions)
     base = height - _BLOCK - 18
-    _draw_scale(root, ratio, px_per_m, width, base)
+    bar = draw_scale_bar(root, width - MARGIN, base, px_per_m, 130)
+    write(root, bar - 16, base, f"Scale {ratio.text}", 11, MUTED, anchor="end", class_="scale")
     if rest is not None:
-        _draw_legend(root, rest.text, surface is not None, base)
+        if surface is not None:
+            line = svg.path_data([(MARGIN, base - 4), (MARGIN + 26, base - 4)])
+            svg.add_line(root, line, BLUE, 1.4, stroke_dasharray="9 3")
+        write(root, MARGIN + (0 if surface is None else 34), base, rest.text, 11, MUTED, class_="rest")
     _draw_block(root, block, width, height - _BLOCK + 2)
     return svg.render(root)
 
@@ -164,33 +164,26 @@ def _format_mm(metres: float) -> str:
     return f"{1000 * metres:.1f} mm"
 
 
-def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
-    flip = (1.0, -1.0)
-    wall = place.to_page(body.outer * flip)
-    cavity = place.to_page(body.cavity * flip)
-    data = svg.path_data(wall, closed=True) + svg.path_data(cavity, closed=True)
-    svg.add(root, "path", class_="wall", d=data, fill=tint(_STEEL, 0.16), fill_rule="evenodd")
+def _plot_cut(body: Body, place: Placement) -> dict[str, Any]:
+    """Return what the template draws of the cut: polygons, hatching, ballast and core, px."""
+    wall, cavity = (place.to_page(contour * (1.0, -1.0)) for contour in (body.outer, body.cavity))
     # A wall of a few px needs close lines to look hatched.
-    spacing = 4.0 if body.wall * place.px_per_m < 8 else 6.0
-    lines = hatch([wall, cavity], spacing)
-    if len(lines):
-        svg.add_line(root, svg.lines_data(lines), _STEEL, 0.8, "hatch")
-    if len(cavity):
-        svg.add_line(root, svg.path_data(cavity), INK, 0.9, "cavity", stroke_linejoin="round")
+    lines = hatch([wall, cavity], 4.0 if body.wall * place.px_per_m < 8 else 6.0)
+    ballast = None
     if ball := body.ballast.volume:
         at = place.x + place.px_per_m * body.ballast.centroid
-        radius = place.px_per_m * (0.75 * ball / np.pi) ** (1 / 3)
-        svg.add_circle(root, at, place.y, radius, tint(INK, 0.55), class_="ballast")
-    radius = body.core.radius * place.px_per_m
-    svg.add_circle(root, place.x, place.y, radius, ORANGE, class_="core")
-    # Above the axis the core is behind the wall: lighter, with a dashed (hidden) edge.
-    r, y = svg.format_number(radius), svg.format_number(place.y)
-    upper = (
-        f"M{svg.format_number(place.x - radius)} {y}A{r} {r} 0 0 1 {svg.format_number(place.x + radius)} {y}"
-    )
-    svg.add(root, "path", d=upper + "Z", fill=tint(ORANGE, 0.5))
-    svg.add_line(root, upper, "#7a5300", 0.9, stroke_dasharray="4 3")
-    svg.add_line(root, upper.replace("0 0 1", "0 0 0"), "#7a5300", 1.1)
+        ballast = at, place.px_per_m * (0.75 * ball / np.pi) ** (1 / 3)
+    return {
+        "x": place.x,
+        "y": place.y,
+        "steel": _STEEL,
+        "wall": wall,
+        "cavity": cavity,
+        "hatching": svg.lines_data(lines) if len(lines) else "",
+        "ballast": ballast,
+        "core": body.core.radius * place.px_per_m,
+        "outline": place.to_page(closed_outline(body.outer)),
+    }
 
 
 def hatch(polygons: list[FloatArray], spacing: float) -> FloatArray:
@@ -217,87 +210,33 @@ def hatch(polygons: list[FloatArray], spacing: float) -> FloatArray:
     return np.asarray(pieces.transpose(2, 0, 1)[high - low > 0.3])
 
 
-def _draw_axis(root: ET.Element, body: Body, place: Placement) -> None:
-    left, right = (place.x + place.px_per_m * float(x) for x in body.outer[[0, -1], 0])
-    svg.add_segment(
-        root, left - 14, place.y, right + 14, place.y, INK, 0.8, class_="axis", stroke_dasharray="12 3 2 3"
-    )
-    write(root, right + 20, place.y + 4, "fore", 11, MUTED)
-
-
-def _draw_water_line(root: ET.Element, surface: Surface) -> None:
-    """Draw the water's surface with its symbol, a triangle."""
-    line = svg.path_data(surface.line)
-    svg.add_line(root, line, "#ffffff", 3.2)
-    svg.add_line(root, line, BLUE, 1.4, "water-line", stroke_dasharray="9 3")
-    (start, end), up = surface.line, surface.up
-    # Keep off the labels: those of the centres are above the body, that of the axis is on the right.
-    tip = max(start, end, key=lambda point: float(point[1] - point[0]))
-    inward = (start + end) / 2 - tip
-    tip = tip + 9 * inward / max(float(np.hypot(*inward)), 1e-9)
-    along = np.array([-up[1], up[0]])
-    corners = np.array([tip, tip + 8 * up + 5 * along, tip + 8 * up - 5 * along])
-    svg.add(
-        root, "path", d=svg.path_data(corners, closed=True), fill="#ffffff", stroke=BLUE, stroke_width=1.2
-    )
-
-
-def _draw_legend(root: ET.Element, text: str, floats: bool, base: float) -> None:
-    x = MARGIN
-    if floats:
-        line = svg.path_data([(x, base - 4), (x + 26, base - 4)])
-        svg.add_line(root, line, BLUE, 1.4, stroke_dasharray="9 3")
-        x += 34
-    write(root, x, base, text, 11, MUTED, class_="rest")
-
-
-def _draw_dimensions(root: ET.Element, body: Body, place: Placement) -> None:
+def _plot_dimensions(body: Body, place: Placement) -> dict[str, Any]:
+    """Return what the template draws of length and diameter, px."""
     outline = place.to_page(body.outer)
     left, right = outline[0, 0], outline[-1, 0]
-    bottom = place.y + body.max_diameter / 2 * place.px_per_m
-    level = bottom + _CALLOUTS + 24
-    for x, end in ((left, body.outer[0, 0]), (right, body.outer[-1, 0])):
-        edge = place.y + radius_at(body.outer, float(end)) * place.px_per_m
-        _draw_thin(root, x, edge + 4, x, level + 5)
-    _draw_arrow(root, left, level, right, level)
+    level = place.y + body.max_diameter / 2 * place.px_per_m + _CALLOUTS + 24
+    edges = [place.y + radius_at(body.outer, float(x)) * place.px_per_m for x in body.outer[[0, -1], 0]]
     joints = place.x + place.px_per_m * inner_joints(body)
-    if len(joints):
-        ticks = np.array([[(x, level), (x, level + 5)] for x in joints])
-        svg.add_line(root, svg.lines_data(ticks), MUTED, 0.8, "ticks")
-    text = _format_mm(body.length)
-    fits = right - left > text_width(text, 12) + 20
-    write(
-        root,
-        (left + right) / 2,
-        level - 5 if fits else level + 18,
-        text,
-        12,
-        anchor="middle",
-        class_="length",
-    )
-
-    column = left - 30
-    widest = int(np.argmax(body.outer[:, 1]))
-    top = outline[widest]
-    for y in (top[1], 2 * place.y - top[1]):
-        _draw_thin(root, top[0] - 4, y, column - 5, y)
-    _draw_arrow(root, column, top[1], column, 2 * place.y - top[1])
-    write(
-        root,
-        column - 9,
-        place.y + 4,
-        f"Ø {_format_mm(body.max_diameter)}",
-        12,
-        anchor="end",
-        class_="diameter",
-    )
+    length = _format_mm(body.length)
+    return {
+        "left": left,
+        "right": right,
+        "level": level,
+        "ends": [(left, edges[0]), (right, edges[1])],
+        "ticks": svg.lines_data(np.array([[(x, level), (x, level + 5)] for x in joints]).reshape(-1, 2, 2)),
+        "length": length,
+        "length_fits": right - left > text_width(length, 12) + 20,
+        "diameter": _format_mm(body.max_diameter),
+        "widest": outline[int(np.argmax(body.outer[:, 1]))],
+        "top": place.y - body.max_diameter / 2 * place.px_per_m,
+        "find_head": _find_head,
+    }
 
 
-def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
-    """Draw the dimensions of wall and core, each with a leader from a label below the body."""
+def _plot_callouts(body: Body, place: Placement) -> dict[str, Any]:
+    """Return what the template draws of the dimensions of wall and core: labels below the body, and tips of leaders."""
     bottom = place.y + body.max_diameter / 2 * place.px_per_m
     left, right = (place.x + place.px_per_m * float(x) for x in body.outer[[0, -1], 0])
-    base = bottom + 26
     wall = _find_wall_spot(body, place)
     labels = [("core", place.x, f"core Ø {_format_number(2000 * body.core.radius)} mm")]
     if wall is not None:
@@ -312,21 +251,18 @@ def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
         faces_aft = wall is None or wall[0][0] < wall[1][0]
         first = left - 10 - sum(widths) if faces_aft else right + 10
         centres = [first + sum(widths[:i]) + widths[i] / 2 for i in range(len(widths))]
-    for (name, _, text), centre in zip(labels, centres, strict=True):
-        write(root, centre, base, text, 12, anchor="middle", class_=f"{name}-label")
-        start = np.array([centre, base - 13])
-        if name == "core":
-            towards = start - (place.x, place.y)
-            tip = (place.x, place.y) + body.core.radius * place.px_per_m * towards / np.hypot(*towards)
-            _draw_thin(root, *start, *tip)
-            _draw_head(root, tip, start)
-        elif wall is not None:
-            outside, inside = wall
-            normal = (outside - inside) / np.hypot(*(outside - inside))
-            _draw_thin(root, *start, *(outside + 12 * normal))
-            for tip, away in ((outside, 12 * normal), (inside, -12 * normal)):
-                _draw_thin(root, *tip, *(tip + away))
-                _draw_head(root, tip, tip + away, 6.0)
+
+    def find_tip(start: tuple[float, float]) -> FloatArray:
+        towards = np.array(start) - (place.x, place.y)
+        tip = (place.x, place.y) + body.core.radius * place.px_per_m * towards / np.hypot(*towards)
+        return np.asarray(tip)
+
+    tips: list[tuple[FloatArray, FloatArray]] = []
+    if wall is not None:
+        normal = (wall[0] - wall[1]) / np.hypot(*(wall[0] - wall[1]))
+        tips = [(tip, tip + way * normal) for tip, way in zip(wall, (12, -12), strict=True)]
+    named = [(name, centre, text) for (name, _, text), centre in zip(labels, centres, strict=True)]
+    return {"bottom": bottom, "labels": named, "find_tip": find_tip, "tips": tips}
 
 
 def _find_wall_spot(body: Body, place: Placement) -> tuple[FloatArray, FloatArray] | None:
@@ -350,51 +286,28 @@ def _format_number(value: float) -> str:
     return f"{value:.3f}".rstrip("0").rstrip(".")
 
 
-def _draw_thin(root: ET.Element, x1: float, y1: float, x2: float, y2: float) -> None:
-    svg.add_segment(root, x1, y1, x2, y2, MUTED, 0.8)
-
-
-def _draw_arrow(root: ET.Element, x1: float, y1: float, x2: float, y2: float) -> None:
-    """Draw a dimension line with a slim arrowhead at each end."""
-    _draw_thin(root, x1, y1, x2, y2)
-    span = float(np.hypot(x2 - x1, y2 - y1))
-    if span == 0:
-        return
-    head = min(9.0, span / 3)
-    _draw_head(root, np.array([x1, y1]), np.array([x2, y2]), head)
-    _draw_head(root, np.array([x2, y2]), np.array([x1, y1]), head)
-
-
-def _draw_head(root: ET.Element, tip: FloatArray, tail: FloatArray, size: float = 8.0) -> None:
-    """Draw a slim arrowhead at ``tip`` of an arrow from ``tail``."""
+def _find_head(tip: npt.ArrayLike, tail: npt.ArrayLike, size: float) -> FloatArray:
+    """Return the corners of a slim arrowhead at ``tip`` of an arrow from ``tail``, px."""
+    tip, tail = np.asarray(tip), np.asarray(tail)
     back = size * (tail - tip) / np.hypot(*(tail - tip))
     aside = 0.22 * np.array([-back[1], back[0]])
-    corners = np.array([tip, tip + back + aside, tip + back - aside])
-    svg.add(root, "path", d=svg.path_data(corners, closed=True), fill=MUTED)
+    return np.array([tip, tip + back + aside, tip + back - aside])
 
 
-def _draw_centres(root: ET.Element, agent: Agent, place: Placement, width: float) -> None:
-    cob, cog = (place.to_page(c[None, [0, 2]])[0] for c in (agent.mass.cob, agent.mass.cog))
-    marks = [
-        ("COG", cog, f"COG x = {format_signed(1000 * agent.mass.cog[0], 1)} mm", 6.0),
-        ("COB", cob, f"COB x = {format_signed(1000 * agent.mass.cob[0], 1)} mm", 9.0),
+def _plot_centres(agent: Agent, place: Placement, width: float) -> list[dict[str, Any]]:
+    """Return what the template draws of the centres of gravity and buoyancy, from left to right, px."""
+    marks: list[dict[str, Any]] = []
+    for name, centre, radius in (("COG", agent.mass.cog, 6.0), ("COB", agent.mass.cob, 9.0)):
+        label = f"{name} x = {format_signed(1000 * centre[0], 1)} mm"
+        at = place.to_page(centre[None, [0, 2]])[0]
+        marks.append({"name": name, "at": at, "radius": radius, "label": label})
+    marks.sort(key=lambda mark: float(mark["at"][0]))
+    sizes = [text_width(mark["label"], 12, bold=True) + 20 for mark in marks]
+    centres = _space_labels([float(mark["at"][0]) for mark in marks], sizes, 16, width - 16)
+    return [
+        {**mark, "centre": centre, "left": centre - size / 2}
+        for mark, centre, size in zip(marks, centres, sizes, strict=True)
     ]
-    marks.sort(key=lambda mark: float(mark[1][0]))
-    sizes = [text_width(label, 12, bold=True) + 20 for _, _, label, _ in marks]
-    centres = _space_labels([float(mark[1][0]) for mark in marks], sizes, 16, width - 16)
-    top = place.y - agent.body.max_diameter / 2 * place.px_per_m
-    for (_, at, _, radius), centre in zip(marks, centres, strict=True):
-        leader = [(at[0], at[1] - radius), (at[0], top - 8), (centre, top - 18)]
-        svg.add_line(root, svg.path_data(leader), INK, 0.8)
-    _draw_buoyancy(root, float(cob[0]), float(cob[1]), 9)
-    _draw_gravity(root, float(cog[0]), float(cog[1]), 6)
-    for (name, _, label, _), centre, size in zip(marks, centres, sizes, strict=True):
-        x = centre - size / 2
-        if name == "COG":
-            _draw_gravity(root, x + 7, top - 28, 5)
-        else:
-            _draw_buoyancy(root, x + 7, top - 28, 5)
-        write(root, x + 18, top - 24, label, 12, class_=name.lower())
 
 
 def _space_labels(wanted: list[float], widths: list[float], low: float, high: float) -> list[float]:
@@ -407,39 +320,12 @@ def _space_labels(wanted: list[float], widths: list[float], low: float, high: fl
     return [min(first, second - apart), second]
 
 
-def _draw_gravity(root: ET.Element, x: float, y: float, r: float) -> None:
-    svg.add_circle(root, x, y, r, "#ffffff", INK, 1.2, class_="cog")
-    n = svg.format_number
-    quarters = "".join(
-        f"M{n(x)} {n(y)}L{n(x + a * r)} {n(y)}A{n(r)} {n(r)} 0 0 0 {n(x)} {n(y - a * r)}Z" for a in (1, -1)
-    )
-    svg.add(root, "path", d=quarters, fill=INK)
-
-
-def _draw_buoyancy(root: ET.Element, x: float, y: float, r: float) -> None:
-    svg.add_circle(root, x, y, r, "none", "#ffffff", 4.5)
-    svg.add_circle(root, x, y, r, "none", BLUE, 2.2, class_="cob")
-
-
-def _draw_scale(root: ET.Element, ratio: Ratio, px_per_m: float, width: float, base: float) -> None:
-    left = draw_scale_bar(root, width - MARGIN, base, px_per_m, 130)
-    write(root, left - 16, base, f"Scale {ratio.text}", 11, MUTED, anchor="end", class_="scale")
-
-
 def _draw_block(root: ET.Element, block: list[tuple[str, str]], width: float, top: float) -> None:
-    """Draw the title block: cells side by side, each with a name above its value."""
-    x, bottom = MARGIN, top + 34
     spare = (width - 2 * MARGIN - _block_width(block)) / len(block)
-    lines = svg.path_data(
-        [(x, top), (width - MARGIN, top), (width - MARGIN, bottom), (x, bottom)], closed=True
-    )
-    for index, (name, value) in enumerate(block):
-        if index:
-            lines += svg.path_data([(x, top), (x, bottom)])
-        write(root, x + 8, top + 13, name, 10, MUTED)
-        write(root, x + 8, top + 28, value, 12, class_="cell")
-        x += _cell_width(name, value) + spare
-    svg.add_line(root, lines, MUTED, 0.8, "block")
+    widths = [_cell_width(name, value) + spare for name, value in block]
+    cells = [(*cell, x) for cell, x in zip(block, accumulate(widths[:-1], initial=MARGIN), strict=True)]
+    sides = {"left": MARGIN, "right": width - MARGIN, "top": top}
+    svg.draw_template(root, __package__, "title-block", cells=cells, **sides)
 
 
 def _cell_width(name: str, value: str) -> float:

@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from driftform.figures.projection import find_corners
 from driftform.types import FloatArray
 from driftform.water import Pipe, Scenario
 from driftform.water.pipe_parts import Straight, Tee
@@ -100,24 +101,16 @@ def _trace(pipe: Pipe, flow: tuple[float, ...], fittings: bytes) -> list[FloatAr
 def simplify_motion(path: FloatArray, tolerance: float) -> FloatArray:
     """Return the points of a motion, time and position in each row, that keep each position within ``tolerance`` (m).
 
-    Between two points the position is linear in time. The algorithm is that of Ramer, Douglas and Peucker.
+    Between two points the position is linear in time.
     """
-    keep = np.zeros(len(path), dtype=bool)
-    keep[[0, -1]] = True
-    stack = [(0, len(path) - 1)]
-    while stack:
-        first, last = stack.pop()
-        if last - first < 2:
-            continue
+
+    def measure(first: int, last: int) -> FloatArray:
         (t0, *_), between = path[first], path[first + 1 : last]
         share = (between[:, :1] - t0) / (path[last, 0] - t0)
         expected = path[first, 1:] + share * (path[last, 1:] - path[first, 1:])
-        off = np.linalg.norm(between[:, 1:] - expected, axis=1)
-        if off.max() > tolerance:
-            split = first + 1 + int(off.argmax())
-            keep[split] = True
-            stack += [(first, split), (split, last)]
-    return path[keep]
+        return np.asarray(np.linalg.norm(between[:, 1:] - expected, axis=1) ** 2)
+
+    return path[find_corners(len(path), measure, tolerance)]
 
 
 def _choose_steps(pipe: Pipe, parts: np.ndarray, points: FloatArray) -> FloatArray:

@@ -2,13 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import MARGIN, WIDTH, shorten, start_page, write
-from driftform.figures.style import BLUE, GRID, INK, MUTED, VERMILLION, tint
+from driftform.figures.layout import MARGIN, WIDTH, shorten, start_page
 from driftform.types import FloatArray
 
 LEFT, RIGHT, TOP, ROW = 110.0, 110.0, 112.0, 30.0
@@ -53,46 +51,21 @@ def strip_svg(strips: Sequence[Strip], title: str, subtitle: str) -> str:
         share = (np.log10(max(miss, SMALLEST)) - low) / (high - low)
         return float(LEFT + share * (WIDTH - LEFT - RIGHT))
 
-    for power in np.arange(low, high + 1):
-        x = x_of(10.0**power)
-        svg.add_segment(root, x, TOP - 10, x, bottom, GRID)
-        write(root, x, bottom + 16, f"{1000 * 10.0**power:g}", 11, MUTED, "middle")
-    write(root, WIDTH - RIGHT, bottom + 34, "miss (mm)", 11, MUTED, "end")
-    write(root, WIDTH - MARGIN, TOP - 18, "90 %", 11, MUTED, "end")
+    rows = []
     for number, strip in enumerate(strips):
-        y = TOP + ROW * (number + 0.5)
-        write(
-            root, LEFT - 14, y + 4, shorten(strip.name, 12, LEFT - 30, bold=True), 12, INK, "end", bold=True
+        is_promised = np.isfinite(strip.promised)
+        rows.append(
+            {
+                "name": shorten(strip.name, 12, LEFT - 30, bold=True),
+                "y": TOP + ROW * (number + 0.5),
+                "misses": [x_of(miss) for miss in strip.misses[np.isfinite(strip.misses)].tolist()],
+                "promised": x_of(strip.promised) if is_promised else None,
+                "nominal": x_of(strip.nominal),
+                "text": f"{1000 * strip.promised:.0f} mm" if is_promised else "unknown",
+            }
         )
-        svg.add_segment(root, LEFT, y, WIDTH - RIGHT, y, GRID)
-        for miss in strip.misses[np.isfinite(strip.misses)].tolist():
-            _draw_dot(root, x_of(miss), y, class_="disturbed")
-        if np.isfinite(strip.promised):
-            x = x_of(strip.promised)
-            svg.add_segment(root, x, y - 9, x, y + 9, INK, 2, class_="promised")
-        _draw_diamond(root, x_of(strip.nominal), y, class_="nominal")
-        text = f"{1000 * strip.promised:.0f} mm" if np.isfinite(strip.promised) else "unknown"
-        write(root, WIDTH - MARGIN, y + 4, text, 12, INK, "end")
-    _draw_legend(root, 80.0)
+    ticks = [(x_of(10.0**power), f"{1000 * 10.0**power:g}") for power in np.arange(low, high + 1)]
+    sides = {"left": LEFT, "right": WIDTH - RIGHT, "top": TOP, "bottom": bottom}
+    edges = {"margin": MARGIN, "edge": WIDTH - MARGIN}
+    svg.draw_template(root, __package__, "strip", rows=rows, ticks=ticks, **sides, **edges)
     return svg.render(root)
-
-
-def _draw_legend(root: ET.Element, y: float) -> None:
-    x = MARGIN + 6
-    _draw_diamond(root, x, y - 4)
-    write(root, x + 14, y, "nominal", 12, INK)
-    x = MARGIN + 150
-    _draw_dot(root, x, y - 4)
-    write(root, x + 14, y, "disturbed", 12, INK)
-    x = MARGIN + 300
-    svg.add_segment(root, x, y - 13, x, y + 5, INK, 2)
-    write(root, x + 14, y, "9 of 10 stay within", 12, INK)
-
-
-def _draw_dot(root: ET.Element, x: float, y: float, **class_: str) -> None:
-    svg.add_circle(root, x, y, 4, tint(BLUE, 0.6), BLUE, 0.6, **class_)
-
-
-def _draw_diamond(root: ET.Element, x: float, y: float, **class_: str) -> None:
-    data = svg.path_data([(x, y - 6), (x + 6, y), (x, y + 6), (x - 6, y)], closed=True)
-    svg.add(root, "path", **class_, d=data, fill="#ffffff", stroke=VERMILLION, stroke_width=2)

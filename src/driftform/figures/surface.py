@@ -53,6 +53,16 @@ class Surface:
     wet: FloatArray
     up: FloatArray
 
+    def find_mark(self) -> FloatArray:
+        """Return the corners of the symbol of a water line, a triangle, (3, 2)."""
+        (start, end), up = self.line, self.up
+        # Keep off the labels: those of the centres are above the body, that of the axis is on the right.
+        tip = max(start, end, key=lambda point: float(point[1] - point[0]))
+        inward = (start + end) / 2 - tip
+        tip = tip + 9 * inward / max(float(np.hypot(*inward)), 1e-9)
+        along = np.array([-up[1], up[0]])
+        return np.array([tip, tip + 8 * up + 5 * along, tip + 8 * up - 5 * along])
+
 
 def find_rest(agent: Agent, scenario: Scenario) -> WaterRest | None:
     """Return the agent's rest position in the scenario's water; ``None`` without gravity.

@@ -5,12 +5,18 @@ pictures. Nothing uses a transform either; every number is in px of the ``viewBo
 """
 
 import re
+from functools import lru_cache
 from itertools import groupby
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import numpy.typing as npt
+
+from driftform.figures import style
+
+if TYPE_CHECKING:
+    import jinja2
 
 FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 """Fonts of all pictures: those of the reader's system."""
@@ -147,6 +153,38 @@ def _join_pairs(pairs: list[str], closed: bool) -> str:
     # A single point is doubled: without a line there are no round caps to draw.
     corners += corners if len(corners) == 1 else []
     return "M" + "L".join(corners) + ("Z" if closed else "")
+
+
+def draw_template(parent: ET.Element, package: str, name: str, **values: Any) -> None:
+    """Append the elements of the template ``NAME.svg`` of a package; see :func:`fill_template`."""
+    parent.extend(ET.fromstring(f"<svg>{fill_template(package, f'{name}.svg', **values)}</svg>"))
+
+
+def fill_template(package: str, file: str, **values: Any) -> str:
+    """Return the text of a file in the folder ``templates`` of a package, a template of Jinja for SVG or HTML.
+
+    Numbers become those of :func:`format_number`, and texts are escaped. Templates know the colours of
+    :mod:`driftform.figures.style` by name, ``tint``, and :func:`path_data` as ``path``.
+    """
+    return _open_templates(package).get_template(file).render(values)
+
+
+@lru_cache
+def _open_templates(package: str) -> "jinja2.Environment":
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    def finalize(value: Any) -> Any:
+        if isinstance(value, int | float | np.number):
+            return format_number(float(value))
+        return _replace_illegal(value) if type(value) is str else value
+
+    loader = PackageLoader(package.partition(".")[0], "/".join([*package.split(".")[1:], "templates"]))
+    environment = Environment(
+        loader=loader, autoescape=True, undefined=StrictUndefined, finalize=finalize, trim_blocks=True
+    )
+    colours = {name: value for name, value in vars(style).items() if name.isupper()}
+    environment.globals |= {**colours, "tint": style.tint, "path": path_data, "number": format_number}
+    return environment
 
 
 def render(root: ET.Element) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
-from xml.etree import ElementTree as ET
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,7 @@ from driftform.figures.layout import (
     shorten,
     start_page,
     tick_values,
-    write,
 )
-from driftform.figures.style import BLUE, GRID, INK, MUTED, tint
 from driftform.types import FloatArray
 
 _COLUMNS = 5
@@ -68,13 +66,14 @@ def trend_svg(trends: Sequence[Trend], title: str, strategy: str, baseline: str 
         f"For each target, the best fitness so far of {strategy} against flights"
         + (f"; {baseline} as a band." if has_baseline else "."),
     )
-    _draw_legend(root, strategy, baseline if has_baseline else "")
-    low = _find_lowest(trends)
+    low, panels = _find_lowest(trends), []
     width = (WIDTH - LEFT - MARGIN - (_COLUMNS - 1) * GUTTER) / _COLUMNS
     for number, trend in enumerate(trends):
         row, column = divmod(number, _COLUMNS)
         left, top = LEFT + column * (width + GUTTER), TOP + row * (HEIGHT + _ROW_GAP)
-        _draw_panel(root, trend, Box(left, top, left + width, top + HEIGHT), low)
+        panels.append(_plot_panel(trend, Box(left, top, left + width, top + HEIGHT), low))
+    names = {"strategy": strategy, "baseline": baseline if has_baseline else ""}
+    svg.draw_template(root, __package__, "trend", panels=panels, grey=_BASELINE, **names)
     return svg.render(root)
 
 
@@ -89,7 +88,8 @@ def _find_lowest(trends: Sequence[Trend]) -> float:
     return max(0.0, float(np.floor(lowest / step) * step))
 
 
-def _draw_panel(root: ET.Element, trend: Trend, box: Box, low: float) -> None:
+def _plot_panel(trend: Trend, box: Box, low: float) -> dict[str, Any]:
+    """Return what the template draws for a target: its lines and ticks on the page."""
     last = float(trend.flights[-1])
 
     def place(flights: FloatArray, fitness: FloatArray) -> FloatArray:
@@ -97,45 +97,22 @@ def _draw_panel(root: ET.Element, trend: Trend, box: Box, low: float) -> None:
         y = box.bottom - (box.bottom - box.top) * (np.clip(fitness, low, 100) - low) / (100 - low)
         return np.column_stack([x, y])
 
-    for value in tick_values(low, 100.0, floor_to_nice_number((100 - low) / 3)):
-        y = place(np.zeros(1), np.array([value]))[0, 1]
-        svg.add_segment(root, box.left - 4, y, box.right, y, GRID)
-        write(root, box.left - 7, y + 4, f"{value:g}", 11, MUTED, "end")
-    for value in tick_values(0.0, last, floor_to_nice_number(last / 2)):
-        x = place(np.array([value]), np.array([low]))[0, 0]
-        svg.add_segment(root, x, box.bottom, x, box.bottom + 4, MUTED)
-        write(root, x, box.bottom + 17, format_signed(value, 0), 11, MUTED, "middle")
-    write(root, box.right, box.bottom + 31, "flights", 11, MUTED, "end")
-    write(root, box.left - 7, box.top - 8, "%", 11, MUTED, "end")
-    write(
-        root, box.left, box.top - 8, shorten(trend.name, 12, box.right - box.left, bold=True), 12, bold=True
-    )
-
+    heights = tick_values(low, 100.0, floor_to_nice_number((100 - low) / 3))
+    counts = tick_values(0.0, last, floor_to_nice_number(last / 2))
+    panel: dict[str, Any] = {
+        "box": box,
+        "name": shorten(trend.name, 12, box.right - box.left, bold=True),
+        "rises": [(place(np.zeros(1), np.array([v]))[0, 1], f"{v:g}") for v in heights],
+        "ticks": [(place(np.array([v]), np.array([low]))[0, 0], format_signed(v, 0)) for v in counts],
+        "baseline": None,
+        "bars": "",
+    }
     if len(trend.baseline):
         mean, spread = trend.baseline.mean(axis=0), trend.baseline.std(axis=0)
         band = np.vstack([place(trend.flights, mean + spread), place(trend.flights, mean - spread)[::-1]])
-        svg.add(root, "path", class_="band", d=svg.path_data(band, closed=True), fill=tint(_BASELINE, 0.3))
-        line = svg.path_data(place(trend.flights, mean))
-        svg.add_line(root, line, _BASELINE, 1.4, stroke_dasharray="4 3")
+        panel["baseline"] = {"band": band, "mean": place(trend.flights, mean)}
     mean, spread = trend.fitness.mean(axis=0), trend.fitness.std(axis=0)
     if len(trend.fitness) > 1:
-        tops, feet = place(trend.flights, mean + spread), place(trend.flights, mean - spread)
-        bars = "".join(svg.path_data([t, f]) for t, f in zip(tops, feet, strict=True))
-        svg.add(root, "path", class_="deviation", d=bars, stroke=BLUE, stroke_width=1.2)
-    points = place(trend.flights, mean)
-    svg.add_line(root, svg.path_data(points), BLUE, 2.2, "mean")
-    # Many dots would hide the line.
-    if len(points) <= 12:
-        for x, y in points:
-            svg.add_circle(root, x, y, 2.6, BLUE)
-
-
-def _draw_legend(root: ET.Element, strategy: str, baseline: str) -> None:
-    x, y = MARGIN, 78.0
-    svg.add_segment(root, x, y - 4, x + 22, y - 4, BLUE, 2.2)
-    write(root, x + 28, y, strategy, 12, INK)
-    if baseline:
-        x += 250
-        svg.add(root, "rect", x=x, y=y - 10, width=22, height=12, fill=tint(_BASELINE, 0.3))
-        svg.add_segment(root, x, y - 4, x + 22, y - 4, _BASELINE, 1.4, stroke_dasharray="4 3")
-        write(root, x + 28, y, baseline, 12, INK)
+        ends = np.stack([place(trend.flights, mean + spread), place(trend.flights, mean - spread)], axis=1)
+        panel["bars"] = svg.lines_data(ends)
+    return {**panel, "mean": place(trend.flights, mean)}
