@@ -13,7 +13,7 @@ from driftform.water import Segment
 from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.meshes import convex_pieces, make_tube, revolve_contour
 from driftform_robotics.models.pipe import PLANKS, make_bore
-from driftform_robotics.models.xml import roll_pitch_yaw
+from driftform_robotics.models.text import roll_pitch_yaw
 
 profiles = st.lists(st.tuples(st.floats(0.0, 0.02), st.floats(0.002, 0.05)), min_size=2, max_size=12).filter(
     lambda steps: sum(step for step, _ in steps[1:]) > 1e-3

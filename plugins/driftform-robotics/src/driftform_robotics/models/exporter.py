@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -13,7 +14,8 @@ from driftform.types import FloatArray, WrittenFile
 from driftform.util import files as writing
 from driftform_robotics.models.link import Link, make_link, warn_of_damping, warn_of_flow, warn_of_folding
 from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolve_contour
-from driftform_robotics.models.xml import make_identifier
+from driftform_robotics.models.pipe import Bore, Wall, list_bores, make_wall
+from driftform_robotics.models.text import make_identifier
 
 HULL = "meshes/hull.obj"
 """File of the outer surface of the hull, about the centre of gravity."""
@@ -67,6 +69,26 @@ class Model:
     title: str
     link: Link
     pieces: list[Piece]
+
+    @cached_property
+    def bores(self) -> list[Bore]:
+        """The bores of the pipe."""
+        return list_bores(self.job.scenario.pipe)
+
+    @cached_property
+    def wall(self) -> Wall | None:
+        """The wall of the pipe, ``None`` in open water."""
+        return make_wall(self.job.scenario.pipe)
+
+    @property
+    def friction(self) -> float:
+        """Coefficient of friction."""
+        return self.job.scenario.calibrated_contact().friction
+
+    @property
+    def files(self) -> dict[str, Any]:
+        """Paths of the meshes: of the hull, of the pipe, and of the pieces."""
+        return {"hull": HULL, "pipe": PIPE, "pieces": [piece_path(i) for i in range(len(self.pieces))]}
 
     def axis_point(self, x: float) -> FloatArray:
         """Return the point of the body's axis at ``x`` (m, body frame), relative to the centre of gravity, m, (3,)."""

@@ -1,138 +1,66 @@
-"""A ROS 2 package around the files of an agent: package.xml, CMakeLists.txt, a launch file, a bridge, a README.
+"""A ROS 2 package around the files of an agent: package.xml, CMakeLists.txt, a launch file, a README.
 
-Formats: REP 149 (package.xml, format 3), REP 144 (names of packages), ``ament_cmake``, and the YAML files of
-``ros_gz_bridge``. The files follow the linters of ``ament_lint``: a copyright notice, single quotes, at most 99 columns.
+Formats: REP 149 (package.xml, format 3), REP 144 (names of packages), and ``ament_cmake``. The files follow the linters of
+``ament_lint``: a copyright notice, single quotes, at most 99 columns.
 """
 
-import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from functools import cache
-from importlib.resources import files
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
-from driftform_robotics.models.xml import add, add_maintainer, add_texts, format_document
+from driftform_robotics.models.text import render
 
 _SCHEMA = (
     '<?xml-model href="http://download.ros.org/schema/package_format3.xsd" '
     'schematypens="http://www.w3.org/2001/XMLSchema"?>\n'
 )
 
-_NOTICE = "Copyright 2026 the driftform authors"
-
-
-@cache
-def read_template(name: str) -> str:
-    """Return a text of the package's files, with the names that are to be replaced in it."""
-    return files("driftform_robotics.models").joinpath("templates", name).read_text(encoding="utf-8")
-
-
-def list_items(texts: Iterable[str]) -> str:
-    """Return texts as a list in Markdown."""
-    return "\n".join(f"- {text}" for text in texts) or "Nothing."
-
-
-@dataclass(frozen=True)
-class Bridge:
-    """One topic of a bridge between Gazebo and ROS: names, types of messages, and ``direction``."""
-
-    ros: str
-    gazebo: str
-    ros_type: str
-    gazebo_type: str
-    direction: str
-
 
 def make_package(
-    name: str,
+    package: str,
     description: str,
     others: Iterable[str],
-    *,
-    launch: tuple[str, str],
+    launch: str,
     depends: Sequence[str],
-    readme: str,
-    bridges: Sequence[Bridge] = (),
+    configuration: Mapping[str, str] | None = None,
+    **values: Any,
 ) -> dict[str, str]:
     """Return the files that make a folder a ROS 2 package.
 
     Parameters
     ----------
-    name
-        of the package, in lower-case letters, digits and underscores.
+    package
+        name, in lower-case letters, digits and underscores.
     description
         one sentence.
     others
         paths of the other files in the folder: shell scripts are installed as programs, the others to be shared.
     launch
-        name and text of the launch file, which is a Python file without its copyright notice.
+        path of the launch file's template, without its copyright notice; a README is beside it.
     depends
         packages that the launch file starts.
-    readme
-        text of ``README.md``.
-    bridges
-        topics of ``config/bridge.yaml``.
+    configuration
+        texts of further files by their paths.
+    values
+        of the two templates.
     """
-    config = {"config/bridge.yaml": _format_bridges(bridges)} if bridges else {}
+    others = list(others)
+    values = {"package": package, "others": others, **values}
+    folder, _, name = launch.removesuffix(".in").partition("/")
+    notice = render("ros2/notice.txt")
     # The linters expect the notice at the top of a Python file.
-    licence = f"{_NOTICE}\n\n{read_template('mit-licence.txt')}"
-    notice = "".join(f"# {line}".rstrip() + "\n" for line in licence.splitlines())
-    made = {f"launch/{launch[0]}": f"{notice}\n{launch[1]}", **config}
+    commented = "".join(f"# {line}".rstrip() + "\n" for line in notice.splitlines())
+    made = {f"launch/{name}": f"{commented}\n{render(launch, **values)}", **(configuration or {})}
+    paths = [*others, *made]
+    programs = sorted(path for path in paths if path.endswith(".sh"))
+    single = sorted(path for path in paths if "/" not in path and path not in programs)
+    folders = sorted({path.partition("/")[0] for path in paths if "/" in path})
+    manifest = render("ros2/package.xml", name=package, description=description, depends=depends)
+    declaration, _, rest = manifest.partition("\n")
+    build = render("ros2/CMakeLists.txt", name=package, programs=programs, single=single, folders=folders)
     return {
-        "package.xml": _format_manifest(name, description, depends),
-        "CMakeLists.txt": _format_build(name, [*others, *made]),
+        "package.xml": f"{declaration}\n{_SCHEMA}{rest}",
+        "CMakeLists.txt": build,
         **made,
-        "README.md": readme,
-        "LICENSE": f"MIT License\n\n{licence}",
+        "README.md": render(f"{folder}/README.md", **values),
+        "LICENSE": f"MIT License\n\n{notice}",
     }
-
-
-def _format_manifest(name: str, description: str, depends: Sequence[str]) -> str:
-    root = ET.Element("package", format="3")
-    add_texts(root, name=name, version="0.1.0", description=description)
-    add_maintainer(root)
-    add(root, "license", "MIT", file="LICENSE")
-    add(root, "buildtool_depend", "ament_cmake")
-    for package in depends:
-        add(root, "exec_depend", package)
-    add(add(root, "export"), "build_type", "ament_cmake")
-    declaration, _, rest = format_document(root).partition("\n")
-    return f"{declaration}\n{_SCHEMA}{rest}"
-
-
-def _format_build(name: str, files: Sequence[str]) -> str:
-    programs = sorted(path for path in files if path.endswith(".sh"))
-    single = sorted(path for path in files if "/" not in path and path not in programs)
-    folders = sorted({path.partition("/")[0] for path in files if "/" in path})
-    text = f"""\
-cmake_minimum_required(VERSION 3.10)
-project({name})
-
-find_package(ament_cmake REQUIRED)
-
-install(
-  FILES {" ".join(single)}
-  DESTINATION share/${{PROJECT_NAME}})
-
-install(
-  DIRECTORY {" ".join(folders)}
-  DESTINATION share/${{PROJECT_NAME}})
-
-"""
-    if programs:
-        text += f"""\
-install(
-  PROGRAMS {" ".join(programs)}
-  DESTINATION lib/${{PROJECT_NAME}})
-
-"""
-    return text + "ament_package()\n"
-
-
-def _format_bridges(bridges: Sequence[Bridge]) -> str:
-    return "---\n" + "".join(
-        f'- ros_topic_name: "{bridge.ros}"\n'
-        f'  gz_topic_name: "{bridge.gazebo}"\n'
-        f'  ros_type_name: "{bridge.ros_type}"\n'
-        f'  gz_type_name: "{bridge.gazebo_type}"\n'
-        f"  direction: {bridge.direction}\n"
-        for bridge in bridges
-    )
