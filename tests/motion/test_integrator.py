@@ -82,7 +82,7 @@ def yaw_error(pair, horizon=1.0, **accuracy):
     motion = Libration(SPHEROID, 1.0, 0.01)
     samples = integrate(*libration(pair, horizon), horizon, Accuracy(position=math.inf, **accuracy)).samples
     assert samples[-1, 0] == horizon
-    exact = np.array([motion.motion_at(t)[2] for t in samples[:, 0]])
+    exact = motion.motion_at(samples[:, 0])[:, 2]
     return np.abs(samples[:, 13] - exact).max() / motion.max_yaw_rate
 
 

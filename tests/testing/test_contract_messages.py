@@ -75,14 +75,14 @@ def make(contract: type[Any], plugin: type[Any]) -> Any:
             "The score is a vector over the scenario's targets, for one target or many.",
         ),
         (
-            lambda path: make(ExporterContract, Silent).test_every_file_exists_under_the_requested_name(path),
+            lambda path: make(ExporterContract, Silent).test_only_the_requested_files_are_written(path),
             "exporter 'silent' returned nothing from write(), expected the files that it wrote",
-            "Every reported file exists and is not empty, and its name begins with that of the path.",
+            "Every reported file exists, is not empty and has the name of the path, and every file that is written is reported.",
         ),
         (
             lambda path: make(RecorderContract, Mute).test_only_the_requested_files_are_written(path),
             "recorder 'mute' returned nothing from write(), expected the files that it wrote",
-            "Every reported file exists and is not empty, and every file that is written is reported.",
+            "Every reported file exists, is not empty and has the name of the path, and every file that is written is reported.",
         ),
         (
             lambda path: make(CheckerContract, Wordy).test_a_sound_file_does_not_fail(path),

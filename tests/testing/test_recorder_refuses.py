@@ -91,7 +91,7 @@ def contract(cls: type[Plain]) -> RecorderContract:
 
 CHECKS: dict[str, Callable[[RecorderContract, Path], None]] = {
     "files": lambda c, p: c.test_only_the_requested_files_are_written(p),
-    "same": lambda c, p: c.test_the_same_flight_gives_the_same_content(p),
+    "same": lambda c, p: c.test_the_same_job_gives_the_same_content(p),
     "single": lambda c, p: c.test_a_flight_of_one_sample_is_recorded_too(p),
     "open": lambda c, p: c.test_a_flight_in_open_water_is_recorded_too(p),
     "other": lambda c, p: c.test_another_flight_gives_other_content(p),

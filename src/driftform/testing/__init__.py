@@ -17,57 +17,29 @@ Only this package of driftform imports pytest, which is not a runtime dependency
 run.
 """
 
+from pathlib import Path
+
 import pytest
 
-_CONTRACTS = (
-    "grammar",
-    "builder",
-    "hydrodynamics",
-    "simulator",
-    "fitness",
-    "strategy",
-    "exporter",
-    "recorder",
-    "renderer",
-    "checker",
-    "inspector",
-    "reporter",
-    "commands",
-    "scenarios",
+# By default pytest rewrites assertions in test files only, and would not show the values of a failed one here.
+pytest.register_assert_rewrite(
+    *(f"{__name__}.{path.stem}" for path in Path(__file__).parent.glob("[a-z]*.py"))
 )
 
-# By default pytest rewrites assertions in test files only, and would not show the values of a failed one here.
-pytest.register_assert_rewrite(*(f"{__name__}.{module}" for module in _CONTRACTS))
+from driftform.testing.builder import BuilderContract as BuilderContract  # noqa: E402
+from driftform.testing.checker import CheckerContract as CheckerContract  # noqa: E402
+from driftform.testing.commands import CommandsContract as CommandsContract  # noqa: E402
+from driftform.testing.exporter import ExporterContract as ExporterContract  # noqa: E402
+from driftform.testing.fitness import FitnessContract as FitnessContract  # noqa: E402
+from driftform.testing.grammar import GrammarContract as GrammarContract  # noqa: E402
+from driftform.testing.hydrodynamics import HydrodynamicsContract as HydrodynamicsContract  # noqa: E402
+from driftform.testing.inspector import InspectorContract as InspectorContract  # noqa: E402
+from driftform.testing.recorder import RecorderContract as RecorderContract  # noqa: E402
+from driftform.testing.renderer import RendererContract as RendererContract  # noqa: E402
+from driftform.testing.reporter import ReporterContract as ReporterContract  # noqa: E402
+from driftform.testing.scenarios import ScenariosContract as ScenariosContract  # noqa: E402
+from driftform.testing.simulator import PointSimulatorContract as PointSimulatorContract  # noqa: E402
+from driftform.testing.simulator import SimulatorContract as SimulatorContract  # noqa: E402
+from driftform.testing.strategy import StrategyContract as StrategyContract  # noqa: E402
 
-from driftform.testing.builder import BuilderContract  # noqa: E402
-from driftform.testing.checker import CheckerContract  # noqa: E402
-from driftform.testing.commands import CommandsContract  # noqa: E402
-from driftform.testing.exporter import ExporterContract  # noqa: E402
-from driftform.testing.fitness import FitnessContract  # noqa: E402
-from driftform.testing.grammar import GrammarContract  # noqa: E402
-from driftform.testing.hydrodynamics import HydrodynamicsContract  # noqa: E402
-from driftform.testing.inspector import InspectorContract  # noqa: E402
-from driftform.testing.recorder import RecorderContract  # noqa: E402
-from driftform.testing.renderer import RendererContract  # noqa: E402
-from driftform.testing.reporter import ReporterContract  # noqa: E402
-from driftform.testing.scenarios import ScenariosContract  # noqa: E402
-from driftform.testing.simulator import PointSimulatorContract, SimulatorContract  # noqa: E402
-from driftform.testing.strategy import StrategyContract  # noqa: E402
-
-__all__ = [
-    "BuilderContract",
-    "CheckerContract",
-    "CommandsContract",
-    "ExporterContract",
-    "FitnessContract",
-    "GrammarContract",
-    "HydrodynamicsContract",
-    "InspectorContract",
-    "PointSimulatorContract",
-    "RecorderContract",
-    "RendererContract",
-    "ReporterContract",
-    "ScenariosContract",
-    "SimulatorContract",
-    "StrategyContract",
-]
+__all__ = [name for name in dir() if name.endswith("Contract")]

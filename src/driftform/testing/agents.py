@@ -12,15 +12,26 @@ from scipy.special import ellipj, ellipk
 
 from driftform.motion.inertia import added_mass_at, rigid_body_mass
 from driftform.testing.bodies import spheroid_body
-from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory
+from driftform.types import Agent, Coefficients, End, FloatArray, MassProperties, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Scenario
+from driftform.water import Pipe, Scenario, Segment
 
 DENSITY = 1024.0
 """Density of the water, kg/m3."""
 
 GRAVITY = 9.81
 """Gravitational acceleration, m/s2."""
+
+
+def straight_pipe(length: float, radius: float) -> Pipe:
+    """Return a pipe along x from the origin, m."""
+    return Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(length, 0.0, 0.0), radius=radius),))
+
+
+def first_sample(trajectory: Trajectory) -> Trajectory:
+    """Return the flight that ended at its release."""
+    t = trajectory
+    return Trajectory(t.t[:1], t.position[:1], t.quaternion[:1], t.velocity[:1], End.INLET)
 
 
 def sphere_agent(radius: float, mass: float, added: float = 0.5, drag: float = 0.0) -> Agent:
@@ -98,22 +109,12 @@ class Spheroid:
         """Return the agent, with its origin at the centre."""
         k1, k2, turning = self.factors
         m, added = self.mass, turning * self.inertia
+        inertia = np.diag([0.4 * m * self.b**2, self.inertia, self.inertia])
         return Agent(
             spheroid_body(self.a, self.b, edges=24),
-            MassProperties(
-                m,
-                np.zeros(3),
-                np.diag([0.4 * m * self.b**2, self.inertia, self.inertia]),
-                self.volume,
-                np.zeros(3),
-            ),
+            MassProperties(m, np.zeros(3), inertia, self.volume, np.zeros(3)),
             Coefficients(np.diag([k1 * m, k2 * m, k2 * m, 0.0, added, added])),
         )
-
-    def growth_rate(self, speed: float) -> float:
-        """Return the rate (1/s) at which a small angle between axis and motion at ``speed`` (m/s) grows: Munk's instability."""
-        along, across, turning = self.total
-        return speed * math.sqrt(along * (across - along) / (across * turning))
 
     def munk_moment(self, speed: float, angle: float) -> float:
         """Return the destabilising moment (N m) of motion at ``speed`` (m/s) and ``angle`` (rad) to the axis."""
@@ -127,38 +128,27 @@ class Libration:
     The impulse (M11 u, M22 v) = P (cos psi, sin psi) has constant length and direction in the world, so that
     psi' = -r. With chi = psi - pi/2 and sigma^2 = P^2 (M22 - M11) / (I M11 M22) the motion is the pendulum
     chi'^2 = sigma^2 (k^2 - sin^2 chi), k the sine of the amplitude, solved by sin chi = -k cd(sigma t | k^2).
+    Its period is four quarter periods of the pendulum, s; its greatest yaw rate is sigma k, rad/s.
     """
 
     def __init__(self, spheroid: Spheroid, u: float, v: float) -> None:
         self._along, self._across, turning = spheroid.total
         self._impulse = math.hypot(self._along * u, self._across * v)
         self._start = math.atan2(self._across * v, self._along * u)
-        self._k = math.cos(self._start)
-        self._rest = math.sin(self._start)
-        self._sigma = self._impulse * math.sqrt(
-            (self._across - self._along) / (turning * self._along * self._across)
-        )
-        self.energy = 0.5 * (self._along * u**2 + self._across * v**2)
+        self._k, self._rest = math.cos(self._start), math.sin(self._start)
+        inverse = (self._across - self._along) / (turning * self._along * self._across)
+        self._sigma = self._impulse * math.sqrt(inverse)
+        self.period = 4 * float(ellipk(self._k**2)) / self._sigma
+        self.max_yaw_rate = self._sigma * self._k
 
-    @property
-    def period(self) -> float:
-        """Time (s) until the motion repeats: four quarter periods of the pendulum."""
-        return 4 * float(ellipk(self._k**2)) / self._sigma
-
-    @property
-    def max_yaw_rate(self) -> float:
-        """Greatest yaw rate, rad/s."""
-        return self._sigma * self._k
-
-    def motion_at(self, t: float) -> tuple[float, float, float, float]:
-        """Return surge, sway (m/s), yaw rate (rad/s) and heading (rad, 0 at the start) at time ``t`` (s)."""
-        sn, cn, dn, _ = map(float, ellipj(self._sigma * t, self._k**2))
+    def motion_at(self, t: FloatArray) -> FloatArray:
+        """Return surge, sway (m/s), yaw rate (rad/s) and heading (rad, 0 at the start) at the times (s, (n,)), (n, 4)."""
+        sn, cn, dn, _ = ellipj(self._sigma * t, self._k**2)
         sine, cosine = -self._k * cn / dn, self._rest / dn
-        return (
-            -self._impulse * sine / self._along,
-            self._impulse * cosine / self._across,
-            -self._sigma * self._k * self._rest * sn / dn,
-            self._start - (math.atan2(sine, cosine) + math.pi / 2),
+        surge, sway = -self._impulse * sine / self._along, self._impulse * cosine / self._across
+        yaw_rate = -self._sigma * self._k * self._rest * sn / dn
+        return np.column_stack(
+            [surge, sway, yaw_rate, self._start - (np.arctan2(sine, cosine) + math.pi / 2)]
         )
 
 
@@ -186,42 +176,15 @@ def tumbling_agent(*, damped: bool = False) -> Agent:
     )
 
 
-def move_origin(agent: Agent, offset: FloatArray) -> Agent:
-    """Return the same agent with its origin moved to ``offset`` (m, (3,)) in the old body axes.
+def invariants(
+    agent: Agent, scenario: Scenario, trajectory: Trajectory
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return energies and impulses along a flight in a uniform current, seen from the water.
 
-    The contours of its body are not moved, so that it may fly in open water only.
+    These are the kinetic energy of body and water, and the same plus the potential energy of weight and buoyancy, J,
+    (k,); the impulse in the world frame, N s, and the angular impulse about a point that moves with the water, N m s,
+    (k, 3).
     """
-    return replace(
-        agent,
-        mass=replace(agent.mass, cog=agent.mass.cog - offset, cob=agent.mass.cob - offset),
-        coefficients=replace(agent.coefficients, origin=agent.coefficients.origin - offset),
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class Invariants:
-    """Energy and impulses along a flight in a uniform current, seen from the water.
-
-    Attributes
-    ----------
-    kinetic
-        kinetic energy of body and water, J, (k,).
-    energy
-        kinetic energy plus the potential energy of weight and buoyancy, J, (k,).
-    impulse
-        in the world frame, N s, (k, 3).
-    angular_impulse
-        about a point that moves with the water, N m s, (k, 3).
-    """
-
-    kinetic: FloatArray
-    energy: FloatArray
-    impulse: FloatArray
-    angular_impulse: FloatArray
-
-
-def invariants(agent: Agent, scenario: Scenario, trajectory: Trajectory) -> Invariants:
-    """Return energy and impulses at every sample of a trajectory."""
     matrix = rigid_body_mass(agent.mass) + added_mass_at(agent.coefficients, np.zeros(3))
     R = matrix_from_quaternion(trajectory.quaternion)
     current = scenario.current()
@@ -236,4 +199,4 @@ def invariants(agent: Agent, scenario: Scenario, trajectory: Trajectory) -> Inva
     up = R[:, 2]
     potential = weight * (place[:, 2] + up @ mass.cog) - buoyancy * (place[:, 2] + up @ mass.cob)
     kinetic = 0.5 * (nu * momentum).sum(axis=1)
-    return Invariants(kinetic, kinetic + potential, impulse, turning)
+    return kinetic, kinetic + potential, impulse, turning

@@ -1,6 +1,5 @@
 """Contract of checkers."""
 
-import pickle
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -31,11 +30,7 @@ def write_box(path: Path, side: float = 20.0) -> Path:
 
 
 class CheckerContract(SeamContract[Checker[Any]]):
-    """Inherit this class, and make the checker::
-
-    class TestMyChecker(CheckerContract):
-        def plugin(self) -> MyChecker:
-            return MyChecker(MyOptions())
+    """The contract of checkers.
 
     A checker that runs a program may skip its checks if the program is not on PATH.
     """
@@ -63,8 +58,7 @@ class CheckerContract(SeamContract[Checker[Any]]):
     def test_the_same_file_gives_the_same_findings(self, tmp_path: Path) -> None:
         """The findings are the same the second time, and from a checker that was sent to another process."""
         path = write_box(tmp_path / "box.stl")
-        copy: Checker[Any] = pickle.loads(pickle.dumps(self.plugin()))
-        assert self.find(path) == self.find(path) == list(copy.check(PrintJob((path,))))
+        assert self.find(path) == self.find(path) == list(self.copy().check(PrintJob((path,))))
 
     def test_several_files_are_one_job(self, tmp_path: Path) -> None:
         """Two cubes pass like one."""

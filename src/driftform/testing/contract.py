@@ -2,6 +2,7 @@
 
 import functools
 import inspect
+import pickle
 import threading
 from collections.abc import Callable
 from typing import Any, ClassVar, Generic, TypeVar
@@ -39,6 +40,11 @@ class SeamContract(Contract, Generic[PluginT_co]):
     def plugin(self) -> PluginT_co:
         """Return the plugin to be tested."""
         raise NotImplementedError
+
+    def copy(self) -> PluginT_co:
+        """Return the plugin as a worker process receives it."""
+        sent: PluginT_co = pickle.loads(pickle.dumps(self.plugin()))
+        return sent
 
 
 def _explain(test: Callable[..., None]) -> Callable[..., None]:

@@ -1,6 +1,7 @@
 """Contract of fitness functions."""
 
 import pickle
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -8,15 +9,15 @@ import pytest
 
 from driftform.interfaces import Fitness
 from driftform.plugins.seams import require, require_scores
-from driftform.testing.agents import sphere_agent
+from driftform.testing.agents import first_sample, sphere_agent, straight_pipe
 from driftform.testing.contract import SeamContract
 from driftform.types import Agent, End, FloatArray, Trajectory, Verdict
-from driftform.water import Pipe, Scenario, Segment
+from driftform.water import Scenario
 from driftform.water.pipe import Vector
 
 TARGETS: dict[str, Vector] = {"near": (1.0, 0.0, -0.5), "middle": (4.0, 0.3, 0.2), "far": (8.5, 0.0, 0.4)}
 
-PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),))
+PIPE = straight_pipe(9.0, 1.0)
 """A level pipe, 9 m long, with a radius of 1 m."""
 
 
@@ -35,13 +36,7 @@ def straight_trajectory(start: Vector, end: Vector, times: FloatArray) -> Trajec
 
 
 class FitnessContract(SeamContract[Fitness[Any]]):
-    """Inherit this class, and make the fitness::
-
-        class TestMyFitness(FitnessContract):
-            rewards_closeness = True
-
-            def plugin(self) -> MyFitness:
-                return MyFitness(MyOptions())
+    """The contract of fitness functions.
 
     Attributes
     ----------
@@ -61,10 +56,7 @@ class FitnessContract(SeamContract[Fitness[Any]]):
         through = [straight_trajectory((0, 0, 0), point, times) for point in TARGETS.values()]
         past = straight_trajectory((0, 0, 0), (9, 0, -0.9), times)
         gone = straight_trajectory((0, 0, 0), (-1, 50, 0), times)
-        still = Trajectory(
-            np.zeros(1), np.zeros((1, 3)), np.array([[1.0, 0, 0, 0]]), np.zeros((1, 6)), End.NON_FINITE
-        )
-        return [*through, past, gone, still]
+        return [*through, past, gone, replace(first_sample(past), end=End.NON_FINITE)]
 
     def scenario(self, *names: str) -> Scenario:
         """Return the pipe with the named targets, by default with all."""
@@ -81,12 +73,6 @@ class FitnessContract(SeamContract[Fitness[Any]]):
         """The score is a vector over the scenario's targets, for one target or many."""
         for trajectory in self.trajectories():
             self.score(trajectory, *names)
-
-    def test_fitness_is_a_percentage(self) -> None:
-        """100 is best and 0 is worst, as the roulette wheel and the error in percent require, also for failed flights."""
-        for trajectory in self.trajectories():
-            score = self.score(trajectory)
-            assert ((score >= 0) & (score <= 100)).all()
 
     def test_a_flight_through_a_target_is_perfect_for_it(self) -> None:
         """Its fitness is 100 for that target only, in the order of the targets; if the fitness ``rewards_closeness``."""
@@ -105,9 +91,8 @@ class FitnessContract(SeamContract[Fitness[Any]]):
 
     def test_the_same_flight_has_the_same_fitness(self) -> None:
         """A pickled copy in a worker process scores the same, to the last bit."""
-        copy = pickle.loads(pickle.dumps(self.plugin()))
         for trajectory in self.trajectories():
-            again = copy.score(pickle.loads(pickle.dumps(trajectory)), self.scenario(), self.agent())
+            again = self.copy().score(pickle.loads(pickle.dumps(trajectory)), self.scenario(), self.agent())
             np.testing.assert_array_equal(self.score(trajectory), again)
 
     def test_people_read_a_number_with_its_unit_and_a_verdict(self) -> None:
@@ -122,16 +107,11 @@ class FitnessContract(SeamContract[Fitness[Any]]):
             assert fitness.unit in text
             assert text == " ".join(text.split())
 
-    def test_a_perfect_fitness_is_reached_and_none_is_missed(self) -> None:
-        """A fitness of 100 is reached and one of 0 is missed."""
-        assert self.plugin().judge(100.0) == Verdict.REACHED
-        assert self.plugin().judge(0.0) == Verdict.MISSED
-
     def test_a_larger_fitness_never_has_a_worse_verdict(self) -> None:
         """From 0 to 100 the verdict goes from missed over near to reached, and never back."""
         order = [Verdict.MISSED, Verdict.NEAR, Verdict.REACHED]
         grades = [order.index(self.plugin().judge(value)) for value in np.linspace(0, 100, 201).tolist()]
-        assert grades == sorted(grades)
+        assert grades == sorted(grades) and (grades[0], grades[-1]) == (0, 2)
 
     def test_what_people_read_changes_in_one_direction(self) -> None:
         """The measure grows with the fitness throughout, or falls throughout."""

@@ -1,32 +1,23 @@
 """Contract of inspectors."""
 
 import json
-import pickle
 from typing import Any
 
 from driftform.interfaces import Inspector
 from driftform.plugins.seams import require_facts
-from driftform.testing.agents import Spheroid, sphere_agent
+from driftform.testing.agents import Spheroid, sphere_agent, straight_pipe
 from driftform.testing.contract import SeamContract
 from driftform.types import Agent
-from driftform.water import Pipe, Scenario, Segment
+from driftform.water import Scenario
 
-PIPE = Scenario(
-    pipe=Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),)),
-    targets={"leak": (4.0, 0.0, -0.9)},
-)
+SCENARIO = Scenario(pipe=straight_pipe(9.0, 1.0), targets={"leak": (4.0, 0.0, -0.9)})
 """A straight pipe with a target."""
 
 
 class InspectorContract(SeamContract[Inspector[Any]]):
-    """Inherit this class, and make the inspector::
+    """The contract of inspectors."""
 
-    class TestMyInspector(InspectorContract):
-        def plugin(self) -> MyInspector:
-            return MyInspector(MyOptions())
-    """
-
-    def describe(self, agent: Agent, scenario: Scenario = PIPE) -> dict[str, Any]:
+    def describe(self, agent: Agent, scenario: Scenario = SCENARIO) -> dict[str, Any]:
         """Return the facts of an agent."""
         inspector = self.plugin()
         return require_facts(inspector.describe(agent, scenario), inspector)
@@ -48,5 +39,4 @@ class InspectorContract(SeamContract[Inspector[Any]]):
     def test_the_same_agent_has_the_same_facts(self) -> None:
         """The facts are the same the second time, and from an inspector that was sent to another process."""
         agent = Spheroid(0.06, 0.01).agent()
-        copy: Inspector[Any] = pickle.loads(pickle.dumps(self.plugin()))
-        assert self.describe(agent) == self.describe(agent) == require_facts(copy.describe(agent, PIPE), copy)
+        assert self.describe(agent) == self.describe(agent) == self.copy().describe(agent, SCENARIO)

@@ -1,6 +1,5 @@
 """Contract of reporters."""
 
-import pickle
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -10,7 +9,7 @@ from driftform.interfaces import Flown, Reporter, ReportJob
 from driftform.plugins.seams import require
 from driftform.testing.agents import Spheroid
 from driftform.testing.contract import SeamContract
-from driftform.testing.inspector import PIPE
+from driftform.testing.inspector import SCENARIO
 from driftform.testing.renderer import drifting_trajectory
 from driftform.water import Scenario
 
@@ -51,17 +50,12 @@ class _Elements(HTMLParser):
 
 
 class ReporterContract(SeamContract[Reporter[Any]]):
-    """Inherit this class, and make the reporter::
-
-    class TestMyReporter(ReporterContract):
-        def plugin(self) -> MyReporter:
-            return MyReporter(MyOptions())
-    """
+    """The contract of reporters."""
 
     def report_job(self, name: str = "run") -> ReportJob:
         """Return the run: one target, and a spheroid that drifts."""
         flown = Flown(f"{name}-leak", Spheroid(0.06, 0.01).agent(), drifting_trajectory(), 99.5)
-        return ReportJob(name, PIPE, {"leak": flown})
+        return ReportJob(name, SCENARIO, {"leak": flown})
 
     def write(self, job: ReportJob) -> str:
         """Return the section of a run."""
@@ -100,6 +94,5 @@ class ReporterContract(SeamContract[Reporter[Any]]):
 
     def test_the_same_run_gives_the_same_section(self) -> None:
         """The text is the same the second time, and from a reporter that was sent to another process."""
-        copy: Reporter[Any] = pickle.loads(pickle.dumps(self.plugin()))
         job = self.report_job()
-        assert self.write(job) == self.write(job) == copy.write(job)
+        assert self.write(job) == self.write(job) == self.copy().write(job)

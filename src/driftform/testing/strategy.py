@@ -10,12 +10,14 @@ from driftform.interfaces import Grammar, SearchSpace, Strategy
 from driftform.motion.way import approach_targets, farthest_distances
 from driftform.options import Table
 from driftform.plugins.seams import require_candidates
+from driftform.testing.agents import straight_pipe
 from driftform.testing.contract import Contract
+from driftform.testing.fitness import straight_trajectory
 from driftform.testing.letters import LetterGrammar
-from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
-from driftform.water import Pipe, Scenario, Segment
+from driftform.types import Candidate, Evaluation, FloatArray, Genome, Trajectory
+from driftform.water import Scenario
 
-Score = Callable[[Genome], FloatArray]
+Score = Callable[[Candidate], FloatArray]
 
 
 def two_target_fitness(genome: Genome) -> FloatArray:
@@ -24,25 +26,10 @@ def two_target_fitness(genome: Genome) -> FloatArray:
     return np.array([100 * share, 100 * (1 - share)])
 
 
-def zero_fitness(genome: Genome) -> FloatArray:
-    """Return a fitness of zero for two targets, (2,)."""
-    return np.zeros(2)
-
-
-def straight_trajectory(genome: Genome) -> Trajectory:
-    """Return a trajectory of 9 m along x that rises or sinks according to the symbols."""
-    t = np.linspace(0.0, 9.0, 19)
-    course = np.array([1.0, 0.0, (two_target_fitness(genome)[0] - 50) / 250])
-    turn = np.tile([1.0, 0.0, 0.0, 0.0], (len(t), 1))
-    velocity = np.tile([*course, 0.0, 0.0, 0.0], (len(t), 1))
-    return Trajectory(t, t[:, None] * course, turn, velocity, End.OUTLET)
-
-
 def search_space(grammar: Grammar[Any], targets: tuple[str, ...], seed: int = 0) -> SearchSpace:
     """Return a search space with any number of targets along a pipe of 9 m."""
-    segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
     points = {name: (9.0 * (i + 1) / (len(targets) + 1), 0.0, 0.0) for i, name in enumerate(targets)}
-    scenario = Scenario(pipe=Pipe(segments=(segment,)), targets=points)
+    scenario = Scenario(pipe=straight_pipe(9.0, 1.0), targets=points)
     return SearchSpace(grammar, targets, np.random.default_rng(seed), scenario)
 
 
@@ -81,33 +68,35 @@ class StrategyContract(Contract):
         )
 
     def play(
-        self, strategy: Strategy[Any], budget: int, score: Score = two_target_fitness, seconds: float = 0.0
+        self,
+        strategy: Strategy[Any],
+        budget: int,
+        score: Score = lambda candidate: two_target_fitness(candidate.genome),
+        *,
+        limits: Sequence[int] = (1000,),
+        ahead: bool = False,
+        **values: Any,
     ) -> list[Candidate]:
-        """Ask and tell until the budget is spent; return all candidates in order."""
-        asked: list[Candidate] = []
-        while len(asked) < budget:
-            candidates = self.ask(strategy, budget - len(asked), len(asked))
-            outcomes = [
-                Evaluation(c.genome, score(c.genome), straight_trajectory(c.genome), seconds=seconds)
-                for c in candidates
-            ]
-            strategy.tell(len(asked), outcomes)
-            asked += candidates
-        return asked
+        """Ask and tell until the budget is spent; return all candidates in order.
 
-    def play_ahead(self, strategy: Strategy[Any], budget: int) -> list[Candidate]:
-        """Play as a run does, which asks for a batch while another is flown if the strategy can; return all candidates."""
+        Each ask is for the next of ``limits``, in turn. ``ahead`` asks for a batch while another is flown, as a run does,
+        if the strategy can. ``values`` replace those of each :class:`~driftform.types.Evaluation`.
+        """
         asked: list[Candidate] = []
         batches: list[Sequence[Candidate]] = []
-        told = 0
+        told = turn = 0
         while told < budget:
-            while len(asked) < budget and (not batches or (len(batches) == 1 and strategy.can_ask_ahead())):
-                batches.append(self.ask(strategy, budget - len(asked), len(asked)))
+            while len(asked) < budget and (
+                not batches or (ahead and len(batches) == 1 and strategy.can_ask_ahead())
+            ):
+                limit = min(limits[turn % len(limits)], budget - len(asked))
+                batches.append(self.ask(strategy, limit, told if not ahead else len(asked)))
                 asked += batches[-1]
-            outcomes = [
-                Evaluation(c.genome, two_target_fitness(c.genome), straight_trajectory(c.genome))
-                for c in batches.pop(0)
-            ]
+                turn += 1
+            outcomes = []
+            for candidate in batches.pop(0):
+                flown = {"trajectory": _flight_of(candidate.genome)} | values
+                outcomes.append(Evaluation(candidate.genome, score(candidate), **flown))
             strategy.tell(told, outcomes)
             told += len(outcomes)
         return asked
@@ -115,9 +104,9 @@ class StrategyContract(Contract):
     @pytest.mark.parametrize("budget", [1, 13, 99])
     def test_it_may_be_asked_for_a_batch_while_another_is_flown(self, budget: int) -> None:
         """If :meth:`can_ask_ahead` says so; the same seed asks for the same candidates, whatever the budget."""
-        whole = self.play_ahead(self.start(8), 150)
+        whole = self.play(self.start(8), 150, ahead=True)
         assert len(whole) == 150
-        assert find_difference(self.play_ahead(self.start(8), budget), whole[:budget]) is None
+        assert find_difference(self.play(self.start(8), budget, ahead=True), whole[:budget]) is None
 
     @pytest.mark.parametrize("limit", [1, 2, 3, 7, 20, 1000])
     def test_an_ask_is_never_empty_and_never_beyond_the_limit(self, limit: int) -> None:
@@ -131,18 +120,7 @@ class StrategyContract(Contract):
 
     def test_a_budget_may_be_handed_out_in_small_pieces(self) -> None:
         """The strategy works with limits of one to three candidates at a time."""
-        strategy = self.start()
-        first = 0
-        for limit in (1, 2, 3) * 10:
-            candidates = self.ask(strategy, limit, first)
-            strategy.tell(
-                first,
-                [
-                    Evaluation(c.genome, two_target_fitness(c.genome), straight_trajectory(c.genome))
-                    for c in candidates
-                ],
-            )
-            first += len(candidates)
+        self.play(self.start(), 60, limits=(1, 2, 3))
 
     def test_candidates_are_genomes_of_the_grammar(self) -> None:
         """All candidates can be expressed."""
@@ -153,18 +131,7 @@ class StrategyContract(Contract):
 
     def test_parents_are_earlier_evaluations(self) -> None:
         """``Candidate.parents`` are indices of evaluations that ``tell`` received before the candidate was asked for."""
-        strategy = self.start()
-        first = 0
-        for _ in range(6):
-            candidates = self.ask(strategy, 40, first)
-            strategy.tell(
-                first,
-                [
-                    Evaluation(c.genome, two_target_fitness(c.genome), straight_trajectory(c.genome))
-                    for c in candidates
-                ],
-            )
-            first += len(candidates)
+        self.play(self.start(), 240, limits=(40,))
 
     def test_the_same_seed_asks_for_the_same_candidates(self) -> None:
         """All randomness comes from ``space.rng``."""
@@ -177,8 +144,7 @@ class StrategyContract(Contract):
     def test_a_replay_continues_as_the_run_would_have(self) -> None:
         """A resumed run replays the stored evaluations to a new strategy; their computing times do not matter."""
         whole = self.play(self.start(5), 100)
-        replayed = self.play(self.start(5), 100, seconds=17.0)
-        assert find_difference(replayed, whole) is None
+        assert find_difference(self.play(self.start(5), 100, seconds=17.0), whole) is None
 
     def test_a_threshold_has_one_fitness_for_each_target(self) -> None:
         """``Candidate.threshold`` is ``None``, or one number for each target."""
@@ -188,24 +154,19 @@ class StrategyContract(Contract):
 
     def test_fitness_up_to_the_threshold_does_not_matter(self) -> None:
         """A fitness that exceeds the candidate's threshold for no target can be lower without an effect on the search."""
-        strategy, first = self.start(7), 0
-        scenario, asked = strategy.space.scenario, list[Candidate]()
+        strategy = self.start(7)
+        scenario = strategy.space.scenario
 
-        def closeness(genome: Genome) -> FloatArray:
+        def closeness(candidate: Candidate) -> FloatArray:
             # A strategy may see a hit by its path, too: both are of the same flight here.
-            distances, _ = approach_targets(straight_trajectory(genome), scenario)
+            distances, _ = approach_targets(_flight_of(candidate.genome), scenario)
             return np.asarray(100 * (1 - distances / farthest_distances(scenario)))
 
-        while len(asked) < 150:
-            candidates, outcomes = self.ask(strategy, 150 - len(asked), len(asked)), []
-            for candidate in candidates:
-                fitness = closeness(candidate.genome)
-                if candidate.threshold is not None and np.all(fitness <= candidate.threshold):
-                    fitness = np.zeros(2)
-                outcomes.append(Evaluation(candidate.genome, fitness, straight_trajectory(candidate.genome)))
-            strategy.tell(first, outcomes)
-            first += len(candidates)
-            asked += candidates
+        def what_matters(candidate: Candidate) -> FloatArray:
+            fitness, threshold = closeness(candidate), candidate.threshold
+            return np.zeros(2) if threshold is not None and np.all(fitness <= threshold) else fitness
+
+        asked = self.play(strategy, 150, what_matters)
         assert find_difference(asked, self.play(self.start(7), 150, closeness)) is None
 
     @pytest.mark.parametrize("budget", [1, 13, 60, 99])
@@ -216,26 +177,28 @@ class StrategyContract(Contract):
 
     def test_the_search_continues_if_all_fitness_is_zero(self) -> None:
         """A fitness of zero everywhere does not cause a division by zero, and the search continues."""
-        asked = self.play(self.start(), 100, zero_fitness)
+        asked = self.play(self.start(), 100, lambda candidate: np.zeros(2))
         assert len({candidate.genome for candidate in asked}) > 1
 
     def test_the_search_continues_if_every_evaluation_failed(self) -> None:
         """A failed evaluation has a fitness of zero, and the search continues."""
         strategy = self.start()
-        first = 0
-        while first < 60:
-            candidates = self.ask(strategy, 60 - first, first)
-            strategy.tell(first, [Evaluation(c.genome, np.zeros(2), failure="it broke") for c in candidates])
-            first += len(candidates)
-        self.ask(strategy, 10, first)
+        self.play(strategy, 60, lambda candidate: np.zeros(2), trajectory=None, failure="it broke")
+        self.ask(strategy, 10, 60)
 
     def test_it_works_for_one_target_and_for_many(self) -> None:
         """The strategy does not assume a number of targets."""
         for count in (1, 5):
             targets = tuple(f"T{number}" for number in range(count))
             strategy = self.plugin(search_space(self.grammar(), targets))
-            asked = self.play(strategy, 30, lambda genome, n=count: np.full(n, two_target_fitness(genome)[0]))  # type: ignore[misc]
+            asked = self.play(strategy, 30, lambda c, n=count: np.full(n, two_target_fitness(c.genome)[0]))  # type: ignore[misc]
             assert {candidate.target for candidate in asked} <= {*targets, ""}
+
+
+def _flight_of(genome: Genome) -> Trajectory:
+    """Return a trajectory of 9 m along x that rises or sinks according to the symbols."""
+    end = (9.0, 0.0, 9.0 * float(two_target_fitness(genome)[0] - 50) / 250)
+    return straight_trajectory((0.0, 0.0, 0.0), end, np.linspace(0.0, 9.0, 19))
 
 
 def find_difference(candidates: Sequence[Candidate], others: Sequence[Candidate]) -> int | None:
