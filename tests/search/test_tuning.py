@@ -1,5 +1,7 @@
 """The secant of tuning finds the weight with which a body hits."""
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -30,6 +32,19 @@ def test_any_falling_response_is_solved_to_a_millimetre(root, slope, guess, bend
         assert following is not None
         points.append((following, fly(following)))
     assert abs(points[-1][1]) <= 1e-3
+
+
+def test_a_response_that_is_nearly_a_step_is_solved_in_few_flights() -> None:
+    def fly(at: float) -> float:
+        return -0.8 * math.tanh((at - 0.137) / 0.004) - 0.3 * (at - 0.137)
+
+    points = [(0.3, fly(0.3)), (-0.2, fly(-0.2))]
+    while abs(points[-1][1]) > 1e-3 and len(points) < 20:
+        following = find_next(points, -10.0)
+        assert following is not None
+        points.append((following, fly(following)))
+    # Bisection alone takes 14 flights to halve half a meter's root to the width of the step's millimetre.
+    assert len(points) <= 14
 
 
 def test_a_body_that_rides_the_wall_does_not_respond_and_is_left() -> None:

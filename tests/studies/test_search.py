@@ -123,9 +123,9 @@ def test_tuned_bodies_hit_every_target_within_a_hundred_flights(
         ),
     ]
     publish("hits", lines)
-    # In some runs a body is still on its way to a target, and TP8 is passed by bodies that float along the ceiling.
+    # TP8 is passed by bodies that float along the ceiling.
     assert (np.median(misses, axis=0) <= 1).all()
-    assert (misses.mean(axis=0) <= 20).all()
+    assert (misses.mean(axis=0) <= np.where(np.array(scenario.target_names) == "TP8", 20, 1)).all()
 
 
 def test_no_seed_of_many_leaves_a_target_missed_by_more_than_a_percent(tmp_path: Path) -> None:

@@ -31,7 +31,8 @@ def find_next(points: Sequence[tuple[float, float]], slope: float) -> float | No
     Parameters
     ----------
     points
-        of earlier flights the root of the net weight, and the height by which they passed above the target, m.
+        of earlier flights, in their order, the root of the net weight, and the height by which they passed above the
+        target, m.
     slope
         expected change of the height with the root, which is negative, m / kg^1/2.
     """
@@ -42,6 +43,10 @@ def find_next(points: Sequence[tuple[float, float]], slope: float) -> float | No
     # The lightest that passes below, and the heaviest above: heavier bodies pass lower.
     if above and below and above[-1][0] < below[0][0]:
         (a, high), (b, low) = above[-1], below[0]
+        misses = [abs(height) for _, height in points]
+        if len(misses) > 2 and points[-1][0] in (a, b) and misses[-1] > min(misses[:-1]) / 2:
+            # The path changes steeply in between: interpolation creeps along one side.
+            return (a + b) / 2
         if len(ordered) > 2 and a < (curved := _interpolate_inverse(ordered)) < b:
             return curved
         at = high / (high - low)

@@ -254,9 +254,18 @@ class TunedStrategy(Strategy[TunedOptions]):
 
     def _choose_target(self) -> int:
         """Return the target that a new body is made for: at first each in turn, then by the miss of its best body."""
-        least = min(self._started)
-        if least < self.options.first:
-            return int(self.space.rng.choice([k for k, n in enumerate(self._started) if n == least]))
+        first, least = self.options.first, min(self._started)
+        if least < first:
+            coming = {job.target for jobs in (self._ready, *self._asked) for job in jobs}
+            # Until each target is hit by one body: 2 * first bodies are enough to find that none can.
+            lacking = [
+                k
+                for k, n in enumerate(self._started)
+                if least and n < 2 * first and not self._elites[k] and k not in coming
+            ]
+            return int(
+                self.space.rng.choice(lacking or [k for k, n in enumerate(self._started) if n == least])
+            )
         misses = np.array([100 - elites[0].fitness if elites else 100.0 for elites in self._elites])
         weights = np.maximum(misses, 1e-9) ** self.options.pressure
         return int(self.space.rng.choice(len(weights), p=weights / weights.sum()))
