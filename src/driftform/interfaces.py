@@ -7,7 +7,7 @@ state, so that any worker process can recreate it. Only a strategy keeps state.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Literal, TypeVar
 
@@ -203,6 +203,16 @@ class Simulator(Plugin[OptionsT_co]):
         Each trajectory must equal that of :meth:`simulate`, whatever the rest of the batch.
         """
         return [self.simulate(agent, scenario) for agent, scenario in zip(agents, scenarios, strict=True)]
+
+    def step(self, agent: Agent, scenario: Scenario, flown: Trajectory, duration: float) -> Trajectory:
+        """Return the next ``duration`` (s) of a flight, which begins with the last sample of ``flown``; times are since the release.
+
+        By default :meth:`simulate` flies an agent that is released as it is there. Override this if the simulator knows more of
+        a flight than its trajectory. What bends bristles of friction is forgotten between steps. Flights with gusts have no steps.
+        """
+        found, begun = self.simulate(agent, scenario.resume(flown, duration)), float(flown.t[-1])
+        contact = None if found.contact is None else begun + found.contact
+        return replace(found, t=begun + found.t, contact=contact)
 
     def screen_batch(
         self,

@@ -39,7 +39,7 @@ class Sketch(Renderer):
                 yield self.image(flight, when)
                 progress(done, len(t))
 
-        self.write(path, lambda part: encode(images(), images(), part, path.suffix, 10.0))
+        self.write(path, lambda part: encode(images(), part, path.suffix, 10.0))
         return WrittenFile(self.name, str(path))
 
     def still(self, agent, flight, scenario, path, at):

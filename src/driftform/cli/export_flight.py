@@ -45,7 +45,7 @@ def export_flight(
         agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
     )
     folder = make_directory(out or Path("flights") / design.name)
-    trajectory = design.fly()
+    trajectory = design.trace()
     written = [
         file
         for name in names

@@ -13,6 +13,7 @@ from driftform.agent import hull_mass
 from driftform.design.departures import list_departures
 from driftform.design.flight import DisturbedFlights, Flight
 from driftform.design.inspection import compare_added_mass, inspect_agent
+from driftform.design.live import LiveFlight
 from driftform.errors import InputError, WorkFailedError
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Renderer
@@ -212,7 +213,19 @@ class Design:
         stored = replace(stored, environment=design.study.environment())
         return replace(design, name=self.name, stored=stored, opened_as=self.opened_as)
 
-    def fly(self) -> Trajectory:
+    def fly(self) -> LiveFlight:
+        """Release it, and return its flight, which other programs take on step by step: ``fly().step(0.05, current=(1, 0, 0))``.
+
+        Raises
+        ------
+        InputError
+            if the water has gusts, which outlast a step.
+        WorkFailedError
+            if it does not fit into the pipe.
+        """
+        return LiveFlight(self.name, self.agent, self.scenario, self.pipeline.simulator)
+
+    def trace(self) -> Trajectory:
         """Return the agent's trajectory through its scenario; it may have ended by a failure.
 
         Raises
@@ -327,7 +340,7 @@ class Design:
             if it cannot be written, or the flight fails: the files then hold the flight until that moment.
         """
         check_rate(rate_hz)
-        trajectory = self.fly()
+        trajectory = self.trace()
         written = self.record_files(format, path, rate_hz=rate_hz, trajectory=trajectory)
         trajectory.require_success(self.name)
         return [Path(file.path) for file in written]

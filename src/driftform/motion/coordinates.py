@@ -1,8 +1,7 @@
 """Motion in coordinates, their rates and accelerations, for integrators that need this form, such as Exudyn's.
 
-In space the coordinates are the position and the rotation vector, body to world; their rates are the velocity in the
-world frame and the angular velocity in the body frame. In the vertical plane they are x, z and the pitch; their rates are the
-time derivatives.
+The coordinates are the position and the rotation vector, body to world; their rates are the velocity in the
+world frame and the angular velocity in the body frame.
 """
 
 import math
@@ -16,15 +15,8 @@ from driftform.motion.contact import is_far_from_wall
 from driftform.motion.equations import accelerations
 from driftform.motion.flight import has_left_pipe, is_finite
 from driftform.motion.model import FlightModel, pack, unpack
-from driftform.motion.plane import (
-    accelerations_in_plane,
-    fill_plane,
-    has_left_in_plane,
-    is_near_in_plane,
-    stays_in_plane,
-)
 from driftform.types import FloatArray
-from driftform.util.compiled import borrow, compiled
+from driftform.util.compiled import compiled
 from driftform.util.rotations import rotation_from_vector, rotation_vector_from_quaternion
 
 GREATEST = 1e9
@@ -42,7 +34,7 @@ class Motion:
     Attributes
     ----------
     coordinates, rates
-        at the release, (6,) in space, (3,) in the vertical plane: SI units and radians.
+        at the release, (6,): SI units and radians.
     values
         numbers of the model; pass them to all functions.
     inner, inner_rates
@@ -70,20 +62,7 @@ class Motion:
 
     @classmethod
     def of(cls, model: FlightModel, start: FloatArray) -> "Motion":
-        """Return the motion from the state ``start`` (13,): in the vertical plane if it stays there, otherwise in space."""
-        # Samples of a motion in the plane lie in y = 0.
-        if start[1] == 0.0 and stays_in_plane(start, model):
-            fill_plane(model)
-            pitch = 2.0 * math.atan2(start[5], start[3])
-            return cls(
-                np.array([start[0], start[2], pitch]),
-                start[[7, 9, 11]],
-                pack(model),
-                _accelerations_in_plane,
-                _fill_sample_in_plane,
-                *_find_inner_states(model, len(model.bristles) // 2),
-                _can_touch_in_plane,
-            )
+        """Return the motion from the state ``start`` (13,)."""
         coordinates = np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])])
         inner, fittings = _find_inner_states(model, model.bristles.size // 2), model.fittings
         if fittings is None:
@@ -123,12 +102,6 @@ def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray
     model = unpack(values, fittings)
     position = (coordinates[0], coordinates[1], coordinates[2])
     return not is_far_from_wall(position, model.numbers[0].reach, model.pipe, model.fittings)
-
-
-@compiled
-def _can_touch_in_plane(coordinates: FloatArray, values: FloatArray) -> bool:
-    """Return True if a surface may touch a wall."""
-    return is_near_in_plane((coordinates[0], coordinates[1]), unpack(values, None).numbers[0])
 
 
 @compiled
@@ -179,33 +152,3 @@ def _fill_sample_in_space(
         sample[11 + i] = rates[3 + i]
     position = (coordinates[0], coordinates[1], coordinates[2])
     return is_finite(sample) and not has_left_pipe(position, unpack(values, None).pipe, fittings)
-
-
-@compiled
-def _accelerations_in_plane(
-    t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
-) -> tuple[float, float, float]:
-    model, attitude = unpack(values, None), (math.cos(coordinates[2]), math.sin(coordinates[2]))
-    position, velocity = (coordinates[0], coordinates[1]), (rates[0], rates[1])
-    # One number for each bristle and one for its rate.
-    room = model.bristles.shape[0]
-    bristles = borrow(values, values.shape[0] - room, (room,))
-    n, surfaces, touches = model.numbers[0], model.surfaces, model.touches
-    a_x, a_z, alpha = accelerations_in_plane(
-        position, attitude, velocity, rates[2], n, surfaces, touches, bristles
-    )
-    return _bound(a_x), _bound(a_z), _bound(alpha)
-
-
-@compiled
-def _fill_sample_in_plane(
-    sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
-) -> bool:
-    for i in range(sample.shape[0]):
-        sample[i] = 0.0
-    sample[0], sample[1], sample[3] = t, coordinates[0], coordinates[1]
-    sample[4], sample[6] = math.cos(0.5 * coordinates[2]), math.sin(0.5 * coordinates[2])
-    sample[8], sample[10], sample[12] = rates[0], rates[1], rates[2]
-    return is_finite(sample) and not has_left_in_plane(
-        (coordinates[0], coordinates[1]), unpack(values, None).numbers[0]
-    )

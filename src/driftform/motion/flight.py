@@ -17,7 +17,7 @@ from driftform.util.small_vectors import Vector, add, dot, scale, subtract, to_b
 from driftform.water import Scenario
 from driftform.water.fitting_walls import EXIT, LENGTH, OUTSIDE, RADIUS, find_part, to_part
 from driftform.water.profiles import AT_A_POINT
-from driftform.water.velocity import SPEED, gust_at, water_motion
+from driftform.water.velocity import gust_at, water_motion
 
 SAMPLE = 14
 """Numbers in a raw sample: time, position, quaternion, velocity (world frame), angular velocity (body frame)."""
@@ -29,18 +29,18 @@ def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
     given = scenario.release_velocity()
     velocity = _water_velocity((x, y, z), model) if given is None else given.tolist()
     eddies = [0.0] * (model.eddies.size // 2)
-    return np.array([x, y, z, *scenario.release_quaternion(), *velocity, 0.0, 0.0, 0.0, *eddies])
+    return np.array([x, y, z, *scenario.release_quaternion(), *velocity, *scenario.release.rates, *eddies])
 
 
 def _water_velocity(point: Vector, model: FlightModel) -> tuple[float, ...]:
     """Return the water's velocity (m/s, world frame) at the release."""
-    if model.numbers[0]["is_steady"] == 0.0 or len(model.pipe) == 0:
+    if model.numbers[0]["is_steady"] == 0.0:
         mean = water_motion(point, 0.0, model.pipe, model.flow, AT_A_POINT, model.fittings)[0]
         return add(
             mean, gust_at(point, mean, model.pipe, model.flow, model.gusts, model.eddies, model.fittings)[0]
         )
     # The same in uniform water, whose kernel need not be compiled then. Adding zero turns -0 into 0, as the kernel does.
-    return tuple((model.flow[SPEED] * model.pipe[0, 3:6] + 0.0).tolist())
+    return tuple((model.numbers[0]["current"] + 0.0).tolist())
 
 
 @compiled

@@ -21,7 +21,7 @@ from driftform.water.fittings import fitting_array, greatest_curvature, rim_spac
 from driftform.water.gusts import STATES
 from driftform.water.profiles import UNIFORM
 from driftform.water.scenario import Contact
-from driftform.water.velocity import ACCELERATION, flow_array, gust_array, pipe_rows, set_gusts
+from driftform.water.velocity import ACCELERATION, SPEED, flow_array, gust_array, pipe_rows, set_gusts
 
 _FEWEST, _MOST_SLICES = 16, 64
 
@@ -102,7 +102,10 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     n["gravity"], n["density"], n["viscosity"] = fluid.gravity, fluid.density, fluid.viscosity
     n["water_level"] = np.inf if fluid.water_level is None else fluid.water_level
     n["current"] = current
-    n["is_steady"] = flow[0] == UNIFORM and flow[ACCELERATION] == 0.0 and fittings is None
+    # Water that a pipe with parts does not guide, as it is given from outside, is the same everywhere.
+    n["is_steady"] = (
+        flow[0] == UNIFORM and flow[ACCELERATION] == 0.0 and (fittings is None or flow[SPEED] == 0.0)
+    )
     n["has_pressure_gradient"] = fluid.flow_force == "full"
     n["axial"] = drag.friction_area, drag.length, drag.ahead, drag.astern
     n["tails"] = *drag.wake_ahead, *drag.wake_astern

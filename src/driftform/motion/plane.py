@@ -127,57 +127,23 @@ def fill_rate_in_plane(
     """Fill ``out`` with the time derivative of ``y``, the numbers of a state at :data:`STATE_INDICES`, (7,), and the bristles.
 
     ``n`` are the numbers of a :class:`FlightModel` after :func:`fill_plane`, ``surfaces`` and ``touches`` its own, and
-    ``bristles`` is room for twice as many numbers as there are bristles.
+    ``bristles`` is room for the components along the pipe of what :attr:`FlightModel.bristles` holds, m/s, and for their rates.
     """
     w, h, q = y[2], y[3], y[6]
     double = 2.0 / (w * w + h * h)
-    attitude = 1.0 - double * h * h, double * w * h
-    count = y.shape[0] - 7
+    # The body's axis is (c, -s) in the world, its z axis (s, c).
+    c, s = 1.0 - double * h * h, double * w * h
+    count, velocity = y.shape[0] - 7, (y[4], y[5])
     for k in range(count):
         bristles[k] = y[7 + k]
-    out[0], out[1] = y[4], y[5]
+    out[0], out[1] = velocity
     out[2], out[3] = -0.5 * h * q, 0.5 * w * q
-    out[4], out[5], out[6] = accelerations_in_plane(
-        (y[0], y[1]), attitude, (y[4], y[5]), q, n, surfaces, touches, bristles
-    )
-    for k in range(count):
-        out[7 + k] = bristles[count + k]
-
-
-@compiled
-def accelerations_in_plane(
-    position: Point,
-    attitude: Point,
-    velocity: Point,
-    q: float,
-    n: np.record,
-    surfaces: FloatArray,
-    touches: FloatArray,
-    bristles: FloatArray,
-) -> tuple[float, float, float]:
-    """Return the accelerations along x and z of the world (m/s2), and the pitch acceleration (rad/s2).
-
-    Parameters
-    ----------
-    position, velocity
-        along x and z of the world (m, m/s).
-    attitude
-        cosine and sine of the pitch: the body's axis is (cos, -sin) in the world, its z axis (sin, cos).
-    q
-        pitch rate (rad/s).
-    n, surfaces, touches
-        those of a :class:`FlightModel`, after :func:`fill_plane`.
-    bristles
-        the components along the pipe of what :attr:`FlightModel.bristles` holds, m/s; the second half is filled with their
-        rates, m/s2.
-    """
-    p, (c, s) = n.plane, attitude
-    across, stream = p.across, p.stream
+    p, across, stream = n.plane, n.plane.across, n.plane.stream
     along, upward = velocity[0] - stream[0], velocity[1] - stream[1]
     u, v = c * along - s * upward, s * along + c * upward
     X, Z = p.net_weight * s, -p.net_weight * c
     N = p.hanging * s + p.trim * c
-    off = offset_in_plane(position, n)
+    off = across[0] * (y[0] - p.inlet[0]) + across[1] * (y[1] - p.inlet[1])
     # The unit vector across the pipe, in body axes; that along the pipe is (n_b, -n_a).
     n_a = c * across[0] - s * across[1]
     n_b = s * across[0] + c * across[1]
@@ -209,14 +175,9 @@ def accelerations_in_plane(
     a_x = inverse[0, 0] * X + inverse[0, 2] * Z + inverse[0, 4] * N + q * v
     a_z = inverse[0, 2] * X + inverse[2, 2] * Z + inverse[2, 4] * N - q * u
     alpha = inverse[0, 4] * X + inverse[2, 4] * Z + inverse[4, 4] * N
-    return c * a_x + s * a_z, c * a_z - s * a_x, alpha
-
-
-@compiled
-def offset_in_plane(position: Point, n: np.record) -> float:
-    """Return the distance (m) of the position (x, z) from the axis of the pipe, along the unit vector across it."""
-    inlet, across = n.plane.inlet, n.plane.across
-    return float(across[0] * (position[0] - inlet[0]) + across[1] * (position[1] - inlet[1]))
+    out[4], out[5], out[6] = c * a_x + s * a_z, c * a_z - s * a_x, alpha
+    for k in range(count):
+        out[7 + k] = bristles[count + k]
 
 
 @compiled
@@ -248,7 +209,7 @@ def press_in_plane(
     touches
         is filled with depth, arm, twice the energy of the spring, half of its derivatives, and index of all surfaces that touch.
     bristles
-        see :func:`accelerations_in_plane`; what friction adds to their rates is added.
+        of :func:`fill_rate_in_plane`; what friction adds to their rates is added.
     """
     law, response, steep = n.law, n.inverse, 1.0 / smoothed_sine(s)
     outward, share = upright * steep, (1.0 - s * s) * steep
@@ -367,19 +328,3 @@ def _drag(
         F_z = -lift * (u + n.cob[2] * q)
         X, Z, N = X + F_x, Z + F_z, N + n.cob[2] * F_x - centre * F_z
     return X, Z, N
-
-
-@compiled
-def has_left_in_plane(position: Point, n: np.record) -> bool:
-    """Return what :func:`driftform.motion.flight.has_left_pipe` does, for the position (x, z), m."""
-    p = n.plane
-    x, z = position[0] - p.inlet[0], position[1] - p.inlet[1]
-    along = p.across[1] * x - p.across[0] * z
-    return bool(along >= p.length or along < -p.radius)
-
-
-@compiled
-def is_near_in_plane(position: Point, n: np.record) -> bool:
-    """Return True if a surface of a body at the position (x, z), m, may touch the wall."""
-    p = n.plane
-    return bool(abs(offset_in_plane(position, n)) >= p.near)

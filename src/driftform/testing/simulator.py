@@ -138,6 +138,17 @@ class PointSimulatorContract(SeamContract[Simulator[Any]]):
         assert by_run[0] > 1.0 and abs(by_run[2]) < 0.1
         assert by_branch[2] > 0.3
 
+    def test_steps_carry_a_neutral_body_as_one_flight_does(self) -> None:
+        """Ten steps of 50 ms in a cross current, with times since the release, end 0.5 m downstream of the release."""
+        flow = UniformFlow(speed=1.0, added=(0.0, 0.2, -0.1))
+        scenario, simulator = water_scenario(0.5, flow=flow), self.plugin()
+        flown = [self.fly(NEUTRAL, water_scenario(0.05, flow=flow))]
+        for _ in range(9):
+            flown.append(simulator.step(NEUTRAL, scenario, flown[-1], 0.05))
+            assert flown[-1].t[0] == flown[-2].t[-1]
+        assert flown[-1].t[-1] == pytest.approx(0.5, rel=1e-9)
+        np.testing.assert_allclose(flown[-1].position[-1], (0.5, 0.1, -0.05), atol=1e-6)
+
     def test_samples_are_finite_and_in_order(self) -> None:
         """Times increase strictly, quaternions have unit length, and all values are finite."""
         trajectory = self.fly(tumbling_agent(), water_scenario(1.0, (0.4, 0.3, -0.2)))
@@ -360,6 +371,29 @@ class SimulatorContract(PointSimulatorContract):
         trajectory = self.fly(SPHEROID.agent(), water_scenario(1e-4, (1.0, 0.0, 0.0), pitch_deg=10.0))
         rate = trajectory.velocity[-1, 4] / trajectory.t[-1]
         assert rate == pytest.approx(moment / SPHEROID.total[2], rel=1e-4)
+
+    def test_a_hundred_steps_equal_one_flight(self) -> None:
+        """Without contact a body that tumbles in space is at the same place after them within 1e-6 m, in the same attitude."""
+        agent, simulator = tumbling_agent(), self.plugin()
+        scenario = water_scenario(1.0, (0.4, 0.3, -0.2), speed=0.5, pitch_deg=20.0)
+        whole = self.fly(agent, scenario)
+        flown = simulator.simulate(agent, water_scenario(0.01, (0.4, 0.3, -0.2), speed=0.5, pitch_deg=20.0))
+        for _ in range(99):
+            flown = simulator.step(agent, scenario, flown, 0.01)
+        assert flown.t[-1] == pytest.approx(1.0, rel=1e-9) and flown.end is End.HORIZON
+        np.testing.assert_allclose(flown.position[-1], whole.position[-1], atol=1e-6)
+        np.testing.assert_allclose(flown.velocity[-1], whole.velocity[-1], atol=1e-4)
+
+    def test_a_release_has_roll_and_rates(self) -> None:
+        """A neutral sphere that is released with a roll of 90 degrees and a yaw rate, about its z axis, turns about the world's -y."""
+        scenario = water_scenario(0.5)
+        release = scenario.release.model_copy(update={"roll_deg": 90.0, "rates": (0.0, 0.0, 0.8)})
+        trajectory = self.fly(NEUTRAL, scenario.model_copy(update={"release": release}))
+        np.testing.assert_allclose(
+            trajectory.velocity[:, 3:], [[0.0, 0.0, 0.8]] * len(trajectory.t), atol=1e-6
+        )
+        nose = matrix_from_quaternion(trajectory.quaternion[-1])[:, 0]
+        np.testing.assert_allclose(nose, (math.cos(0.4), 0.0, math.sin(0.4)), atol=1e-5)
 
     # Invariances.
 

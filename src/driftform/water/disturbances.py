@@ -14,7 +14,7 @@ from driftform.types import Body, FloatArray
 from driftform.util.vectors import cross
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import DRAGS
-from driftform.water.flow import PipeFlow
+from driftform.water.flow import PipeFlow, UniformFlow
 from driftform.water.scenario import Robustness
 
 MAX_DEVIATION = 3.0
@@ -144,6 +144,8 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
     """Return the scenario under a disturbed condition."""
     flow, gusts = scenario.flow, scenario.gusts
     flow = flow.model_copy(update={"speed": flow.speed * condition.current})
+    if isinstance(flow, UniformFlow):
+        flow = flow.model_copy(update={"added": tuple(condition.current * v for v in flow.added)})
     if isinstance(flow, PipeFlow):
         flow = flow.model_copy(update={"swirl": flow.swirl + condition.swirl})
     if condition.gusts is not None and scenario.can_have_gusts:

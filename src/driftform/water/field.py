@@ -9,6 +9,7 @@ from driftform.util.latest import keep_latest
 from driftform.util.small_vectors import add
 from driftform.water.fitting_walls import wall_gaps
 from driftform.water.fittings import fitting_array, wall_array
+from driftform.water.flow import UniformFlow
 from driftform.water.gusts import STATES
 from driftform.water.profiles import AT_A_POINT
 from driftform.water.scenario import Scenario
@@ -45,7 +46,8 @@ def water_velocity(
     places = np.array(points, dtype=np.float64).reshape(-1, 3)
     times = np.array(np.broadcast_to(t, len(places)), dtype=np.float64)
     pipe, flow, walk, fittings = _pack_water(scenario)
-    return _list_velocities(places, times, pipe, flow, walk if gusts else walk[:0], fittings)
+    found = _list_velocities(places, times, pipe, flow, walk if gusts else walk[:0], fittings)
+    return found + scenario.flow.added if isinstance(scenario.flow, UniformFlow) else found
 
 
 def wall_distance(points: npt.ArrayLike, scenario: Scenario) -> FloatArray:

@@ -4,10 +4,11 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Discriminator, Tag
+from pydantic import Discriminator, Tag, model_validator
 
 from driftform.options import MAX_SEED, Table, option
 from driftform.validity import RANGES
+from driftform.water.pipe import Vector
 
 
 class UniformFlow(Table):
@@ -16,6 +17,19 @@ class UniformFlow(Table):
     kind: Literal["uniform"] = option("uniform", "name of the flow profile")
     speed: float = option(1.0, "speed of the current at the time of release", "m/s", ge=-100, le=100)
     acceleration: float = option(0.0, "change of the speed with time", "m/s2", ge=-10, le=10)
+    added: Vector = option(
+        (0.0, 0.0, 0.0),
+        "velocity that is added everywhere, such as that of a cross current, in the world frame",
+        "m/s",
+    )
+
+    @model_validator(mode="after")
+    def _check_added(self) -> "UniformFlow":
+        if self.acceleration and any(self.added):
+            raise ValueError(
+                "flow.added is that of a steady current: set flow.acceleration = 0, or leave flow.added out"
+            )
+        return self
 
 
 class PipeFlow(Table):

@@ -9,7 +9,8 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from driftform.errors import did_you_mean
 from driftform.options import Table, describe, option
-from driftform.types import Body, FloatArray, MassProperties
+from driftform.types import Body, FloatArray, MassProperties, Trajectory
+from driftform.util import rotations
 from driftform.util.latest import keep_latest
 from driftform.util.vectors import cross
 from driftform.water.factors import Calibration
@@ -79,6 +80,10 @@ class Release(Table):
     )
     yaw_deg: float = option(
         0.0, "yaw of the body's axis relative to x, positive towards +y", "deg", ge=-180, le=180
+    )
+    roll_deg: float = option(0.0, "roll about the body's axis", "deg", ge=-180, le=180)
+    rates: Vector = option(
+        (0.0, 0.0, 0.0), "rates of roll, pitch and yaw, about the body's own axes", "rad/s"
     )
     velocity: Literal["current", "rest"] | Vector = option(
         "current", "'current' (moving with the water), 'rest', or a velocity", "m/s"
@@ -345,7 +350,8 @@ class Scenario(Table):
 
     def current(self) -> FloatArray:
         """Return the mean velocity of the water at the inlet, in the world frame, m/s, (3,)."""
-        return self.flow.speed * self.direction()
+        current = self.flow.speed * self.direction()
+        return current + self.flow.added if isinstance(self.flow, UniformFlow) else current
 
     @property
     def can_have_gusts(self) -> bool:
@@ -407,10 +413,12 @@ class Scenario(Table):
     def release_quaternion(self) -> FloatArray:
         """Return the attitude at the release, from body to world, (4,).
 
-        In the frame of the release it is a rotation about y by the pitch, then about z by the yaw.
+        In the frame of the release it is a rotation about x by the roll, about y by the pitch, then about z by the yaw.
         """
-        pitch, yaw = np.deg2rad([self.release.pitch_deg, self.release.yaw_deg]) / 2
+        release = self.release
+        roll, pitch, yaw = np.deg2rad([release.roll_deg, release.pitch_deg, release.yaw_deg]) / 2
         given = _turn_by(np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch))
+        given = _multiply(given, np.array([np.cos(roll), np.sin(roll), 0.0, 0.0]))
         c, s, cp, sp = self._frame_angles()
         frame = _turn_by(*_halve_angle(c, s), *_halve_angle(cp, sp))
         return _multiply(frame, given)
@@ -437,6 +445,29 @@ class Scenario(Table):
             case given:
                 return np.asarray(self.release_frame() @ given)
 
+    def resume(self, flown: Trajectory, duration: float) -> "Scenario":
+        """Return the scenario of the next ``duration`` (s) of a flight: an agent is released as it is at the end of ``flown``."""
+        R, velocity = rotations.matrix_from_quaternion(flown.quaternion[-1]), flown.velocity[-1]
+        release = self.release.model_copy(
+            update={
+                "frame": "world",
+                "position": tuple(flown.position[-1].tolist()),
+                "roll_deg": math.degrees(math.atan2(R[2, 1], R[2, 2])),
+                "pitch_deg": math.degrees(math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))),
+                "yaw_deg": math.degrees(math.atan2(R[1, 0], R[0, 0])),
+                "velocity": tuple((R @ velocity[:3]).tolist()),
+                "rates": tuple(velocity[3:].tolist()),
+            }
+        )
+        update: dict[str, Any] = {
+            "release": release,
+            "flight": FlightLimits.model_construct(horizon=duration),
+        }
+        if isinstance(self.flow, UniformFlow) and self.flow.acceleration:
+            speed = self.flow.speed + self.flow.acceleration * float(flown.t[-1])
+            update["flow"] = self.flow.model_copy(update={"speed": speed})
+        return self.model_copy(update=update)
+
     @property
     def _released_in_world(self) -> bool:
         """True if the release is given in the world frame; in open water there is no other."""
@@ -460,6 +491,8 @@ def _check_flow_in_parts(flow: Flow) -> None:
         raise ValueError(
             "flow.kind = 'developing' is the flow behind the inlet of a straight pipe: take 'log_law' in a pipe with parts"
         )
+    if isinstance(flow, UniformFlow) and any(flow.added) and flow.speed:
+        raise ValueError("flow.added in a pipe with parts is the whole current: set flow.speed = 0")
     if isinstance(flow, UniformFlow) and flow.acceleration:
         raise ValueError("flow.acceleration is for a straight pipe: leave it out in a pipe with parts")
     if flow.speed < 0:

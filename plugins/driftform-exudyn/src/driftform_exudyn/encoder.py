@@ -3,7 +3,7 @@
 import contextlib
 import subprocess
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
@@ -21,7 +21,14 @@ _MP4 = (
     *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"),
     *("-movflags", "+faststart", "-f", "mp4"),
 )
-_GIF = ("-lavfi", "paletteuse=dither=bayer:bayer_scale=4", "-loop", "0", "-f", "gif")
+# A palette for each frame: for one of all frames, ffmpeg would keep the whole film in memory.
+_GIF = (
+    *(
+        "-lavfi",
+        "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=4",
+    ),
+    *("-loop", "0", "-f", "gif"),
+)
 
 
 def find_ffmpeg() -> str:
@@ -42,13 +49,8 @@ def find_ffmpeg() -> str:
         ) from None
 
 
-def encode(
-    images: "Iterable[Image]", samples: "Iterable[Image]", path: Path, suffix: str, fps: float
-) -> None:
+def encode(images: "Iterable[Image]", path: Path, suffix: str, fps: float) -> None:
     """Write images of one size as a film in the format of ``suffix``.
-
-    ``samples`` are some of the images. The palette of a format that has one is made from them: to make it from all
-    images, ffmpeg would keep the whole film in memory.
 
     Raises
     ------
@@ -56,17 +58,7 @@ def encode(
         if ffmpeg fails; the message ends with its error message.
     """
     # Without "file:" ffmpeg reads the text before a colon as a protocol.
-    film = ("-fflags", "+bitexact", f"file:{path}")
-    if suffix == ".mp4":
-        _run_ffmpeg(images, fps, (*_MP4, *film))
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        palette = str(Path(folder) / "palette.png")
-        _run_ffmpeg(samples, fps, ("-vf", "palettegen", "-update", "1", palette))
-        _run_ffmpeg(images, fps, ("-i", palette, *_GIF, *film))
-
-
-def _run_ffmpeg(images: "Iterable[Image]", fps: float, arguments: Sequence[str]) -> None:
+    arguments = (*(_MP4 if suffix == ".mp4" else _GIF), "-fflags", "+bitexact", f"file:{path}")
     images = iter(images)
     first = next(images)
     height, width, _ = first.shape

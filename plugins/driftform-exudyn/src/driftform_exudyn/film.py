@@ -1,6 +1,6 @@
 """A flight as a film or as a still, by Exudyn's ray tracer."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 
 PATH_STEP = 0.04
 """Time between two points of the path on a still, s."""
-
-PALETTE_FRAMES = 8
-"""Number of frames from which the palette of a film is made."""
 
 
 class FilmOptions(Table):
@@ -78,19 +75,12 @@ class ExudynRenderer(Renderer[FilmOptions]):
         t = _even_times(float(trajectory.t[-1]), self.options.speed / fps)
         scene = Scene(agent, trajectory, scenario, t, self._letter_height)
 
-        def render(frames: Iterable[int]) -> "Iterator[Image]":
-            return map(self._make_view(scene), frames)
-
         def render_all() -> "Iterator[Image]":
-            for done, image in enumerate(render(range(len(t))), start=1):
+            for done, image in enumerate(map(self._make_view(scene), range(len(t))), start=1):
                 yield image
                 progress(done, len(t))
 
-        def write(part: Path) -> None:
-            some = np.unique(np.linspace(0, len(t) - 1, PALETTE_FRAMES).astype(int))
-            encode(render_all(), render(some), part, path.suffix.lower(), fps)
-
-        _save(path, write)
+        _save(path, lambda part: encode(render_all(), part, path.suffix.lower(), fps))
         return WrittenFile(self.name, str(path), {"frames": len(t), "seconds": len(t) / fps, "size_px": size})
 
     def still(

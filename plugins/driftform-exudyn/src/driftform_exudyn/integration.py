@@ -1,8 +1,6 @@
 """Motions integrated by Exudyn, which calls driftform's equations for the accelerations.
 
-A motion in space is that of a unit mass on a rigid body's node, with a force function. A motion in the plane is that of
-a point mass in the space of its three coordinates, with a load as the force: Exudyn evaluates a load in a third of the
-time.
+It is that of a unit mass on a rigid body's node, with a force function.
 """
 
 import contextlib
@@ -70,7 +68,7 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     values, b, states = motion.values, motion.bristles, len(motion.inner)
     integration = settings.timeIntegration
     tolerance = integration.absoluteTolerance
-    nowhere = (np.nan,) * len(motion.rates)
+    nowhere = (np.nan,) * 6
     samples = np.empty((1024, SAMPLE))
     count, tries, due = 0, 0, 0.0
     known: tuple[float, ...] | None = None
@@ -136,19 +134,11 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
 
 
 def _add_mass(mbs: Any, motion: Motion, force: Any) -> None:
-    in_plane = len(motion.rates) == 3
     node = mbs.AddNode(
-        (items.NodePoint if in_plane else items.NodeRigidBodyRotVecLG)(
-            referenceCoordinates=[0.0] * len(motion.rates),
+        items.NodeRigidBodyRotVecLG(
+            referenceCoordinates=[0.0] * 6,
             initialCoordinates=motion.coordinates.tolist(),
             initialVelocities=motion.rates.tolist(),
         )
     )
-    if in_plane:
-        mbs.AddObject(items.MassPoint(mass=1.0, nodeNumber=node))
-        marker = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
-        mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=force))
-    else:
-        mbs.AddObject(
-            items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force)
-        )
+    mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force))

@@ -59,8 +59,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
 
     Exudyn integrates unit masses whose forces are accelerations: the 6x6 mass matrix with its added mass is inverted
     once, exactly, in the body frame, where it is constant. The added mass therefore does not lag, and the mass matrix
-    does not depend on the pose. In space the mass is a rigid body on a Lie-group node, for which no attitude is
-    singular. A motion that stays in the vertical plane is that of a point with the coordinates x, z and pitch.
+    does not depend on the pose. The mass is a rigid body on a Lie-group node, for which no attitude is singular.
 
     The error of a flight is its distance from a flight by another integrator,
     :mod:`driftform.motion.integrator`, plus the error of that flight. The two share only the equations. In a search the

@@ -28,7 +28,7 @@ def describe_agent(run: Run, key: str, design: Design) -> dict[str, Any]:
     flight = run.read_flight(result["evaluation"])
     if flight is None or flight.error is None:
         # An unchecked flight is flown again.
-        flight = design.fly()
+        flight = design.trace()
     is_best = key in scenario.targets
     point = scenario.target_points()[key] if is_best else tuple(result["point"])
     [distance], [t] = approach.closest_approach(flight, np.array([point], dtype=np.float64))
