@@ -161,12 +161,20 @@ def test_a_misspelt_command_and_a_misspelt_option_before_it(refused: Refused) ->
         ("a = = 3\n", None, ["is not valid TOML", "line 1, column 5"]),
         ("a = " + "[" * 5000, None, ["is not valid TOML", "too deeply"]),
         ("a = " + "9" * 5000, None, ["is not valid TOML"]),
+        (BASE + "[flow]\nspeed = 0,8\n", 3, ["is not valid TOML: speed = 0,8", "decimal point: write 0.8"]),
+        ('base = "C:\\Users\\me\\base.toml"\n', 1, ["a backslash in double quotes", "write / in its place"]),
+        ('base = "pipe-inspection\n[flow]\n', 1, ["a quote is missing"]),
+        ('[flow]\nkind = "uniform', 2, ["a quote is missing"]),
+        ("base = pipe-inspection\n", 1, ['a text is in quotes: write "pipe-inspection"']),
+        ("base = “pipe-inspection”\n", 1, ["the quotes must be straight"]),
+        (BASE + "[flow]\nspeed: 0.8\n", 3, ["have = between them"]),
+        ('base = "C:\\temp\\base.toml"\n', 1, ["neither a file nor", "\\t for a tab: write / in its place"]),
     ],
 )
 def test_of_a_study_file(
     refused: Refused, tmp_path: Path, text: str, line: int | None, parts: list[str]
 ) -> None:
-    (tmp_path / "study.toml").write_text(text)
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     message = refused("evolve", "study.toml", *OUT)
     assert message.startswith(f"error: study.toml:{line}: " if line else "error: study.toml: ")
     for part in parts:
@@ -196,7 +204,7 @@ def test_a_base_that_leads_back_over_another_file(refused: Refused, tmp_path: Pa
 def test_a_study_that_is_no_text_file(refused: Refused, tmp_path: Path) -> None:
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
     (tmp_path / "folder.toml").mkdir()
-    assert "bytes.toml: is not a text file in UTF-8" in refused("evolve", "bytes.toml", *OUT)
+    assert "bytes.toml: is not a text file; save it as text in UTF-8" in refused("evolve", "bytes.toml", *OUT)
     assert "'folder.toml' is a directory" in refused("evolve", "folder.toml", *OUT)
     assert "'gone.toml' is neither a file nor" in refused("evolve", "gone.toml", *OUT)
     assert "did you mean 'pipe-inspection'?" in refused("evolve", "pipe-inspektion", *OUT)
@@ -326,9 +334,7 @@ def test_of_an_agent_file(
             assert part in line
 
 
-@pytest.mark.parametrize(
-    "text", ["", "{", "[]", "3", "{}", "[" * 100_000, '{"a": ' + "9" * 5000 + "}", "\x00"]
-)
+@pytest.mark.parametrize("text", ["", "{", "[]", "3", "{}", "[" * 100_000, '{"a": ' + "9" * 5000 + "}"])
 def test_an_agent_file_that_is_none(refused: Refused, tmp_path: Path, text: str) -> None:
     (tmp_path / "agent.json").write_text(text)
     assert refused("inspect", "agent.json").startswith("error: agent.json: is not an agent file")
@@ -337,6 +343,8 @@ def test_an_agent_file_that_is_none(refused: Refused, tmp_path: Path, text: str)
 def test_an_agent_file_that_is_no_text(refused: Refused, tmp_path: Path) -> None:
     (tmp_path / "agent.json").write_bytes(b"\x80\x04\x95")
     assert "agent.json: is not an agent file, which is JSON in UTF-8" in refused("inspect", "agent.json")
+    (tmp_path / "agent.json").write_bytes(b"\x00")
+    assert "agent.json: is not a text file" in refused("inspect", "agent.json")
 
 
 def test_of_export_plugins_and_scenarios(refused: Refused) -> None:

@@ -50,6 +50,14 @@ def test_a_file_contains_only_what_differs_from_its_base(write: Write) -> None:
     assert study.document["simulator"] == base.document["simulator"]
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_a_file_may_come_from_any_editor(tmp_path: Path, encoding: str) -> None:
+    text = 'base = "pipe-inspection"\r\ntitle = "Größe"\r\n\r\n[flow]\r\nspeed = 0.8\r\n'
+    (tmp_path / "study.toml").write_bytes(text.encode(encoding))
+    study = load_study(str(tmp_path / "study.toml"))
+    assert (study.document["title"], study.document["flow"]["speed"]) == ("Größe", 0.8)
+
+
 def test_a_base_may_have_a_base_beside_its_file(write: Write) -> None:
     write(BASE + "[flow]\nspeed = 0.5\n[fluid]\ndensity = 1000\n", "deep/river.toml")
     write('base = "river.toml"\n[flow]\nspeed = 0.25\n', "deep/creek.toml")

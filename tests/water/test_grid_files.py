@@ -134,6 +134,13 @@ def test_the_columns_of_other_programs_are_understood(tmp_path, grid, names):
     agree(read_grid(tmp_path / "current.csv"), grid)
 
 
+def test_a_table_may_be_in_utf16(tmp_path, grid):
+    write_csv(tmp_path / "current.csv", table_of(grid))
+    text = (tmp_path / "current.csv").read_text()
+    (tmp_path / "current.csv").write_text(text, encoding="utf-16")
+    agree(read_grid(tmp_path / "current.csv"), grid)
+
+
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
 def test_the_dimensions_of_a_netcdf_file_may_be_in_any_order(tmp_path, grid, order):
     grid.velocity[1, 2, 3] = np.nan

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from driftform.errors import InputError
 from driftform.types import Genome
-from driftform.util.files import write_text
+from driftform.util.files import read_text, write_text
 
 FORMAT = "driftform-agent"
 VERSION = 1
@@ -60,14 +60,13 @@ class StoredAgent:
         InputError
             where it is not one; the message names the file and what is missing.
         """
+        text = read_text(path)
         try:
-            document = json.loads(path.read_text(encoding="utf-8"))
+            document = json.loads(text)
         except RecursionError:
             raise InputError(f"{path}: is not an agent file: nested too deeply") from None
         except ValueError as error:
             raise InputError(f"{path}: is not an agent file, which is JSON in UTF-8: {error}") from None
-        except OSError as error:
-            raise InputError(f"{path}: cannot be read: {error.strerror}") from None
         if not isinstance(document, dict) or document.get("format") != FORMAT:
             raise InputError(f'{path}: is not an agent file: it lacks "format": "{FORMAT}"')
         if document.get("version") != VERSION:

@@ -14,8 +14,8 @@ from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import SEAMS
 from driftform.plugins.discovery import find_modules
 from driftform.study.toml_positions import Path as KeyPath
-from driftform.study.toml_positions import check_keys, find_key_lines, find_line
-from driftform.util.files import is_directory, is_file
+from driftform.study.toml_positions import check_keys, describe_fault, find_key_lines, find_line
+from driftform.util.files import is_directory, is_file, read_text
 from driftform.water.flow import FLOWS
 
 REPLACED = ("targets",)
@@ -105,12 +105,14 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
     if source in builtins and not is_file(path):
         label, text = f"{source} (built in)", builtins[source]
     elif is_file(path):
-        label, text = str(path), _read(path)
+        label, text = str(path), read_text(path)
     elif source and is_directory(path):
         raise InputError(f"{named_by}study '{source}' is a directory, expected a TOML file")
     else:
         hint = did_you_mean(source, builtins)
-        raise InputError(f"{named_by}study '{source}' is neither a file nor a built-in scenario{hint}")
+        if not source.isprintable():
+            hint = "; a backslash in double quotes is a code, such as \\t for a tab: write / in its place"
+        raise InputError(f"{named_by}study {source!r} is neither a file nor a built-in scenario{hint}")
     key = str(path.resolve()) if is_file(path) else label
     if key in above:
         raise InputError(f"{named_by}'base' leads back to {label}")
@@ -136,7 +138,7 @@ def read_calibration(path: str) -> Source:
     """
     if not is_file(Path(path)):
         raise InputError(f"--calibration {path}: is not a file; 'driftform calibrate' writes one")
-    layer = _parse(path, _read(Path(path)))
+    layer = _parse(path, read_text(Path(path)))
     if set(layer.data) != {CALIBRATION}:
         raise InputError(f"{path}: should hold the table [{CALIBRATION}] and nothing else")
     return replace(layer, is_option=True, replaces=(CALIBRATION,))
@@ -149,17 +151,8 @@ def _parse(label: str, text: str) -> Source:
     except RecursionError:
         raise InputError(f"{label}: is not valid TOML: nested too deeply") from None
     except ValueError as error:
-        raise InputError(f"{label}: is not valid TOML: {error}") from None
+        raise InputError(describe_fault(label, text, error)) from None
     return Source(label, data, find_key_lines(text), text=text)
-
-
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: is not a text file in UTF-8") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
 
 
 def parse_setting(text: str) -> Source:

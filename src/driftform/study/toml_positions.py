@@ -39,6 +39,37 @@ def check_keys(text: str) -> None:
         raise ValueError(f"a key of more than {MAX_KEY_NAMES} names at line {line}")
 
 
+_HINTS = (
+    (r"""=\s*[+-]?\d+,\d+\s*(#.*)?$""", "a number has a decimal point: write {0}"),
+    (
+        r"""=.*"[^"']*\\""",
+        "a backslash in double quotes is a code: write / in its place, or single quotes around the text",
+    ),
+    (r"""=.*[“”„‘’«»]""", "the quotes must be straight ones, \" or '"),
+    (r"""=\s*(True|False|TRUE|FALSE)\b""", "true and false have small letters"),
+    (r"""^[^"']*=\s*("[^"]*|'[^']*|[^"'\[{]+["'])$""", "a quote is missing: a text has one at each end"),
+    (r"""=\s*[^\W\d][^"'=]*$""", "a text is in quotes: write {0}"),
+    (r"""^\s*\w+\s*:""", "a key and its value have = between them"),
+    (r"""=\s*(#.*)?$""", "the key has no value"),
+)
+"""What is often wrong with a line of TOML, by an expression, and what to do."""
+
+
+def describe_fault(label: str, text: str, error: ValueError) -> str:
+    """Return in one line why a text is not TOML: its place, what its parser says, and what to do if that can be seen."""
+    said = str(error)
+    found = re.search(r"\(at (?:line (\d+), column \d+|end of document)\)$", said)
+    rows = text.rstrip().split("\n")
+    number = int(found.group(1) or len(rows)) if found else 0
+    line = rows[min(number, len(rows)) - 1][:200] if found else ""
+    for pattern, hint in _HINTS:
+        if re.search(pattern, line):
+            value = line.partition("=")[2].partition("#")[0].strip()
+            better = value.replace(",", ".") if value[:1] in "+-0123456789" else f'"{value}"'
+            return f"{label}:{number}: is not valid TOML: {line.strip():.60}: {hint.format(better)}"
+    return f"{label}: is not valid TOML: {said}"
+
+
 def find_key_lines(text: str) -> dict[Path, int]:
     """Return the line of each key of a valid TOML document, counted from 1.
 

@@ -1,6 +1,8 @@
-"""Write files and folders completely or not at all, under safe names."""
+"""Read text in whatever encoding it is; write files and folders completely or not at all, under safe names."""
 
+import codecs
 import os
+import re
 import secrets
 import shutil
 import sys
@@ -11,6 +13,11 @@ from pathlib import Path
 from driftform.errors import InputError
 
 _MAX_STEM_LENGTH = 60
+
+MOST_BYTES = 64_000_000
+"""Largest text that is read as a whole."""
+
+_HIGH_BYTES = re.compile(rb"[\x80-\xff]+")
 
 CACHE_VARIABLE = "DRIFTFORM_CACHE"
 """Environment variable that names the folder of the cache."""
@@ -39,6 +46,65 @@ def is_directory(path: Path) -> bool:
         return path.is_dir()
     except (OSError, ValueError):
         return False
+
+
+def read_text(path: Path) -> str:
+    """Return a text that somebody wrote with any program, its lines ended by newlines; see :func:`find_encoding`.
+
+    Raises
+    ------
+    InputError
+        if the file cannot be read, is no text, or is larger than :data:`MOST_BYTES`.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(data) > MOST_BYTES:
+        raise InputError(
+            f"{path}: is larger than {MOST_BYTES // 1_000_000} MB, the most that is read as text"
+        )
+    try:
+        text = data.decode(find_encoding(data, final=True))
+    except UnicodeDecodeError:
+        text = "\0"
+    if "\0" in text:
+        raise InputError(f"{path}: is not a text file; save it as text in UTF-8")
+    return text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+
+
+def find_encoding(data: bytes, final: bool = False) -> str:
+    """Return the name of the encoding of a text that begins with ``data``; with ``final``, that is all of it.
+
+    A byte order mark decides first, then the zeros of UTF-16; then UTF-8 if all of it is. GBK is taken if all bytes
+    beyond ASCII come in pairs of GB 2312 and most of these are of its level 1, the common characters: accents of European
+    languages do not come so. The rest is Windows-1252, or Latin-1 where it has bytes that Windows-1252 has not.
+    """
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    head = data[:400]
+    for start, name in ((1, "utf-16-le"), (0, "utf-16-be")):
+        if len(head) > 3 and head[start::2].count(0) > 0.4 * len(head) / 2 > head[1 - start :: 2].count(0):
+            return name
+    names = ["utf-8-sig", *(["gbk"] if _looks_chinese(data[:1_000_000]) else []), "cp1252"]
+    for name in names:
+        try:
+            codecs.getincrementaldecoder(name)().decode(data, final)
+        except UnicodeDecodeError:
+            continue
+        return name
+    return "latin-1"
+
+
+def _looks_chinese(data: bytes) -> bool:
+    """Return whether bytes beyond ASCII come in pairs of GB 2312, and most are of its level 1."""
+    runs = _HIGH_BYTES.findall(data)
+    pairs = [run[k : k + 2] for run in runs for k in range(0, len(run) - 1, 2)]
+    fits = all(len(run) % 2 == 0 for run in runs) and all(
+        min(pair) >= 0xA1 and pair[0] <= 0xF7 for pair in pairs
+    )
+    return fits and sum(0xB0 <= pair[0] <= 0xD7 for pair in pairs) > 0.7 * len(pairs)
 
 
 def is_locked(path: Path) -> bool:

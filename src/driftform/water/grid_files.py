@@ -11,6 +11,7 @@ import numpy as np
 
 from driftform.errors import describe_error
 from driftform.types import BoolArray, FloatArray
+from driftform.util.files import find_encoding
 
 __all__ = ["VelocityGrid", "fill_nodes", "read_grid"]
 
@@ -98,7 +99,9 @@ def read_grid(path: Path) -> VelocityGrid:
 
 def _read_csv(path: Path) -> VelocityGrid:
     """Read a table with a header line, one node per row in any order."""
-    with path.open(encoding="utf-8-sig") as file:
+    with path.open("rb") as start:
+        encoding = find_encoding(start.read(65536))
+    with path.open(encoding=encoding, errors="replace") as file:
         names = [name.strip().strip('"') for name in file.readline().split(",")]
         try:
             with catch_warnings(action="ignore"):

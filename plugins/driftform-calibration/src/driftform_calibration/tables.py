@@ -16,6 +16,7 @@ import numpy as np
 
 from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
+from driftform.util import files
 
 TIMES = ("t", "time", "times", "seconds", "sec")
 FRAMES = ("frame", "frames", "frame_number", "step", "n")
@@ -72,13 +73,7 @@ def read_table(path: Path, target: str | None = None) -> TrackTable:
     InputError
         if it is no such file.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: is not a text file in UTF-8: export the track as CSV") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    rows = _split_rows(text)
+    rows = _split_rows(files.read_text(path))
     if not rows:
         raise InputError(f"{path}: is empty")
     if rows[0][0].lower() == "scorer":
