@@ -59,11 +59,11 @@ def test_drawings_are_up_to_date(docs: Path, name: str) -> None:
 def test_the_assembly_sheet_is_up_to_date(docs: Path) -> None:
     from driftform_frusta.kit_options import PartOptions
     from driftform_kit.sheet.contents import plan_sheet
-    from driftform_kit.sheet.drawing import sheet_svg
+    from driftform_kit.sheet.drawing import draw_pages
 
-    compare(
-        docs / "images" / "assembly-sheet.svg", sheet_svg(plan_sheet(job("float"), PartOptions(kit=True)))
-    )
+    pages = draw_pages(plan_sheet(job("float"), PartOptions(kit=True)))
+    for number, page in enumerate(pages, 1):
+        compare(docs / "images" / f"assembly-sheet-{number}.svg", page)
 
 
 def compare(path: Path, drawn: str) -> None:

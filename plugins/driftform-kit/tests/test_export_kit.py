@@ -21,7 +21,7 @@ Call = Callable[..., Any]
 def files(call: Call, *arguments: str, agent: str = LONG) -> list[dict[str, Any]]:
     """What the command says of files with parts; the assembly sheets are left out."""
     found: list[dict[str, Any]] = json.loads(call("export", agent, *arguments, "--json").stdout)["files"]
-    return [file for file in found if "-assembly." not in file["path"]]
+    return [file for file in found if "-assembly-" not in file["path"]]
 
 
 def test_each_part_gets_a_file_and_each_file_tells_of_the_kit(call: Call, tmp_path: Path) -> None:
@@ -54,8 +54,9 @@ def test_the_table_is_printed_once_for_all_files(call: Call, tmp_path: Path) -> 
 
 def test_the_assembly_sheet_is_written_once_for_all_formats(call: Call, tmp_path: Path) -> None:
     out = call("export", LONG, "--kit", "--format", "stl,3mf,glb", "--out", str(tmp_path)).stdout
-    [sheet] = tmp_path.glob("*.svg")
-    assert sheet.name.endswith("-assembly.svg") and out.count(sheet.name) == 1
+    pages = sorted(page.name for page in tmp_path.glob("*.svg"))
+    assert [page[-15:] for page in pages] == ["-assembly-1.svg", "-assembly-2.svg"]
+    assert [out.count(page) for page in pages] == [1, 1]
     call("export", LONG, "--format", "stl", "--out", str(tmp_path / "whole"))
     assert not list((tmp_path / "whole").glob("*.svg"))
 
@@ -141,7 +142,7 @@ def test_ballast_is_weighed_in_the_balance_of_the_kit(call: Call, tmp_path: Path
 
 def test_the_sheet_names_the_agent_as_it_was_opened(call: Call, tmp_path: Path) -> None:
     call("export", LONG[:20], "--kit", "--out", str(tmp_path))
-    [sheet] = tmp_path.glob("*.svg")
+    [sheet] = tmp_path.glob("*-assembly-2.svg")
     text = sheet.read_text(encoding="utf-8")
     assert f"driftform trim {LONG[:20]} --kit" in text and "AGENT" not in text
 

@@ -24,7 +24,7 @@ from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import make_parts
 from driftform_kit.sheet.contents import plan_sheet
-from driftform_kit.sheet.drawing import sheet_svg, wrap
+from driftform_kit.sheet.drawing import draw_pages, wrap
 
 NAMESPACE = "{http://www.w3.org/2000/svg}"
 A4 = (210.0, 297.0)
@@ -107,12 +107,13 @@ def test_the_shell_that_holds_more_of_the_core_takes_it_first():
 @given(BODIES)
 def test_drawings_have_the_scale_that_the_sheet_states(body):
     sheet = sheet_of(body)
-    root = ET.fromstring(sheet_svg(sheet))
+    root = ET.fromstring(draw_pages(sheet)[0])
     assert (root.get("width"), root.get("height")) == ("210mm", "297mm")
     mm = A4[0] / float(root.get("viewBox").split()[2])
     closed, printed = (
         tuple(float(n) for n in re.search(r"scale ([\d.]+) : ([\d.]+)", heading.text).groups())
-        for heading in find(root, "heading", "text")[:2]
+        for heading in find(root, "heading", "text")
+        if "scale" in heading.text
     )
     drawn = [numbers(path.get("d")) for path in find(root, "part")]
     half = len(drawn) // 2
@@ -131,16 +132,16 @@ def test_nothing_is_drawn_beside_the_page(body, options):
     except WorkFailedError as error:
         assert "no kit can be made" in str(error) or "can be made in the" in str(error)
         return
-    root = ET.fromstring(sheet_svg(sheet))
-    width, height = map(float, root.get("viewBox").split()[2:])
-    for path in root.iter(NAMESPACE + "path"):
-        points = numbers(path.get("d"))
-        assert (points >= 0).all() and (points <= (width, height)).all()
-    for text in root.iter(NAMESPACE + "text"):
-        size, x, y = (float(text.get(name)) for name in ("font-size", "x", "y"))
-        long = text_width(text.text, size, text.get("font-weight") is not None)
-        low = {"start": x, "middle": x - long / 2, "end": x - long}[text.get("text-anchor", "start")]
-        assert low >= 0 and low + long <= width and size <= y <= height, text.text
+    for root in map(ET.fromstring, draw_pages(sheet)):
+        width, height = map(float, root.get("viewBox").split()[2:])
+        for path in root.iter(NAMESPACE + "path"):
+            points = numbers(path.get("d"))
+            assert (points >= 0).all() and (points <= (width, height)).all()
+        for text in root.iter(NAMESPACE + "text"):
+            size, x, y = (float(text.get(name)) for name in ("font-size", "x", "y"))
+            long = text_width(text.text, size, text.get("font-weight") is not None)
+            low = {"start": x, "middle": x - long / 2, "end": x - long}[text.get("text-anchor", "start")]
+            assert low >= 0 and low + long <= width and size <= y <= height, text.text
 
 
 def weigh_meshes(body, **options):
@@ -176,19 +177,20 @@ def test_the_parts_are_printed_a_twentieth_lighter_than_the_simulated_agent_need
     assert f"lacks {1e3 * lack:.2f}\u00a0g" in sheet.remedy
     x = (wanted.mass * wanted.cog[0] - sheet.flow * moment) / lack - body.outer[0, 0]
     assert f"centred at {1e3 * x:.1f}\u00a0mm" in sheet.remedy
-    assert f"should weigh {1e3 * sheet.flow * printed:.2f}\u00a0g together" in sheet.steps[1]
-    assert f"more than {1e3 * (wanted.mass - 0.05):.2f}\u00a0g, print them again" in sheet.steps[1]
+    assert f"should weigh {1e3 * sheet.flow * printed:.2f}\u00a0g together" in sheet.steps[2]
+    assert f"more than {1e3 * (wanted.mass - 0.05):.2f}\u00a0g, print them again" in sheet.steps[2]
 
 
 def test_balls_of_ballast_have_the_letters_of_the_text_in_the_drawing():
     balls = [[0.05, 0.008], [-0.04, 0.006]]
-    root = ET.fromstring(sheet_svg(sheet_of(straight(6, 5), ballast=balls)))
+    page, _ = draw_pages(sheet_of(straight(6, 5), ballast=balls))
+    root = ET.fromstring(page)
     places = {circle.get("r"): float(circle.get("cx")) for circle in find(root, "ballast", "circle")}
     marks = {text.text: float(text.get("x")) for text in find(root, "number", "text")}
     aft, fore = sorted(places.values())
     assert marks["A"] == pytest.approx(aft, abs=22) and marks["B"] == pytest.approx(fore, abs=22)
     assert {"A", "B", "1", "2"} == set(marks)
-    rows = [text.text for text in root.iter(NAMESPACE + "text") if (text.text or "").startswith("ball ")]
+    rows = [text.text for text in root.iter(NAMESPACE + "text") if text.text in ("ball A", "ball B")]
     assert rows == ["ball A", "ball B"] and "…" not in ET.tostring(root, encoding="unicode")
 
 
@@ -212,11 +214,11 @@ def test_however_much_the_sheet_says_its_parts_are_drawn_to_a_scale_that_can_be_
     job = job_of(straight(22, 12, core="steel-20mm"))
     opened = "runs/pipe-inspection-12:TP10 --set builder.core=steel-20mm"
     named = ExportJob("pipe-inspection-12-TP10", job.agent, job.scenario, {}, opened)
-    drawn = sheet_svg(plan_sheet(named, PartOptions(kit=True, **options)))
-    for part, whole in re.findall(r"scale ([\d.]+) : ([\d.]+)", drawn):
+    pages = draw_pages(plan_sheet(named, PartOptions(kit=True, **options)))
+    for part, whole in re.findall(r"scale ([\d.]+) : ([\d.]+)", pages[0]):
         assert float(part) / float(whole) >= 1 / 5
-    root = ET.fromstring(drawn)
-    assert min(float(text.get("font-size")) for text in root.iter(NAMESPACE + "text")) >= 9
+    for root in map(ET.fromstring, pages):
+        assert min(float(text.get("font-size")) for text in root.iter(NAMESPACE + "text")) >= 9
 
 
 @pytest.mark.parametrize(("density", "name"), [(1050.0, "ABS, 1.05"), (1240.0, "1.24"), (1127.5, "1.127")])
@@ -246,10 +248,15 @@ def test_the_sheet_names_core_seal_and_holes():
     text = " ".join(ring.steps)
     assert "steel-20mm: ball of 20 mm, 32.80\u00a0g" in text
     assert "O-ring of 1.5\u00a0mm cord" in text and "glue" not in text
+    # Stretched by 5 and by 1 % round a bottom of 29.6 mm.
+    assert dict(ring.shopping)["O-rings"] == "1 of 1.5\u00a0mm cord, 28.2 to 29.3\u00a0mm inside, and grease"
     # The bore is 16 mm in radius; clearance and groove (0.8 cords less the clearance) are 1.2 mm deep together.
     assert "bottom 29.6\u00a0mm across" in text
     assert "holes of 2 mm at both ends" in text
-    glued = " ".join(sheet_of(straight(8, 8)).steps)
+    assert dict(ring.shopping)["glue"] == "epoxy or cyanoacrylate, for leaks"
+    sheet = sheet_of(straight(8, 8))
+    assert dict(sheet.shopping)["glue"] == "epoxy or cyanoacrylate, for 1 joint"
+    glued = " ".join(sheet.steps)
     assert "with glue all round" in glued and "O-ring" not in glued and "holes" not in glued
 
 
@@ -259,9 +266,9 @@ def test_every_format_writes_the_sheet_of_a_kit_and_none_without_a_kit(exporter,
     whole, kit = (exporter(PartOptions(kit=kit)) for kit in (False, True))
     assert not any("assembly" in file.path for file in whole.write(job, tmp_path / f"a{whole.suffix}"))
     written = kit.write(job, tmp_path / f"b{kit.suffix}")
-    [sheet] = [file for file in written if file.path.endswith("-assembly.svg")]
-    assert sheet.path == str(tmp_path / "b-assembly.svg")
-    assert "assembly sheet" in (tmp_path / "b-assembly.svg").read_text(encoding="utf-8")
+    pages = [tmp_path / f"b-assembly-{number}.svg" for number in (1, 2)]
+    assert [file.path for file in written if file.path.endswith(".svg")] == list(map(str, pages))
+    assert ["of 2" in page.read_text(encoding="utf-8") for page in pages] == [True, True]
 
 
 def test_print_settings_of_the_sheet_are_options():
@@ -287,7 +294,7 @@ def test_ballast_with_a_seat_goes_in_before_its_part_is_joined():
     assert f"into part {number} by its aft end" in sheet.steps[step]
     assert f"at {1e3 * (0.045 - sheet.kit.hull.skin[0, 0] / 1e3):.1f}\u00a0mm" in sheet.steps[step]
 
-    root = ET.fromstring(sheet_svg(sheet))
+    root = ET.fromstring(draw_pages(sheet)[0])
     [ball], [core] = find(root, "ballast", "circle"), find(root, "core", "circle")
     assert float(ball.get("r")) / float(core.get("r")) == pytest.approx(4 / 10, rel=1e-2)
     assert (float(ball.get("cx")) - float(core.get("cx"))) / float(core.get("r")) == pytest.approx(
@@ -298,14 +305,16 @@ def test_ballast_with_a_seat_goes_in_before_its_part_is_joined():
 def test_a_sheet_is_written_as_svg_and_without_the_extra_as_nothing_else(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "cairosvg", None)
     files = StlExporter(PartOptions(kit=True)).write(job_of(straight(3, 2)), tmp_path / "a.stl")
-    assert [file.path for file in files if "assembly" in file.path] == [str(tmp_path / "a-assembly.svg")]
+    pages = [str(tmp_path / f"a-assembly-{number}.svg") for number in (1, 2)]
+    assert [file.path for file in files if "assembly" in file.path] == pages
 
 
 @pytest.mark.peers
-def test_with_the_extra_it_is_a_page_of_a4_as_pdf_too(tmp_path):
+@pytest.mark.parametrize("number", [1, 2])
+def test_with_the_extra_each_page_is_one_of_a4_as_pdf_too(tmp_path, number):
     pytest.importorskip("cairosvg")
     StlExporter(PartOptions(kit=True)).write(job_of(straight(3, 2)), tmp_path / "a.stl")
-    data = (tmp_path / "a-assembly.pdf").read_bytes()
+    data = (tmp_path / f"a-assembly-{number}.pdf").read_bytes()
     assert data.startswith(b"%PDF-")
     [box] = re.findall(rb"/MediaBox \[ ([\d. ]+) \]", data)
     points = 72 / 25.4
@@ -369,7 +378,7 @@ def test_with_their_ballast_the_parts_of_the_sheet_weigh_and_balance_as_simulate
 def test_ballast_that_is_heavier_than_the_hull_is_told_and_no_flow_advised():
     sheet = sheet_of(straight(3, 8), ballast=[[-0.05, 0.0185]])
     assert "no flow makes up for that" in sheet.remedy and "%" not in sheet.remedy
-    assert sheet.flow == 1 and "should weigh" not in sheet.steps[1]
+    assert sheet.flow == 1 and "should weigh" not in " ".join(sheet.steps)
 
 
 def test_everything_goes_in_before_anything_is_closed():
@@ -382,6 +391,7 @@ def test_everything_goes_in_before_anything_is_closed():
     order = (
         "Print the parts",
         "While part",
+        "Test each part",
         "Weigh the loose",
         "Trim",
         "Put ball",
@@ -393,7 +403,7 @@ def test_everything_goes_in_before_anything_is_closed():
     [held] = [held for held in sheet.kit.ballast if held.mouth is None]
     [part] = [part for part in sheet.parts if part.place == held.part]
     inside = 1e3 * math.pi / 6 * 11_340 * 0.010**3
-    assert f"Take {inside:.2f}\u00a0g off part {part.number} for ball B inside." in sheet.steps[2]
+    assert f"Take {inside:.2f}\u00a0g off part {part.number} for ball B inside." in sheet.steps[3]
 
 
 def test_the_sheet_has_the_command_that_trims_this_agent_and_one_origin_of_positions():
@@ -406,7 +416,7 @@ def test_the_sheet_has_the_command_that_trims_this_agent_and_one_origin_of_posit
     assert f"driftform trim runs/r1:TP5 --kit {options} --printed-mass KG," in trim
     assert f"core's centre, which is at {-1e3 * body.outer[0, 0]:.1f}\u00a0mm" in trim
     assert "from the aft end" not in " ".join((*sheet.steps, sheet.remedy))
-    assert sheet_svg(sheet).count("from the aft end") == 1
+    assert "".join(draw_pages(sheet)).count("from the aft end") == 1
 
 
 def test_a_tall_part_on_a_small_foot_is_printed_with_a_brim():
@@ -416,3 +426,41 @@ def test_a_tall_part_on_a_small_foot_is_printed_with_a_brim():
     sheet = sheet_of(slim)
     number = next(part.number for part in sheet.parts if part.piece.name == "fore shell")
     assert f"Print part {number} with a brim" in sheet.steps[0]
+
+
+def test_the_first_box_lists_what_to_get():
+    body = straight(6, 5, core="steel-20mm")
+    sheet = sheet_of(body, ballast=[[0.05, 0.008], [-0.04, 0.006]])
+    root = ET.fromstring(draw_pages(sheet)[0])
+    first = next(text.text for text in find(root, "heading", "text"))
+    assert first == "To get" and [name for name, _ in sheet.shopping] == [
+        "core",
+        "filament",
+        "glue",
+        "ballast",
+        "scale",
+    ]
+    shopping = dict(sheet.shopping)
+    grams = 1.1e3 * sum(part.mass for part in sheet.parts)
+    assert grams <= float(shopping["filament"].split("\u00a0")[0]) < grams + 1
+    assert shopping["core"].startswith("steel-20mm") and "ball B, a lead ball of 8.00" in shopping["ballast"]
+    assert int(shopping["scale"].split()[1]) > 1e3 * sheet.target.mass
+    # Trim computes ballast that is not known yet.
+    light = sheet_of(straight(6, 4))
+    assert re.search(r"lacks ([\d.]+)", light.remedy).group(1) in dict(light.shopping)["ballast"]
+
+
+def test_each_step_has_a_drawing_of_the_parts_that_it_names():
+    body = straight(22, 12, core="steel-20mm")
+    sheet = sheet_of(body, ballast=[[-0.06, 0.006]], bed=(0.22, 0.22, 0.12), drain=0.002)
+    assert len(sheet.steps) == len(sheet.scenes) == len(set(sheet.scenes))
+    root = ET.fromstring(draw_pages(sheet)[1])
+    rules = [numbers(path.get("d"))[0, 1] for path in find(root, "rule")]
+    shapes = [numbers(path.get("d"))[:, 1].mean() for path in find(root, "scene")]
+    marks = [(float(text.get("y")), text.text) for text in find(root, "number", "text")]
+    for low, high, scene, step in zip([0.0, *rules], rules, sheet.scenes, sheet.steps, strict=False):
+        assert any(low < y < high for y in shapes), scene
+        drawn = {mark for y, mark in marks if low < y < high}
+        assert set(re.findall(r"[Pp]art (\d)", step)) <= drawn or scene == "test", scene
+        if scene.startswith("join"):
+            assert drawn == {str(n) for n in range(1, int(scene[-1]) + 1)}

@@ -182,7 +182,9 @@ def _export_agent(run: Run, agent: Agent, stored: Sequence[StoredAgent]) -> Expo
     exporters = [run.study.make_exporter(name) for name in run.study.run.formats]
     exported: Exports = {}
     for best in stored:
-        job = ExportJob("agent", agent, run.study.scenario, best.document())
+        job = ExportJob(
+            "agent", agent, run.study.scenario, best.document(), f"{run.path}:{best.result['target']}"
+        )
         files, problems = exported.setdefault(best.result["target"], ([], []))
         for exporter in exporters:
             path = run.path / "best" / best.result["target"] / f"agent{exporter.suffix}"

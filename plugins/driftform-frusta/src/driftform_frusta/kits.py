@@ -33,8 +33,8 @@ class KitMaker(Protocol):
     def list_facts(self, job: ExportJob, options: PartOptions) -> dict[str, Any]:
         """Return how a kit balances, as facts of its files."""
 
-    def draw_sheet(self, job: ExportJob, options: PartOptions, name: str) -> str:
-        """Return the assembly sheet of a kit in the format ``name``, as SVG."""
+    def draw_sheet(self, job: ExportJob, options: PartOptions, name: str) -> tuple[str, ...]:
+        """Return the pages of the assembly sheet of a kit in the format ``name``, as SVG."""
 
 
 @cache

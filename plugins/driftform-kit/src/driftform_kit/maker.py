@@ -47,9 +47,9 @@ def _make_part(piece: Piece, lift: float, segments: int) -> Part:
     )
 
 
-def draw_sheet(job: ExportJob, options: PartOptions, name: str) -> str:
-    """Return the assembly sheet of a kit in the format ``name``, as SVG."""
+def draw_sheet(job: ExportJob, options: PartOptions, name: str) -> tuple[str, ...]:
+    """Return the pages of the assembly sheet of a kit in the format ``name``, as SVG."""
     from driftform_kit.sheet.contents import plan_sheet
-    from driftform_kit.sheet.drawing import sheet_svg
+    from driftform_kit.sheet.drawing import draw_pages
 
-    return sheet_svg(plan_sheet(job, options, name))
+    return draw_pages(plan_sheet(job, options, name))

@@ -1,7 +1,8 @@
 """``driftform trim``."""
 
 import shlex
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
@@ -10,7 +11,15 @@ from driftform.cli import options
 if TYPE_CHECKING:
     from driftform.interfaces import Fitness
     from driftform_kit.trim import Balls
-    from driftform_kit.trim_words import Commands
+
+Commands: TypeAlias = "Callable[[Balls, float], tuple[str, str]]"
+"""Writes the commands that export the kit with balls of a density (kg/m3), and trim it then."""
+
+_NO_MOMENT = 1e-9
+"""Moment of ballast that counts as zero, kg m: a thousandth of a gram millimetre."""
+
+_NEAR = 5e-5
+"""m: ballast lies where it should if it is off by less than this; nobody can lay it more accurately."""
 
 
 def trim(
@@ -93,20 +102,21 @@ def trim(
     _print(facts, design.pipeline.fitness, write)
 
 
-def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: "Commands") -> None:
+def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: Commands) -> None:
     from driftform.cli import output
-    from driftform_kit.trim_words import describe_place, describe_remedy
 
     aft = facts["aft_end"]
-    source = {
+    sources = {
         "measured": "",
-        "hull": "; not measured: where the hull's material has it",
-        "kit": "; not measured: where the parts of the kit have it",
-    }[facts["cog_source"]]
-    masses = [
-        (case, f"{1000 * facts[f'{case}_mass']:.3f} g", describe_place(facts[f"{case}_cog"], aft) + remark)
-        for case, remark in (("simulated", ""), ("printed", source))
-    ]
+        "hull": "where the hull's material has it",
+        "kit": "where the parts of the kit have it",
+    }
+    source = sources[facts["cog_source"]]
+    masses = []
+    for case, remark in (("simulated", ""), ("printed", f"; not measured: {source}" if source else "")):
+        mass, x = (facts[f"{case}_{what}"] for what in ("mass", "cog"))
+        place = f"x {1000 * x:+.2f} mm, {1000 * (x - aft):.2f} mm from the aft end{remark}"
+        masses.append((case, f"{1000 * mass:.3f} g", place))
     output.print_table(("", "mass", "centre of gravity"), masses, right=(1,))
     print()
     for line in describe_remedy(facts, commands):
@@ -116,11 +126,10 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: "Commands")
     # A failed flight costs its column, not the others.
     columns = {name: facts[name] or {} for name in names}
     targets = list(dict.fromkeys(target for column in columns.values() for target in column))
-    cells = {
-        name: [f"{fitness.measure(column[target]):.3f}" if column else "-" for target in targets]
-        for name, column in columns.items()
-    }
-    rows = zip(targets, *cells.values(), strict=True)
+    rows = [
+        (target, *(f"{fitness.measure(c[target]):.3f}" if c else "-" for c in columns.values()))
+        for target in targets
+    ]
     output.print_table(("target", *names), rows, right=range(1, 1 + len(names)))
     for name in names:
         end = facts["ends"][name]
@@ -129,3 +138,30 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: "Commands")
         print(
             f"{name:9}  {failed}{end['reason']} after {end['t']:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m"
         )
+
+
+def describe_remedy(facts: dict[str, Any], commands: Commands) -> list[str]:
+    """Return what is to be done by the document of ``driftform trim``, one line each."""
+    from driftform_kit.ballast import MATERIALS, NEGLIGIBLE, PUTTY, ball_diameter, name_material
+    from driftform_kit.templates import fill_template
+
+    held, density, off = facts["held"], facts["ballast_density"], facts["residual_moment"]
+    export, trim = commands(tuple((round(b["x"], 5), round(b["diameter"], 5)) for b in held), density)
+    paused = (
+        piece["mass"] for piece, b in zip(facts["pieces"], held, strict=False) if b["pause"] is not None
+    )
+    return fill_template(
+        "trim.txt",
+        **facts,
+        negligible=NEGLIGIBLE,
+        no_moment=_NO_MOMENT,
+        exact=off is not None and abs(off) < _NEAR * facts["ballast_mass"],
+        material=name_material(density),
+        materials=MATERIALS,
+        putty=PUTTY,
+        ball_diameter=ball_diameter,
+        seats=dict.fromkeys(b["part"] for b in (*facts["misfits"], *held) if b["held_by"] == "seat"),
+        inside=sum(paused),
+        export=export,
+        trim=trim,
+    )

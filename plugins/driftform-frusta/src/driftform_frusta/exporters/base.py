@@ -32,7 +32,7 @@ class PartExporter(Exporter[PartOptions]):
         """Yield the files of the parts; ``path`` is that of the first."""
 
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the files of the format, and a kit's assembly sheet: as SVG, and as PDF if the extra ``pdf`` is installed.
+        """Write the files of the format, and each page of a kit's assembly sheet: as SVG, and as PDF with the extra ``pdf``.
 
         Facts of a solid: ``volume_mm3``, ``mass_kg``, ``size_mm`` and ``shells``; of several in one file, the sums and the
         ``parts``. Of a mesh also its ``triangles``, and ``watertight``: it is checked after rounding to the single precision
@@ -55,12 +55,12 @@ class PartExporter(Exporter[PartOptions]):
         facts = find_maker().list_facts(job, self.options) if self.options.kit else {}
         written = [WrittenFile(self.name, str(target), own | facts) for target, _, own in made]
         if self.options.kit:
-            sheet = path.with_name(f"{path.stem}-assembly.svg")
-            drawn = find_maker().draw_sheet(job, self.options, self.name)
-            for target, page in ((sheet, drawn), (sheet.with_suffix(".pdf"), _make_pdf(drawn))):
-                if page is not None:
-                    save(target, page)
-                    written.append(WrittenFile(self.name, str(target)))
+            for number, drawn in enumerate(find_maker().draw_sheet(job, self.options, self.name), 1):
+                sheet = path.with_name(f"{path.stem}-assembly-{number}.svg")
+                for target, page in ((sheet, drawn), (sheet.with_suffix(".pdf"), _make_pdf(drawn))):
+                    if page is not None:
+                        save(target, page)
+                        written.append(WrittenFile(self.name, str(target)))
         return tuple(written)
 
 

@@ -1,6 +1,6 @@
 """Checks of the meshes themselves: from closedness to the best orientation on the bed."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, TypeAlias
 
@@ -103,9 +103,12 @@ class MeshChecker(Checker[MeshOptions]):
         studied = [analyse_part(part) for part in parts]
         unit = _check_unit(parts)
         yield Finding("unit", *unit)
-        yield Finding("duplicate faces", *_check_copies(studied))
-        yield Finding("closed", *_check_closed(studied))
-        yield Finding("oriented", *_check_oriented(studied))
+        count = sum(len(part.triangles) for part in parts)
+        yield Finding(
+            "duplicate faces", *_judge(studied, _describe_copies, f"no copies among {count} triangles")
+        )
+        yield Finding("closed", *_judge(studied, _describe_edges, "every edge has two faces"))
+        yield Finding("oriented", *_judge(studied, _describe_flipped, "neighbours face the same way"))
         yield Finding("shells", *_check_shells(studied, job))
         if unit[0] is State.FAIL:
             for check in ("mass", "wall", "bed", "standing", "slender"):
@@ -224,73 +227,56 @@ def _check_unit(parts: Sequence[Mesh]) -> Verdict:
     return State.PASS, f"mm: {largest:.2f} mm at its largest"
 
 
-def _join_faults(studied: Sequence[AnalysedPart], faults: Sequence[str]) -> str:
-    """Return the faults of the parts in one line, each with the name of its part if there are several."""
-    named = zip(studied, faults, strict=True)
-    return "; ".join(
-        f"{one.part.name}: {fault}" if len(studied) > 1 else fault for one, fault in named if fault
-    )
+def _judge(studied: Sequence[AnalysedPart], find: Callable[[AnalysedPart], str], passed: str) -> Verdict:
+    """Fail with the faults of the parts, each with the name of its part if there are several."""
+    faults = [(one.part.name, fault) for one in studied if (fault := find(one))]
+    if faults:
+        return State.FAIL, "; ".join(
+            f"{name}: {fault}" if len(studied) > 1 else fault for name, fault in faults
+        )
+    return State.PASS, passed
 
 
 def _count(count: int, what: str, plural: str = "") -> str:
     return f"{count} {what if count == 1 else plural or what + 's'}"
 
 
-def _check_copies(studied: Sequence[AnalysedPart]) -> Verdict:
-    faults = [
-        f"{_count(one.topology.copies, 'triangle')} twice" if one.topology.copies else "" for one in studied
-    ]
-    if message := _join_faults(studied, faults):
-        return State.FAIL, f"{message}: remove the copies"
-    count = sum(len(one.part.triangles) for one in studied)
-    return State.PASS, f"no copies among {count} triangles"
+def _describe_copies(one: AnalysedPart) -> str:
+    return f"{_count(copies, 'triangle')} twice: remove the copies" if (copies := one.topology.copies) else ""
 
 
-def _check_closed(studied: Sequence[AnalysedPart]) -> Verdict:
-    faults = []
-    for one in studied:
-        t = one.topology
-        found = []
-        if t.open_edges:
-            found.append(
-                f"{_count(t.open_edges, 'open edge')} round {_count(t.holes, 'hole')}: faces are missing"
-            )
-        if t.crowded_edges:
-            found.append(f"{_count(t.crowded_edges, 'edge')} of three faces or more")
-        faults.append(", ".join(found))
-    if message := _join_faults(studied, faults):
-        return State.FAIL, message
-    return State.PASS, "every edge has two faces"
+def _describe_edges(one: AnalysedPart) -> str:
+    t = one.topology
+    missing = f"{_count(t.open_edges, 'open edge')} round {_count(t.holes, 'hole')}: faces are missing"
+    crowded = f"{_count(t.crowded_edges, 'edge')} of three faces or more"
+    return ", ".join([missing] * bool(t.open_edges) + [crowded] * bool(t.crowded_edges))
 
 
-def _check_oriented(studied: Sequence[AnalysedPart]) -> Verdict:
-    faults = [
-        f"{_count(one.topology.flipped, 'face')} turned against the rest" if one.topology.flipped else ""
-        for one in studied
-    ]
-    if message := _join_faults(studied, faults):
-        return State.FAIL, message
-    return State.PASS, "neighbours face the same way"
+def _describe_flipped(one: AnalysedPart) -> str:
+    return f"{_count(flipped, 'face')} turned against the rest" if (flipped := one.topology.flipped) else ""
 
 
 def _check_shells(studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
     if not all(one.shells for one in studied):
         return State.SKIPPED, "a mesh that is not closed and oriented has no inside"
-    faults = [_describe_turned(one.shells) for one in studied]
-    if message := _join_faults(studied, faults):
-        return State.FAIL, message
+    outside = "an outside" if len(studied) == 1 else f"{len(studied)} outsides"
+    hollows = sum(shell.hollow for one in studied for shell in one.shells)
+    passed = f"{outside} and {_count(hollows, 'hollow')}, each facing the right way"
+    turned = _judge(studied, lambda one: _describe_turned(one.shells), passed)
+    if turned[0] is State.FAIL:
+        return turned
     if job.export is not None and len(studied) == 1 and _is_whole(job):
         expected = 1 + bool(len(job.export.agent.body.cavity))
         count = len(studied[0].shells)
         if count != expected:
             return State.FAIL, f"{_count(count, 'shell')}, but the hull of the agent has {expected}"
-    loose = [sum(not shell.hollow for shell in one.shells) - 1 for one in studied]
-    faults = [f"{_count(n + 1, 'piece')} that do not touch" if n else "" for n in loose]
-    if message := _join_faults(studied, faults):
-        return State.WARN, message
-    hollows = sum(shell.hollow for one in studied for shell in one.shells)
-    outside = "an outside" if len(studied) == 1 else f"{len(studied)} outsides"
-    return State.PASS, f"{outside} and {_count(hollows, 'hollow')}, each facing the right way"
+    state, message = _judge(studied, _describe_loose, passed)
+    return State.WARN if state is State.FAIL else state, message
+
+
+def _describe_loose(one: AnalysedPart) -> str:
+    pieces = sum(not shell.hollow for shell in one.shells)
+    return f"{pieces} pieces that do not touch" if pieces > 1 else ""
 
 
 def _is_whole(job: PrintJob) -> bool:

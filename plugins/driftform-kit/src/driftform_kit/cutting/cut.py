@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import itemgetter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -196,35 +198,22 @@ def _cut_side(hull: Hull, first: Joint, side: int, height: float, options: KitOp
         joints = [joint for joint in joints if joint not in loose]
 
 
-@dataclass(frozen=True)
-class _Way:
-    """Cuts from the core outward: how many of them are slim, the highest part that they leave, and where the next begins.
-
-    A part that follows a cut begins with its plug.
-    """
+class _Way(NamedTuple):
+    """Cuts from the core outward: how many of them are slim, the highest part that they leave, and where the next begins."""
 
     slim: int
     highest: float
     joints: tuple[Joint, ...]
     begin: float
 
-    def rank(self) -> tuple[int, float]:
-        """Key to sort ways of equally many cuts by: the best has the least."""
-        return self.slim, self.highest
-
-    def takes(self, joint: Joint, height: float, margin: float) -> bool:
+    def takes(self, z: float, height: float, margin: float) -> bool:
         """Return whether a joint can follow: the part before it is not too high, and has room for both its joints."""
-        z = abs(joint.z)
         return z - self.begin <= height and (not self.joints or z - abs(self.joints[-1].z) >= margin)
 
-    def cut(self, joint: Joint, slim: bool) -> "_Way":
-        """Return this way with one cut more."""
-        z = abs(joint.z)
-        return _Way(self.slim + slim, max(self.highest, z - self.begin), (*self.joints, joint), z - joint.lap)
-
-    def close(self, end: float) -> "_Way":
-        """Return this way with the last part, which ends the hull."""
-        return _Way(self.slim, max(self.highest, end - self.begin), self.joints, end)
+    def add(self, z: float, joints: tuple[Joint, ...] = (), slim: bool = False) -> "_Way":
+        """Return this way with a part more, which ends at ``z``; the next begins with its plug."""
+        lap = sum(joint.lap for joint in joints)
+        return _Way(self.slim + slim, max(self.highest, z - self.begin), (*self.joints, *joints), z - lap)
 
 
 def _choose_fewest(
@@ -234,25 +223,22 @@ def _choose_fewest(
 
     Heights are counted outward. Ways of one cut are made first, then those of two, until one leaves no part too high.
     """
-    ways, left = [_Way(0, 0.0, (), start)], list(joints)
+    ways, left, best = [_Way(0, 0.0, (), start)], list(joints), itemgetter(0, 1)
     while ways:
-        before = [[way for way in ways if way.takes(joint, height, margin)] for joint in left]
-        reached = [(joint, found) for joint, found in zip(left, before, strict=True) if found]
-        last = [(joint, found) for joint, found in reached if end - (abs(joint.z) - joint.lap) <= height]
-        ways = [_take_best(hull, found, joint) for joint, found in last or reached]
-        if last:
-            return min((way.close(end) for way in ways), key=_Way.rank).joints
-        left = [joint for joint, found in zip(left, before, strict=True) if not found]
+        reached, beyond = list[_Way](), list[Joint]()
+        for joint in left:
+            z, slim = abs(joint.z), plug_bore(hull, joint) < SLIM_BORE
+            if found := [way.add(z, (joint,), slim) for way in ways if way.takes(z, height, margin)]:
+                reached.append(min(found, key=best))
+            else:
+                beyond.append(joint)
+        if last := [way.add(end) for way in reached if end - way.begin <= height]:
+            return min(last, key=best).joints
+        ways, left = reached, beyond
     raise WorkFailedError(
         f"no kit can be made: the {what} side is {end - start:.1f} mm long, the bed takes {height:g} mm, and too "
         "few joints of modules have room for a sleeve to cut it into parts that fit"
     )
-
-
-def _take_best(hull: Hull, ways: Sequence[_Way], joint: Joint) -> _Way:
-    """The best of some ways with a joint that follows them."""
-    slim = plug_bore(hull, joint) < SLIM_BORE
-    return min((way.cut(joint, slim) for way in ways), key=_Way.rank)
 
 
 def _name_side(side: int) -> str:

@@ -82,6 +82,10 @@ class Hull:
         """Largest radius of the outer contour."""
         return float(self.skin[:, 1].max())
 
+    def skin_radius(self, z: float) -> float:
+        """Radius of the outer contour at one height, mm."""
+        return float(np.interp(z, self.skin[:, 0], self.skin[:, 1]))
+
     def room(self, gap: float) -> float:
         """Radius that the core needs, mm: with a gap all round if the hull itself leaves one."""
         return min(self.core + gap, self.bore_at(0.0))

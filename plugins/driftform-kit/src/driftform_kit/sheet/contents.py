@@ -1,5 +1,7 @@
 """Kit -> what its assembly sheet says: parts in the order of assembly, weights, steps."""
 
+import math
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,13 +11,14 @@ from driftform.types import MassProperties
 from driftform_frusta.cores import CUSTOM, name_core
 from driftform_frusta.kit_options import PartOptions
 from driftform_kit.ballast import name_material
-from driftform_kit.cutting.accounting import KitWeight, held_mass, measure_flooding, piece_mass, weigh_kit
+from driftform_kit.cutting.accounting import held_mass, measure_flooding, piece_mass, weigh_kit
 from driftform_kit.cutting.held_ballast import HeldBall
 from driftform_kit.cutting.joint import Joint, groove_diameter, takes_core_aft
 from driftform_kit.cutting.meridian import MM, Ring
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
 from driftform_kit.cutting.upright import needs_brim, overhang_area
 from driftform_kit.settings import list_arguments
+from driftform_kit.templates import fill_template
 
 _LEAST_OVERHANG = 10.0
 """mm2 of overhang that need no mention: a printer bridges them."""
@@ -28,6 +31,9 @@ _ABS = 1050.0
 
 _SAME_FILAMENT = 0.01
 """Share by which the density of ABS may differ."""
+
+_STRETCH = 0.01, 0.05
+"""Least and most by which an O-ring is stretched round its groove (Apple Rubber, Seal Design Guide, "Dimensional considerations")."""
 
 _NEGLIGIBLE = 5e-6
 """kg: half of the last digit of a weight on the sheet."""
@@ -54,6 +60,16 @@ class SheetPart:
         return tuple(ring * (1.0, up) - (0.0, lowest) for ring in self.piece.rings)
 
     @property
+    def hangs(self) -> bool:
+        """Whether its overhang is worth mentioning."""
+        return self.overhang > _LEAST_OVERHANG
+
+    @property
+    def needs_brim(self) -> bool:
+        """Whether its foot is too small for its height."""
+        return needs_brim(self.piece.rings, self.piece.fore_down)
+
+    @property
     def size(self) -> tuple[float, float]:
         """Diameter and height, mm."""
         points = np.concatenate(self.printed)
@@ -61,10 +77,25 @@ class SheetPart:
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
-    """What an assembly sheet says, with the parts in the order of assembly, and a paragraph for each of the ``steps``.
+class SheetBall:
+    """A ball of ballast: the letter that marks it, from aft to fore, the number of its part, its mass (kg), and its way in.
 
-    Positions are counted from the ``aft`` end, which is given in mm from the core's centre. The parts are to be printed with
+    It goes in by a ``mouth``, or by a pause of the printer at a height of ``pause``, mm.
+    """
+
+    mark: str
+    number: int
+    mass: float
+    held: HeldBall
+    mouth: Joint | None
+    pause: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """What an assembly sheet says, with the parts in the order of assembly.
+
+    ``steps`` has a paragraph for each, and ``scenes`` what is drawn beside it, such as ``join 2``. Positions are counted from the ``aft`` end, which is given in mm from the core's centre. The parts are to be printed with
     the ``flow``, a share of the full one, with which they weigh what volume and density give; the rows of ``weights`` have a
     mass with either, kg. ``target`` is what was simulated, and the ``remedy`` makes the closed kit weigh and balance like it.
     """
@@ -72,6 +103,7 @@ class Sheet:
     title: str
     kit: Kit
     parts: tuple[SheetPart, ...]
+    balls: tuple[SheetBall, ...]
     core: str
     aft: float
     target: MassProperties
@@ -79,37 +111,48 @@ class Sheet:
     weights: tuple[tuple[str, float, float], ...]
     remedy: str
     steps: tuple[str, ...]
+    scenes: tuple[str, ...]
     settings: tuple[tuple[str, str], ...]
+    shopping: tuple[tuple[str, str], ...]
+
+    @property
+    def bounds(self) -> list[float]:
+        """Ends of the parts, from aft to fore, mm from the core's centre."""
+        return [self.aft, *(joint.z for joint in self.kit.joints), float(self.kit.hull.skin[-1, 0])]
 
 
 def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> Sheet:
     """Return the contents of the sheet of a job's kit, which was written in a format."""
-    body = job.agent.body
+    body, target = job.agent.body, job.agent.mass
     kit = make_kit(body, options)
     parts = _number_parts(kit, body.hull_density)
-    core = f"ball of {2 * MM * body.core.radius:g} mm, {_grams(body.core.mass)}"
+    balls = _mark_balls(kit, parts, options)
+    core = f"ball of {2 * MM * body.core.radius:g} mm, {1000 * body.core.mass:.2f}{_NBSP}g"
     if (name := name_core(body.core)) != CUSTOM:
         core = f"{name}: {core}"
-    aft = MM * float(body.outer[0, 0])
-    target, printed = job.agent.mass, weigh_kit(job.agent, kit, options)
-    balls = [(f"ball {name_mark(held, kit)}", held_mass(held, options)) for held in kit.ballast]
-    weights = (
-        *((f"{part.number}  {part.piece.name}", part.mass, printed.flow * part.mass) for part in parts),
-        *((name, mass, mass) for name, mass in [("core", body.core.mass), *balls]),
-        ("closed kit", printed.closed(1.0)[0], printed.closed(printed.flow)[0]),
-        ("as simulated", target.mass, target.mass),
-    )
+    printed = weigh_kit(job.agent, kit, options)
+    bought = [("core", body.core.mass), *((f"ball {ball.mark}", ball.mass) for ball in balls)]
+    (_, remedy), *texts = _write_texts(job, options, format, kit, parts, balls, core)
+    get = "get "
     return Sheet(
         title=job.name,
         kit=kit,
         parts=parts,
+        balls=balls,
         core=core,
-        aft=aft,
+        aft=MM * float(body.outer[0, 0]),
         target=target,
         flow=printed.flow,
-        weights=weights,
-        remedy=_describe_remedy(target, printed, aft),
-        steps=tuple(_Writer(job, kit, parts, core, printed, options, format).list_steps()),
+        weights=(
+            *((f"{part.number}  {part.piece.name}", part.mass, printed.flow * part.mass) for part in parts),
+            *((name, mass, mass) for name, mass in bought),
+            ("closed kit", printed.closed(1.0)[0], printed.closed(printed.flow)[0]),
+            ("as simulated", target.mass, target.mass),
+        ),
+        remedy=remedy,
+        steps=tuple(text for key, text in texts if not key.startswith(get)),
+        scenes=tuple(key for key, _ in texts if not key.startswith(get)),
+        shopping=tuple((key.removeprefix(get), text) for key, text in texts if key.startswith(get)),
         settings=(
             ("layer height", f"{MM * options.layer_height:g} mm"),
             ("perimeters", f"{options.perimeters}"),
@@ -134,8 +177,13 @@ def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
     )
 
 
-def _grams(mass: float) -> str:
-    return f"{1000 * mass:.2f}{_NBSP}g"
+def _mark_balls(kit: Kit, parts: tuple[SheetPart, ...], options: PartOptions) -> tuple[SheetBall, ...]:
+    numbers = {part.place: part.number for part in parts}
+    mouths = [None if held.mouth is None else kit.joints[held.mouth] for held in kit.ballast]
+    return tuple(
+        SheetBall(mark, numbers[held.part], held_mass(held, options), held, mouth, kit.find_pause(held))
+        for mark, held, mouth in zip("AB", kit.ballast, mouths, strict=False)
+    )
 
 
 def name_filament(density: float) -> str:
@@ -144,174 +192,61 @@ def name_filament(density: float) -> str:
     return f"{named}{density / 1000:.4g}{_NBSP}g/cm³"
 
 
-def name_mark(held: HeldBall, kit: Kit) -> str:
-    """Return the letter of a ball of ballast, from aft to fore; parts have numbers."""
-    return "AB"[kit.ballast.index(held)]
-
-
-def _describe_remedy(target: MassProperties, printed: KitWeight, aft: float) -> str:
-    """What makes the closed kit weigh and balance as simulated."""
-
-    def place(mass: float, moment: float) -> str:
-        return f"{MM * moment / mass - aft:.1f}{_NBSP}mm"
-
-    if printed.most <= 0:
-        return (
-            f"Core and ballast alone weigh {_grams(-printed.most)} more than the agent as simulated: no flow makes up for "
-            "that. Take smaller balls."
-        )
-    less = f"{100 * (1 - printed.flow):.1f}{_NBSP}% less"
+def _write_texts(
+    job: ExportJob,
+    options: PartOptions,
+    format: str,
+    kit: Kit,
+    parts: tuple[SheetPart, ...],
+    balls: tuple[SheetBall, ...],
+    core: str,
+) -> list[tuple[str, str]]:
+    """Keys and paragraphs of the sheet: the remedy, what to get, and the steps in an order that can be done."""
+    body, target, printed = job.agent.body, job.agent.mass, weigh_kit(job.agent, kit, options)
+    aft, wanted = MM * float(body.outer[0, 0]), float(target.mass * target.cog[0])
     mass, moment = printed.closed(printed.flow)
-    wanted = float(target.mass * target.cog[0])
-    lack = target.mass - mass
-    if lack >= _NEGLIGIBLE:
-        lacking = f"the closed kit lacks {_grams(lack)}, centred at {place(lack, wanted - moment)}"
-        start = f"With {less} flow {lacking}" if printed.flow < 1 else lacking.capitalize()
-        return f"{start}: add it as ballast, which trim computes from what the print weighs."
-    places = place(mass, moment), place(target.mass, wanted)
-    balance = f"balances at {places[0]}, " + (
-        "as simulated." if places[0] == places[1] else f"and at {places[1]} as simulated."
-    )
-    if printed.flow > 1 - 5e-4:
-        return f"The closed kit weighs what was simulated. It {balance}"
-    return (
-        f"The ballast is for parts that weigh {_grams(printed.flow * printed.mass)} together, {less} than at full flow. "
-        f"With them the closed kit weighs what was simulated, and {balance}"
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class _Writer:
-    """Writes the steps of an assembly, in an order that can be done: what is closed or glued is not opened again."""
-
-    job: ExportJob
-    kit: Kit
-    parts: tuple[SheetPart, ...]
-    core: str
-    printed: KitWeight
-    options: PartOptions
-    format: str
-
-    @property
-    def aft(self) -> float:
-        return MM * float(self.job.agent.body.outer[0, 0])
-
-    def list_steps(self) -> list[str]:
-        kit, parts, options = self.kit, self.parts, self.options
-        body, target = self.job.agent.body, self.job.agent.mass
-        by_place = {part.place: part for part in parts}
-        enclosed = sorted(
-            (held for held in kit.ballast if held.mouth is None), key=lambda held: kit.find_pause(held) or 0
-        )
-        # Of two balls that go in by one mouth, the deeper one is first.
-        inserted = sorted(
-            ((kit.joints[held.mouth], held) for held in kit.ballast if held.mouth is not None),
-            key=lambda pair: -abs(pair[1].ball.z - pair[0].z),
-        )
-        numbers = {held: by_place[held.part].number for held in kit.ballast}
-        steps = [
-            self.describe_printing(),
-            *(self.describe_pause(held, numbers[held]) for held in enclosed),
-            self.describe_weighing({held: numbers[held] for held in enclosed}),
-            self.describe_trim(),
-            *(self.describe_insertion(held, numbers[held], mouth) for mouth, held in inserted),
-            f"Lay the core ({self.core}) into part 1, the {parts[0].piece.name}. It must reach its seat and not jam.",
-        ]
-        for part in parts[1:]:
-            inward = part.place + (1 if part.place < parts[0].place else -1)
-            steps.append(self.describe_joint(kit.joints[min(part.place, inward)], part, by_place[inward]))
-        if options.drain:
-            steps.append(
-                f"Fill or drain through the holes of {MM * options.drain:g} mm at both ends, and plug them flush before "
-                f"the launch: the agent was simulated sealed, and an open hole lets in "
-                f"{_grams(measure_flooding(kit, body, self.job.scenario.fluid.density))} of water."
-            )
-        steps.append(
-            "Weigh the closed kit, and balance it on an edge. As simulated it weighs "
-            f"{_grams(target.mass)} and balances at {MM * float(target.cog[0]) - self.aft:.1f}{_NBSP}mm. Hold it under water: no "
-            "bubbles."
-        )
-        return steps
-
-    def describe_printing(self) -> str:
-        flow = ""
-        if self.printed.loaded:
-            flow = ", and with the flow of the parts that were weighed for the ballast"
-        elif self.printed.flow < 1:
-            flow = f" and {100 * (1 - self.printed.flow):.1f}{_NBSP}% less flow: mass is easier to add than to remove"
-        hanging = [part for part in self.parts if part.overhang > _LEAST_OVERHANG]
-        support = "; ".join(f"{part.overhang / 100:.1f} cm² of part {part.number}" for part in hanging)
-        text = f"Print the parts upright, as drawn, with the settings below{flow}. " + (
-            f"Support: {support} {'overhang' if len(hanging) > 1 else 'overhangs'} by more than 45 degrees."
-            if hanging
-            else "No support is needed."
-        )
-        narrow = [
-            str(part.number) for part in self.parts if needs_brim(part.piece.rings, part.piece.fore_down)
-        ]
-        if narrow:
-            text += f" Print part {' and '.join(narrow)} with a brim: the foot is small for the height."
-        return text
-
-    def describe_weighing(self, enclosed: dict[HeldBall, int]) -> str:
-        """How to weigh parts, with the balls in them and their numbers: parts that weigh more than the most need no ballast."""
-        text = "Weigh the loose parts and the core, and write down what they weigh."
-        for held, number in enclosed.items():
-            mass = _grams(held_mass(held, self.options))
-            text += f" Take {mass} off part {number} for ball {name_mark(held, self.kit)} inside."
-        if self.printed.most <= 0:
-            return text
-        aim = _grams(self.printed.flow * self.printed.mass)
-        most = _grams(self.job.agent.mass.mass - self.job.agent.body.core.mass)
-        return (
-            f"{text} The parts should weigh {aim} together. If they weigh more than {most}, print them again, with the "
-            f"flow times {aim} over what they weigh."
-        )
-
-    def describe_trim(self) -> str:
-        arguments = f"{self.job.opened_as} {list_arguments([self.format], self.options)}"
-        loaded = bool(self.options.ballast)
-        text = (
-            f"Trim before anything is closed: driftform trim {arguments} --printed-mass KG, where KG is the sum of the loose "
-            f"parts and the core in kg{', without ballast' if loaded else ''}; --printed-cog M adds where they balance, if you "
-            f"put them together, in m fore of the core's centre, which is at {-self.aft:.1f}{_NBSP}mm. It gives the ballast "
-            "and where it goes."
-        )
-        return text + (" A ball of another size needs another seat: print that part again." if loaded else "")
-
-    def describe_ball(self, held: HeldBall) -> tuple[str, str]:
-        """A ball in words, and where it lies."""
-        place = "its seat" if held.seat is not None else "the wall that holds it"
-        size = f"{name_material(self.options.ballast_density)} ball of {2 * held.ball.radius:.2f}{_NBSP}mm"
-        return (
-            f"ball {name_mark(held, self.kit)}, a {size}, {_grams(held_mass(held, self.options))}",
-            f"{place} at {held.ball.z - self.aft:.1f}{_NBSP}mm, and fix it with a drop of glue",
-        )
-
-    def describe_pause(self, held: HeldBall, number: int) -> str:
-        ball, where = self.describe_ball(held)
-        return (
-            f"While part {number} is printed, pause at a height of {self.kit.find_pause(held):.1f}{_NBSP}mm and put in {ball}: "
-            f"lay it on {where}."
-        )
-
-    def describe_insertion(self, held: HeldBall, number: int, mouth: Joint) -> str:
-        ball, where = self.describe_ball(held)
-        end = "fore" if mouth.z > held.ball.z else "aft"
-        return f"Put {ball}, into part {number} by its {end} end, down to {where}."
-
-    def describe_joint(self, joint: Joint, part: SheetPart, other: SheetPart) -> str:
-        place, lap = f"{joint.z - self.aft:.1f}{_NBSP}mm", f"{joint.kind} of {joint.lap:g}{_NBSP}mm"
-        text = f"Join part {part.number}, the {part.piece.name}, to part {other.number}, at {place}, by"
-        if part.number > 2:
-            return f"{text} its {lap}, in the same way."
+    lack, water = target.mass - mass, job.scenario.fluid.density
+    by_place = {part.place: part for part in parts}
+    joins = []
+    for part in parts[1:]:
+        other = by_place[part.place + (1 if part.place < parts[0].place else -1)]
+        joint = kit.joints[min(part.place, other.place)]
         # The plug is that of the part on the joint's side.
-        plug = max(part, other, key=lambda p: joint.side * p.place)
-        if joint.groove:
-            seal = (
-                f"lay an O-ring of {MM * self.options.o_ring:g}{_NBSP}mm cord into the groove of part {plug.number} (bottom "
-                f"{groove_diameter(self.kit.hull, joint):.1f}{_NBSP}mm across) and grease it"
-            )
-        else:
-            seal = f"coat the {joint.kind} of part {plug.number} with glue all round"
-        return f"{text} a {lap}: {seal}, and press until the rims touch without a gap."
+        joins.append((part, other, joint, max(part, other, key=lambda p: joint.side * p.place)))
+    grooves = {joint: groove_diameter(kit.hull, joint) for joint in kit.joints if joint.groove}
+    lines = fill_template(
+        "steps.txt",
+        nbsp=_NBSP,
+        negligible=_NEGLIGIBLE,
+        parts=parts,
+        aft=aft,
+        balls=balls,
+        core=body.core,
+        core_name=core,
+        target=target,
+        target_at=MM * wanted / target.mass - aft,
+        printed=printed,
+        closed_at=MM * moment / mass - aft,
+        lack=lack,
+        lack_at=MM * (wanted - moment) / lack - aft if lack >= _NEGLIGIBLE else None,
+        material=name_material(options.ballast_density),
+        enclosed=sorted((ball for ball in balls if ball.pause is not None), key=lambda ball: ball.pause or 0),
+        # Of two balls that go in by one mouth, the deeper one is first.
+        inserted=sorted(
+            (ball for ball in balls if ball.mouth is not None),
+            key=lambda ball: -abs(ball.held.ball.z - (ball.mouth.z if ball.mouth else 0)),
+        ),
+        joins=joins,
+        grooves=grooves,
+        rings=Counter((joint.cord, round(size, 1)) for joint, size in grooves.items()),
+        glued=[joint for joint in kit.joints if not joint.groove],
+        least_stretch=1 + _STRETCH[0],
+        most_stretch=1 + _STRETCH[1],
+        filament=name_filament(body.hull_density),
+        filament_mass=sum(part.mass for part in parts),
+        scale_to=10 * math.ceil(130 * target.mass),
+        drain=options.drain,
+        flooded=measure_flooding(kit, body, water) if options.drain else None,
+        arguments=f"{job.opened_as} {list_arguments([format], options)}",
+    )
+    return [(key, text) for key, _, text in (line.partition("|") for line in lines)]

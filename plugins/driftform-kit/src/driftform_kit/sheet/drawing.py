@@ -1,4 +1,4 @@
-"""The assembly sheet as a picture: an A4 page in SVG, whose drawings have the scales that it states."""
+"""The assembly sheet as pictures: two A4 pages in SVG; the drawings of the first have the scales that it states."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,29 +10,23 @@ from driftform.figures import layout, style, svg
 from driftform.types import FloatArray
 from driftform_frusta.colours import colour_of
 from driftform_kit.cutting.meridian import Ring
-from driftform_kit.sheet.contents import Sheet, SheetPart, name_mark
+from driftform_kit.sheet.contents import Sheet, SheetPart
+from driftform_kit.sheet.scenes import BALLAST, CORE, draw_mark, draw_scene
 
 _WIDTH, _HEIGHT = 210 * svg.PX_PER_MM, 297 * svg.PX_PER_MM
 _LEFT, _RIGHT = 48.0, _WIDTH - 48.0
+_BOTTOM = _HEIGHT - 48.0
 _TEXT = 11.0
 """Font size, px: 8 pt."""
 
-_SMALLER = (_TEXT, 10.0, 9.0)
-"""Font sizes of steps and weights, px: the first that leaves room for parts of a readable scale."""
-
-_LINE = 15 / 11
-"""Distance of lines over the font size."""
-
-_READABLE = 1 / 5
-"""Least scale of the parts at which walls and seats can be seen."""
+_LINE = 15.0
+"""Distance of lines, px."""
 
 _SCALES = (2.0, 1.0, 1 / 1.5, 1 / 2, 1 / 2.5, 1 / 3, 1 / 4, 1 / 5, 1 / 10, 1 / 20, 1 / 50, 1 / 100)
 """Paper to body: those of ISO 5455, and some between them."""
 
 _TALLEST = 130.0
 """Room for the closed kit across its axis, px."""
-
-_BOTTOM = _HEIGHT - 48.0
 
 _ACROSS = 7
 """Parts side by side."""
@@ -43,34 +37,54 @@ _LABEL = 62.0
 _COLUMN = 275.0
 """Width of the table of weights, px."""
 
+_SCENE = 150.0
+"""Width of the drawing of a step, px."""
+
+_SCENES = (92.0, 76.0, 64.0, 52.0, 40.0)
+"""Heights of the drawing of a step with its margin, px: the first with which all steps have room."""
+
 _GAP = 26.0
 
 
-def sheet_svg(sheet: Sheet) -> str:
-    """Return an assembly sheet: the closed kit, its parts as printed, the steps, and the weights."""
+def draw_pages(sheet: Sheet) -> tuple[str, str]:
+    """Return an assembly sheet: what to get, the closed kit, its parts as printed and their weights; and the steps."""
     count = len(sheet.parts)
-    title = f"{sheet.title}: assembly sheet"
-    about = (
-        f"The {count} parts of a kit to scale, the order of their assembly, their weights, trim and sealing."
+    about = f"The {count} parts of a kit to scale, what to get for it, what its parts weigh, and how to print them."
+    first = _start_page(sheet, "assembly sheet, page 1 of 2", f"{about} {sheet.remedy}")
+    what = (
+        f"{count} printed parts and a core ({sheet.core}). All positions are distances from the aft end, mm."
     )
-    root = svg.start_document(_WIDTH, _HEIGHT, title, " ".join([about, *sheet.steps]), unit="mm")
+    layout.write(first, _LEFT, 76, layout.shorten(what, _TEXT, _RIGHT - _LEFT), _TEXT, style.MUTED)
+    bottom = _draw_closed(first, sheet, _draw_shopping(first, sheet, 96.0) + 24)
+    # The tables are drawn twice: the first time on no page, to see how much room they leave.
+    tables = _BOTTOM - max(draw(ET.Element("svg"), sheet, 0.0) for draw in (_draw_weights, _draw_settings))
+    _draw_parts(first, _arrange_parts(sheet, tables - bottom - 60), bottom + 30)
+    _draw_weights(first, sheet, tables)
+    _draw_settings(first, sheet, tables)
+    second = _start_page(sheet, "order of assembly, page 2 of 2", " ".join(sheet.steps))
+    _draw_steps(second, sheet, 76.0)
+    return svg.render(first), svg.render(second)
+
+
+def _start_page(sheet: Sheet, what: str, about: str) -> ET.Element:
+    title = f"{sheet.title}: {what}"
+    root = svg.start_document(_WIDTH, _HEIGHT, title, about, unit="mm")
     layout.write(root, _LEFT, 56, layout.shorten(title, 20, _RIGHT - _LEFT, bold=True), 20, bold=True)
-    what = f"{count} printed parts and a core ({sheet.core})"
-    layout.write(root, _LEFT, 76, layout.shorten(what, _TEXT, _RIGHT - _LEFT), _TEXT, style.MUTED)
-    layout.write(root, _LEFT, 90, "All positions are distances from the aft end, mm.", _TEXT, style.MUTED)
-    bottom = _draw_closed(root, sheet, 112.0)
-    # The text is written twice: the first time on no page, to see how much room it leaves.
-    for size in _SMALLER:
-        text = _BOTTOM - max(
-            draw(ET.Element("svg"), sheet, 0.0, size) for draw in (_draw_weights, _draw_steps)
-        )
-        rows = _arrange_parts(sheet, text - bottom - 60)
-        if rows.scale >= _READABLE * svg.PX_PER_MM:
-            break
-    _draw_parts(root, rows, bottom + 30)
-    _draw_weights(root, sheet, text, size)
-    _draw_steps(root, sheet, text, size)
-    return svg.render(root)
+    return root
+
+
+def _draw_shopping(root: ET.Element, sheet: Sheet, top: float) -> float:
+    """Draw the box with what to get; return where it ends."""
+    svg.add(root, "rect", "", x=_LEFT, y=top, width=_RIGHT - _LEFT, height=0, fill="none", class_="box")
+    box = root[-1]
+    _draw_heading(root, _LEFT + 10, top + 18, "To get")
+    y = top + 36
+    for name, text in sheet.shopping:
+        layout.write(root, _LEFT + 10, y, name, _TEXT, bold=True)
+        y = _write_paragraph(root, _LEFT + 80, y, text, _RIGHT - _LEFT - 90)
+    box.set("height", svg.format_number(y - top - 6))
+    box.set("stroke", style.MUTED)
+    return y - 6
 
 
 def _choose_scale(sizes: Sequence[tuple[float, float]], room: tuple[float, float]) -> tuple[float, str]:
@@ -100,28 +114,26 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
     for part in sheet.parts:
         for side in (1.0, -1.0):
             _draw_section(root, [place(ring, side) for ring in part.piece.rings], part.place)
-    balls = [("core", 0.0, sheet.kit.hull.core, style.tint(style.ORANGE, 0.6))]
-    balls += [
-        ("ballast", held.ball.z, held.ball.radius, style.tint(style.INK, 0.5)) for held in sheet.kit.ballast
-    ]
+    balls = [("core", 0.0, sheet.kit.hull.core, CORE)]
+    balls += [("ballast", ball.held.ball.z, ball.held.ball.radius, BALLAST) for ball in sheet.balls]
     for kind, z, radius_mm, fill in balls:
         svg.add_circle(root, x_of + scale * z, axis, scale * radius_mm, fill, style.INK, 0.8, class_=kind)
     line = svg.path_data([(start - 12, axis), (start + scale * length + 12, axis)])
     svg.add_line(root, line, style.INK, 0.6, "axis", stroke_dasharray="12 3 2 3")
-    bounds = [sheet.aft, *(joint.z for joint in sheet.kit.joints), sheet.aft + length]
+    bounds = sheet.bounds
     marks = [
-        (x_of + scale * held.ball.z, axis - scale * held.ball.radius, name_mark(held, sheet.kit), style.INK)
-        for held in sheet.kit.ballast
+        (x_of + scale * ball.held.ball.z, axis - scale * ball.held.ball.radius, ball.mark, style.INK)
+        for ball in sheet.balls
     ]
     for part in sheet.parts:
         middle = (bounds[part.place] + bounds[part.place + 1]) / 2
-        on_skin = axis - scale * float(np.interp(middle, skin[:, 0], skin[:, 1]))
+        on_skin = axis - scale * sheet.kit.hull.skin_radius(middle)
         marks.append((x_of + scale * middle, on_skin, str(part.number), colour_of(part.place)))
     last = -np.inf
     for x, y, mark, colour in sorted(marks):
         last = max(x, last + 22)
         svg.add_line(root, svg.path_data([(last, top + 32), (x, y)]), style.MUTED, 0.7)
-        _draw_mark(root, last, top + 24, mark, colour)
+        draw_mark(root, last, top + 24, mark, colour)
     level = axis + scale * radius + 16
     _draw_stations(root, [z - sheet.aft for z in bounds], start, scale, level)
     balance = start + scale * (1e3 * float(sheet.target.cog[0]) - sheet.aft)
@@ -201,7 +213,7 @@ def _draw_part(
     ]
     name = layout.shorten(part.piece.name, _TEXT, width - 20, bold=True)
     left = middle - layout.text_width(name, _TEXT, bold=True) / 2
-    _draw_mark(root, left - 2, bed + 15, str(part.number), colour_of(part.place))
+    draw_mark(root, left - 2, bed + 15, str(part.number), colour_of(part.place))
     layout.write(root, left + 11, bed + 19, name, _TEXT, bold=True)
     for row, line in enumerate(lines):
         layout.write(root, middle, bed + 34 + 13 * row, line, 10, style.MUTED, "middle")
@@ -209,25 +221,18 @@ def _draw_part(
 
 def _draw_section(root: ET.Element, rings: Sequence[FloatArray], place: int) -> None:
     data = "".join(svg.path_data(ring, closed=True) for ring in rings)
-    colour = colour_of(place)
     svg.add(
-        root, "path", class_="part", d=data, fill=style.tint(colour, 0.45), fill_rule="evenodd", stroke=style.INK,
+        root, "path", class_="part", d=data, fill=style.tint(colour_of(place), 0.45), fill_rule="evenodd", stroke=style.INK,
         stroke_width=0.6, stroke_linejoin="round",
     )  # fmt: skip
-
-
-def _draw_mark(root: ET.Element, x: float, y: float, mark: str, colour: str) -> None:
-    """Draw the number of a part, or the letter of a ball of ballast, in a circle."""
-    svg.add_circle(root, x, y, 8.5, "#ffffff", colour, 1.6)
-    layout.write(root, x, y + 4, mark, _TEXT, anchor="middle", bold=True, class_="number")
 
 
 def _draw_heading(root: ET.Element, x: float, y: float, text: str) -> None:
     layout.write(root, x, y, text, 13, bold=True, class_="heading")
 
 
-def _draw_weights(root: ET.Element, sheet: Sheet, top: float, size: float) -> float:
-    """Draw the table of weights with room to write, and the print settings; return where they end."""
+def _draw_weights(root: ET.Element, sheet: Sheet, top: float) -> float:
+    """Draw the table of weights with room to write; return where it ends."""
     right = _LEFT + _COLUMN
     columns = {right - 136: "full flow", right - 66: f"{100 * sheet.flow:.1f} % flow"}
     if sheet.flow == 1:
@@ -240,42 +245,59 @@ def _draw_weights(root: ET.Element, sheet: Sheet, top: float, size: float) -> fl
     for name, *masses in sheet.weights:
         lines.append(svg.path_data([(_LEFT, y), (right, y)]))
         bold = name in ("closed kit", "as simulated")
-        room = min(columns) - _LEFT - layout.text_width("000.00 ", size, bold=True)
-        layout.write(root, _LEFT + 2, y + 14, layout.shorten(name, size, room, bold=bold), size, bold=bold)
+        room = min(columns) - _LEFT - layout.text_width("000.00 ", _TEXT, bold=True)
+        layout.write(root, _LEFT + 2, y + 14, layout.shorten(name, _TEXT, room, bold=bold), _TEXT, bold=bold)
         for x, mass in zip(reversed(columns), reversed(masses), strict=False):
-            layout.write(root, x, y + 14, f"{1000 * mass:.2f}", size, anchor="end", bold=bold, class_="mass")
+            layout.write(root, x, y + 14, f"{1000 * mass:.2f}", _TEXT, anchor="end", bold=bold, class_="mass")
         y += 20
     lines += [
         svg.path_data([(_LEFT, y), (right, y)]),
         svg.path_data([(right - 56, top + 8), (right - 56, y)]),
     ]
     svg.add_line(root, "".join(lines), style.MUTED, 0.6, "table")
-    y = _write_paragraph(root, _LEFT, y + 16, sheet.remedy, _COLUMN, size) + 2
-    y = _write_paragraph(root, _LEFT, y, "Glue, O-rings and plugs are not counted.", _COLUMN, size) + 12
-    _draw_heading(root, _LEFT, y, "Print settings")
-    for row, (name, value) in enumerate(sheet.settings):
-        at = y + 17 + _LINE * size * row
-        layout.write(root, _LEFT + 2, at, name, size)
-        layout.write(root, right - 8, at, value, size, anchor="end", class_="setting")
-    return at
+    return y
 
 
-def _draw_steps(root: ET.Element, sheet: Sheet, top: float, size: float) -> float:
-    """Draw the order of assembly; return where it ends."""
+def _draw_settings(root: ET.Element, sheet: Sheet, top: float) -> float:
+    """Draw the print settings, and what makes the kit weigh what was simulated; return where they end."""
     left = _LEFT + _COLUMN + 30
-    _draw_heading(root, left, top, "Order of assembly")
+    _draw_heading(root, left, top, "Print settings")
     y = top + 20
-    for number, step in enumerate(sheet.steps, 1):
-        layout.write(root, left, y, f"{number}.", size, bold=True)
-        y = _write_paragraph(root, left + 24, y, step, _RIGHT - left - 24, size) + 5
-    return y - _LINE * size
+    for name, value in sheet.settings:
+        layout.write(root, left, y, name, _TEXT)
+        layout.write(root, _RIGHT, y, value, _TEXT, anchor="end", class_="setting")
+        y += _LINE
+    for text in (sheet.remedy, "Glue, O-rings and plugs are not counted."):
+        y = _write_paragraph(root, left, y + 5, text, _RIGHT - left)
+    return y - _LINE
 
 
-def _write_paragraph(root: ET.Element, x: float, y: float, text: str, width: float, size: float) -> float:
+def _draw_steps(root: ET.Element, sheet: Sheet, top: float) -> None:
+    """Draw the order of assembly: each step with its picture."""
+    left, room = _LEFT + _SCENE + 24, _BOTTOM - top
+    texts = [wrap(text, _TEXT, _RIGHT - left - 24) for text in sheet.steps]
+    for height in _SCENES:
+        heights = [max(height, _LINE * len(lines) + 12) for lines in texts]
+        if sum(heights) <= room:
+            break
+    y = top
+    for number, (scene, lines, height) in enumerate(zip(sheet.scenes, texts, heights, strict=True), 1):
+        corners = np.array([[_LEFT + 8, y + 8], [_LEFT + 8 + _SCENE, y + height - 8]])
+        draw_scene(root, sheet, scene, corners)
+        base = y + (height - _LINE * (len(lines) - 1)) / 2 + 4
+        layout.write(root, left, base, f"{number}.", _TEXT, bold=True)
+        for line in lines:
+            layout.write(root, left + 24, base, line, _TEXT)
+            base += _LINE
+        y += height
+        svg.add_line(root, svg.path_data([(_LEFT, y), (_RIGHT, y)]), style.GRID, 1, "rule")
+
+
+def _write_paragraph(root: ET.Element, x: float, y: float, text: str, width: float) -> float:
     """Write a text in lines of at most ``width`` px; return where the next line begins."""
-    for line in wrap(text, size, width):
-        layout.write(root, x, y, line, size)
-        y += _LINE * size
+    for line in wrap(text, _TEXT, width):
+        layout.write(root, x, y, line, _TEXT)
+        y += _LINE
     return y
 
 
