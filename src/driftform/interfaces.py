@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
-from driftform.errors import InputError
+from driftform.errors import InputError, WorkFailedError
 from driftform.options import Table, option
 from driftform.types import (
     Agent,
@@ -391,6 +391,16 @@ class Exporter(Plugin[OptionsT_co]):
         WorkFailedError
             if the agent cannot be exported in this format; the message gives the reason.
         """
+
+    def describe_water(self, job: ExportJob) -> str:
+        """Return the part of the format that describes the forces of water, for ``driftform inspect --block``.
+
+        Raises
+        ------
+        WorkFailedError
+            if the format has none.
+        """
+        raise WorkFailedError(f"the format '{self.name}' has no part for the forces of water")
 
 
 class Renderer(Plugin[OptionsT_co]):

@@ -2,6 +2,7 @@ import pytest
 
 from driftform.testing import ExporterContract
 from driftform_robotics.models.exporter import ModelOptions
+from driftform_robotics.models.fossen import FossenExporter, WaterOptions
 from driftform_robotics.models.mjcf import MjcfExporter
 from driftform_robotics.models.sdf import SdfExporter, SdfOptions
 from driftform_robotics.models.urdf import UrdfExporter, UrdfOptions
@@ -31,6 +32,11 @@ class TestUrdf(ExporterContract):
 class TestMjcf(ExporterContract):
     def plugin(self) -> MjcfExporter:
         return MjcfExporter(ModelOptions())
+
+
+class TestFossen(ExporterContract):
+    def plugin(self) -> FossenExporter:
+        return FossenExporter(WaterOptions())
 
 
 @pytest.mark.parametrize("plugin", [SdfExporter, UuvExporter, UrdfExporter, MjcfExporter])

@@ -21,13 +21,27 @@ def inspect(
             "--compare", help="Show the added mass by all installed hydrodynamics models side by side."
         ),
     ] = False,
+    block: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FORMAT",
+            help="Print only added mass, damping and buoyancy as a format has them, such as sdf, uuv, urdf and fossen, "
+            "to paste into another model.",
+        ),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Show an agent's modules, mass, buoyancy, inertia, added mass and warnings."""
     from driftform.cli.output import print_json
     from driftform.design.opening import open_agent
+    from driftform.errors import InputError
 
+    if block is not None and (compare or json):
+        raise InputError("--block prints a part of a file: leave out --compare and --json")
     design = open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics})
+    if block is not None:
+        print(design.describe_water(block), end="")
+        return
     facts = design.inspect()
     if compare:
         facts["compare"] = design.compare_added_mass()

@@ -314,6 +314,18 @@ class Design:
         make_directory(file.parent, "path")
         return require_files(exporter.write(self.export_job(), file), exporter)
 
+    def describe_water(self, format: str) -> str:
+        """Return the part of a format, such as ``"sdf"``, that describes the forces of water, to paste into another model.
+
+        Raises
+        ------
+        InputError
+            if there is no such format.
+        WorkFailedError
+            if it has no such part.
+        """
+        return self.study.make_exporter(format).describe_water(self.export_job())
+
     def record(
         self,
         format: str = "csv",

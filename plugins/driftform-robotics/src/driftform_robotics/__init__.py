@@ -11,12 +11,13 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_exporter() -> "list[type[Exporter[Any]]]":
     """Return exporters of models, and of worlds with the pipe and the current."""
+    from driftform_robotics.models.fossen import FossenExporter
     from driftform_robotics.models.mjcf import MjcfExporter
     from driftform_robotics.models.sdf import SdfExporter
     from driftform_robotics.models.urdf import UrdfExporter
     from driftform_robotics.models.uuv import UuvExporter
 
-    return [MjcfExporter, SdfExporter, UrdfExporter, UuvExporter]
+    return [FossenExporter, MjcfExporter, SdfExporter, UrdfExporter, UuvExporter]
 
 
 @hookimpl

@@ -4,7 +4,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -12,10 +12,17 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import Exporter, ExportJob, Table, option
 from driftform.types import FloatArray, WrittenFile
 from driftform.util import files as writing
-from driftform_robotics.models.link import Link, make_link, warn_of_damping, warn_of_flow, warn_of_folding
+from driftform_robotics.models.link import (
+    Link,
+    describe_link,
+    make_link,
+    warn_of_damping,
+    warn_of_flow,
+    warn_of_folding,
+)
 from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolve_contour
 from driftform_robotics.models.pipe import Bore, Wall, list_bores, make_wall
-from driftform_robotics.models.text import make_identifier
+from driftform_robotics.models.text import make_identifier, render
 
 HULL = "meshes/hull.obj"
 """File of the outer surface of the hull, about the centre of gravity."""
@@ -27,7 +34,7 @@ PIPE = "meshes/pipe.obj"
 OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
 
 
-class ModelOptions(Table):
+class WaterOptions(Table):
     """Options of every format that describes the water."""
 
     drag_speed: float | None = option(
@@ -39,6 +46,11 @@ class ModelOptions(Table):
         le=100,
         strict=True,
     )
+
+
+class ModelOptions(WaterOptions):
+    """Options of every format that a simulator with water reads."""
+
     step: float | None = option(
         None,
         "time step of the simulation; by default the longest up to 0.002 whose error is small; for MuJoCo 0.001",
@@ -101,7 +113,12 @@ class Model:
 
 
 class ModelExporter(Exporter[OptionsT_co]):
-    """A format that is a folder with a model of the agent and the meshes of its hull."""
+    """A format that is a folder with a model of the agent and the meshes of its hull.
+
+    ``block`` is the template of the part that describes the water, if the format has one.
+    """
+
+    block: ClassVar[str] = ""
 
     @abstractmethod
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
@@ -118,18 +135,10 @@ class ModelExporter(Exporter[OptionsT_co]):
         WorkFailedError
             if the hull is not a solid, or if the files cannot be written.
         """
-        options, agent = self.options, job.agent
-        speed = options.drag_speed if isinstance(options, ModelOptions) else None
-        contour = agent.body.outer
-        if len(contour) < 3 or contour[0, 1] or contour[-1, 1] or not (contour[1:-1, 1] > 0).any():
-            raise WorkFailedError(
-                "the hull is not a solid: its outer contour does not start and end on the axis"
-            )
-        pieces = convex_pieces(contour)
-        model = Model(job, make_identifier(job.name), make_link(job, speed), pieces)
+        model = self._make_model(job)
         texts, warnings = self.make_files(model)
-        texts[HULL] = obj_text(revolve_contour(contour).translate(-agent.mass.cog))
-        texts |= {piece_path(i): obj_text(piece.mesh) for i, piece in enumerate(pieces)}
+        texts[HULL] = obj_text(revolve_contour(job.agent.body.outer).translate(-job.agent.mass.cog))
+        texts |= {piece_path(i): obj_text(piece.mesh) for i, piece in enumerate(model.pieces)}
         try:
             with writing.write_folder(path) as part:
                 for name, text in texts.items():
@@ -143,6 +152,27 @@ class ModelExporter(Exporter[OptionsT_co]):
         return tuple(
             WrittenFile(self.name, str(path / name), facts if name == first else {}) for name in texts
         )
+
+    def describe_water(self, job: ExportJob) -> str:
+        """Return the elements of the water, as the files have them, with a comment on their frame and stability."""
+        if not self.block:
+            return super().describe_water(job)
+        model = self._make_model(job)
+        notes = describe_link(job.name, model.link)
+        return render(self.block, model=model, notes=notes, **self.list_values()).partition("\n")[2]
+
+    def list_values(self) -> dict[str, Any]:
+        """Return what the templates of the format need besides the model."""
+        return {}
+
+    def _make_model(self, job: ExportJob) -> Model:
+        speed = self.options.drag_speed if isinstance(self.options, WaterOptions) else None
+        contour = job.agent.body.outer
+        if len(contour) < 3 or contour[0, 1] or contour[-1, 1] or not (contour[1:-1, 1] > 0).any():
+            raise WorkFailedError(
+                "the hull is not a solid: its outer contour does not start and end on the axis"
+            )
+        return Model(job, make_identifier(job.name), make_link(job, speed), convex_pieces(contour))
 
 
 def piece_path(index: int) -> str:

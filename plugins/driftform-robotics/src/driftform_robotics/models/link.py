@@ -133,13 +133,37 @@ def warn_of_damping(link: Link) -> Iterator[str]:
         )
 
 
-def warn_of_divergence(link: Link, smoothing: float) -> Iterator[str]:
-    """Warn if added mass times the acceleration of the previous step diverges.
+def describe_link(name: str, link: Link, axes: str = "y to port, z up") -> list[str]:
+    """Say what the numbers of a link refer to, and whether added mass that lags diverges."""
+    ratio = link.added_mass_ratio
+    verdicts = [
+        f"{'DIVERGES' if ratio >= _find_limit(smoothing) else 'is stable'} in {program}"
+        for program, smoothing in LAGS.items()
+    ]
+    return [
+        f"The agent {name} of driftform in water: SI units, about its centre of gravity, with x forward along the axis, {axes}.",
+        f"The added mass is at most {ratio:.3g} times the own mass. Solved together with the mass it is stable; multiplied by "
+        f"the acceleration of the previous step it {', and '.join(verdicts)}.",
+        *warn_of_damping(link),
+    ]
+
+
+LAGS = {"Gazebo Fortress": 1.0, "the UUV simulator": 0.3}
+"""Programs that multiply added mass by an acceleration, and the weight of the previous step's in that."""
+
+
+def _find_limit(smoothing: float) -> float:
+    """Return the ratio of added to own mass at which smoothed accelerations diverge.
 
     If accelerations are smoothed by a <- (1 - s) a + s da, with s = ``smoothing``, a mode whose ratio of added to own
     mass is lambda multiplies a by 1 - s - s lambda in every step: it diverges for lambda >= 2/s - 1.
     """
-    limit = 2 / smoothing - 1
+    return 2 / smoothing - 1
+
+
+def warn_of_divergence(link: Link, smoothing: float) -> Iterator[str]:
+    """Warn if added mass times the acceleration of the previous step diverges."""
+    limit = _find_limit(smoothing)
     if link.added_mass_ratio >= limit:
         yield (
             "UNSTABLE: this simulator multiplies the added mass by the acceleration of the previous step, which diverges "

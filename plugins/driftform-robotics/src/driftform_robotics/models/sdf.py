@@ -5,7 +5,7 @@ Gazebo's equations are in its sources: gz-sim, ``src/systems/hydrodynamics`` and
 """
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -70,6 +70,11 @@ class SdfExporter(ModelExporter[SdfOptions]):
     name = "sdf"
     suffix = "-sdf"
     Options: ClassVar[type[Table]] = SdfOptions
+    block = "gazebo/block.xml"
+
+    def list_values(self) -> dict[str, Any]:
+        """Return the names that the release of Gazebo uses."""
+        return {"gazebo": _GAZEBO[self.options.gazebo]}
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return the worlds, the model, the mesh of the pipe and the scripts of the release, and the warnings."""

@@ -16,7 +16,7 @@ from driftform.types import FloatArray
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-_PLAIN = (".md", ".txt", ".sh", ".yaml", ".in")
+_PLAIN = (".md", ".toml", ".txt", ".sh", ".yaml", ".in")
 _RESERVED = ("pipe", "targets", "world")
 
 

@@ -34,6 +34,7 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
     name = "urdf"
     suffix = "-urdf"
     Options: ClassVar[type[Table]] = UrdfOptions
+    block = "urdf/block.xml"
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return ``agent.urdf`` and the files of a ROS 2 package, and the warnings."""

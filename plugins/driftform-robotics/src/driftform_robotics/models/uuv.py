@@ -7,7 +7,7 @@ acceleration of the previous step. The water fills z < 0.
 """
 
 from dataclasses import replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,10 +15,10 @@ from driftform.interfaces import Table, option
 from driftform.types import FloatArray
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.gap import Gap, measure_gap, read_link
-from driftform_robotics.models.link import warn_of_divergence, warn_of_flow
+from driftform_robotics.models.link import LAGS, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.text import render, roll_pitch_yaw
 
-SMOOTHING = 0.3
+SMOOTHING = LAGS["the UUV simulator"]
 """Weight of the newest acceleration (``ComputeAcc`` in HydrodynamicModel.cc)."""
 
 TO_NED = np.array([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
@@ -60,6 +60,11 @@ class UuvExporter(ModelExporter[UuvOptions]):
     name = "uuv"
     suffix = "-uuv"
     Options: ClassVar[type[Table]] = UuvOptions
+    block = "uuv/block.xml"
+
+    def list_values(self) -> dict[str, Any]:
+        """Return the signs of matrices in the frame of the simulator's forces."""
+        return {"signs": np.outer(TO_NED, TO_NED)}
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return the launch files, the xacro, the world and the files of a ROS package, and the warnings."""
@@ -76,7 +81,7 @@ class UuvExporter(ModelExporter[UuvOptions]):
             "step": gap.step,
             "angles": roll_pitch_yaw(link.rotation),
             "turn": np.roll(link.quaternion, -1),
-            "signs": np.outer(TO_NED, TO_NED),
+            **self.list_values(),
             "current": _describe_current(scenario.current()),
         }
         return {path: render(f"uuv/{template}", **values) for path, template in _FILES.items()}, warnings

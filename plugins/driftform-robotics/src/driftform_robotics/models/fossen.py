@@ -1,0 +1,51 @@
+"""The matrices of Fossen's model in one file, for programs of one's own and for MATLAB."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from driftform.errors import WorkFailedError
+from driftform.interfaces import Exporter, ExportJob, Table
+from driftform.types import WrittenFile
+from driftform.util import files
+from driftform_robotics.models.exporter import WaterOptions
+from driftform_robotics.models.link import describe_link, make_link
+from driftform_robotics.models.text import render
+from driftform_robotics.models.uuv import TO_NED
+
+
+class FossenExporter(Exporter[WaterOptions]):
+    """Mass, inertia, added mass, damping and buoyancy about the centre of gravity, as Fossen's equations have them (TOML).
+
+    The axes are Fossen's: x forward, y to starboard, z down. Comments say whether added mass that lags is stable.
+    """
+
+    name = "fossen"
+    suffix = ".fossen.toml"
+    Options: ClassVar[type[Table]] = WaterOptions
+
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the file."""
+        text = self.describe_water(job)
+        try:
+            files.write_text(path, text)
+        except OSError as error:
+            raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
+        return (WrittenFile(self.name, str(path), {}),)
+
+    def describe_water(self, job: ExportJob) -> str:
+        """Return the text of the file."""
+        link = make_link(job, self.options.drag_speed)
+        notes = describe_link(job.name, link, "y to starboard, z down")
+        signs = np.outer(TO_NED, TO_NED)
+        turned = replace(
+            link,
+            inertia=link.inertia * signs[3:, 3:],
+            buoyancy=link.buoyancy * TO_NED[:3],
+            added_mass=link.added_mass * signs,
+            linear_damping=link.linear_damping * signs,
+            quadratic_damping=link.quadratic_damping * signs,
+        )
+        return render("fossen.toml", link=turned, fluid=job.scenario.fluid, notes=notes)

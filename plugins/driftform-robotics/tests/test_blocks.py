@@ -1,0 +1,152 @@
+"""``driftform inspect --block``: the part of a format that describes the water, equal to that of its files."""
+
+import tomllib
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from driftform.cli.app import app
+from driftform.interfaces import ExportJob
+from driftform_robotics.models.fossen import FossenExporter, WaterOptions
+from driftform_robotics.models.sdf import SdfExporter, SdfOptions
+from driftform_robotics.models.urdf import UrdfExporter, UrdfOptions
+from driftform_robotics.models.uuv import UuvExporter, UuvOptions
+
+EXPORTERS: dict[str, Callable[[dict[str, Any]], Any]] = {
+    "sdf": lambda options: SdfExporter(SdfOptions(**options)),
+    "uuv": lambda options: UuvExporter(UuvOptions(**options)),
+    "urdf": lambda options: UrdfExporter(UrdfOptions(**options)),
+}
+
+WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+
+
+def describe(element: ET.Element) -> Any:
+    """Tag, attributes, text and children; the link of the UUV simulator has a namespace in its file only."""
+    own = {key: value.replace("$(arg namespace)/", "") for key, value in element.attrib.items()}
+    text = " ".join((element.text or "").split())
+    return element.tag, own, text, [describe(child) for child in element]
+
+
+@pytest.mark.parametrize(
+    ("format", "file", "tags", "options"),
+    [
+        ("sdf", "world.sdf", ("mass", "inertia", "fluid_added_mass", "plugin"), {}),
+        ("sdf", "world.sdf", ("mass", "inertia", "plugin"), {"gazebo": "fortress"}),
+        ("sdf", "drift.sdf", ("mass", "inertia", "fluid_added_mass"), {}),
+        ("uuv", "urdf/agent.xacro", ("fluid_density", "hydrodynamic_model", "link"), {}),
+        ("urdf", "agent.urdf", ("inertial",), {}),
+    ],
+)
+def test_every_element_of_a_block_is_that_of_the_exported_file(
+    export: Callable[..., Path],
+    job: ExportJob,
+    format: str,
+    file: str,
+    tags: tuple[str, ...],
+    options: dict[str, Any],
+) -> None:
+    folder = export(format, job, **options)
+    if not (folder / file).exists():
+        assert not job.scenario.current().any()
+        return
+    block = ET.fromstring(EXPORTERS[format](options).describe_water(job))
+    whole = [describe(element) for element in ET.parse(folder / file).getroot().iter()]
+    for tag in tags:
+        found = [element for element in block.iter(tag) if len(element) or (element.text or "").strip()]
+        assert found
+        for element in found:
+            assert describe(element) in whole
+
+
+def test_the_matrices_of_fossen_are_those_of_the_uuv_simulator(
+    export: Callable[..., Path], job: ExportJob
+) -> None:
+    found = tomllib.loads(FossenExporter(WaterOptions()).describe_water(job))
+    root = ET.parse(export("uuv", job) / "urdf" / "agent.xacro").getroot()
+
+    def read(tag: str) -> np.ndarray:
+        return np.fromstring(next(root.iter(tag)).text or "", sep=" ")
+
+    assert np.array_equal(np.ravel(found["added_mass"]), read("added_mass"))
+    assert np.array_equal(np.ravel(found["linear_damping"]), -read("linear_damping"))
+    assert np.array_equal(np.diag(found["quadratic_damping"]), -read("quadratic_damping"))
+    assert found["volume"] == read("volume")
+    assert np.array_equal(found["centre_of_buoyancy"] * np.array([1, -1, -1]), read("center_of_buoyancy"))
+
+
+def test_the_matrices_of_fossen_turn_like_those_of_a_tilted_body(job: ExportJob) -> None:
+    """Kinetic energy and power of drag do not depend on the axes: half a turn about x maps port to starboard."""
+    found = tomllib.loads(FossenExporter(WaterOptions()).describe_water(job))
+    mass, coefficients = job.agent.mass, job.agent.coefficients
+    half = np.diag([1.0, -1.0, -1.0])
+    rng = np.random.default_rng(0)
+    velocity, rates = rng.normal(size=(2, 3))
+    # The velocity of the point that the coefficients refer to, from that of the centre of gravity.
+    there = np.concatenate((velocity + np.cross(rates, coefficients.origin - mass.cog), rates))
+    turned = np.concatenate((half @ velocity, half @ rates))
+    assert turned @ np.array(found["added_mass"]) @ turned == pytest.approx(
+        there @ coefficients.added_mass @ there, rel=1e-9
+    )
+    assert turned @ np.array(found["linear_damping"]) @ turned == pytest.approx(
+        there @ coefficients.linear_damping @ there, rel=1e-9, abs=1e-12
+    )
+    assert turned[3:] @ np.array(found["inertia"]) @ turned[3:] == pytest.approx(
+        rates @ mass.inertia @ rates, rel=1e-9
+    )
+
+
+def test_a_block_says_in_which_program_the_added_mass_diverges(jobs: dict[str, ExportJob]) -> None:
+    exporter = FossenExporter(WaterOptions())
+    ratios = {}
+    for name, job in jobs.items():
+        text = exporter.describe_water(job)
+        ratio = ratios[name] = tomllib.loads(text)["added_over_own_mass"]
+        rigid = np.diag([job.agent.mass.mass] * 3 + [0.0] * 3)
+        rigid[3:, 3:] = job.agent.mass.inertia
+        for program, smoothing in (("Gazebo Fortress", 1.0), ("the UUV simulator", 0.3)):
+            # A mode with this ratio, in steps: the force of the smoothed acceleration of the step before.
+            smoothed, own = 1.0, 0.0
+            for _ in range(2000):
+                own = -ratio * smoothed
+                smoothed = (1 - smoothing) * smoothed + smoothing * own
+                if abs(smoothed) > 1e30:
+                    break
+            diverges = abs(smoothed) > 1.0
+            assert (f"DIVERGES in {program}" in text) == diverges, (name, ratio)
+            assert (f"is stable in {program}" in text) != diverges
+    assert min(ratios.values()) < 17 / 3
+
+
+def test_the_exported_file_is_the_block(tmp_path: Path) -> None:
+    def run(*words: str) -> str:
+        result = CliRunner().invoke(app, list(words))
+        assert result.exit_code == 0, result.stderr
+        return result.stdout
+
+    path = tmp_path / "out"
+    run("export", WORD, "--format", "fossen", "--out", str(path))
+    [file] = path.iterdir()
+    assert file.read_text(encoding="utf-8") == run("inspect", WORD, "--block", "fossen")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("--block", "stl"), "'stl'"),
+        (("--block", "mjcf"), "'mjcf'"),
+        (("--block", "sdff"), "did you mean 'sdf'?"),
+        (("--block", "sdf", "--json"), "leave out"),
+    ],
+)
+def test_what_has_no_block_is_one_line(words: tuple[str, ...], says: str) -> None:
+    result = CliRunner().invoke(app, ["inspect", WORD, *words])
+    assert result.exit_code in (1, 2)
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert says in result.stderr
+    assert not result.stdout
