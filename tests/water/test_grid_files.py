@@ -7,10 +7,26 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from driftform.util import foreign
 from driftform.water.grid_files import VelocityGrid, read_grid
 
 ORIGIN, SPACING, SHAPE = np.array([-0.3, 0.1, 2.0]), np.array([0.1, 0.05, 0.2]), (4, 5, 6)
 NAMES = ("x", "y", "z", "u", "v", "w")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def in_this_process():
+    """Read in this process: one for each file takes a third of a second. tests/util/test_hostile_files.py has these."""
+
+    def call(function, path, memory):
+        try:
+            return function(str(path))
+        except OSError as error:
+            raise ValueError(f"cannot be read: {error}") from None
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(foreign, "call_apart", call)
+        yield
 
 
 @pytest.fixture
@@ -275,27 +291,5 @@ def test_a_small_file_that_unpacks_to_more_nodes_than_a_grid_may_have_is_not_unp
         for name in "uvw":
             file.create_variable(name, ("x", "y", "z"), "f8", chunks=(100, 100, 100), compression="gzip")
     assert path.stat().st_size < 1e5
-    with pytest.raises(
-        ValueError, match="has 27000000 values in the variable u; a grid has at most 20000000"
-    ):
+    with pytest.raises(ValueError, match="has 27000000 values in the variable u; a grid has at most 3000000"):
         read_grid(path)
-
-
-@pytest.mark.peers
-@pytest.mark.parametrize("write", [write_netcdf3, write_netcdf4])
-def test_a_netcdf_file_with_wrong_bytes_is_read_or_refused_in_one_line(tmp_path, grid, write):
-    path = tmp_path / "current.nc"
-    write(path, grid)
-    whole, rng = path.read_bytes(), np.random.default_rng(3)
-    refused = 0
-    for _ in range(150):
-        content = bytearray(whole)
-        for place in rng.integers(0, min(len(whole), 4000), rng.integers(1, 6)):
-            content[place] = rng.integers(256)
-        path.write_bytes(content)
-        try:
-            read_grid(path)
-        except ValueError as error:
-            refused += 1
-            assert "\n" not in str(error)
-    assert refused > 10

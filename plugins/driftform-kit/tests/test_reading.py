@@ -3,7 +3,7 @@
 import json
 import shutil
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +11,21 @@ import pytest
 import trimesh
 
 from driftform.errors import InputError, WorkFailedError
+from driftform.util import foreign
 from driftform_frusta.triangles import Mesh
 from driftform_kit.reading import read_meshes
 
 MODEL = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 RELATIONSHIPS = "http://schemas.openxmlformats.org/package/2006/relationships"
 START = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def in_this_process() -> Iterator[None]:
+    """Read in this process: one for each file takes a third of a second. tests/util/test_hostile_files.py has these."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(foreign, "call_apart", lambda function, path: function(str(path)))
+        yield
 
 
 @pytest.fixture

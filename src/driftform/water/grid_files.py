@@ -11,14 +11,18 @@ import numpy as np
 
 from driftform.errors import describe_error
 from driftform.types import BoolArray, FloatArray
+from driftform.util import foreign
 from driftform.util.files import find_encoding
 
 __all__ = ["VelocityGrid", "fill_nodes", "read_grid"]
 
 Nodes = TypeVar("Nodes", FloatArray, BoolArray)
 
-MOST_NODES = 20_000_000
-"""Most nodes of a grid: their velocities take 500 MB."""
+MOST_NODES = 3_000_000
+"""Most nodes of a grid: their velocities take 72 MB, and to read and to fill them takes 500 MB."""
+
+MEMORY = 500 << 20
+"""Memory in which a file is read, bytes."""
 
 UNEVEN = 1e-3
 """Largest deviation of a node from its place in a regular grid, in spacings."""
@@ -87,14 +91,22 @@ def read_grid(path: Path) -> VelocityGrid:
     ModuleNotFoundError
         if a package of the extra ``grids`` is missing.
     """
-    readers = {".csv": _read_csv, ".nc": _read_netcdf, ".vtk": _read_vtk, ".vtu": _read_vtk}
-    reader = readers.get(path.suffix.lower())
-    if reader is None:
-        raise ValueError(f"the format '{path.suffix}' is unknown; it must be one of {', '.join(readers)}")
-    try:
-        return reader(path)
-    except OSError as error:
-        raise ValueError(f"cannot be read: {error.strerror or error}") from None
+    if path.suffix.lower() == ".csv":
+        try:
+            return _read_csv(path)
+        except OSError as error:
+            raise ValueError(f"cannot be read: {error.strerror or error}") from None
+    if path.suffix.lower() not in _READERS:
+        known = ", ".join((".csv", *_READERS))
+        raise ValueError(f"the format '{path.suffix}' is unknown; it must be one of {known}")
+    return VelocityGrid(*foreign.call_apart(_read_foreign, path, memory=MEMORY))
+
+
+def _read_foreign(name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the values of a grid whose file a package of others reads, in a process with limits."""
+    path = Path(name)
+    grid = _READERS[path.suffix.lower()](path)
+    return grid.origin, grid.spacing, grid.velocity
 
 
 def _read_csv(path: Path) -> VelocityGrid:
@@ -307,6 +319,10 @@ def _average_cells(mesh: Any, name: str) -> FloatArray:
         np.add.at(count, corners, 1.0)
     with np.errstate(invalid="ignore"):
         return np.asarray(total / count[:, None])
+
+
+_READERS = {".nc": _read_netcdf, ".vtk": _read_vtk, ".vtu": _read_vtk}
+"""Readers by the ending of the file's name."""
 
 
 def fill_nodes(velocity: FloatArray, known: BoolArray) -> FloatArray:

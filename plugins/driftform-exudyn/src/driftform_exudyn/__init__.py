@@ -11,18 +11,18 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_simulator() -> "type[Simulator[Any]]":
     """Return the simulator. Check here that Exudyn is installed; import it only to simulate."""
-    from driftform.util import require_module
+    from driftform.util import foreign
     from driftform_exudyn.simulator import ExudynSimulator
 
-    require_module("exudyn")
+    foreign.require_module("exudyn")
     return ExudynSimulator
 
 
 @hookimpl
 def driftform_renderer() -> "type[Renderer[Any]]":
     """Return the renderer of films and stills by Exudyn's ray tracer."""
-    from driftform.util import require_module
+    from driftform.util import foreign
     from driftform_exudyn.film import ExudynRenderer
 
-    require_module("exudyn")
+    foreign.require_module("exudyn")
     return ExudynRenderer

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_strategy() -> "type[Strategy[Any]]":
     """Return MAP-Elites with an archive of pyribs. Check here that it is installed; import it only to search."""
-    from driftform.util import require_module
+    from driftform.util import foreign
     from driftform_ribs.strategy import RibsStrategy
 
-    require_module("ribs")
+    foreign.require_module("ribs")
     return RibsStrategy

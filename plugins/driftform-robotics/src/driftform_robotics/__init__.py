@@ -31,10 +31,10 @@ def driftform_fitness() -> "type[Fitness[Any]]":
 @hookimpl
 def driftform_recorder() -> "list[type[Recorder[Any]]]":
     """Return recorders for Foxglove and RViz. Check here that rosbags is installed; import it only to write a file."""
-    from driftform.util import require_module
+    from driftform.util import foreign
     from driftform_robotics.recording.recorders import McapRecorder, Rosbag1Recorder, Rosbag2Recorder
 
-    require_module("rosbags")
+    foreign.require_module("rosbags")
     return [McapRecorder, Rosbag1Recorder, Rosbag2Recorder]
 
 

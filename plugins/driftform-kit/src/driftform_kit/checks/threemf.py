@@ -7,8 +7,10 @@ from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.types import FloatArray
+from driftform.util import foreign
 from driftform_frusta.triangles import Mesh
 
 _UNITS = {
@@ -58,9 +60,14 @@ def read_3mf(path: Path) -> tuple[Mesh, ...]:
     ValueError
         if it is not a 3MF file; the message has the reason.
     """
+    return tuple(Mesh(*values) for values in foreign.call_apart(_read_values, path))
+
+
+def _read_values(path: str) -> list[tuple[FloatArray, npt.NDArray[np.int64], str]]:
+    """Return vertices, triangles and name of each part, in a process with limits."""
     try:
         with zipfile.ZipFile(path) as archive:
-            return _Package(archive).parts()
+            return [(part.vertices, part.triangles, part.name) for part in _Package(archive).parts()]
     except (zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
         raise ValueError(f"is not a 3MF archive: {error}") from None
     except ElementTree.ParseError as error:
@@ -146,7 +153,10 @@ class _Package:
         self._unpacked += self._archive.getinfo(name).file_size
         if self._unpacked > _LARGEST:
             raise ValueError(f"unpacks to more than {_LARGEST >> 20} MB")
-        return self._archive.read(name)
+        content = self._archive.read(name)
+        # A tree of elements takes a hundred times the memory of the shortest text of one.
+        check_counts(0, content.count(b"<") // 2)
+        return content
 
     @staticmethod
     def _unit(model: ElementTree.Element) -> float:
