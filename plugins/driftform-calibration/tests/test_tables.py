@@ -137,8 +137,101 @@ def test_what_is_no_track_is_refused_in_one_line(write, text, message):
 
 def test_a_file_that_is_no_text_or_does_not_exist_is_refused(tmp_path):
     film = tmp_path / "film.mp4"
-    film.write_bytes(bytes(range(128, 256)))
-    with pytest.raises(InputError, match="export the track as CSV"):
+    film.write_bytes(b"\0\0\0 ftypisom\0\0\2\0" + bytes(range(256)))
+    with pytest.raises(InputError, match="is not a text file"):
         read_table(film)
     with pytest.raises(InputError, match="cannot be read"):
         read_table(tmp_path / "absent.csv")
+
+
+def test_kinovea_has_names_of_objects_in_its_columns_or_a_comment_above_them(write):
+    table = read_table(write('"Time (ms)";"Drop 1/0/X";"Drop 1/0/Y"\n0;0,10;0,20\n33;0,11;0,19\n'))
+    assert table.t.tolist() == [0.0, 0.033]
+    assert table.points["drop 1/0"].tolist() == [[0.10, 0.20], [0.11, 0.19]]
+    older = "#Kinovea Trajectory data export\n#T X Y\n0:00:00:96 1,5 2,5\n0:00:01:00 1,6 2,4\n"
+    table = read_table(write(older))
+    assert table.t == pytest.approx([0.96, 1.0])
+    assert table.points[""].tolist() == [[1.5, 2.5], [1.6, 2.4]]
+
+
+SLEAP = "track,frame_idx,instance.score,core.x,core.y,core.score\nA,7,0.9,300,400,0.9\nA,8,0.9,301,404,0.9\n"
+TRACKMATE = (
+    "LABEL,ID,TRACK_ID,QUALITY,POSITION_X,POSITION_Y,POSITION_Z,POSITION_T,FRAME\n"
+    "Label,Spot ID,Track ID,Quality,X,Y,Z,T,Frame\nLabel,Spot ID,Track ID,Quality,X,Y,Z,T,Frame\n"
+    ",,,(quality),({unit}),({unit}),({unit}),({time}),\n"
+    "ID1,1,A,5,300,400,0,{first},7\nID2,2,A,5,301,404,0,{second},8\n"
+)
+TRACKPY = ",y,x,mass,size,ecc,signal,raw_mass,ep,frame,particle\n0,400,300,9,2,.1,5,9,.1,7,A\n1,404,301,9,2,.1,5,9,.1,8,A\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "point", "unit", "t"),
+    [
+        (SLEAP, "core", "px", [7, 8]),
+        (TRACKPY, "", "px", [7, 8]),
+        (TRACKMATE.format(unit="pixel", time="sec", first=0.0, second=0.033), "", "px", [0.0, 0.033]),
+        (TRACKMATE.format(unit="mm", time="frame", first=7, second=8), "", "mm", [7, 8]),
+    ],
+)
+def test_programs_with_a_row_for_each_object_and_frame_count_downward_from_the_top(
+    write, text, point, unit, t
+):
+    table = read_table(write(text))
+    seen = table.points[point]
+    assert seen[np.isfinite(seen).all(axis=1)].tolist() == [[300.0, 400.0], [301.0, 404.0]]
+    assert table.t[np.isfinite(table.t)].tolist() == t
+    assert (table.is_image, table.unit, table.is_frames) == (True, unit, t[0] == 7)
+
+
+def test_rows_of_several_objects_need_a_choice(write):
+    path = write(SLEAP + "B,7,0.9,500,600,0.9\n")
+    with pytest.raises(InputError, match=r"follows 2 objects \(A, B\); choose one with --object"):
+        read_table(path)
+    assert read_table(path, "B").points["core"].tolist() == [[500.0, 600.0]]
+
+
+@pytest.mark.parametrize("picture", ["labeled-data/drop/img{}.png", "labeled-data,drop,img{}.png"])
+def test_labels_of_deeplabcut_by_hand_have_the_numbers_of_their_pictures(write, picture):
+    gap = "," * picture.count(",")
+    rows = "".join(f"{picture.format(n)},{x},20.5\n" for n, x in (("007", 10.5), ("012", 11.5)))
+    table = read_table(write(f"scorer,{gap}me,me\nbodyparts,{gap}core,core\ncoords,{gap}x,y\n{rows}"))
+    assert table.t.tolist() == [7.0, 12.0]
+    assert table.points["core"].tolist() == [[10.5, 20.5], [11.5, 20.5]]
+
+
+@pytest.mark.parametrize(
+    ("cells", "values"),
+    [
+        (["1.234", "0.5"], [1.234, 0.5]),
+        (["1,234", "0,500"], [1.234, 0.5]),
+        (["12,345", "1234"], [12.345, 1234.0]),
+        (["1,100.7", "2,000.0"], [1100.7, 2000.0]),
+        (["1.100,7", "2.000,0"], [1100.7, 2000.0]),
+        (["1,234", "0.5"], [1234.0, 0.5]),
+        (["1.234.567", "2"], [1234567.0, 2.0]),
+        (["1\u202f100,5", "1'200,5"], [1100.5, 1200.5]),
+    ],
+)
+def test_points_and_commas_in_numbers_mean_what_all_of_them_show(write, cells, values):
+    table = read_table(write("t;x;y\n" + "".join(f"{k};{cell};{k}\n" for k, cell in enumerate(cells))))
+    assert table.points[""][:, 0].tolist() == values
+
+
+def test_a_factor_of_a_thousand_is_asked_for_and_never_taken_in_silence(write):
+    with pytest.raises(InputError, match=r"'1,100' may be 1.100 or 1100: export it with decimal points"):
+        read_table(write("t;x;y\n0;1,100;1,500\n1;1,200;1,400\n"))
+    with pytest.raises(InputError, match="decimal points and decimal commas"):
+        read_table(write("t;x;y\n0;1,100.5;2\n1;1.100,5;3\n"))
+
+
+def test_commas_that_separate_both_columns_and_decimals_are_joined_or_named(write):
+    table = read_table(write("t,x,y\n0,0,0,1,0,5\n0,5,0,2,-0,4\n"))
+    assert table.t.tolist() == [0.0, 0.5]
+    assert table.points[""].tolist() == [[0.1, 0.5], [0.2, -0.4]]
+    assert "taken from two cells" in table.notes[0]
+    with pytest.raises(
+        InputError, match=r"row 1 below the names has 5 cells for 3 names: if commas separate"
+    ):
+        read_table(write("t,x,y\n0,0,1,0,5\n0,5,0,2,0,4\n"))
+    quoted = read_table(write('t,x,y\n"0,0","0,1","0,5"\n"0,5","0,2","0,4"\n'))
+    assert quoted.points[""].tolist() == [[0.1, 0.5], [0.2, 0.4]]

@@ -17,7 +17,7 @@ def calibrate(
         list[Path],
         typer.Argument(
             metavar="TRACK...",
-            help="Tracks of filmed flights: CSV with the columns t, x, y, and z or pitch if known, or an export of Tracker or DeepLabCut. "
+            help="Tracks of filmed flights: CSV with the columns t, x, y, and z or pitch if known, or an export of Tracker, Kinovea, SLEAP, TrackMate, trackpy or DeepLabCut. "
             "NAME.toml beside NAME.csv is the scenario of that film.",
         ),
     ],

@@ -1,15 +1,17 @@
-"""Files of tracks: plain CSV, and what Tracker and DeepLabCut export.
+"""Files of tracks: plain CSV, and what programs that follow points in films export.
 
 Plain CSV has a row of names, then ``t, x, y``, ``t, x, y, z`` or a part of them, with ``pitch`` or ``angle`` if it was
 measured; several points are named as in ``nose_x, nose_y``. Tracker writes the name of the track above the names of the
-columns. DeepLabCut writes rows ``scorer``, ``individuals`` (with several animals), ``bodyparts`` and ``coords``, and
-numbers frames. Cells are separated by commas, semicolons, tabs or spaces; with the others, numbers may have decimal commas.
+columns, Kinovea before them (``Trajectory 1/0/X``) or after ``#``. SLEAP, TrackMate and trackpy have a row for each object
+and frame, and pixels with y downward. DeepLabCut writes rows ``scorer``, ``individuals`` (with several animals),
+``bodyparts`` and ``coords``, and numbers frames, or names their pictures. Cells are separated by commas, semicolons, tabs or
+spaces. What the points and commas in numbers mean is found from all of them.
 """
 
+import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
@@ -18,13 +20,22 @@ from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
 from driftform.util import files
 
-TIMES = ("t", "time", "times", "seconds", "sec")
-FRAMES = ("frame", "frames", "frame_number", "step", "n")
+TIMES = ("t", "time", "times", "seconds", "sec", "position_t")
+FRAMES = ("frame", "frames", "frame_number", "frame_idx", "step", "n")
+OBJECTS = ("track", "track_id", "particle", "object")
+"""Columns whose values name the object that a row is of."""
+
+PIXEL_PROGRAMS = ({"frame_idx", "instance.score"}, {"track_id", "position_t"}, {"frame", "particle"})
+"""Columns by which SLEAP, TrackMate and trackpy are known: their coordinates are those of a picture."""
+
 ANGLES = {"pitch": -1.0, "angle": 1.0, "theta": 1.0, "θ": 1.0}
 """Columns of an angle, and its sign: a positive pitch is nose down, other angles are counterclockwise."""
 
 _UNIT = re.compile(r"[\s_]*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
-_NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?$|^[+-]?(nan|inf)$", re.IGNORECASE)
+_NUMBER = re.compile(r"[+-]?(\d[\d.,'’\u00a0\u202f]*|[.,]\d+)([eE][+-]?\d+)?")
+_GROUPS = re.compile(r"['’\u00a0\u202f](?=\d{3})")
+_CLOCK = re.compile(r"\d+(:\d\d){1,3}([.,]\d+)?")
+_PIXELS = {"pixel": "px", "pixels": "px"}
 _LENGTHS, _ANGLE_UNITS = ("m", "cm", "mm", "px"), {"deg": np.pi / 180, "°": np.pi / 180, "rad": 1.0}
 
 
@@ -82,29 +93,83 @@ def read_table(path: Path, target: str | None = None) -> TrackTable:
 
 
 def _split_rows(text: str) -> list[list[str]]:
-    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(("#", "//"))]
+    lines = [line for line in text.splitlines() if line.strip()]
+    # Kinovea's names of columns begin as a comment.
+    lines = [line for line in lines if not line.lstrip().startswith(("#", "//")) or line.split()[0] == "#T"]
     sample = lines[:20]
     for delimiter in ("\t", ";", ","):
-        # A decimal comma is no delimiter: tabs and semicolons go first.
+        # A decimal comma is no delimiter: tabs and semicolons go first, and spaces between names are spaces below them.
+        if lines[:1] == ["#T X Y"]:
+            break
         if sum(delimiter in line for line in sample) > len(sample) / 2:
-            return [[cell.strip().strip('"') for cell in line.split(delimiter)] for line in lines]
-    return [line.split() for line in lines]
+            rows = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
+            return [[cell.strip().strip('"') for cell in row] for row in rows]
+    return [line.removeprefix("#").split() for line in lines]
 
 
-def _read_number(cell: str) -> float:
-    """Return a cell as a number, NaN if it is not one."""
-    return float(cell.replace(",", ".")) if _NUMBER.match(cell) else float("nan")
+def _read_numbers(path: Path, columns: Iterable[Sequence[str]]) -> FloatArray:
+    """Return columns of cells as numbers, (rows, columns); NaN for what is not one."""
+    columns = [[_GROUPS.sub("", cell) for cell in column] for column in columns]
+    cells = [cell for column in columns for cell in column if _NUMBER.fullmatch(cell)]
+    decimal, group = _find_marks(path, cells)
 
+    def read(cell: str) -> float:
+        if _CLOCK.fullmatch(cell):
+            return _read_clock(cell.replace(",", "."))
+        return float(cell.replace(group, "").replace(decimal, ".")) if _NUMBER.fullmatch(cell) else np.nan
 
-def _read_numbers(path: Path, rows: Sequence[Sequence[str]], width: int) -> FloatArray:
-    numbers = np.full((len(rows), width), np.nan)
-    for k, row in enumerate(rows):
-        for j, cell in enumerate(row[:width]):
-            numbers[k, j] = _read_number(cell)
+    try:
+        numbers = np.array([[read(cell) for cell in column] for column in columns], dtype=np.float64).T
+    except ValueError as error:
+        raise InputError(f"{path}: holds a number that cannot be read: {error}") from None
     numbers[np.isinf(numbers)] = np.nan
     if not np.isfinite(numbers).any():
         raise InputError(f"{path}: holds no numbers below its names")
     return numbers
+
+
+def _find_marks(path: Path, cells: Sequence[str]) -> tuple[str, str]:
+    """Return the decimal mark of numbers, and the mark between thousands (``" "`` if they have none).
+
+    Raises
+    ------
+    InputError
+        if a comma may be either: one more reading of the numbers would be a thousand times as large.
+    """
+    both = {
+        ("." if cell.rfind(".") > cell.rfind(",") else ",") for cell in cells if "." in cell and "," in cell
+    }
+    if len(both) > 1:
+        raise InputError(
+            f"{path}: its numbers have decimal points and decimal commas; export it with points alone"
+        )
+    if both:
+        [decimal] = both
+        return decimal, "," if decimal == "." else "."
+    for group, decimal in ((",", "."), (".", ",")):
+        if any(cell.count(group) > 1 for cell in cells):
+            return decimal, group
+    commas = [cell for cell in cells if "," in cell]
+    if not commas:
+        return ".", " "
+    if not all(re.fullmatch(r"[+-]?[1-9]\d{0,2},\d{3}", cell) for cell in commas):
+        return ",", " "
+    if any(re.fullmatch(r"[+-]?\d{4,}", cell) for cell in cells):
+        return ",", " "
+    if any("." in cell for cell in cells):
+        return ".", ","
+    meant = commas[0].replace(",", ".")
+    raise InputError(
+        f"{path}: '{commas[0]}' may be {meant} or {meant.replace('.', '')}: export it with decimal points, and without marks "
+        "between thousands"
+    )
+
+
+def _read_clock(cell: str) -> float:
+    """Return a time such as ``1:02.5``, or ``0:00:01:20`` with hundredths at the end, as Kinovea writes it, s."""
+    parts = [float(part) for part in cell.split(":")]
+    last = 0.01 * parts.pop() if len(parts) == 4 else 0.0
+    return sum(part * 60.0**k for k, part in enumerate(reversed(parts))) + last
 
 
 def _read_deeplabcut(path: Path, rows: list[list[str]], target: str | None) -> TrackTable:
@@ -116,11 +181,16 @@ def _read_deeplabcut(path: Path, rows: list[list[str]], target: str | None) -> T
             f"{path}: begins as an export of DeepLabCut, and has no rows 'bodyparts' and 'coords'"
         )
     parts, coords = heads["bodyparts"], [name.lower() for name in heads["coords"]]
-    columns = list(range(1, min(len(parts), len(coords))))
+    # The names of pictures take one column, or three.
+    first = next((j for j, name in enumerate(coords) if j and name), 1)
+    columns = list(range(first, min(len(parts), len(coords))))
     if (animals := heads.get("individuals")) is not None:
         wanted = _choose(path, [animals[j] for j in columns], target)
         columns = [j for j in columns if animals[j] == wanted]
-    numbers = _read_numbers(path, rows[1 + len(heads) :], max(columns, default=0) + 1)
+    body = _even_rows(rows[1 + len(heads) :], max(columns, default=0) + 1)
+    pictures = [re.search(r"(\d+)\D*$", Path(row[first - 1]).stem) for row in body]
+    frames = [found.group(1) if found else row[0] for found, row in zip(pictures, body, strict=True)]
+    numbers = _read_numbers(path, [frames, *zip(*(row[1:] for row in body), strict=True)])
     points: dict[str, FloatArray] = {}
     likelihood: dict[str, FloatArray] = {}
     for name in dict.fromkeys(parts[j] for j in columns):
@@ -151,7 +221,7 @@ def _choose(path: Path, objects: Sequence[str], target: str | None) -> str:
 
 @dataclass(frozen=True)
 class _Column:
-    """What a column holds: ``t``, ``frame``, ``angle``, or the coordinate ``x``, ``y`` or ``z`` of a point."""
+    """What a column holds: ``t``, ``frame``, ``object``, ``angle``, or the coordinate ``x``, ``y`` or ``z`` of a point."""
 
     kind: str
     point: str = ""
@@ -163,32 +233,31 @@ def _name_column(text: str) -> _Column | None:
     name, unit = text.strip().lower(), ""
     if (found := _UNIT.search(name)) is not None:
         name, unit = name[: found.start()], found.group(1)
-    for suffix in (*_LENGTHS, *_ANGLE_UNITS, "s"):
+    for suffix in (*_LENGTHS, *_ANGLE_UNITS, "s", "ms"):
         if name.endswith(f"_{suffix}"):
             name, unit = name[: -len(suffix) - 1], suffix
     if name in TIMES:
-        return _Column("t", unit=unit, factor=0.001 if unit == "ms" else 1.0)
+        return _Column("t", unit=unit)
     if name in FRAMES:
         return _Column("frame")
+    if name in OBJECTS:
+        return _Column("object")
     if name in ANGLES:
         return _Column("angle", unit=unit, factor=ANGLES[name] * _ANGLE_UNITS.get(unit, 1.0))
-    point, _, axis = name.rpartition("_") if "_" in name else name.rpartition(".")
-    unit = {"pixel": "px", "pixels": "px"}.get(unit, unit)
-    return _Column(axis, point, unit) if axis in ("x", "y", "z") else None
+    point, axis = next((name.rsplit(mark, 1) for mark in "_./ " if mark in name), ("", name))
+    return _Column(axis, "" if point == "position" else point, unit) if axis in ("x", "y", "z") else None
+
+
+def _even_rows(rows: Sequence[Sequence[str]], width: int) -> list[list[str]]:
+    """Return rows of as many cells."""
+    return [[*row, *[""] * width][:width] for row in rows]
 
 
 def _read_columns(path: Path, rows: list[list[str]], target: str | None) -> TrackTable:
     head, columns, notes = _find_names(path, rows)
-    objects = [""] * len(columns)
-    if head > 0:
-        objects = _spread_names(rows[head - 1], len(columns))
-        pairs = list(zip(objects, columns, strict=True))
-        if len({name for name, column in pairs if column and column.kind in "xyz"}) > 1:
-            chosen = _choose(path, objects, target)
-            columns = [
-                column if column and (name == chosen or column.kind in ("t", "frame")) else None
-                for name, column in pairs
-            ]
+    body = _join_commas(path, rows[head + 1 :], len(columns), notes)
+    if head > 0 and len({column.point for column in columns if column and column.kind in "xyz"}) == 1:
+        columns = _choose_columns(path, rows[head - 1], columns, target)
     places: dict[tuple[str, str], int] = {}
     for j, column in enumerate(columns):
         if column is None:
@@ -197,25 +266,77 @@ def _read_columns(path: Path, rows: list[list[str]], target: str | None) -> Trac
         if key in places and column.kind in "xyz":
             raise InputError(f"{path}: has two columns {column.kind}, as of two objects; keep those of one")
         places.setdefault(key, j)
-    numbers = _read_numbers(path, rows[head + 1 :], len(columns))
-    is_frames = ("t", "") not in places
-    t = numbers[:, places[("frame" if is_frames else "t", "")]]
-    time = columns[places[("t", "")]] if not is_frames else None
-    units = {column.unit for column in columns if column is not None and column.kind in "xyz" and column.unit}
-    if len(units) > 1:
-        raise InputError(f"{path}: its coordinates have several units: {', '.join(sorted(units))}")
-    angle = np.full(len(numbers), np.nan)
+    units = _find_units(path, columns, body[:4])
+    if (j := places.pop(("object", ""), -1)) >= 0:
+        named = [
+            row
+            for row in body
+            if row[j] and _NUMBER.fullmatch(row[places["x", ""]] if ("x", "") in places else "0")
+        ]
+        chosen = _choose(path, [row[j] for row in named], target)
+        body = [row for row in named if row[j] == chosen] or body
+    is_frames = ("t", "") not in places or units["t"] == "frame"
+    cells = ([row[j] for row in body] for j in places.values())
+    numbers = dict(zip(places, _read_numbers(path, cells).T, strict=True))
+    t = numbers["frame", ""] if is_frames and ("frame", "") in places else numbers["t", ""]
+    angle = np.full(len(body), np.nan)
     if ("angle", "") in places:
-        j = places[("angle", "")]
-        angle = numbers[:, j] * (columns[j] or _Column("angle")).factor
+        angle = numbers["angle", ""] * (columns[places["angle", ""]] or _Column("angle")).factor
+    names = {cell.lower() for cell in rows[head]} if head >= 0 else set()
+    is_image = any(known <= names for known in PIXEL_PROGRAMS)
     return TrackTable(
-        t * (time.factor if time else 1.0),
-        _gather_points(path, places, numbers),
+        t * (1.0 if is_frames else {"ms": 0.001}.get(units["t"], 1.0)),
+        _gather_points(path, numbers, is_image),
         angle,
         is_frames=is_frames,
-        unit=next(iter(units), ""),
+        is_image=is_image,
+        unit=units["x"] or ("px" if is_image else ""),
         notes=tuple(notes),
     )
+
+
+def _find_units(
+    path: Path, columns: Sequence["_Column | None"], below: Sequence[Sequence[str]]
+) -> dict[str, str]:
+    """Return the units of times and of coordinates, by ``t`` and ``x``, from names and from the rows below (TrackMate)."""
+    found: dict[str, set[str]] = {"t": set(), "x": set()}
+    for j, column in enumerate(columns):
+        if column is not None and column.kind in "txyz":
+            words = [column.unit, *(row[j].strip("()") for row in below if row[j].startswith("("))]
+            found["t" if column.kind == "t" else "x"] |= {_PIXELS.get(word, word) for word in words if word}
+    if len(found["x"]) > 1:
+        raise InputError(f"{path}: its coordinates have several units: {', '.join(sorted(found['x']))}")
+    return {kind: next(iter(sorted(units)), "") for kind, units in found.items()}
+
+
+def _join_commas(path: Path, rows: Sequence[list[str]], width: int, notes: list[str]) -> list[list[str]]:
+    """Return rows of ``width`` cells; where commas separate cells and decimals, both halves of a number are joined."""
+    whole = re.compile(r"[+-]?\d+")
+    lengths = [len(row) - next((k for k, cell in enumerate(reversed(row)) if cell), len(row)) for row in rows]
+    halves = set(lengths) == {2 * width}
+    if halves and all(whole.fullmatch(cell) for row in rows for cell in row[: 2 * width]):
+        notes.append("commas separate columns and decimals, so each number is taken from two cells")
+        return [[".".join(row[k : k + 2]) for k in range(0, 2 * width, 2)] for row in rows]
+    if (long := next((k for k, length in enumerate(lengths) if length > width), None)) is not None:
+        raise InputError(
+            f"{path}: row {long + 1} below the names has {lengths[long]} cells for {width} names: if commas separate decimals too, "
+            "export it with semicolons, or with decimal points"
+        )
+    return _even_rows(rows, width)
+
+
+def _choose_columns(
+    path: Path, above: Sequence[str], columns: list[_Column | None], target: str | None
+) -> list[_Column | None]:
+    """Return the columns of one object, whose name is above its columns and holds until the next."""
+    objects = [""] * len(columns)
+    for j, cell in enumerate(above[: len(columns)]):
+        objects[j:] = [cell or objects[j - 1]] * len(objects[j:])
+    pairs = list(zip(objects, columns, strict=True))
+    if len({name for name, column in pairs if column and column.kind in "xyz"}) < 2:
+        return columns
+    chosen = _choose(path, objects, target)
+    return [c if c and (name == chosen or c.kind in ("t", "frame")) else None for name, c in pairs]
 
 
 def _find_names(path: Path, rows: list[list[str]]) -> tuple[int, list[_Column | None], list[str]]:
@@ -226,7 +347,7 @@ def _find_names(path: Path, rows: list[list[str]]) -> tuple[int, list[_Column | 
         if kinds & {"t", "frame"} and kinds & {"x", "y", "z"}:
             return k, columns, []
     width = len(rows[0])
-    if 3 <= width <= 4 and all(np.isfinite(_read_number(cell)) for cell in rows[0]):
+    if 3 <= width <= 4 and all(_NUMBER.fullmatch(cell) for cell in rows[0]):
         names = ("t", "x", "y", "z")[:width]
         return (
             -1,
@@ -239,28 +360,19 @@ def _find_names(path: Path, rows: list[list[str]]) -> tuple[int, list[_Column | 
     )
 
 
-def _spread_names(row: Sequence[str], width: int) -> list[str]:
-    """Return the name of the object above each column: a name holds until the next."""
-
-    def hold(last: str, cell: str) -> str:
-        return cell or last
-
-    return list(accumulate([*row, *[""] * width][:width], hold))
-
-
 def _gather_points(
-    path: Path, places: dict[tuple[str, str], int], numbers: FloatArray
+    path: Path, columns: dict[tuple[str, str], FloatArray], is_image: bool
 ) -> dict[str, FloatArray]:
     points: dict[str, FloatArray] = {}
-    nothing = np.full(len(numbers), np.nan)
-    names = dict.fromkeys(point for kind, point in places if kind in ("x", "y", "z"))
-    for point in names:
-        x, y, z = (numbers[:, places[(k, point)]] if (k, point) in places else nothing for k in "xyz")
-        if ("z", point) in places and ("y", point) in places:
-            points[point] = np.column_stack([x, y, z])
+    for point in dict.fromkeys(point for kind, point in columns if kind in ("x", "y", "z")):
+        given = {kind: columns[kind, point] for kind in "xyz" if (kind, point) in columns}
+        nothing = np.full(len(next(iter(given.values()))), np.nan)
+        if "y" in given and "z" in given and not is_image:
+            points[point] = np.column_stack([given.get("x", nothing), given["y"], given["z"]])
         else:
-            # A picture's second coordinate is its height, whether it is called y or z.
-            points[point] = np.column_stack([x, z if ("z", point) in places else y])
+            # A picture's second coordinate is its height, whether it is called y or z; its z, if any, is that of its plane.
+            up = given.get("y", given.get("z", nothing))
+            points[point] = np.column_stack([given.get("x", nothing), up])
     if len({values.shape[1] for values in points.values()}) > 1:
         raise InputError(f"{path}: some of its points have three coordinates, and some two")
     return points

@@ -126,7 +126,7 @@ class Reading:
 
 
 def read_track(path: Path, body: Body, reading: Reading) -> Track:
-    """Read a track: plain CSV, or what Tracker or DeepLabCut export.
+    """Read a track; see :mod:`driftform_calibration.tables`.
 
     Raises
     ------
