@@ -246,7 +246,7 @@ some formats need, are extras: `uv sync --extra robotics --extra film` in a clon
 | `png` | PNG of every figure | resvg-py | MIT |
 | `pdf` | assembly sheets as PDF; needs the Cairo library of the system | cairosvg | LGPL-3.0 or later |
 | `grids` | `flow.kind = "grid"` from VTK and NetCDF files | meshio, h5py | MIT, BSD-3-Clause |
-| `networks` | `driftform network show` and the like: pipe networks from EPANET files | driftform-networks, wntr | MIT, BSD-3-Clause |
+| `networks` | `driftform network show` and the like: pipe networks from EPANET files | driftform-networks, epanet-plus | MIT |
 | `studio` | `driftform studio`, a page in the browser | driftform-studio, starlette, uvicorn | MIT, BSD-3-Clause |
 
 driftform and its plugins are under the MIT licence. Exudyn has a licence of its own, the EXUDYN General License 1.0,

@@ -1,6 +1,5 @@
-"""Networks that WNTR ships, and EPANET's own quality engine on flows that no longer change."""
+"""Networks of EPANET and WNTR, and EPANET's own quality engine on flows that no longer change."""
 
-import ctypes
 import re
 from collections.abc import Callable
 from functools import cache
@@ -8,6 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from runpy import run_path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -49,7 +49,11 @@ _QUALITY = 12
 
 
 def find_library_file(name: str) -> Path:
-    """The file of a network that WNTR ships."""
+    """The file of a network that driftform or WNTR ships."""
+    import driftform_networks
+
+    if (own := Path(driftform_networks.__file__).with_name("examples") / f"{name}.inp").is_file():
+        return own
     spec = find_spec("wntr")
     assert spec is not None and spec.origin is not None
     return Path(spec.origin).parent / "library" / "networks" / f"{name}.inp"
@@ -57,13 +61,13 @@ def find_library_file(name: str) -> Path:
 
 @cache
 def read_library(name: str) -> Network:
-    from driftform_networks.epanet import run_epanet
+    from driftform_networks.reading import open_network
 
-    return run_epanet(find_library_file(name))
+    return open_network(find_library_file(name))
 
 
 def read_sections(name: str) -> dict[str, str]:
-    """The lines of each section of a network that WNTR ships."""
+    """The lines of each section of a network that driftform or WNTR ships."""
     text = find_library_file(name).read_text("latin-1")
     return dict(re.findall(r"^\[(\w+)\][^\n]*\n(.*?)(?=^\[|\Z)", text, re.MULTILINE | re.DOTALL))
 
@@ -131,28 +135,32 @@ def simulate_quality(
 
 def follow_quality(path: Path, only_last: bool = False) -> tuple[list[str], FloatArray, FloatArray]:
     """Names of the nodes, the times of EPANET's quality steps, s, and its quality at these times, (times, nodes)."""
-    from wntr.epanet.toolkit import ENepanet
+    import epanet
 
-    engine = ENepanet()
-    engine.ENopen(str(path), str(path.with_suffix(".rpt")), str(path.with_suffix(".bin")))
-    engine.ENsolveH()
-    engine.ENopenQ()
-    engine.ENinitQ(0)
-    nodes = range(1, engine.ENgetcount(0) + 1)
-    times, values, left = [], [], ctypes.c_long(1)
-    while left.value > 0:
-        time = engine.ENrunQ()
+    project = epanet.EN_createproject()[1]
+
+    def call(name: str, *arguments: object) -> Any:
+        code, *found = getattr(epanet, f"EN_{name}")(project, *arguments)
+        assert code < 100, f"{name}: error {code}"
+        return found[0] if found else None
+
+    call("open", str(path), str(path.with_suffix(".rpt")), "")
+    call("solveH")
+    call("openQ")
+    call("initQ", 0)
+    nodes = call("getcount", 0)
+    times, values, left = [], [], 1
+    while left > 0:
+        time = call("runQ")
         if not only_last:
             times.append(time)
-            values.append([engine.ENgetnodevalue(node, _QUALITY) for node in nodes])
-        if only_last:
-            left.value = engine.ENnextQ()
-        else:
-            engine.ENlib.EN_stepQ(engine._project, ctypes.byref(left))
+            values.append(np.array(call("getnodevalues", _QUALITY)))
+        left = call("nextQ" if only_last else "stepQ")
     if only_last:  # the next event is the end
-        times, values = [time], [[engine.ENgetnodevalue(node, _QUALITY) for node in nodes]]
-    names = [engine.ENgetnodeid(node) for node in nodes]
-    engine.ENclose()
+        times, values = [time], [np.array(call("getnodevalues", _QUALITY))]
+    names = [call("getnodeid", node) for node in range(1, nodes + 1)]
+    call("close")
+    epanet.EN_deleteproject(project)
     return names, np.array(times, float), np.array(values)
 
 

@@ -63,7 +63,20 @@ def test_rows_are_chosen_far_from_each_other() -> None:
 
 
 def test_a_fleet_has_the_keys_of_the_contract_and_its_files(call: Callable[..., Any]) -> None:
-    words = ["fleet", "Net3", "--release", "River", "--size", 10, "--buoyancy", 0, "--count", 2]
+    words = [
+        "fleet",
+        "Net3",
+        "--release",
+        "River",
+        "--clearance",
+        "pump=1",
+        "--size",
+        10,
+        "--buoyancy",
+        0,
+        "--count",
+        2,
+    ]
     files = ["--map", "map.svg", "--tables", "tables", "--report", "fleet.html", "--agents", "agents"]
     result = call(*words, *files, "--json")
     assert result.exit_code == 0, result.stderr
@@ -100,6 +113,8 @@ def test_more_releases_and_hours_never_see_less(call: Callable[..., Any]) -> Non
             0,
             "--size",
             4,
+            "--clearance",
+            "pump=1",
             "--release",
             "River",
         ]

@@ -13,7 +13,6 @@ from driftform_networks.bodies import FLOWN_BY, Traveller, open_traveller
 from driftform_networks.bore import BANDS, MIXED, find_band, sample_band, spread_points
 from driftform_networks.choosing import bound_steering
 from driftform_networks.dividing import divide_bodies
-from driftform_networks.epanet import run_epanet
 from driftform_networks.fits import find_obstacle, longest_rod
 from driftform_networks.flights import StraightFlights, StraightTask
 from driftform_networks.junctions import describe_junction, find_bends
@@ -32,7 +31,7 @@ def sphere() -> Traveller:
 
 def draw_fork(fork_file: Path, side: float = 100.0) -> Network:
     """The fork with another length of its side, m; drawn are 200, 200 and 100."""
-    network = run_epanet(fork_file)
+    network = open_network(fork_file)
     assert network.links == ("main", "on", "side")
     return replace(network, length=np.array([200.0, 200.0, side]))
 
@@ -130,7 +129,7 @@ def test_a_flat_surface_divides_the_bore_by_a_segment_of_the_circle(share: float
 def test_bodies_in_one_band_take_the_outlet_on_its_side_and_keep_their_band(
     fork_file: Path, sphere: Traveller
 ) -> None:
-    network = run_epanet(fork_file)
+    network = open_network(fork_file)
     snapshot = take_snapshot(network)
     junction = describe_junction(snapshot, network.links.index("main"), "top")
     points = np.array([[1, 0.0, 0.75], [5, 0.0, -0.75]])
@@ -147,7 +146,7 @@ def test_bodies_in_one_band_take_the_outlet_on_its_side_and_keep_their_band(
 def test_only_a_body_that_fits_leaves_with_its_share_of_the_demand(
     bore: float, leaves: float, fork_file: Path, sphere: Traveller
 ) -> None:
-    network = run_epanet(fork_file)
+    network = open_network(fork_file)
     junction = describe_junction(take_snapshot(network), network.links.index("main"), "side")
     table = divide_bodies(sphere, replace(junction, exit=0.4), None, bore)
     assert table.leaves == pytest.approx(leaves)
@@ -178,7 +177,7 @@ def test_points_of_a_band_are_found_in_it_and_bands_have_equal_areas(room: float
 
 
 def test_a_steered_body_sees_the_main_and_one_branch_of_a_fork_and_two_see_all(fork_file: Path) -> None:
-    network = run_epanet(fork_file)
+    network = open_network(fork_file)
     snapshot, source = take_snapshot(network), network.find_node("source")
     reachable = find_reachable(network, source, [0])
     assert bound_steering([snapshot], [source], reachable, 1) == pytest.approx(2 / 3)

@@ -22,6 +22,10 @@ from driftform_networks.bodies import open_traveller
 from driftform_networks.bore import spread_points
 from driftform_networks.reading import open_network
 from driftform_networks.streamtubes import divide_bore, smallest_share
+from driftform_networks.travelling import Travel
+
+PUMPED = Travel(clearance={"pump": 1.0})
+"""River lies behind a pump of Net3."""
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
@@ -30,14 +34,16 @@ def test_a_well_mixed_small_sphere_goes_where_tracers_go(epanet: Any, tmp_path: 
     network = epanet.read_library("Net3")
     sphere, water = open_traveller("sphere:5mm"), trace(network, "River", walks=0)
     began = process_time()
-    passage = route(network, sphere, "River", cache=tmp_path, walks=0)
+    passage = route(network, sphere, "River", travel=PUMPED, cache=tmp_path, walks=0)
     assert process_time() - began < 0.5
     assert np.abs(passage.probability - water.probability).max() < 0.005
     assert passage.coverage == pytest.approx(water.coverage, abs=0.005)
 
 
 def test_a_route_has_the_keys_of_the_contract(call: Callable[..., Any]) -> None:
-    result = call("route", "Net3", "sphere:60mm", "--release", "River", "--walks", 0, "--json")
+    result = call(
+        "route", "Net3", "sphere:60mm", "--release", "River", "--clearance", "pump=1", "--walks", 0, "--json"
+    )
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
     assert document["nodes"]["River"] == {"probability": 1.0, "age": 0.0}
@@ -53,7 +59,7 @@ def test_a_route_has_the_keys_of_the_contract(call: Callable[..., Any]) -> None:
 
 def test_a_body_that_is_too_wide_is_stuck_and_the_reason_is_named(epanet: Any, tmp_path: Path) -> None:
     network = epanet.read_library("Net3")
-    passage = route(network, "sphere:210mm", "River", cache=tmp_path, walks=0)
+    passage = route(network, "sphere:210mm", "River", travel=PUMPED, cache=tmp_path, walks=0)
     narrow = [end for end in passage.stuck if end.reason.startswith("too wide: 210 mm in a bore of 203 mm")]
     assert sum(end.probability for end in narrow) > 0.01
     assert sum(end.probability for end in passage.ends) == pytest.approx(1, abs=1e-6)
@@ -152,7 +158,7 @@ def test_a_trimmed_agent_has_the_buoyancy_that_was_asked_for() -> None:
 
 
 FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]
-NEGATIVE = FORK.replace("source 60", "source 9")
+LACKING = FORK.replace("300 100 0 Open\n on", "300 100 0 Closed\n on")
 UNKNOWN = FORK.replace("side fork branch", "side fork nowhere")
 
 
@@ -160,7 +166,10 @@ UNKNOWN = FORK.replace("side fork branch", "side fork nowhere")
     ("text", "words", "expected"),
     [
         (UNKNOWN, ["show"], "EPANET refuses the file"),
-        (NEGATIVE, ["tracers", "--release", "source"], "negative pressure at 2 junctions at hour 0"),
+        (UNKNOWN, ["show"], "line 11: Error 203: undefined node"),
+        (LACKING, ["tracers", "--release", "source"], "EPANET finds a pressure of -"),
+        (FORK, ["fleet", "--release", "source", "--clearance", "prv=2"], "a share of the bore from 0 to 1"),
+        (FORK, ["fleet", "--release", "source", "--clearance", "gate=1"], "no such kind or link"),
         (FORK, ["tracers", "--release", "sauce"], "no such node; did you mean 'source'?"),
         (FORK, ["tracers", "--release", "ahead"], "no water flows from it into a pipe at hour 0"),
         (FORK, ["tracers", "--release", "source", "--at", "3"], "the simulation lasts from hour 0 to hour 0"),

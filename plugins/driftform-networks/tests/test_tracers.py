@@ -10,8 +10,8 @@ import pytest
 from driftform.types import FloatArray
 from driftform_networks.api import trace
 from driftform_networks.chain import follow
-from driftform_networks.epanet import run_epanet
 from driftform_networks.network import Network
+from driftform_networks.reading import open_network
 from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
 from driftform_networks.tracers import route_tracers
 from driftform_networks.walkers import walk
@@ -33,7 +33,7 @@ def test_visits_are_the_trace_of_epanet(
 ) -> None:
     """p = TRACE Q_j / Q_s: the flux of marked water through a node, relative to that of the release."""
     path = epanet.freeze(name, tmp_path)
-    network = run_epanet(path)
+    network = open_network(path)
     snapshot = take_snapshot(network)
     passage = follow(route_tracers(snapshot), network.find_node(release))
     shares = epanet.simulate_quality(path, f"Trace {release}", hours, 300)
@@ -48,7 +48,7 @@ def test_visits_are_the_trace_of_epanet(
 def test_mean_ages_are_those_of_epanet(tmp_path: Path, epanet: Any) -> None:
     """The age of water is the mean of the ages of tracers of all its sources, weighted by their flux."""
     path = epanet.freeze("Net3", tmp_path)
-    network = run_epanet(path)
+    network = open_network(path)
     snapshot = take_snapshot(network)
     flux, sum_of_ages = np.zeros(len(network.nodes)), np.zeros(len(network.nodes))
     for source in np.flatnonzero(network.hydraulics.outflow[0] < -STILL):
@@ -102,7 +102,7 @@ def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path: Path, epanet
         "TIMES": sections["TIMES"].replace("168:00", "24:00").replace("0:05", "0:01"),
     }
     path = epanet.write_sections(tmp_path / "day.inp", sections)
-    network = run_epanet(path)
+    network = open_network(path)
     h, river = network.hydraulics, network.find_node("River")
     assert ((h.flow > STILL).any(axis=0) & (h.flow < -STILL).any(axis=0)).sum() > 40
     names, times, values = epanet.follow_quality(path)

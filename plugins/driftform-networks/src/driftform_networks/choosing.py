@@ -73,12 +73,17 @@ def choose_fleet(seen: FloatArray, length: FloatArray, size: int) -> tuple[IntAr
 
 
 def bound_steering(
-    snapshots: Sequence[Snapshot], releases: Sequence[int], reachable: BoolArray, size: int
+    snapshots: Sequence[Snapshot],
+    releases: Sequence[int],
+    reachable: BoolArray,
+    size: int,
+    blocked: Sequence[int] = (),
 ) -> float:
     """Return an upper bound on the share of the reachable length that bodies see that choose their way at every node.
 
     A linear program: bodies are a flow of ``size`` from the releases along the water, which may end anywhere; a link is seen
-    by as much of this flow as passes it in all hours, and at most once. Whole bodies, and chance, see less.
+    by as much of this flow as passes it in all hours, and at most once. Whole bodies, and chance, see less. Tanks and
+    reservoirs end a way, and none leads through ``blocked`` links.
 
     Raises
     ------
@@ -95,7 +100,8 @@ def bound_steering(
     for snapshot, width in zip(snapshots, widths, strict=True):
         ones, column = np.ones(width), np.arange(width)
         leave = sparse.csr_array((ones, (snapshot.tail, column)), (nodes, width))
-        enter = sparse.csr_array((ones, (snapshot.head, column)), (nodes, width))
+        passes = ~network.stores[snapshot.head] & ~np.isin(snapshot.links, blocked)
+        enter = sparse.csr_array((ones * passes, (snapshot.head, column)), (nodes, width))
         balance.append(leave - enter)
         sight.append(sparse.csr_array((-ones, (snapshot.links, column)), (links, width)))
     source = sparse.csr_array(

@@ -1,139 +1,94 @@
 """``driftform network``: the commands, which call the functions of :mod:`driftform_networks.api`."""
 
 import os
+import tomllib
+from collections.abc import Callable
+from functools import cache
+from inspect import Parameter, Signature
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from types import SimpleNamespace as Given
+from typing import Annotated, Any
 
 import typer
 
 from driftform.cli import options
 from driftform.errors import InputError
 
-Net: TypeAlias = Annotated[
-    str,
-    typer.Argument(
-        metavar="NET", help="An EPANET file (.inp), or the name of a network that WNTR ships, such as Net3."
-    ),
-]
-Agent: TypeAlias = Annotated[
-    str,
-    typer.Argument(
-        metavar="AGENT",
-        help="agent.json, RUN:TARGET or a genome, or a homogeneous sphere such as sphere:60mm.",
-    ),
-]
-Release: TypeAlias = Annotated[
-    str, typer.Option(metavar="NODE", help="Node where bodies enter the water, such as a hydrant.")
-]
-Releases: TypeAlias = Annotated[
-    list[str],
-    typer.Option(metavar="NODE", help="Node where bodies may enter the water; may be given repeatedly."),
-]
-At: TypeAlias = Annotated[
-    float, typer.Option(metavar="HOURS", min=0, max=1e6, help="Hour of the simulation.")
-]
-Hours: TypeAlias = Annotated[
-    list[float] | None,
-    typer.Option(
-        metavar="HOURS",
-        min=0,
-        max=1e6,
-        help="Hour at which bodies may enter; may be given repeatedly, by default 0.",
-    ),
-]
-Unsteady: TypeAlias = Annotated[
-    bool,
-    typer.Option(
-        "--unsteady",
-        help="Let the flows change after the release, as EPANET computes them; by default they do not.",
-    ),
-]
-Walks: TypeAlias = Annotated[
-    int,
-    typer.Option(
-        metavar="N",
-        min=0,
-        max=10_000_000,
-        help="Bodies that are followed one by one for the distribution of arrival times; 0 for none.",
-    ),
-]
-Seed: TypeAlias = Annotated[int, typer.Option(metavar="N", min=0, max=2**63 - 1, help="Seed of these walks.")]
-Buoyancy: TypeAlias = Annotated[
-    float | None,
-    typer.Option(
-        metavar="NEWTONS", help="Net buoyancy to which the core trims the agent; by default as designed."
-    ),
-]
-Buoyancies: TypeAlias = Annotated[
-    list[float] | None,
-    typer.Option(
-        metavar="NEWTONS",
-        help="Net buoyancy to which cores trim the agents; may be given repeatedly, by default 0, 0.001 and -0.001.",
-    ),
-]
-Branch: TypeAlias = Annotated[
-    str, typer.Option(metavar="SIDE", help="Where branches leave the pipes: top, side or bottom.")
-]
-ServiceBore: TypeAlias = Annotated[
-    float,
-    typer.Option(
-        metavar="METRES",
-        min=0,
-        max=10,
-        help="Bore of the pipes through which demand leaves, m; narrower bodies leave with it.",
-    ),
-]
-Scenario: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        metavar="NAME|FILE", help="Study whose water and wall to use; by default those of water mains."
-    ),
-]
-Map: TypeAlias = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="FILE", help="Map to draw, an SVG file; a PNG beside it if the extra png is installed."
-    ),
-]
-Tables: TypeAlias = Annotated[
-    Path | None, typer.Option(metavar="DIR", help="Directory for CSV tables, for pandas.")
-]
-Report: TypeAlias = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE", help="Page to write with map, tables and assumptions, an HTML file."),
-]
-Cache: TypeAlias = Annotated[
-    Path | None,
-    typer.Option(metavar="DIR", help="Directory for results that are kept; by default the user's cache."),
-]
+_SHARED = {"settings": options.Settings, "workers": options.Workers, "json": options.Json}
+_TYPES: dict[str, Any] = {
+    "argument": str,
+    "text": str,
+    "texts": list[str],
+    "path": Path,
+    "number": float,
+    "signed": float,
+    "numbers": list[float],
+    "count": int,
+    "switch": bool,
+}
+
+app = typer.Typer(
+    help="Follow agents through the water network of a town: where they go, when, and which fleet sees most.",
+    no_args_is_help=True,
+)
 
 
-def show(
-    net: Net,
-    at: At = 0.0,
-    map: Map = None,
-    cache: Cache = None,
-    json: options.Json = False,
-) -> None:
+@cache
+def _read_options() -> dict[str, dict[str, Any]]:
+    return tomllib.loads(Path(__file__).with_name("options.toml").read_text(encoding="utf-8"))
+
+
+def declare_option(name: str) -> Parameter:
+    """Return the parameter of an option of ``options.toml``, or of one that commands of driftform share."""
+    default: Any = False if name == "json" else None
+    if name in _SHARED:
+        return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=_SHARED[name])
+    option = _read_options()[name]
+    kind, flag = option["type"], option.get("flag", f"--{name.replace('_', '-')}")
+    shown: dict[str, Any] = {"help": option["help"]} | (
+        {} if kind == "switch" else {"metavar": option["metavar"]}
+    )
+    if kind in ("number", "numbers", "count") and "signed" not in option:
+        shown |= {"min": option.get("min", 0), "max": option["max"]}
+    default = option.get("default", False if kind == "switch" else None)
+    is_required = kind == "argument" or option.get("required") or (kind == "text" and default is None)
+    if is_required and not option.get("optional"):
+        default = Parameter.empty
+    taken = _TYPES[kind] if default is not None else _TYPES[kind] | None
+    declared = typer.Argument(**shown) if kind == "argument" else typer.Option(flag, **shown)
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[taken, declared])
+
+
+def declare(*names: str) -> Callable[[Callable[[Given], None]], Callable[[Given], None]]:
+    """Return a decorator that adds a command with these options; it takes their values by these names."""
+
+    def add(run: Callable[[Given], None]) -> Callable[[Given], None]:
+        def command(**values: Any) -> None:
+            run(Given(**values))
+
+        command.__doc__ = run.__doc__
+        command.__signature__ = Signature([declare_option(name) for name in names])  # type: ignore[attr-defined]
+        app.command(run.__name__)(command)
+        return run
+
+    return add
+
+
+WATER = ("at", "unsteady", "walks", "seed")
+BODY = ("branch", "service_bore", "clearance", "scenario", "settings", "workers")
+FILES = ("map", "tables", "report", "cache", "json")
+
+
+@declare("net", "at", "map", "cache", "json")
+def show(given: Given) -> None:
     """Show what a network is: its pipes, flows, sources, loops and reversals."""
     from driftform_networks.show import show_network
 
-    show_network(net, at, map, cache, json)
+    show_network(given.net, given.at, given.map, given.cache, given.json)
 
 
-def tracers(
-    net: Net,
-    release: Release,
-    at: At = 0.0,
-    unsteady: Unsteady = False,
-    walks: Walks = 2000,
-    seed: Seed = 0,
-    map: Map = None,
-    tables: Tables = None,
-    report: Report = None,
-    cache: Cache = None,
-    json: options.Json = False,
-) -> None:
+@declare("net", "release", *WATER, *FILES)
+def tracers(given: Given) -> None:
     """Compute where point tracers go, which divide like the water: probability and age at each node.
 
     The result is that of EPANET's own quality engine; bodies have ways of their own (driftform network route).
@@ -142,33 +97,15 @@ def tracers(
     from driftform_networks.reading import open_network
     from driftform_networks.results import Outputs, present_passage
 
-    outputs = Outputs(map, tables, report).check()
-    network = open_network(net, cache)
-    passage = trace(network, release, hour=at, unsteady=unsteady, walks=walks, seed=seed)
-    title = f"{network.name}: tracers from {release} at hour {at:g}"
-    present_passage(passage, title, outputs, json)
+    outputs = Outputs(given.map, given.tables, given.report).check()
+    network = open_network(given.net, given.cache)
+    passage = trace(network, given.release, **_pick(given, *WATER))
+    title = f"{network.name}: tracers from {given.release} at hour {given.at:g}"
+    present_passage(passage, title, outputs, given.json)
 
 
-def route(
-    net: Net,
-    agent: Agent,
-    release: Release,
-    at: At = 0.0,
-    buoyancy: Buoyancy = None,
-    branch: Branch = "side",
-    service_bore: ServiceBore = 0.02,
-    unsteady: Unsteady = False,
-    walks: Walks = 2000,
-    seed: Seed = 0,
-    scenario: Scenario = None,
-    settings: options.Settings = None,
-    workers: options.Workers = None,
-    map: Map = None,
-    tables: Tables = None,
-    report: Report = None,
-    cache: Cache = None,
-    json: options.Json = False,
-) -> None:
+@declare("net", "agent", "release", "at", "buoyancy", *WATER[1:], *BODY, *FILES)
+def route(given: Given) -> None:
     """Compute where an agent goes: probability and age at each node, what it sees, where it is stuck.
 
     Flights of the agent in the bores of the network are made first and kept; after an interruption, the same command
@@ -182,77 +119,32 @@ def route(
     from driftform_networks.results import Outputs, present_passage
     from driftform_networks.travelling import Travel
 
-    outputs = Outputs(map, tables, report).check()
-    travel = Travel.parse(branch, service_bore)
-    network = open_network(net, cache)
-    network.find_node(release)
-    traveller = open_traveller(agent, scenario, settings or (), buoyancy)
+    outputs = Outputs(given.map, given.tables, given.report).check()
+    network = open_network(given.net, given.cache)
+    travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
+    network.find_node(given.release)
+    traveller = open_traveller(given.agent, given.scenario, given.settings or (), given.buoyancy)
     with progress.count_progress("flight tables") as shown:
         passage = api.route(
             network,
             traveller,
-            release,
-            hour=at,
-            unsteady=unsteady,
-            walks=walks,
-            seed=seed,
+            given.release,
+            **_pick(given, *WATER),
             travel=travel,
-            workers=workers or os.cpu_count() or 1,
-            cache=cache,
+            workers=given.workers or os.cpu_count() or 1,
+            cache=given.cache,
             progress=shown,
             compare=True,
         )
-    title = f"{network.name}: {traveller.name} from {release} at hour {at:g}"
-    present_passage(passage, title, outputs, json, BODIES)
+    title = f"{network.name}: {traveller.name} from {given.release} at hour {given.at:g}"
+    present_passage(passage, title, outputs, given.json, BODIES)
 
 
-def fleet(
-    net: Net,
-    release: Releases,
-    size: Annotated[int, typer.Option(metavar="K", min=1, max=10_000, help="Number of bodies.")] = 10,
-    agent: Annotated[
-        list[str] | None,
-        typer.Option(metavar="AGENT", help="Agent to choose from, as for route; may be given repeatedly."),
-    ] = None,
-    run: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="RUN", help="Run, such as one of the strategy ribs, whose agents to choose from."
-        ),
-    ] = None,
-    count: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            max=1000,
-            help="Number of agents of the run, by default 4, or of random agents without one, by default 1.",
-        ),
-    ] = None,
-    buoyancy: Buoyancies = None,
-    as_designed: Annotated[
-        bool,
-        typer.Option("--as-designed", help="Leave the agents the cores and the buoyancy of their designs."),
-    ] = False,
-    at: Hours = None,
-    branch: Branch = "side",
-    service_bore: ServiceBore = 0.02,
-    seed: Annotated[
-        int, typer.Option(metavar="N", min=0, max=2**63 - 1, help="Seed of the random agents.")
-    ] = 0,
-    scenario: Scenario = None,
-    settings: options.Settings = None,
-    workers: options.Workers = None,
-    map: Map = None,
-    tables: Tables = None,
-    report: Report = None,
-    agents: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Directory for the agent.json of each member, to be printed."),
-    ] = None,
-    cache: Cache = None,
-    json: options.Json = False,
-) -> None:
+CHOICE = ("agents_from", "run", "count", "buoyancies", "as_designed")
+
+
+@declare("net", "releases", "size", *CHOICE, "hours_at", *BODY, "agents_seed", "agents", *FILES)
+def fleet(given: Given) -> None:
     """Choose a fleet: which agents, released where and when, see most of the pipes together.
 
     Each member is the one that adds most to those before it. The result is beside that of drifters which divide like the
@@ -265,34 +157,33 @@ def fleet(
     from driftform_networks.results import Outputs, present_fleet
     from driftform_networks.travelling import Travel
 
-    if as_designed and buoyancy:
+    if given.as_designed and given.buoyancies:
         raise InputError("--as-designed and --buoyancy say different things: leave out one of them")
-    outputs = Outputs(map, tables, report, agents).check()
-    travel = Travel.parse(branch, service_bore)
-    network = open_network(net, cache)
-    for name in release:
+    outputs = Outputs(given.map, given.tables, given.report, given.agents).check()
+    network = open_network(given.net, given.cache)
+    travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
+    releases = [name for text in given.releases for name in text.split(",")]
+    for name in releases:
         network.find_node(name)
-    trims = None if as_designed else (buoyancy or BUOYANCIES)
-    travellers = collect_candidates(agent or (), run, count, seed, trims, scenario, settings or ())
+    trims = None if given.as_designed else (given.buoyancies or BUOYANCIES)
+    chosen = (given.agents_from or (), given.run, given.count, given.agents_seed, trims)
+    travellers = collect_candidates(*chosen, given.scenario, given.settings or ())
     with progress.count_progress("flight tables") as shown:
         planned = plan_fleet(
             network,
             travellers,
-            release,
-            size,
-            hours=at or (0.0,),
+            releases,
+            given.size,
+            hours=given.hours_at or (0.0,),
             travel=travel,
-            workers=workers or os.cpu_count() or 1,
-            cache=cache,
+            workers=given.workers or os.cpu_count() or 1,
+            cache=given.cache,
             progress=shown,
         )
-    title = f"{network.name}: a fleet of {size} from {', '.join(dict.fromkeys(release))}"
-    present_fleet(planned, title, outputs, json, travellers)
+    title = f"{network.name}: a fleet of {given.size} from {', '.join(dict.fromkeys(releases))}"
+    present_fleet(planned, title, outputs, given.json, travellers)
 
 
-app = typer.Typer(
-    help="Follow agents through the water network of a town: where they go, when, and which fleet sees most.",
-    no_args_is_help=True,
-)
-for command in (show, tracers, route, fleet):
-    app.command(command.__name__)(command)
+def _pick(given: Given, *names: str) -> dict[str, Any]:
+    """Return values by the names of parameters in :mod:`driftform_networks.api`."""
+    return {"hour" if name == "at" else name: getattr(given, name) for name in names}

@@ -1,152 +1,160 @@
-"""EPANET through WNTR: reads a network file and computes its flows. The only module that imports WNTR."""
+"""Runs EPANET on a network file, in a process of its own, and reads what it says."""
 
-import hashlib
-import logging
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+import json
+import re
+import subprocess
+import sys
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
-
-import numpy as np
+from threading import Timer
 
 from driftform.errors import InputError
-from driftform_networks.network import Hydraulics, Network
+from driftform.util import files
+from driftform.util.progress import track_progress
+from driftform_networks.cache import Arrays, load_arrays
 
-_DEMAND, _HEAD, _FLOW = 9, 10, 8
-"""Codes of the EPANET toolkit: EN_DEMAND and EN_HEAD of a node, EN_FLOW of a link."""
+PATIENCE_S = 300.0
+"""Longest time for a percent of a simulation, s."""
 
-_FOOT = 0.3048
+_ENGINE = "driftform_networks.engine"
+_BEYOND = re.compile(r"[-+]?(nan|inf|infinity|\d[\d.]*e\+?\d\d+)", re.IGNORECASE)
+"""Numbers that no network has."""
 
 
-def run_epanet(path: Path) -> Network:
-    """Return the network of an EPANET file, with its flows at every hydraulic step.
+@dataclass(frozen=True)
+class Changes:
+    """Changes to the model of a network, without editing its file.
 
-    EPANET reads a copy of the file in a temporary folder, and leaves nothing behind.
+    Attributes
+    ----------
+    close
+        links that are closed at all hours.
+    open
+        litres/s that are drawn at junctions besides their demand, such as at open hydrants.
+    valves
+        ``"open"``, ``"closed"``, or the setting of valves at all hours: metres of water for PRV, PSV and PBV, litres/s for FCV,
+        the loss coefficient of TCV, percent for PCV.
+    """
+
+    close: tuple[str, ...] = ()
+    open: Mapping[str, float] = field(default_factory=dict)
+    valves: Mapping[str, float | str] = field(default_factory=dict)
+
+    @classmethod
+    def parse(cls, close: Sequence[str], open: Sequence[str], valves: Sequence[str]) -> "Changes":
+        """Return what ``--close PIPE``, ``--open NODE=LPS`` and ``--set-valve V=SETTING`` say.
+
+        Raises
+        ------
+        InputError
+            if a value is missing or no number.
+        """
+        settings = dict(split_option("--set-valve", text, ("open", "closed")) for text in valves)
+        drawn = {name: float(value) for name, value in (split_option("--open", text) for text in open)}
+        return cls(tuple(close), drawn, settings)
+
+
+def split_option(option: str, text: str, words: Sequence[str] = ()) -> tuple[str, float | str]:
+    """Return name and value of ``NAME=VALUE``, a number of at least 0 or one of some words.
 
     Raises
     ------
     InputError
-        if EPANET refuses the file or cannot solve it; the message holds EPANET's own words.
+        if it is neither.
     """
-    text = path.read_bytes()
-    with TemporaryDirectory() as name, _quiet():
-        # The toolkit takes names in Latin-1 only.
-        copy = Path(name) / "network.inp"
-        copy.write_bytes(text)
-        engine = _open(copy, path)
+    name, equals, value = text.rpartition("=")
+    if value in words and equals:
+        return name, value
+    try:
+        number = float(value)
+    except ValueError:
+        number = -1.0
+    if not equals or not 0 <= number < 1e9:
+        raise InputError(
+            f"{option} {text}: expected NAME=VALUE, the value {' or '.join(('a number', *words))}"
+        )
+    return name, number
+
+
+def run_epanet(path: Path, changes: Changes | None = None) -> Arrays:
+    """Return what EPANET says of a file: the arrays of :mod:`driftform_networks.engine`.
+
+    EPANET reads a copy in a temporary folder, in UTF-8, and leaves nothing behind.
+
+    Raises
+    ------
+    InputError
+        if EPANET refuses the file, cannot solve it, or breaks down; the message has EPANET's own words, and the number of
+        the line that it quotes.
+    """
+    text = files.read_text(path)
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "network.inp").write_text(text, "utf-8", newline="\n")
+        (folder / "changes.json").write_text(json.dumps(asdict(changes or Changes())), "utf-8")
+        command = [sys.executable, "-m", _ENGINE, name]
+        with subprocess.Popen(
+            command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        ) as child:
+            try:
+                deque(track_progress(_watch(child), 100, "% of the simulation by EPANET"), maxlen=0)
+            finally:
+                child.kill()
+        refused, report = folder / "refused.json", folder / "network.rpt"
+        if refused.is_file():
+            said = _read_errors(report, text) or [
+                f"{line}{_find_suspect(text)}" for line in json.loads(refused.read_text("utf-8"))
+            ]
+            more = f" (and {len(said) - 1} more faults)" if len(said) > 1 else ""
+            raise InputError(f"{path}: EPANET refuses the file: {said[0]}{more}")
+        if (arrays := load_arrays(folder / "result.npz")) is None:
+            raise InputError(
+                f"{path}: EPANET breaks down on the file{_find_suspect(text)}: open it in EPANET, and correct what it marks"
+            )
+        return arrays
+
+
+def _watch(child: "subprocess.Popen[str]") -> Iterator[str]:
+    """Yield a line for each percent of the simulation; end the child if one of them takes too long."""
+    assert child.stdout is not None
+    while True:
+        timer = Timer(PATIENCE_S, child.kill)
+        timer.start()
         try:
-            model = _read_model(copy, path)
-            hydraulics = _solve(engine, model, path)
+            line = child.stdout.readline()
         finally:
-            engine.ENclose()
-    return _make_network(model, hydraulics, path.stem, hashlib.sha256(text).hexdigest())
+            timer.cancel()
+        if not line:
+            break
+        yield line
+    child.wait(timeout=PATIENCE_S)
 
 
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep warnings of WNTR from the user: what EPANET warned of is in the result."""
-    logger, level = logging.getLogger("wntr"), logging.getLogger("wntr").level
-    logger.setLevel(logging.CRITICAL)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        logger.setLevel(level)
-
-
-def _open(copy: Path, path: Path) -> Any:
-    from wntr.epanet.toolkit import ENepanet
-
-    engine = ENepanet()
-    report = copy.with_suffix(".rpt")
-    try:
-        engine.ENopen(str(copy), str(report), str(copy.with_suffix(".bin")))
-    except Exception as error:
-        # EPANET writes the rest of its report when it closes the file.
-        with suppress(Exception):
-            engine.ENclose()
-        said = _read_errors(report) or [str(error)]
-        raise InputError(*(f"{path}: EPANET refuses the file: {line}" for line in said)) from None
-    return engine
-
-
-def _read_errors(report: Path) -> list[str]:
-    """Return the errors in EPANET's report, one line each; the line of the file follows some of them."""
+def _read_errors(report: Path, text: str) -> list[str]:
+    """Return the errors in EPANET's report, one line each, with the number of the line of the file that it quotes."""
+    if not report.is_file():
+        return []
+    numbers = {
+        " ".join(line.split()): number for number, line in reversed(list(enumerate(text.splitlines(), 1)))
+    }
     lines = [line.strip() for line in report.read_text("utf-8", errors="replace").splitlines()]
-    found = []
+    found = list[str]()
     for line, following in zip(lines, [*lines[1:], ""], strict=False):
         if line.startswith("Error ") and not line.startswith("Error 200"):
-            is_quote = line.endswith(":") and following
-            found.append(f"{line} {' '.join(following.split())}" if is_quote else line)
-    return found
+            quote = " ".join(following.split()) if line.endswith(":") else ""
+            where = f"line {numbers[quote]}: " if quote in numbers else ""
+            found.append(f"{where}{line}{quote and ' '}{quote}")
+    return list(dict.fromkeys(found))
 
 
-def _read_model(copy: Path, path: Path) -> Any:
-    from wntr.network import WaterNetworkModel
-
-    try:
-        return WaterNetworkModel(str(copy))
-    except Exception as error:
-        raise InputError(f"{path}: WNTR cannot read the file: {' '.join(str(error).split())}") from None
-
-
-def _solve(engine: Any, model: Any, path: Path) -> Hydraulics:
-    from wntr.epanet.util import FlowUnits
-
-    units = FlowUnits(engine.ENgetflowunits())
-    metre = _FOOT if units.is_traditional else 1.0
-    nodes = [engine.ENgetnodeindex(name) for name in model.node_name_list]
-    links = [engine.ENgetlinkindex(name) for name in model.link_name_list]
-    times: list[int] = []
-    states: list[tuple[list[float], ...]] = []
-    try:
-        engine.ENopenH()
-        engine.ENinitH(0)
-        while True:
-            time = engine.ENrunH()
-            state = (
-                [engine.ENgetlinkvalue(index, _FLOW) * units.factor for index in links],
-                [engine.ENgetnodevalue(index, _DEMAND) * units.factor for index in nodes],
-                [engine.ENgetnodevalue(index, _HEAD) * metre for index in nodes],
-            )
-            step = engine.ENnextH()
-            # The state at the end of the simulation holds for no time.
-            if step > 0 or not times:
-                times.append(time)
-                states.append(state)
-            if step <= 0:
-                break
-        engine.ENcloseH()
-    except Exception as error:
-        raise InputError(f"{path}: EPANET cannot solve the network: {error}") from None
-    said = tuple(dict.fromkeys(" ".join(line.split()) for line in engine.errcodelist))
-    flow, outflow, head = map(np.array, zip(*states, strict=True))
-    return Hydraulics(np.array(times, float), float(time), flow, outflow, head, said)
-
-
-def _make_network(model: Any, hydraulics: Hydraulics, name: str, digest: str) -> Network:
-    nodes = {name: index for index, name in enumerate(model.node_name_list)}
-    links = [link for _, link in model.links()]
-    kinds = [link.link_type.lower() for link in links]
-    return Network(
-        name,
-        digest,
-        tuple(nodes),
-        tuple(node.node_type.lower() for _, node in model.nodes()),
-        # A reservoir has a head, and no elevation of its own.
-        np.array(
-            [getattr(node, "elevation", getattr(node, "base_head", 0.0)) for _, node in model.nodes()], float
-        ),
-        np.array([node.coordinates for _, node in model.nodes()], float).reshape(-1, 2),
-        tuple(model.link_name_list),
-        tuple(kinds),
-        np.array([nodes[link.start_node_name] for link in links], np.int64),
-        np.array([nodes[link.end_node_name] for link in links], np.int64),
-        np.array([link.length if kind == "pipe" else 0.0 for link, kind in zip(links, kinds, strict=True)]),
-        np.array([0.0 if kind == "pump" else link.diameter for link, kind in zip(links, kinds, strict=True)]),
-        tuple(np.array(link.vertices, float).reshape(-1, 2) for link in links),
-        hydraulics,
-    )
+def _find_suspect(text: str) -> str:
+    """Return the first line with a name or number that EPANET cannot hold, as part of a message; empty if there is none."""
+    for number, line in enumerate(text.splitlines(), 1):
+        for word in line.partition(";")[0].split():
+            if len(word.encode()) > 31 or _BEYOND.fullmatch(word):
+                shown = word if len(word) < 40 else f"{word[:12]}... of {len(word)} letters"
+                return f", perhaps by line {number}: {shown} (names have at most 31 bytes)"
+    return ""

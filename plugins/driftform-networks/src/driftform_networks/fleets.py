@@ -223,16 +223,22 @@ def plan_fleet(
         Member(names[row], passages[row], float(seen[row] @ length / length.sum()), float(gain))
         for row, gain in zip(chosen.tolist(), (-np.diff(missed, prepend=1.0)).tolist(), strict=True)
     )
-    tracers, retained = (_choose_water(cases, length, size, stay) for stay in (False, True))
-    bound = np.array([bound_steering(snapshots, nodes, reachable, count + 1) for count in range(size)])
+    blocked = travel.list_blocked(network)
+    tracers, retained = (_choose_water(cases, length, size, stay, blocked) for stay in (False, True))
+    steered = (bound_steering(snapshots, nodes, reachable, count + 1, blocked) for count in range(size))
+    bound = np.fromiter(steered, float)
     by_any = 1 - np.prod(1 - seen[chosen], axis=0)
     return Fleet(network, reachable, by_any, members, curve, choice_bound, tracers, retained, bound)
 
 
 def _choose_water(
-    cases: Sequence[tuple[Snapshot, int]], length: FloatArray, size: int, retained: bool
+    cases: Sequence[tuple[Snapshot, int]],
+    length: FloatArray,
+    size: int,
+    retained: bool,
+    blocked: Sequence[int],
 ) -> FloatArray:
     """Return the curve of tracers that are released at the best places."""
-    routings = {snapshot.hour: route_tracers(snapshot, retained) for snapshot, _ in cases}
+    routings = {snapshot.hour: route_tracers(snapshot, retained, blocked) for snapshot, _ in cases}
     seen = np.array([follow(routings[snapshot.hour], node).seen for snapshot, node in cases])
     return choose_fleet(seen, length, size)[1]

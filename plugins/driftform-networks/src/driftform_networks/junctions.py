@@ -85,7 +85,7 @@ def describe_junction(snapshot: Snapshot, link: int, branch: str) -> Junction:
         float(snapshot.exit[node] / snapshot.departure[node]) if snapshot.departure[node] > 0 else 1.0,
         np.column_stack([sides * np.sin(clock), np.abs(sides) * np.cos(clock)]),
         turns,
-        bool(snapshot.stores[node]),
+        bool(network.stores[node]),
         int(snapshot.inlets[node]),
     )
 

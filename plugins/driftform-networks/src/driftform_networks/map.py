@@ -1,8 +1,8 @@
-"""Maps of a network as SVG: what is seen of each link, arrival times, and where bodies end."""
+"""Maps of a network as SVG: what is seen of each link, arrival times, and where bodies end; and the curve of a fleet."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from xml.etree import ElementTree as ET
+from itertools import pairwise
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from driftform.figures import layout, plot, style, svg
 from driftform.types import FloatArray
 from driftform_networks.fleets import Fleet
 from driftform_networks.network import Network
+from driftform_networks.page import render_template
 from driftform_networks.passage import Ending, Passage
 
 UNREACHED = "#d3d9de"
@@ -22,8 +23,11 @@ BOUNDS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7)
 
 _TOP, _TALLEST, _LEGEND = 78.0, 720.0, 78.0
 _THIN, _THICK = 1.4, 6.0
-_MOST_TIMES = 14
-"""Arrival times that are written on a map."""
+_MOST_TIMES, _MOST_STREETS = 14, 60
+"""Arrival times, and names of links, that are written on a map."""
+
+_STEP = 34.0
+"""Width of a step of the legend, px."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,22 +111,46 @@ def network_svg(
         if the network has no coordinates.
     """
     page = _fit(network)
-    root = layout.start_page(
-        page.box.bottom + _LEGEND, title, subtitle, f"A map of the water network {network.name}. {subtitle}."
-    )
     lines = [page.to_page(network.polyline(link)) for link in range(len(network.links))]
-    _draw_links(root, lines, shares)
-    for kind, (x, y) in zip(network.node_kinds, page.to_page(network.places).tolist(), strict=True):
-        if kind != "junction":
-            _draw_source(root, kind, x, y, class_=kind)
-    for mark in marks:
-        x, y = page.to_page(network.places[[mark.node]])[0]
-        svg.add_circle(root, x, y, 5 if mark.is_bold else 2.6, mark.colour, class_="mark")
-    crosses = _draw_stuck(root, page, network, stuck)
-    ink = np.vstack([layout.resample_polyline(line, 3) for line in lines if len(line) > 1])
-    _write_marks(root, page, network, [*marks, *crosses], ink)
-    _draw_legend(root, page, network, legend, bool(np.isfinite(shares).any()))
-    return svg.render(root)
+    crosses, more = _place_crosses(network, lines, page.to_page(network.places), stuck)
+    ink = np.vstack([layout.resample_polyline(line, 3) for line in lines])
+    labels = _place_marks(page, network, [*marks, *more], ink)
+    metres = network.scale or 0.0
+    bar = layout.floor_to_nice_number(150 * metres / page.px_per_m) if metres else 0.0
+    order = np.argsort(np.nan_to_num(shares, nan=-1.0), kind="stable")
+    links = []
+    for link in order.tolist():
+        known = bool(np.isfinite(shares[link]))
+        colour, width = choose_line(shares[link]) if known else (UNREACHED, 1.0)
+        value = f": {100 * shares[link]:.1f} %" if known else ""
+        links.append(
+            {"d": svg.path_data(lines[link]), "colour": colour, "width": width}
+            | {"name": network.links[link], "value": value}
+        )
+    spots = page.to_page(network.places)
+    steps = [(*choose_line(least), f"{100 * least:g}") for least in (0.0, *BOUNDS)]
+    return render_template(
+        "map.svg",
+        width=layout.WIDTH,
+        height=page.box.bottom + _LEGEND,
+        margin=layout.MARGIN,
+        title=layout.shorten(title, 20, layout.WIDTH - 2 * layout.MARGIN, bold=True),
+        subtitle=subtitle,
+        network=network.name,
+        links=links,
+        sources=[(network.node_kinds[node], *spots[node]) for node in np.flatnonzero(network.stores)],
+        marks=[(*spots[mark.node], 5 if mark.is_bold else 2.6, mark.colour) for mark in marks],
+        crosses=crosses,
+        labels=labels,
+        streets=_place_streets(network, lines, labels),
+        step=_STEP,
+        ramp=steps if np.isfinite(shares).any() else [],
+        legend=legend,
+        unreached=UNREACHED,
+        nets=any(mark.colour == style.ORANGE for mark in marks),
+        bar=bar / metres * page.px_per_m if metres else 0.0,
+        bar_text=f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m",
+    )
 
 
 def _fit(network: Network) -> plot.Window:
@@ -140,44 +168,26 @@ def choose_line(share: float) -> tuple[str, float]:
     return RAMP[step], _THIN + (_THICK - _THIN) * step / len(BOUNDS)
 
 
-def _draw_links(root: ET.Element, lines: Sequence[FloatArray], shares: FloatArray) -> None:
-    order = np.argsort(np.nan_to_num(shares, nan=-1.0), kind="stable")
-    for link in order.tolist():
-        colour, width = choose_line(shares[link]) if np.isfinite(shares[link]) else (UNREACHED, 1.0)
-        svg.add_line(root, svg.path_data(lines[link]), colour, width, "link", stroke_linecap="round")
-
-
-def _draw_source(root: ET.Element, kind: str, x: float, y: float, **named: str | float) -> None:
-    """Draw a tank as a square, or a reservoir as a triangle, around a point."""
-    shape: dict[str, str | float]
-    if kind == "tank":
-        tag, shape = "rect", {"x": x - 5, "y": y - 5, "width": 10, "height": 10}
-    else:
-        corners = [(x - 6, y - 5), (x + 6, y - 5), (x, y + 6)]
-        tag, shape = "path", {"d": svg.path_data(corners, closed=True)}
-    svg.add(root, tag, "", **named, **shape, fill="#ffffff", stroke=style.BLUE, stroke_width=2)
-
-
-def _draw_stuck(root: ET.Element, page: plot.Window, network: Network, stuck: Sequence[Ending]) -> list[Mark]:
-    """Draw a cross where bodies are stuck, larger for more; return texts for the most probable places."""
-    marks = []
+def _place_crosses(
+    network: Network, lines: Sequence[FloatArray], spots: FloatArray, stuck: Sequence[Ending]
+) -> tuple[list[tuple[float, float, float]], list[Mark]]:
+    """Return crosses where bodies are stuck, larger for more, and texts for the most probable places."""
+    crosses, marks = [], []
     nodes = {name: node for node, name in enumerate(network.nodes)}
     links = {name: link for link, name in enumerate(network.links)}
     for number, end in enumerate(stuck):
         if end.place in nodes and end.kind == "stuck":
-            x, y = page.to_page(network.places[[nodes[end.place]]])[0]
+            x, y = spots[nodes[end.place]].tolist()
+            if number < 4:
+                text = f"{100 * end.probability:.0f} % stuck"
+                marks.append(Mark(nodes[end.place], text, style.VERMILLION))
         elif end.place in links:
-            line = layout.resample_polyline(page.to_page(network.polyline(links[end.place])), 3)
-            x, y = line[len(line) // 2]
+            line = layout.resample_polyline(lines[links[end.place]], 3)
+            x, y = line[len(line) // 2].tolist()
         else:
             continue
-        arm = 3 + 6 * np.sqrt(end.probability)
-        strokes = np.array([x, y]) + arm * np.array([[(-1, -1), (1, 1)], [(-1, 1), (1, -1)]])
-        look = {"stroke": style.VERMILLION, "stroke_width": "2.2", "stroke_linecap": "round"}
-        svg.add(root, "path", class_="stuck", d=svg.lines_data(strokes), **look)
-        if number < 4 and end.place in nodes:
-            marks.append(Mark(nodes[end.place], f"{100 * end.probability:.0f} % stuck", style.VERMILLION))
-    return marks
+        crosses.append((x, y, 3 + 6 * float(np.sqrt(end.probability))))
+    return crosses, marks
 
 
 def _choose_times(passage: Passage) -> list[Mark]:
@@ -209,49 +219,76 @@ def format_time(seconds: float) -> str:
     return f"{seconds / 86_400:.0f} d"
 
 
-def _write_marks(
-    root: ET.Element, page: plot.Window, network: Network, marks: Sequence[Mark], ink: FloatArray
-) -> None:
+def _place_marks(
+    page: plot.Window, network: Network, marks: Sequence[Mark], ink: FloatArray
+) -> list[tuple[float, float, str, str]]:
+    """Return middle, baseline, text and colour of the texts at nodes."""
     if not marks:
-        return
+        return []
     anchors = page.to_page(network.places[[mark.node for mark in marks]])
     texts = [layout.shorten(mark.text, 12, 140, bold=True) for mark in marks]
     widths = [layout.text_width(text, 12, bold=mark.is_bold) for text, mark in zip(texts, marks, strict=True)]
     boxes = layout.place_labels(anchors, widths, 14, ink, page.box)
-    for text, mark, box in zip(texts, marks, boxes, strict=True):
-        middle, base, bold = (box.left + box.right) / 2, box.bottom - 3, mark.is_bold
-        layout.write(root, middle, base, text, 12, mark.colour, "middle", bold=bold, halo=True)
+    return [
+        ((box.left + box.right) / 2, box.bottom - 3, text, mark.colour)
+        for text, mark, box in zip(texts, marks, boxes, strict=True)
+    ]
 
 
-def _draw_legend(root: ET.Element, page: plot.Window, network: Network, text: str, has_shares: bool) -> None:
-    base = page.box.bottom + 34
-    x = layout.MARGIN
-    if has_shares:
-        layout.write(root, x, base - 8, text, 11, style.MUTED)
-        step = 34.0
-        for number, least in enumerate((0.0, *BOUNDS)):
-            colour, width = choose_line(least)
-            y, left = base + 10, x + number * step
-            svg.add_line(root, svg.path_data([(left + 3, y), (left + step - 3, y)]), colour, width)
-            if number:
-                layout.write(root, left, base + 28, f"{100 * least:g}", 11, style.MUTED, "middle")
-        layout.write(root, x + len(RAMP) * step, base + 28, "100 %", 11, style.MUTED, "middle")
-        x += step * len(RAMP) + 30
-        svg.add_line(root, svg.path_data([(x, base + 10), (x + 24, base + 10)]), UNREACHED, 1.0)
-        layout.write(root, x + 30, base + 14, "out of reach", 11, style.MUTED)
-        x += 120
-    _draw_source(root, "tank", x + 5, base + 10)
-    layout.write(root, x + 16, base + 14, "tank", 11, style.MUTED)
-    _draw_source(root, "reservoir", x + 66, base + 10)
-    layout.write(root, x + 78, base + 14, "reservoir", 11, style.MUTED)
-    metres = network.scale
-    right = layout.WIDTH - layout.MARGIN
-    if metres is None:
-        layout.write(root, right, base + 14, "not drawn to scale", 11, style.MUTED, "end")
-        return
-    bar = layout.floor_to_nice_number(150 * metres / page.px_per_m)
-    left = right - bar / metres * page.px_per_m
-    ends = [(left, base + 6), (left, base + 10), (right, base + 10), (right, base + 6)]
-    svg.add_line(root, svg.path_data(ends), style.INK, 1.2)
-    text = f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m"
-    layout.write(root, (left + right) / 2, base + 2, text, 11, style.INK, "middle")
+def _place_streets(
+    network: Network, lines: Sequence[FloatArray], labels: Sequence[tuple[float, float, str, str]]
+) -> list[tuple[float, float, float, str]]:
+    """Return middle, turn (degrees) and name of links whose names fit along them, the longest first, off other texts."""
+    taken = [(x + dx, y - 4) for x, y, text, _ in labels for dx in np.arange(-3.5, 4.0) * len(text)]
+    parts = [(line, np.linalg.norm(np.diff(line, axis=0), axis=1)) for line in lines]
+    longest = np.array([steps.max(initial=0.0) for _, steps in parts])
+    found: list[tuple[float, float, float, str]] = []
+    for link in np.argsort(-longest, kind="stable").tolist():
+        name = network.links[link]
+        wide = layout.text_width(name, 9)
+        if len(found) == _MOST_STREETS or longest[link] < 24:
+            break
+        if wide > longest[link] - 8:
+            continue
+        line, steps = parts[link]
+        row = int(np.argmax(steps))
+        along = (line[row + 1] - line[row]) / steps[row]
+        along = along if along[0] >= 0 else -along
+        middle = (line[row] + line[row + 1]) / 2 + np.array([-along[1], along[0]]) * 3
+        spots = [tuple(middle + along * at) for at in np.linspace(-wide / 2, wide / 2, max(2, int(wide / 8)))]
+        apart = min((np.hypot(x - u, y - v) for x, y in spots for u, v in taken), default=np.inf)
+        if apart < 13:
+            continue
+        taken += spots
+        found.append((*middle.tolist(), round(float(np.rad2deg(np.arctan2(along[1], along[0]))), 1), name))
+    return found
+
+
+def curve_svg(fleet: Fleet, title: str) -> str:
+    """Return the share of the reachable length that fleets of each size see, beside tracers and perfect steering."""
+    size = len(fleet.curve)
+    step = next(step for step in (1, 2, 5, 10, 20, 50, 100, 1000) if size / step <= 12 or step == 1000)
+    lines = [
+        ("perfect steering (bound)", fleet.bound, style.MUTED, True),
+        ("this fleet", fleet.curve, style.VERMILLION, False),
+        ("divided like water, retained", fleet.retained, style.BLUE, True),
+        ("point tracers", fleet.tracers, style.BLUE, False),
+    ]
+    heights = _spread([408 - 320 * float(curve[-1]) for _, curve, _, _ in lines])
+    curves = []
+    for (name, curve, colour, dashes), y in zip(lines, heights, strict=True):
+        points = [(60 + 608 * count / size, 408 - 320 * share) for count, share in enumerate([0.0, *curve])]
+        ink = style.INK if colour == style.MUTED else colour
+        curves.append((f"{name} {100 * curve[-1]:.1f}", svg.path_data(points), colour, dashes, y, ink))
+    ticks = [(60 + 608 * count / size, count) for count in range(0, size + 1, step)]
+    return render_template(
+        "curve.svg", title=layout.shorten(title, 20, 856, bold=True), ticks=ticks, curves=curves
+    )
+
+
+def _spread(heights: list[float], least: float = 16.0) -> list[float]:
+    """Return heights of labels that keep a distance from each other, in their order."""
+    order, placed = np.argsort(heights), list(heights)
+    for above, below in pairwise(order):
+        placed[below] = max(placed[below], placed[above] + least)
+    return placed

@@ -39,6 +39,8 @@ class Hydraulics:
         hydraulic head of each node, m, (steps, nodes).
     warnings
         what EPANET warned of, one line each.
+    clock
+        time of the day at which the simulation begins, s.
     """
 
     times: FloatArray
@@ -47,6 +49,7 @@ class Hydraulics:
     outflow: FloatArray
     head: FloatArray
     warnings: tuple[str, ...] = ()
+    clock: float = 0.0
 
     def find_step(self, hour: float) -> int:
         """Return the index of the step that covers an hour of the simulation.
@@ -76,11 +79,11 @@ class Network:
     node_kinds
         ``"junction"``, ``"tank"`` or ``"reservoir"``.
     link_kinds
-        ``"pipe"``, ``"pump"`` or ``"valve"``.
+        ``"pipe"``, ``"cv"`` (a pipe with a check valve), ``"pump"``, or the valves of EPANET from ``"prv"`` to ``"pcv"``.
     elevation
         elevation of each node, m, (nodes,).
     places
-        coordinates of each node on the map of the file, in the file's unit, (nodes, 2).
+        coordinates of each node on the map of the file, in the file's unit, (nodes, 2); NaN where the file has none.
     vertices
         points of each link between its ends, on the same map, (k, 2) each.
     start, end
@@ -120,6 +123,24 @@ class Network:
             raise InputError(f"--release {name}: {self.name} has no such node{_suggest(name, self.nodes)}")
         return self.nodes.index(name)
 
+    @cached_property
+    def is_pipe(self) -> BoolArray:
+        """Whether each link is a pipe, with a check valve or without, (links,)."""
+        return np.isin(self.link_kinds, ("pipe", "cv"))
+
+    @cached_property
+    def stores(self) -> BoolArray:
+        """Whether each node is a tank or a reservoir: what arrives there has left the pipes, (nodes,)."""
+        return np.array([kind != "junction" for kind in self.node_kinds])
+
+    def find_low_pressures(self, step: int) -> tuple[IntArray, FloatArray]:
+        """Return the junctions that deliver water at negative pressure, the lowest first, and their pressures, m."""
+        pressure = self.hydraulics.head[step] - self.elevation
+        delivers = ~self.stores & (self.hydraulics.outflow[step] > 0)
+        rows = np.flatnonzero(delivers & ~(pressure > -1e-3))
+        rows = rows[np.argsort(pressure[rows], kind="stable")]
+        return rows, pressure[rows]
+
     @property
     def area(self) -> FloatArray:
         """Cross-section of each link, m2, (links,)."""
@@ -132,6 +153,8 @@ class Network:
         The scale is the median, by length, of given over drawn lengths; the map is to scale if at least 80 % of the length
         deviates from it by at most 10 %.
         """
+        if not np.isfinite(self.places).all():
+            return None
         lines = (self.polyline(link) for link in range(len(self.links)))
         drawn = np.array([np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines])
         pipes = (drawn > 0) & (self.length > 0)

@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 from importlib.resources import files
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from driftform.figures import style, svg
 
 WATER = (
     "Flows are those of EPANET; water mixes completely at each node.",
@@ -32,6 +34,23 @@ class TextTable(NamedTuple):
     right: Sequence[int] = ()
 
 
+def render_template(name: str, **values: Any) -> str:
+    """Return a template of this package with values, and with the colours and fonts of all pictures."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("driftform_networks", ""),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["n"] = svg.format_number
+    colours = ("ink", "muted", "grid", "blue", "orange", "vermillion")
+    look = {name: getattr(style, name.upper()) for name in colours} | {"fonts": svg.FONTS}
+    return environment.get_template(name).render(look | values)
+
+
 def report_html(
     title: str,
     text: Sequence[str | TextTable],
@@ -47,14 +66,10 @@ def report_html(
     figures
         headings and SVG pictures.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    template = files("driftform_networks").joinpath("page.html").read_text(encoding="utf-8")
-    return environment.from_string(template).render(
+    return render_template(
+        "page.html",
         title=title,
+        script=files("driftform_networks").joinpath("zoom.js").read_text(encoding="utf-8"),
         style=files("driftform.report").joinpath("page.css").read_text(encoding="utf-8"),
         lead=[part for part in text if isinstance(part, str)],
         tables=[part for part in text if not isinstance(part, str)],

@@ -72,6 +72,8 @@ class Passage:
         no walks were made.
     unsteady
         whether the flows changed on the way.
+    gates
+        valves and the like that it passes: name of the link, what it is, and the probability of passing it.
     flown, divided
         number of junctions on its ways that it was flown through, and that streamtubes divide.
     branches
@@ -89,6 +91,7 @@ class Passage:
     ends: tuple[Ending, ...]
     quantiles: FloatArray = field(default_factory=lambda: np.zeros((0, len(QUANTILES))))
     unsteady: bool = False
+    gates: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     flown: int = 0
     divided: int = 0
     branches: Mapping[str, "Passage"] = field(default_factory=dict)
@@ -98,6 +101,12 @@ class Passage:
         """Expected share of the reachable length that the body sees; 0 if nothing is reachable."""
         length = np.where(self.reachable, self.network.length, 0.0)
         return float(length @ self.seen / length.sum()) if length.sum() > 0 else 0.0
+
+    @property
+    def steps(self) -> range:
+        """Hydraulic steps whose flows carry it."""
+        first = self.network.hydraulics.find_step(self.hour)
+        return range(first, len(self.network.hydraulics.times) if self.unsteady else first + 1)
 
     @property
     def stuck(self) -> tuple[Ending, ...]:
@@ -124,6 +133,10 @@ class Passage:
             "reachable_length": float(self.network.length[self.reachable].sum()),
             "ends": [asdict(end) for end in self.ends],
             "stuck": [asdict(end) for end in self.stuck],
+            "passed": [
+                {"link": link, "what": what, "probability": share}
+                for link, (what, share) in self.gates.items()
+            ],
         }
 
     def node_table(self) -> dict[str, list[Any]]:
@@ -179,23 +192,47 @@ def make_passage(
         ``visits``, ``probability`` and ``age``.
     """
     network, (_, probability, _) = routings[0].snapshot.network, arrivals
+    gates = {
+        network.links[link]: (table.gate, float(seen[link]))
+        for routing in routings
+        for link, table in zip(routing.snapshot.links.tolist(), routing.transfers, strict=True)
+        if table.gate and seen[link] > LEAST
+    }
     reachable = find_reachable(network, release, [routing.snapshot.step for routing in routings])
     flown, divided = _count_junctions(routings, probability)
     found = merge_ends(ends)
     return Passage(
-        network, release, hour, *arrivals, seen, reachable, found, flown=flown, divided=divided, **more
+        network,
+        release,
+        hour,
+        *arrivals,
+        seen,
+        reachable,
+        found,
+        gates=gates,
+        flown=flown,
+        divided=divided,
+        **more,
     )
 
 
 def find_reachable(network: Network, release: int, steps: Sequence[int]) -> BoolArray:
-    """Return whether water of a node may reach each link by the flows of some hydraulic steps, (links,)."""
+    """Return whether water of a node may reach each link by the flows of some hydraulic steps, (links,).
+
+    Other sources and tanks end its way: what comes out of them is their water.
+    """
     flow = network.hydraulics.flow[list(steps)]
     forward, backward = (flow > STILL).any(axis=0), (flow < -STILL).any(axis=0)
     tails = np.concatenate([network.start[forward], network.end[backward]])
     heads = np.concatenate([network.end[forward], network.start[backward]])
-    graph = sparse.csr_array((np.ones(len(tails)), (tails, heads)), (len(network.nodes),) * 2)
+    through = ~network.stores
+    through[release] = True
+    leads = through[tails]
+    ends = (tails[leads], heads[leads])
+    graph = sparse.csr_array((np.ones(leads.sum()), ends), (len(network.nodes),) * 2)
     reached = np.zeros(len(network.nodes), bool)
     reached[breadth_first_order(graph, release, return_predecessors=False)] = True
+    reached &= through
     return np.asarray((forward & reached[network.start]) | (backward & reached[network.end]))
 
 
@@ -205,7 +242,7 @@ def _count_junctions(routings: Sequence[Routing], probability: FloatArray) -> tu
     for routing in routings:
         snapshot = routing.snapshot
         for node, table in zip(snapshot.head.tolist(), routing.tables, strict=True):
-            if table.choice.shape[1] > 1 and probability[node] > LEAST and not snapshot.stores[node]:
+            if table.choice.shape[1] > 1 and probability[node] > LEAST and not snapshot.network.stores[node]:
                 (flown if table.is_flown else divided).add(node)
     return len(flown), len(divided - flown)
 

@@ -15,11 +15,11 @@ from driftform.figures import files as picture_files
 from driftform.util import files
 from driftform_networks.bodies import Traveller
 from driftform_networks.candidates import save_agents
-from driftform_networks.curve import curve_svg
 from driftform_networks.fleets import Fleet, Member
-from driftform_networks.map import fleet_svg, format_time, passage_svg
+from driftform_networks.map import curve_svg, fleet_svg, format_time, passage_svg
 from driftform_networks.page import BODIES, WATER, TextTable, report_html
 from driftform_networks.passage import Passage
+from driftform_networks.snapshot import warn_of_pressure
 
 _LONGEST_NAME = 30
 """Characters of an agent's name in a table."""
@@ -134,7 +134,11 @@ def present_passage(
     if passage.stuck:
         lines.append(f"{100 * sum(end.probability for end in passage.stuck):.1f} % end in the pipes")
     tables = [*_table_nodes(passage), *_table_ends(passage)]
+    if passage.gates:
+        rows = [[link, what, f"{100 * share:.2f}"] for link, (what, share) in passage.gates.items()]
+        tables.append(TextTable(("passes", "what", "probability %"), rows[:MOST_ROWS], right=(2,)))
     document = passage.as_document()
+    lines += warn_of_pressure(passage.network, passage.steps)
     if passage.branches:
         document["branches"] = {side: _compare(passage, other) for side, other in passage.branches.items()}
         tables.append(_table_branches(document["branches"]))

@@ -51,11 +51,14 @@ class TransferTable:
         mean time that it takes, relative to that of the water, (bands,).
     obstacle
         what holds bodies there, in a few words.
+    gate
+        what narrows the way and lets bodies pass, such as a valve, in a few words.
     """
 
     transfer: FloatArray
     slowness: FloatArray
     obstacle: str = ""
+    gate: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +97,7 @@ class Routing:
     @property
     def most(self) -> int:
         """Largest number of outlets at the end of a link."""
-        return max(len(outlets) for outlets in self.snapshot.outlets)
+        return max(1, *map(len, self.snapshot.outlets))
 
     @property
     def transfer(self) -> FloatArray:

@@ -7,12 +7,13 @@ import numpy as np
 
 from driftform.figures import files as picture_files
 from driftform_networks.chain import find_loops
+from driftform_networks.gates import read_gates
 from driftform_networks.map import Mark, network_svg
 from driftform_networks.network import Network
 from driftform_networks.page import TextTable
 from driftform_networks.reading import open_network
 from driftform_networks.results import Outputs, present
-from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
+from driftform_networks.snapshot import STILL, Snapshot, take_snapshot, warn_of_pressure
 
 _ROUNDING = 1e-9
 """Flow that EPANET's rounding leaves in closed links, m3/s."""
@@ -22,13 +23,14 @@ def show_network(source: str, hour: float, map: Path | None, cache: Path | None,
     """Print what a network is, and draw its map if it is asked for."""
     Outputs(map).check()
     network = open_network(source, cache)
-    snapshot = take_snapshot(network, hour)
+    snapshot = take_snapshot(network, hour, absurd=True)
     facts = describe_network(network, snapshot)
     narrow, wide = (1000 * bore for bore in facts["bore"])
     scale = "drawn to scale" if facts["to_scale"] else "not drawn to scale: angles are not those of the pipes"
+    names = {kind: gate.name for kind, gate in read_gates().items()}
     rows = [
         ("nodes", ", ".join(f"{count} {kind}s" for kind, count in facts["nodes"].items())),
-        ("links", ", ".join(f"{count} {kind}s" for kind, count in facts["links"].items())),
+        ("links", ", ".join(f"{count} {names.get(kind, kind)}s" for kind, count in facts["links"].items())),
         ("pipes", f"{facts['length'] / 1000:.2f} km, bore {narrow:.0f} to {wide:.0f} mm"),
         ("simulation", f"{facts['duration'] / 3600:g} h in {facts['steps']} hydraulic steps"),
         ("reversals", f"the flow of {facts['reversing']} links changes its direction"),
@@ -44,6 +46,7 @@ def show_network(source: str, hour: float, map: Path | None, cache: Path | None,
     text += [f"  {name:10}  {value}" for name, value in rows]
     text += [TextTable(("water comes from", "kind", "litres/s"), supply, right=(2,))]
     text += [f"warning: EPANET: {line}" for line in network.hydraulics.warnings]
+    text += warn_of_pressure(network, range(len(network.hydraulics.times)))
     drawn = () if map is None else picture_files.write_picture(map, _draw(network, snapshot, hour))
     present(facts, text, drawn, json)
 
@@ -53,7 +56,7 @@ def _draw(network: Network, snapshot: Snapshot, hour: float) -> str:
     fastest = float(snapshot.speed[np.isfinite(snapshot.speed)].max())
     shares = np.full(len(network.links), np.nan)
     shares[snapshot.links] = np.minimum(snapshot.speed / fastest, 1.0)
-    sources = [Mark(node, network.nodes[node]) for node in np.flatnonzero(snapshot.stores).tolist()]
+    sources = [Mark(node, network.nodes[node]) for node in np.flatnonzero(network.stores).tolist()]
     title = f"{network.name} at hour {hour:g}"
     subtitle = f"{len(network.nodes)} nodes, {network.length.sum() / 1000:.1f} km of pipe"
     legend = f"speed of the water, relative to {fastest:.2f} m/s"
@@ -62,7 +65,7 @@ def _draw(network: Network, snapshot: Snapshot, hour: float) -> str:
 
 def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:
     """Return facts about a network and its flow at one hour as plain values for JSON."""
-    hydraulics, pipes = network.hydraulics, np.array([kind == "pipe" for kind in network.link_kinds])
+    hydraulics, pipes = network.hydraulics, network.is_pipe
     reverses = (hydraulics.flow > _ROUNDING).any(axis=0) & (hydraulics.flow < -_ROUNDING).any(axis=0)
     supply = -hydraulics.outflow[snapshot.step]
     flowing = pipes[snapshot.links]
@@ -70,7 +73,7 @@ def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:
         "name": network.name,
         "digest": network.digest,
         "nodes": _count(network.node_kinds, ("junction", "tank", "reservoir")),
-        "links": _count(network.link_kinds, ("pipe", "pump", "valve")),
+        "links": _count(network.link_kinds, ("pipe", *read_gates())),
         "length": float(network.length.sum()),
         "bore": [float(network.diameter[pipes].min()), float(network.diameter[pipes].max())],
         "duration": hydraulics.end,

@@ -1,5 +1,6 @@
 """The flow of a network at one moment, as links that are directed downstream."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -7,10 +8,13 @@ import numpy as np
 
 from driftform.errors import InputError
 from driftform.types import FloatArray
-from driftform_networks.network import BoolArray, IntArray, Network
+from driftform_networks.network import IntArray, Network
 
 STILL = 1.114e-5 * 0.3048**3
 """Flow below which the water of a link stands still, m3/s: EPANET's Q_STAGNANT of 1.114e-5 ft3/s (its types.h)."""
+
+MOST_SUCTION = 1e4
+"""Pressure below that of the air, m, from which on a solution is none of a network: EPANET's way to say that water is lacking."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +37,6 @@ class Snapshot:
         volume flow, m3/s, positive, (n,).
     exit
         demand at each junction, m3/s, at least 0, (nodes,).
-    stores
-        whether each node is a tank or a reservoir: what arrives there has left the pipes, (nodes,).
     """
 
     network: Network
@@ -45,7 +47,6 @@ class Snapshot:
     head: IntArray
     flow: FloatArray
     exit: FloatArray
-    stores: BoolArray
     outlets: tuple[IntArray, ...] = field(repr=False, default=())
     """For each node, the links of this snapshot that lead away from it."""
 
@@ -81,28 +82,48 @@ class Snapshot:
         return str(self.network.links[int(self.links[link])])
 
 
-def take_snapshot(network: Network, hour: float = 0.0) -> Snapshot:
-    """Return the flow of a network at an hour of the simulation.
+def take_snapshot(network: Network, hour: float = 0.0, absurd: bool = False) -> Snapshot:
+    """Return the flow of a network at an hour of the simulation, with ``absurd`` also where no network has such pressures.
 
     Raises
     ------
     InputError
-        if the simulation does not cover the hour, or EPANET found a negative pressure at that time, with which its
-        flows are not those of a real network.
+        if the simulation does not cover the hour, or EPANET finds pressures below :data:`MOST_SUCTION` then.
     """
     hydraulics = network.hydraulics
     step = hydraulics.find_step(hour)
-    check_pressure(network, step)
+    low, pressure = network.find_low_pressures(step)
+    if len(low) and not pressure[0] > -MOST_SUCTION and not absurd:
+        raise InputError(
+            f"{network.name}: EPANET finds a pressure of {pressure[0]:.3g} m at {network.nodes[low[0]]} at hour {hour:g}: no "
+            "source can supply what the file demands; correct its demands, pumps or open links, or choose another hour"
+        )
     flow = hydraulics.flow[step]
     links = np.flatnonzero(np.abs(flow) > STILL)
     forward = flow[links] > 0
     tail = np.where(forward, network.start[links], network.end[links])
     head = np.where(forward, network.end[links], network.start[links])
-    stores = np.array([kind != "junction" for kind in network.node_kinds])
-    exit = np.where(stores, 0.0, np.maximum(hydraulics.outflow[step], 0.0))
+    exit = np.where(network.stores, 0.0, np.maximum(hydraulics.outflow[step], 0.0))
     order = np.argsort(tail, kind="stable")
     outlets = np.split(order, np.searchsorted(tail[order], np.arange(1, len(network.nodes))))
-    return Snapshot(network, hour, step, links, tail, head, np.abs(flow[links]), exit, stores, tuple(outlets))
+    return Snapshot(network, hour, step, links, tail, head, np.abs(flow[links]), exit, tuple(outlets))
+
+
+def warn_of_pressure(network: Network, steps: Sequence[int]) -> list[str]:
+    """Return a warning for negative pressures in some hydraulic steps, with the lowest of them; none without."""
+    found: dict[int, tuple[float, int]] = {}
+    for step in steps:
+        for node, value in zip(*network.find_low_pressures(step), strict=True):
+            found[int(node)] = min(found.get(int(node), (np.inf, 0)), (float(value), step))
+    if not found:
+        return []
+    lowest = sorted(found.items(), key=lambda item: item[1])[:5]
+    values = ", ".join(f"{network.nodes[node]} {value:.3g} m" for node, (value, _) in lowest)
+    hour = network.hydraulics.times[lowest[0][1][1]] / 3600
+    return [
+        f"warning: EPANET finds a negative pressure at {len(found)} junctions that deliver water, the lowest at hour {hour:g}: "
+        f"{values}: there its flows are not those of a real network"
+    ]
 
 
 def divide_flow(snapshot: Snapshot, node: int, retained: bool = False) -> FloatArray:
@@ -125,24 +146,3 @@ def divide_flow(snapshot: Snapshot, node: int, retained: bool = False) -> FloatA
     whole = snapshot.departure[node] - snapshot.exit[node] * retained
     first[outlets] = snapshot.flow[outlets] / whole
     return first
-
-
-def check_pressure(network: Network, step: int) -> None:
-    """Refuse a step with negative pressure at a junction that delivers water.
-
-    Raises
-    ------
-    InputError
-        if there is one; the message names the lowest.
-    """
-    hydraulics = network.hydraulics
-    pressure = hydraulics.head[step] - network.elevation
-    delivers = np.array([kind == "junction" for kind in network.node_kinds]) & (hydraulics.outflow[step] > 0)
-    negative = delivers & (pressure < -1e-3)
-    if negative.any():
-        lowest = int(np.argmin(np.where(negative, pressure, np.inf)))
-        raise InputError(
-            f"{network.name}: EPANET finds a negative pressure at {int(negative.sum())} junctions at hour "
-            f"{hydraulics.times[step] / 3600:g}, the lowest {pressure[lowest]:.3g} m at {network.nodes[lowest]}: its flows "
-            "are not those of a real network; correct the demands or the pumps of the file, or choose another hour"
-        )

@@ -1,7 +1,7 @@
 """The tables of a body in a network: made from flights, kept on disk, shared by all networks."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from itertools import chain, product
 from pathlib import Path
@@ -15,8 +15,10 @@ from driftform_networks.bodies import SCENARIO, Traveller
 from driftform_networks.bore import BANDS, MIRROR, MIXED
 from driftform_networks.cache import find_cache
 from driftform_networks.dividing import divide_bodies
+from driftform_networks.epanet import split_option
 from driftform_networks.fits import find_obstacle
 from driftform_networks.flights import StraightFlights, StraightTask
+from driftform_networks.gates import find_gate, read_gates
 from driftform_networks.junctions import SIDES, Junction, describe_junction, find_bends
 from driftform_networks.network import Network
 from driftform_networks.routing import Routing, RoutingTable, TransferTable
@@ -50,23 +52,44 @@ class Travel:
         side where branches leave the pipes: ``"top"``, ``"side"`` or ``"bottom"``.
     service_bore
         bore of service pipes, m.
+    clearance
+        opening of pumps, valves and meters over the bore, by kind or by the name of a link; others as in ``clearances.toml``.
     """
 
     branch: str = "side"
     service_bore: float = SERVICE_BORE
+    clearance: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
-    def parse(cls, branch: str, service_bore: float) -> "Travel":
+    def parse(
+        cls, network: Network, branch: str, service_bore: float, clearance: Sequence[str] | None
+    ) -> "Travel":
         """Return what the options say.
 
         Raises
         ------
         InputError
-            if there is no such side.
+            if there is no such side, kind or link, or a clearance is no number from 0 to 1.
         """
         if branch not in SIDES:
             raise InputError(f"--branch {branch}: no such side{did_you_mean(branch, SIDES)}")
-        return cls(branch, service_bore)
+        shares = {}
+        for text in clearance or ():
+            name, share = split_option("--clearance", text)
+            if name not in read_gates() and name not in network.links:
+                raise InputError(
+                    f"--clearance {text}: no such kind or link{did_you_mean(name, read_gates())}"
+                )
+            if not (isinstance(share, float) and share <= 1):
+                raise InputError(f"--clearance {text}: a clearance is a share of the bore from 0 to 1")
+            shares[name] = share
+        return cls(branch, service_bore, shares)
+
+    def list_blocked(self, network: Network) -> list[int]:
+        """Return the links that let no body pass, however small."""
+        narrow = [row for row, kind in enumerate(network.link_kinds) if kind in read_gates()]
+        named = [network.links.index(name) for name in self.clearance if name in network.links]
+        return [row for row in (*narrow, *named) if find_gate(self.clearance, None, network, row)[0]]
 
 
 class Traveling:
@@ -113,7 +136,7 @@ class Traveling:
 
     def _needs_flights(self, snapshot: Snapshot, link: int) -> bool:
         network, index = snapshot.network, snapshot.links[link]
-        is_pipe = network.link_kinds[index] == "pipe"
+        is_pipe = network.is_pipe[index]
         fits = self._traveller.agent.body.max_diameter <= network.diameter[index]
         return bool(is_pipe and fits and not self._traveller.is_mixed(float(snapshot.speed[link])))
 
@@ -134,15 +157,17 @@ class Traveling:
 
     def _transfer(self, snapshot: Snapshot, link: int) -> TransferTable:
         network, index = snapshot.network, int(snapshot.links[link])
-        if network.link_kinds[index] != "pipe":
-            return _MIXING
-        if obstacle := self._find_bend(network, index):
+        obstacle, gate = find_gate(self._travel.clearance, self._traveller.agent.body, network, index)
+        if network.is_pipe[index]:
+            obstacle = obstacle or self._find_bend(network, index)
+        if obstacle:
             return TransferTable(np.zeros((BANDS, BANDS)), np.ones(BANDS), obstacle)
         if not self._needs_flights(snapshot, link):
-            return _MIXING
+            return replace(_MIXING, gate=gate) if gate else _MIXING
         task = self._find_straight(snapshot, link)
         flights = self._read_straight(task)
-        return self._repeat_cells(flights, max(1, round(float(network.length[index]) / flights.cell)), task)
+        table = self._repeat_cells(flights, max(1, round(float(network.length[index]) / flights.cell)), task)
+        return replace(table, gate=gate) if gate else table
 
     def _fit_bends(self, network: Network, index: int) -> str:
         """Return why the body cannot pass the bends of a link, empty if it can."""
@@ -161,7 +186,7 @@ class Traveling:
         """Return flights through tees that stand for a junction, with weights; none for one that streamtubes divide."""
         branch = tees.find_branch(junction)
         size = self._traveller.agent.body.max_diameter / (junction.bore or np.inf)
-        is_pipe = snapshot.network.link_kinds[snapshot.links[link]] == "pipe"
+        is_pipe = snapshot.network.is_pipe[snapshot.links[link]]
         is_mixed = not self._needs_flights(snapshot, link)
         if branch is None or not is_pipe or size >= 1 or (is_mixed and size < tees.NARROW):
             return []

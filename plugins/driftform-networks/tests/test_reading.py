@@ -1,0 +1,226 @@
+"""Files as utilities have them: their letters, their faults, and changes to the model without editing them."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from runpy import run_path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform.errors import InputError
+from driftform_networks.api import route, trace
+from driftform_networks.epanet import Changes
+from driftform_networks.network import Network
+from driftform_networks.passage import find_reachable
+from driftform_networks.reading import open_network
+from driftform_networks.travelling import Travel
+
+FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]
+UNITS = FORK.replace(" Units LPS\n", "")
+
+IN_A_ROW = """
+[JUNCTIONS]
+ a 0 2
+ b 0 2
+[RESERVOIRS]
+ high 60
+ middle 50
+ low 40
+[PIPES]
+ one high a 500 300 100 0 Open
+ two a middle 500 300 100 0 Open
+ three middle b 500 300 100 0 Open
+ four b low 500 300 100 0 Open
+[OPTIONS]
+ Units LPS
+ Headloss H-W
+[TIMES]
+ Duration 0
+[END]
+"""
+"""Reservoirs in a row: water of the first reaches the second, and no pipe beyond it."""
+
+PUMPED = """
+[JUNCTIONS]
+ before 0 0
+ behind 0 0
+ tap 0 5
+[RESERVOIRS]
+ well 10
+[PIPES]
+ suction well before 500 300 100 0 Open
+[PUMPS]
+ lift before behind POWER 20
+[VALVES]
+ reducer behind tap 300 PRV 30 0
+[OPTIONS]
+ Units LPS
+ Headloss H-W
+[TIMES]
+ Start ClockTime 6 AM
+[END]
+"""
+
+
+def write(folder: Path, text: str, encoding: str = "utf-8") -> Path:
+    path = folder / "town.inp"
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("name", "encoding"),
+    [
+        ("fork", "utf-8-sig"),
+        ("fork", "utf-16"),
+        ("Depósito", "latin-1"),
+        ("Depósito", "utf-8"),
+        ("节点", "gbk"),
+        ("节点", "utf-16"),
+        ("Nœud", "cp1252"),
+    ],
+)
+def test_names_are_read_in_the_letters_in_which_they_were_written(
+    name: str, encoding: str, tmp_path: Path
+) -> None:
+    network = open_network(write(tmp_path, FORK.replace("fork", name), encoding), tmp_path)
+    assert network.nodes[0] == name
+    assert trace(network, "source", walks=0).probability[0] == 1
+
+
+def test_a_file_without_units_has_those_of_epanet(tmp_path: Path) -> None:
+    """EPANET's default is GPM, with feet and inches."""
+    network = open_network(write(tmp_path, UNITS), tmp_path)
+    assert network.length == pytest.approx(200 * 0.3048)
+    assert network.diameter == pytest.approx(300 * 0.0254)
+    assert network.hydraulics.flow[0] == pytest.approx(np.array([30, 20, 10]) * 6.30901964e-05, rel=2e-5)
+
+
+def test_the_time_of_the_day_at_which_a_simulation_begins_is_read(tmp_path: Path) -> None:
+    assert open_network(write(tmp_path, PUMPED), tmp_path).hydraulics.clock == 6 * 3600
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (FORK.replace("side fork branch 200", "side fork branch 0"), "line 11: Error 202: illegal numeric value 0"),
+        (FORK.replace("fork 10 0", "fork 10 nan"), "the demand of fork is nan, perhaps by line 3: nan"),
+        (FORK.replace("main source fork 200", "main source fork 1e308"), "the length of main is inf, perhaps by line 9: 1e308"),
+        (FORK.replace("fork", "f" * 300), "of 300 letters"),
+        (FORK.replace("fork", "f" * 32), "Error 252: invalid ID name"),
+        (FORK.replace("Duration 0", "Duration 24000000"), "at most 100000 steps are read: shorten Duration"),
+        (FORK.replace("[PIPES]", "[PYPES]"), "Error 299: invalid section keyword"),
+        ("", "Error 223: not enough nodes"),
+    ],
+)  # fmt: skip
+def test_a_file_that_epanet_cannot_run_is_one_line_that_names_what_is_wrong(
+    text: str, expected: str, tmp_path: Path, call: Callable[..., Any]
+) -> None:
+    result = call("show", write(tmp_path, text))
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1), result.output
+    assert expected in result.stderr
+
+
+def test_negative_pressures_are_a_warning_with_nodes_and_values(
+    tmp_path: Path, call: Callable[..., Any]
+) -> None:
+    path = write(tmp_path, FORK.replace("source 60", "source 9"))
+    for words in (["show"], ["tracers", "--release", "source"]):
+        result = call(words[0], path, *words[1:])
+        assert result.exit_code == 0, result.stderr
+        assert "negative pressure at 2 junctions that deliver water, the lowest at hour 0: " in result.stdout
+        assert "ahead -1." in result.stdout
+
+
+def test_a_network_that_lacks_a_source_is_shown_and_not_travelled(
+    tmp_path: Path, call: Callable[..., Any]
+) -> None:
+    path = write(tmp_path, FORK.replace("200 300 100 0 Open\n on", "200 300 100 0 Closed\n on"))
+    assert call("show", path).exit_code == 0
+    assert call("tracers", path, "--release", "source").exit_code == 2
+
+
+def test_reservoirs_end_what_water_of_another_one_reaches(tmp_path: Path) -> None:
+    network = open_network(write(tmp_path, IN_A_ROW), tmp_path)
+    names = {link for link, reached in zip(network.links, find_reachable(network, network.find_node("high"), [0]), strict=True) if reached}  # fmt: skip
+    assert names == {"one", "two"}
+    passage = trace(network, "high", walks=200)
+    assert passage.coverage == pytest.approx(network.length[:2] @ passage.seen[:2] / 1000)
+    assert passage.probability[network.find_node("b")] == 0
+
+
+def test_a_pump_ends_a_trip_and_the_table_names_it(tmp_path: Path, call: Callable[..., Any]) -> None:
+    path = write(tmp_path, PUMPED)
+    document = json.loads(call("route", path, "sphere:60mm", "--release", "well", "--json").stdout)
+    assert set(document["nodes"]) == {"well", "before"}
+    [end] = document["stuck"]
+    assert (end["place"], end["probability"]) == ("lift", pytest.approx(1))
+    assert end["reason"].startswith("a pump")
+
+
+def test_a_valve_lets_bodies_pass_that_fit_its_opening_and_is_listed(tmp_path: Path) -> None:
+    network = open_network(write(tmp_path, PUMPED), tmp_path)
+    travel = Travel(clearance={"pump": 1.0})
+    narrow, wide = (
+        route(network, f"sphere:{size}mm", "well", travel=travel, walks=0, cache=tmp_path)
+        for size in (70, 80)
+    )
+    # A quarter of 300 mm.
+    assert narrow.gates["reducer"] == ("pressure reducing valve, 75 of 300 mm open", pytest.approx(1))
+    assert wide.stuck[0].place == "reducer"
+    assert wide.stuck[0].reason == "in a pressure reducing valve, too wide: 80 mm in a bore of 75 mm"
+    by_name = Travel(clearance={"pump": 1.0, "reducer": 0.5})
+    assert route(network, "sphere:80mm", "well", travel=by_name, walks=0, cache=tmp_path).gates["reducer"]
+
+
+def test_tracers_of_a_network_that_divides_nowhere_are_followed(tmp_path: Path) -> None:
+    text = FORK.replace(" side fork branch 200 300 100 0 Open\n", "").replace(" branch 10 10\n", "")
+    passage = trace(open_network(write(tmp_path, text.replace(" branch 200 -100\n", "")), tmp_path), "source")
+    assert passage.probability == pytest.approx([1, 1, 1])
+
+
+def open_changed(folder: Path, text: str = FORK, **changes: Any) -> Network:
+    return open_network(write(folder, text), folder, Changes(**changes))
+
+
+def test_a_closed_pipe_carries_nothing_and_an_open_hydrant_draws_its_flow(tmp_path: Path) -> None:
+    network = open_changed(tmp_path, FORK.replace("branch 10 10", "branch 10 0"), close=("side",))
+    assert network.hydraulics.flow[0] == pytest.approx([0.02, 0.02, 0], abs=1e-9)
+    network = open_changed(tmp_path, open={"branch": 5.0})
+    assert network.hydraulics.flow[0] == pytest.approx([0.035, 0.02, 0.015], abs=1e-9)
+
+
+def test_what_is_closed_stays_closed_whatever_controls_and_rules_want(tmp_path: Path) -> None:
+    """With a loop, so that closing one pipe cuts nobody off."""
+    text = FORK.replace("[OPTIONS]", " loop ahead branch 200 300 100 0 Open\n[CONTROLS]\n LINK side OPEN AT TIME 1\n"
+        "[RULES]\nRULE 1\nIF SYSTEM TIME > 2\nTHEN PIPE side STATUS IS OPEN\n[OPTIONS]").replace("Duration 0", "Duration 5")  # fmt: skip
+    network = open_changed(tmp_path, text, close=("side",))
+    side = network.links.index("side")
+    assert len(network.hydraulics.times) >= 5
+    assert np.abs(network.hydraulics.flow[:, side]).max() < 1e-7
+    assert np.abs(open_changed(tmp_path, text).hydraulics.flow[:, side]).min() > 1e-3
+
+
+@pytest.mark.parametrize("units", ["LPS", "GPM"])
+def test_a_reducing_valve_keeps_the_pressure_that_it_is_set_to(units: str, tmp_path: Path) -> None:
+    text = PUMPED.replace("LPS", units)
+    network = open_changed(tmp_path, text, valves={"reducer": 12.0})
+    tap = network.find_node("tap")
+    assert network.hydraulics.head[0, tap] - network.elevation[tap] == pytest.approx(12, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"close": ("sied",)}, "--close sied: no such link"),
+        ({"open": {"source": 1.0}}, "--open source: it is a reservoir"),
+        ({"valves": {"side": 3.0}}, "--set-valve side: it is no valve"),
+    ],
+)
+def test_a_change_that_the_network_does_not_have_is_refused(
+    changes: dict[str, Any], expected: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=expected):
+        open_changed(tmp_path, **changes)
