@@ -1,11 +1,5 @@
-"""EPANET in a process of its own, which a damaged file may end: the only module that imports EPANET.
+"""What EPANET says of a network file: the only module that imports EPANET, for a process that a damaged file may end."""
 
-``python -m driftform_networks.engine FOLDER`` reads ``network.inp`` and ``changes.json`` there, prints a dot for each
-percent of the simulation, and writes ``result.npz``, or ``refused.json`` with the errors.
-"""
-
-import json
-import sys
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -33,8 +27,8 @@ LITRES = {
 }
 """Litres/s of EPANET's units of flow, in the order of its numbers; the first five go with feet and inches."""
 
-MOST_STEPS, MOST_VALUES = 100_000, 250_000_000
-"""Most hydraulic steps, and most values in all of them together (2 GB)."""
+MOST_STEPS, MOST_VALUES = 100_000, 100_000_000
+"""Most hydraulic steps, and most values in all of them together (0.8 GB)."""
 
 _ELEVATION, _BASE_DEMAND, _DEMAND, _HEAD = 0, 1, 9, 10
 _DIAMETER, _LENGTH, _FLOW, _STATUS, _SETTING = 0, 1, 8, 11, 12
@@ -84,16 +78,20 @@ class _Project:
             ) from None
 
 
-def solve(folder: Path) -> dict[str, Any]:
-    """Return what EPANET says of ``network.inp``, as arrays in SI units.
+def solve(file: str, changes: dict[str, Any]) -> dict[str, Any]:
+    """Return what EPANET says of a file, as arrays in SI units; beside the file, write its report and the percent done.
+
+    Parameters
+    ----------
+    changes
+        :class:`driftform_networks.epanet.Changes` as plain values.
 
     Raises
     ------
     InputError
         if EPANET refuses the file or cannot solve it, in its words.
     """
-    project = _Project(folder / "network.inp")
-    changes = json.loads((folder / "changes.json").read_text(encoding="utf-8"))
+    project, done = _Project(Path(file)), Path(file).with_suffix(".percent")
     nodes, links = project("getcount", 0), project("getcount", 2)
     units = project("getflowunits")
     metre, bore = (0.3048, 0.0254) if units < 5 else (1.0, 0.001)
@@ -122,8 +120,9 @@ def solve(folder: Path) -> dict[str, Any]:
             project("getnodevalues_NPY", _HEAD) * metre,
         )
         left, percent = project("nextH"), 100 * time // max(duration, 1)
-        print(end=".\n" * (percent - shown), flush=percent > shown)
-        shown = max(shown, percent)
+        if percent > shown:
+            done.write_text(f"{percent}", encoding="utf-8")
+            shown = percent
         # The state at the end of the simulation holds for no time.
         if left > 0 or not times:
             times.append(time)
@@ -228,18 +227,3 @@ def _draw(project: _Project, node: int, flow: float) -> None:
     except InputError:
         project("addpattern", pattern)
     project("adddemand", node, flow / project("getoption", _MULTIPLIER), pattern, "opened")
-
-
-def main(folder: Path) -> None:
-    """Solve a network in a folder, and leave the result or the errors there."""
-    try:
-        found = solve(folder)
-    except InputError as error:
-        (folder / "refused.json").write_text(json.dumps([str(line) for line in error.args]), encoding="utf-8")
-        return
-    with (folder / "result.npz").open("wb") as file:
-        np.savez(file, **found)
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]))

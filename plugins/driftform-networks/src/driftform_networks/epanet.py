@@ -1,25 +1,22 @@
 """Runs EPANET on a network file, in a process of its own, and reads what it says."""
 
-import json
 import re
-import subprocess
-import sys
-from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from contextvars import copy_context
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from threading import Timer
+from threading import Event, Thread
 
 from driftform.errors import InputError
-from driftform.util import files
-from driftform.util.progress import track_progress
-from driftform_networks.cache import Arrays, load_arrays
+from driftform.util import files, foreign, progress
+from driftform_networks.cache import Arrays
+from driftform_networks.engine import solve
 
-PATIENCE_S = 300.0
-"""Longest time for a percent of a simulation, s."""
+SECONDS, MEMORY = 1800.0, 6 << 30
+"""Most processor time, s, and memory, bytes, of EPANET."""
 
-_ENGINE = "driftform_networks.engine"
 _BEYOND = re.compile(r"[-+]?(nan|inf|infinity|\d[\d.]*e\+?\d\d+)", re.IGNORECASE)
 """Numbers that no network has."""
 
@@ -92,45 +89,36 @@ def run_epanet(path: Path, changes: Changes | None = None) -> Arrays:
     """
     text = files.read_text(path)
     with TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "network.inp").write_text(text, "utf-8", newline="\n")
-        (folder / "changes.json").write_text(json.dumps(asdict(changes or Changes())), "utf-8")
-        command = [sys.executable, "-m", _ENGINE, name]
-        with subprocess.Popen(
-            command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-        ) as child:
-            try:
-                deque(track_progress(_watch(child), 100, "% of the simulation by EPANET"), maxlen=0)
-            finally:
-                child.kill()
-        refused, report = folder / "refused.json", folder / "network.rpt"
-        if refused.is_file():
-            said = _read_errors(report, text) or [
-                f"{line}{_find_suspect(text)}" for line in json.loads(refused.read_text("utf-8"))
-            ]
-            more = f" (and {len(said) - 1} more faults)" if len(said) > 1 else ""
-            raise InputError(f"{path}: EPANET refuses the file: {said[0]}{more}")
-        if (arrays := load_arrays(folder / "result.npz")) is None:
-            raise InputError(
-                f"{path}: EPANET breaks down on the file{_find_suspect(text)}: open it in EPANET, and correct what it marks"
-            )
-        return arrays
-
-
-def _watch(child: "subprocess.Popen[str]") -> Iterator[str]:
-    """Yield a line for each percent of the simulation; end the child if one of them takes too long."""
-    assert child.stdout is not None
-    while True:
-        timer = Timer(PATIENCE_S, child.kill)
-        timer.start()
+        copy = Path(name) / "network.inp"
+        copy.write_text(text, "utf-8", newline="\n")
+        stop, told = Event(), copy_context()
+        shown = Thread(target=told.run, args=(_show_percent, copy.with_suffix(".percent"), stop), daemon=True)
+        shown.start()
         try:
-            line = child.stdout.readline()
+            values = asdict(changes or Changes())
+            found: Arrays = foreign.call_apart(solve, copy, values, seconds=SECONDS, memory=MEMORY)
+            return found
+        except InputError as error:
+            said = _read_errors(copy.with_suffix(".rpt"), text) or [f"{error}{_find_suspect(text)}"]
+            more = f" (and {len(said) - 1} more faults)" if len(said) > 1 else ""
+            raise InputError(f"{path}: EPANET refuses the file: {said[0]}{more}") from None
+        except ValueError as error:
+            raise InputError(
+                f"{path}: {error}{_find_suspect(text)}: open it in EPANET, and correct what it marks"
+            ) from None
         finally:
-            timer.cancel()
-        if not line:
-            break
-        yield line
-    child.wait(timeout=PATIENCE_S)
+            stop.set()
+            shown.join()
+
+
+def _show_percent(file: Path, stop: Event) -> None:
+    """Show the percent of the simulation in a file until the work ends, if that takes longer than a second."""
+    if stop.wait(1.0):
+        return
+    with progress.count_progress("% of the simulation by EPANET") as show:
+        while not stop.wait(0.3):
+            with suppress(OSError, ValueError):
+                show(int(file.read_text("utf-8")), 100)
 
 
 def _read_errors(report: Path, text: str) -> list[str]:
