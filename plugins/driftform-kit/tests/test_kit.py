@@ -1,6 +1,7 @@
 """Kits of random agents: parts measured on their own meshes, as a slicer reads them, and put together by hand."""
 
 import math
+from dataclasses import replace
 from functools import cache
 from itertools import combinations, pairwise
 
@@ -21,6 +22,8 @@ from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import make_parts
 from driftform_frusta.solid import to_manifold
 from driftform_frusta.triangles import Mesh, area_factor
+from driftform_kit.cutting.joint import Joint, draw_joint
+from driftform_kit.cutting.meridian import draw_tube, make_polygon
 from driftform_kit.cutting.pieces import make_kit
 
 WALL = 1.25e-3
@@ -415,3 +418,29 @@ def test_kits_of_a_hundred_random_agents(occupied):
     rng = np.random.default_rng(20)
     for _ in range(100):
         check(pipeline.make_agent(pipeline.grammar.random(rng)).body)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(
+    "radii", [(12.0, 12.0, 11.8, 11.8), (12.0, 11.5, 11.8, 11.8), (11.8, 12.0, 11.9, 11.0)]
+)
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_socket_beside_a_ledge_of_the_cavity_does_not_cut_into_the_wall(side, radii, turned):
+    # The cavity has a ledge 3 mm behind the cut.
+    tube = draw_tube(12.0, 2.0, 10.0, -20.0, 20.0)
+    at = -3.0 * side
+    ordered = radii[::-1] if turned else radii
+    bore = np.array(
+        [
+            (-21.0, 0.0),
+            (-21.0, ordered[0]),
+            (at, ordered[1]),
+            (at, ordered[2]),
+            (21.0, ordered[3]),
+            (21.0, 0.0),
+        ]
+    )
+    polygon = [(sign * r, z) for sign in (1, -1) for z, r in bore[::sign]]
+    hull = replace(tube, bore=bore, cavity=make_polygon(polygon))
+    joint = Joint(0.0, side, "sleeve", 6.0, 1.2, 0.2)
+    assert (draw_joint(hull, joint).pocket ^ hull.material).area() < 1e-3

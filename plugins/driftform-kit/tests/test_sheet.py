@@ -221,7 +221,9 @@ def test_however_much_the_sheet_says_its_parts_are_drawn_to_a_scale_that_can_be_
         assert min(float(text.get("font-size")) for text in root.iter(NAMESPACE + "text")) >= 9
 
 
-@pytest.mark.parametrize(("density", "name"), [(1050.0, "ABS, 1.05"), (1240.0, "1.24"), (1127.5, "1.127")])
+@pytest.mark.parametrize(
+    ("density", "name"), [(1050.0, "ABS, 1.05"), (1240.0, "PLA, 1.24"), (1127.5, "1.127")]
+)
 def test_the_filament_has_its_name_if_it_is_known_and_its_density_in_the_unit_of_shops(density, name):
     assert dict(sheet_of(straight(3, 2, hull_density=density)).settings)["filament"] == f"{name}\u00a0g/cm³"
 
@@ -464,3 +466,16 @@ def test_each_step_has_a_drawing_of_the_parts_that_it_names():
         assert set(re.findall(r"[Pp]art (\d)", step)) <= drawn or scene == "test", scene
         if scene.startswith("join"):
             assert drawn == {str(n) for n in range(1, int(scene[-1]) + 1)}
+
+
+def test_the_sheet_says_what_the_material_needs_in_water_and_which_walls_let_it_in():
+    resin = dict(sheet_of(straight(3, 2, material="resin")).shopping)["filament"]
+    assert "of resin, 1.15\u00a0g/cm³" in resin and "varnish the parts" in resin
+    # Two lines on either side fill a wall of 1.25 mm, one does not.
+    filled = {
+        (n, share): sheet_of(straight(3, 2), perimeters=n, infill=share)
+        for n in (1, 2)
+        for share in (0.5, 1.0)
+    }
+    creeps = {key: "set infill to 1, or perimeters to 2" in sheet.steps[0] for key, sheet in filled.items()}
+    assert creeps == {(1, 0.5): True, (1, 1.0): False, (2, 0.5): False, (2, 1.0): False}

@@ -5,17 +5,27 @@ from typing import Annotated, Any
 
 import typer
 
-from driftform.cli.options import Agent, Bed, ExporterOptions, Json, Settings
+from driftform.cli.options import AGENT_HELP, Bed, ExporterOptions, Json, Settings
+
+ANY_AGENT = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
+"""The fit coupon is the same for all agents with a core."""
 
 
 def export(
-    agent: Agent,
+    agent: Annotated[str | None, typer.Argument(metavar="AGENT", help=AGENT_HELP)] = None,
     format: Annotated[
         str, typer.Option(metavar="NAME[,NAME...]", help="Formats, see 'driftform plugins'.")
     ] = "stl",
     out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for the files.")] = Path("parts"),
     kit: Annotated[
         bool, typer.Option("--kit", help="Cut the hull into parts that take the core and are joined again.")
+    ] = False,
+    coupon: Annotated[
+        bool,
+        typer.Option(
+            "--coupon",
+            help="Write the fit coupon in place of an agent, which shows the clearance of joints that suits a printer.",
+        ),
     ] = False,
     bed: Bed = None,
     option: ExporterOptions = None,
@@ -25,17 +35,22 @@ def export(
     """Write an agent's hull as files for printers and other programs; older files of the same name are replaced."""
     from driftform.cli.formats import open_exported, parse_formats
     from driftform.cli.output import print_json
+    from driftform.errors import InputError
     from driftform.util.files import make_directory
 
+    if agent is None and not coupon:
+        raise InputError("AGENT is missing: name an agent, or write the fit coupon with --coupon")
     names = parse_formats(format, "exporter", "stl")
-    design = open_exported(agent, names, kit, bed, option or (), settings or ())
+    asked = [*(option or ()), *(["coupon=true"] if coupon else [])]
+    design = open_exported(agent or ANY_AGENT, names, kit, bed, asked, settings or ())
     make_directory(out)
-    paths = {name: out / f"{design.name}{design.study.make_exporter(name).suffix}" for name in names}
+    stem = "coupon" if coupon else design.name
+    paths = {name: out / f"{stem}{design.study.make_exporter(name).suffix}" for name in names}
     # Several formats of a kit have the same assembly sheet.
     written = list(
         {file.path: file for name, path in paths.items() for file in design.export_files(name, path)}.values()
     )
-    if note := design.describe_missing_kit(written):
+    if not coupon and (note := design.describe_missing_kit(written)):
         typer.echo(f"note: {note}: write them with --kit", err=True)
     if json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})

@@ -1,7 +1,9 @@
 """``--format``, ``--bed`` and ``--option``: names of plugins, a printer's bed as slicers give it, options of exporters."""
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -117,11 +119,17 @@ def list_exporter_settings(formats: Iterable[str], options: Mapping[str, tuple[s
 def _list_options(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tuple[str, str]]:
     """Options for all formats: the value of each key, and how it was asked for."""
     from driftform.errors import InputError
+    from driftform.study.sources import parse_text
+    from driftform.util.files import read_text
 
     found = {"kit": ("true", "--kit")} if kit else {}
     if bed is not None:
         found["bed"] = (repr(list(parse_bed(bed))), f"--bed {bed}")
     for text in options:
+        if text.endswith(".toml"):
+            data = parse_text(f"--option {text}", read_text(Path(text))).data
+            found |= {key: (json.dumps(value), f"--option {text}: {key}") for key, value in data.items()}
+            continue
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
             raise InputError(f"--option {text}: expected key=value, such as joint=rabbet")

@@ -36,7 +36,9 @@ Bed: TypeAlias = Annotated[
 ExporterOptions: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
-        metavar="KEY=VALUE", help="Set an option of every format at once, such as joint=rabbet; repeatable."
+        metavar="KEY=VALUE|FILE",
+        help="Set an option of every format at once, such as joint=rabbet, or those that a file such as printer.toml has; "
+        "repeatable.",
     ),
 ]
 Film: TypeAlias = Annotated[

@@ -116,7 +116,7 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
     key = str(path.resolve()) if is_file(path) else label
     if key in above:
         raise InputError(f"{named_by}'base' leads back to {label}")
-    layer = _parse(label, text)
+    layer = parse_text(label, text)
     data = layer.data
     base = data.get("base")
     if base is None:
@@ -138,13 +138,14 @@ def read_calibration(path: str) -> Source:
     """
     if not is_file(Path(path)):
         raise InputError(f"--calibration {path}: is not a file; 'driftform calibrate' writes one")
-    layer = _parse(path, read_text(Path(path)))
+    layer = parse_text(path, read_text(Path(path)))
     if set(layer.data) != {CALIBRATION}:
         raise InputError(f"{path}: should hold the table [{CALIBRATION}] and nothing else")
     return replace(layer, is_option=True, replaces=(CALIBRATION,))
 
 
-def _parse(label: str, text: str) -> Source:
+def parse_text(label: str, text: str) -> Source:
+    """Parse a TOML file; an InputError names it by its label, and the line that is wrong."""
     try:
         check_keys(text)
         data = tomllib.loads(text)

@@ -15,6 +15,7 @@ from driftform.types import Body, Core, Fittings, Module, Morphology
 from driftform_frusta.ballast_seat import LESS, SPARE, find_most_ballast, name_ball, place_ballast
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit_options import LEAD, KitOptions
+from driftform_frusta.materials import MATERIALS
 from driftform_frusta.section import hull_section, lay_chains, open_section
 
 _PAPERS = Core(radius=0.01, mass=0.05)
@@ -36,6 +37,9 @@ class FrustaOptions(Table):
     core_radius: float = option(_PAPERS.radius, "radius of a custom core", "m", ge=1e-4, le=1)
     core_mass: float = option(_PAPERS.mass, "mass of a custom core", "kg", ge=0, le=1e4)
     wall: float = option(0.00125, "wall thickness of the hull", "m", ge=1e-5, le=1)
+    material: Literal["custom", "ABS", "ASA", "PLA", "PETG", "PA12", "resin"] = option(
+        CUSTOM, "what the hull is printed of, which has a density, or 'custom' for hull_density"
+    )
     hull_density: float = option(1050.0, "density of the hull's material (ABS)", "kg/m3", ge=1, le=30_000)
     clearance: float = option(0.0002, "gap between core and hull", "m", ge=0, le=1)
     min_radius: float = option(
@@ -99,6 +103,21 @@ class FrustaOptions(Table):
                 f"core_radius and core_mass, or set core to '{CUSTOM}'"
             )
         return {**values, "core_radius": core.radius, "core_mass": core.mass}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_density_of_material(cls, values: Any) -> Any:
+        """Fill in the density of a material by name, so that a resolved study states it."""
+        material = MATERIALS.get(str(values.get("material"))) if isinstance(values, Mapping) else None
+        if material is None:
+            return values
+        # A resolved study, whose material is replaced by this one, has the density of the other.
+        if values.get("hull_density", material.density) not in (m.density for m in MATERIALS.values()):
+            raise ValueError(
+                f"material '{values['material']}' has {material.density:g} kg/m3: leave out hull_density, or set material to "
+                f"'{CUSTOM}'"
+            )
+        return {**values, "hull_density": material.density}
 
     @model_validator(mode="after")
     def _can_be_a_kit(self) -> "FrustaOptions":

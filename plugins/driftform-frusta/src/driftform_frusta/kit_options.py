@@ -142,6 +142,10 @@ class PartOptions(KitOptions):
     """The options of every exporter of meshes; those of a kit apply if ``kit`` is true."""
 
     kit: bool = option(False, "cut the hull into parts that are joined around the core")
+    coupon: bool = option(
+        False,
+        "in place of the agent, plugs and seats at clearances of 0.1 to 0.3 mm, to find the `clearance` of a printer",
+    )
     ballast_density: float = option(
         LEAD,
         "density of the balls of ballast, which the assembly sheet weighs",

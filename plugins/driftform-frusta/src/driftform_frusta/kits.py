@@ -24,6 +24,9 @@ class KitMaker(Protocol):
     def make_parts(self, body: Body, options: PartOptions) -> tuple[Part, ...]:
         """Return the parts of a kit, from aft to fore."""
 
+    def make_coupon(self, body: Body, options: PartOptions) -> Part:
+        """Return the fit coupon, which shows the clearance that suits a printer."""
+
     def measure_fittings(self, body: Body, options: KitOptions) -> Fittings:
         """Return what a kit has beside the wall of the hull: joints and seats."""
 
@@ -67,13 +70,15 @@ def settle_ballast(body: Body, options: PartOptions) -> PartOptions:
 
 
 def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
-    """Return the parts of a body: its sealed hull, or those of its kit, from aft to fore.
+    """Return the parts of a body: its sealed hull, or those of its kit, from aft to fore, or the fit coupon.
 
     Raises
     ------
     WorkFailedError
         if it cannot be printed this way; the message has the reason.
     """
+    if options.coupon:
+        return (find_maker().make_coupon(body, options),)
     if options.kit:
         return find_maker().make_parts(body, options)
     from driftform_frusta.printable import build_printable_hull

@@ -21,7 +21,7 @@ def write_source(
 
     ``ballast`` has x and diameter of each ball of ballast of the kit, m.
     """
-    if len(parts) == 1:
+    if [part.name for part in parts] == ["hull"]:
         return hull_source(job.agent, segments, job.name)
     body = job.agent.body
     modules = {part.name: part.name.replace(" ", "_") for part in parts}

@@ -10,10 +10,11 @@ from driftform_frusta.parts import Part
 from driftform_frusta.printable import refuse_other_volume
 from driftform_frusta.solid import to_manifold, to_solid
 from driftform_kit.cutting.accounting import list_facts, measure_fittings, place_ballast
+from driftform_kit.cutting.coupon import make_coupon
 from driftform_kit.cutting.meridian import moments, split_rings
 from driftform_kit.cutting.pieces import Piece, make_kit
 
-__all__ = ["draw_sheet", "list_facts", "make_parts", "measure_fittings", "place_ballast"]
+__all__ = ["draw_sheet", "list_facts", "make_coupon", "make_parts", "measure_fittings", "place_ballast"]
 
 
 def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:

@@ -45,16 +45,17 @@ class PartExporter(Exporter[PartOptions]):
         """
         from driftform_frusta.kits import find_maker, make_parts, settle_ballast
 
-        settled = settle_ballast(job.agent.body, self.options)
+        settled = self.options if self.options.coupon else settle_ballast(job.agent.body, self.options)
         if settled != self.options:
             return type(self)(settled).write(job, path)
         # All are made before the first is written: a kit that cannot be printed leaves no files.
         made = list(self.make_files(job, make_parts(job.agent.body, self.options), path))
         for target, content, _ in made:
             save(target, content)
-        facts = find_maker().list_facts(job, self.options) if self.options.kit else {}
+        kit = self.options.kit and not self.options.coupon
+        facts = find_maker().list_facts(job, self.options) if kit or self.options.coupon else {}
         written = [WrittenFile(self.name, str(target), own | facts) for target, _, own in made]
-        if self.options.kit:
+        if kit:
             for number, drawn in enumerate(find_maker().draw_sheet(job, self.options, self.name), 1):
                 sheet = path.with_name(f"{path.stem}-assembly-{number}.svg")
                 for target, page in ((sheet, drawn), (sheet.with_suffix(".pdf"), _make_pdf(drawn))):

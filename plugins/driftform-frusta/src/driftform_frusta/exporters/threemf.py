@@ -52,9 +52,11 @@ class ThreeMfExporter(PartExporter):
         placed = self._placed(parts)
         plates = 1 + max(p.plate for p in placed)
         attachments = {"agent.scad": write_source(job, parts, self.options.segments, self.options.ballast)}
-        if job.document:
+        if self.options.coupon:
+            attachments = {}
+        elif job.document:
             attachments["agent.json"] = json.dumps(dict(job.document), indent=1) + "\n"
-        if self.options.kit:
+        if self.options.kit and not self.options.coupon:
             # 'driftform check' makes the same kit again, to compare it.
             attachments[KIT_FILE] = self.options.model_dump_json(indent=1) + "\n"
         for number in range(plates):

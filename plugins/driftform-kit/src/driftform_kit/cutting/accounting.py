@@ -11,6 +11,7 @@ from driftform.interfaces import ExportJob
 from driftform.types import Agent, Body, Fittings, FloatArray, MassProperties, Moments
 from driftform_frusta.kit_options import KitOptions, PartOptions
 from driftform_kit.ballast import NEGLIGIBLE, ball_diameter, ball_mass, name_material
+from driftform_kit.cutting.coupon import describe_coupon
 from driftform_kit.cutting.engraving import Engraving
 from driftform_kit.cutting.held_ballast import HeldBall
 from driftform_kit.cutting.meridian import MM, moments
@@ -176,11 +177,13 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     ``held_by``: ``seat`` or ``wall``, its ``material`` and its ``mass_kg``. ``balance``: mass (kg), x of the centres of
     gravity and of buoyancy (mm) and net buoyancy (N) of the simulated agent, of the one printed with full flow, and of that
     with its ballast, printed with the flow that the ballast is for (:class:`KitWeight`). With holes also ``flooded_kg``, the mass of the
-    water that enters through an open hole.
+    water that enters through an open hole. Of the fit coupon, under ``coupon``, what it is for.
     """
+    body = job.agent.body
+    if options.coupon:
+        return {"coupon": describe_coupon(body, options)}
     if not options.kit:
         return {}
-    body = job.agent.body
     kit = make_kit(body, options)
     first = kit.core_joint.joint
     facts: dict[str, Any] = {

@@ -4,7 +4,7 @@ A section covers both sides of the axis, so that an offset finds no edge along i
 there.
 """
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -67,14 +67,14 @@ class Hull:
         return z, r
 
     def bore_at(self, z: float) -> float:
-        """Radius of the cavity at one height: that of :meth:`bore_radius`, in a fraction of the time."""
+        """Radius of the cavity at one height, at a ledge the lesser: in a fraction of the time of :meth:`bore_radius`."""
         heights, radii = self.bore_points
         above = bisect_right(heights, z)
         if above == 0 or z > heights[-1]:
             return 0.0
         low, radius = heights[above - 1], radii[above - 1]
         if z == low:
-            return radius
+            return min(radii[bisect_left(heights, z) : above])
         return (radii[above] - radius) / (heights[above] - low) * (z - low) + radius
 
     @cached_property
@@ -129,6 +129,16 @@ def draw_hull(body: Body) -> Hull:
         wall=MM * body.wall,
         joints=tuple((MM * body.joints).tolist()),
     )
+
+
+def draw_tube(bore: float, wall: float, core: float, low: float, high: float) -> Hull:
+    """Return a straight tube, open at both ends, as a hull; its radius and its wall, and its ends, mm."""
+    contours = [
+        np.array([[a, 0.0], [a, r], [b, r], [b, 0.0]])
+        for a, b, r in ((low, high, bore + wall), (low - 1, high + 1, bore))
+    ]
+    outer, cavity = map(_mirror_contour, contours)
+    return Hull(outer, cavity, contours[1], contours[0], core, wall, ())
 
 
 def _mirror_contour(contour: FloatArray) -> CrossSection:

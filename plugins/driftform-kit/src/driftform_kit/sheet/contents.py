@@ -10,6 +10,7 @@ from driftform.interfaces import ExportJob
 from driftform.types import MassProperties
 from driftform_frusta.cores import CUSTOM, name_core
 from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.materials import MATERIALS, find_material
 from driftform_kit.ballast import name_material
 from driftform_kit.cutting.accounting import held_mass, measure_flooding, piece_mass, weigh_kit
 from driftform_kit.cutting.held_ballast import HeldBall
@@ -25,12 +26,6 @@ _LEAST_OVERHANG = 10.0
 
 _NBSP = "\u00a0"
 """A space at which no line is broken."""
-
-_ABS = 1050.0
-"""Density of ABS, kg/m3, the default of ``builder.hull_density``."""
-
-_SAME_FILAMENT = 0.01
-"""Share by which the density of ABS may differ."""
 
 _STRETCH = 0.01, 0.05
 """Least and most by which an O-ring is stretched round its groove (Apple Rubber, Seal Design Guide, "Dimensional considerations")."""
@@ -188,8 +183,8 @@ def _mark_balls(kit: Kit, parts: tuple[SheetPart, ...], options: PartOptions) ->
 
 def name_filament(density: float) -> str:
     """Return what a hull's material of a density (kg/m3) is called: ``ABS, 1.05 g/cm³``, or the density of others."""
-    named = "ABS, " if abs(density - _ABS) <= _SAME_FILAMENT * _ABS else ""
-    return f"{named}{density / 1000:.4g}{_NBSP}g/cm³"
+    name = find_material(density)
+    return f"{name + ', ' if name else ''}{density / 1000:.4g}{_NBSP}g/cm³"
 
 
 def _write_texts(
@@ -243,6 +238,9 @@ def _write_texts(
         least_stretch=1 + _STRETCH[0],
         most_stretch=1 + _STRETCH[1],
         filament=name_filament(body.hull_density),
+        note=MATERIALS[name].note if (name := find_material(body.hull_density)) else "",
+        pockets=options.infill < 1 and body.wall > 2 * options.perimeters * options.nozzle,
+        solid=math.ceil(body.wall / options.nozzle / 2),
         filament_mass=sum(part.mass for part in parts),
         scale_to=10 * math.ceil(130 * target.mass),
         drain=options.drain,

@@ -1,0 +1,94 @@
+"""The fit coupon: plugs at several clearances in a frame and a loose socket, drawn by the functions that draw kits.
+
+Each plug has the sleeve of a kit, a groove for an O-ring and a seat for the core, and its clearance beside it. They are
+printed to find the clearance of a printer: the least at which the socket slides on and the core drops to its seat.
+"""
+
+import math
+from typing import Any
+
+from driftform.types import Body
+from driftform_frusta.csg import Difference, Named, Node, Revolve, Text, Translate, Union
+from driftform_frusta.kit_options import GROOVE_MARGIN, GROOVE_SHARE, GROOVE_WIDTH, PartOptions
+from driftform_frusta.lettering import STROKE, text_length
+from driftform_frusta.parts import Part
+from driftform_frusta.solid import to_solid
+from driftform_kit.cutting import meridian
+from driftform_kit.cutting.bay import SEAT, Ball, draw_seat
+from driftform_kit.cutting.joint import Joint, draw_joint
+from driftform_kit.cutting.meridian import MM
+
+CLEARANCES = (0.1, 0.15, 0.2, 0.25, 0.3)
+"""mm, of the plugs."""
+
+CORD = 1.5
+"""mm: diameter of the O-ring whose groove is cut if a kit has none."""
+
+_COLUMNS = 3
+_SHARED = 0.5
+"""mm of wall that two neighbours share."""
+
+_LETTER, _THICK, _DEEP = 4.0, 1.6, 0.6
+"""mm: height of the numbers, and thickness of their labels and depth of the numbers in them."""
+
+_APART = 3.0
+"""mm between the frame and the loose socket."""
+
+
+def make_coupon(body: Body, options: PartOptions) -> Part:
+    """Return the fit coupon for the core and the wall of a body, and sleeves and O-rings of some options.
+
+    Raises
+    ------
+    WorkFailedError
+        if it has no solid.
+    """
+    core, cord = MM * body.core.radius, MM * options.o_ring or CORD
+    thick = max(MM * options.sleeve, GROOVE_SHARE * cord - CLEARANCES[0] + MM * options.nozzle)
+    lap = max(MM * options.lap, (GROOVE_WIDTH + GROOVE_SHARE) * cord + 2 * MM * GROOVE_MARGIN)
+    # The sleeve is thinnest at the largest clearance, and a seat ends at the wall, at 45 degrees.
+    bore = core + 2 * CLEARANCES[-1] + thick
+    low, high = -(bore + 2 * SEAT), lap + 1.0
+    hull = meridian.draw_tube(bore, MM * body.wall, core, low, high)
+    cells = []
+    for gap in CLEARANCES:
+        # The core passes the plug with this clearance.
+        joint = Joint(0.0, -1, "sleeve", lap, bore - core - 2 * gap, gap, GROOVE_SHARE * cord - gap, cord)
+        plug = (hull.material ^ meridian.make_slab(low, 0.0)) + draw_joint(hull, joint).plug
+        seat = draw_seat(hull, Ball(0.0, core), plug, [meridian.make_slab(high, high + 1)], -1, gap)
+        assert seat is not None  # A straight tube has room.
+        cells.append(Revolve(*meridian.split_rings(meridian.list_rings(meridian.take_half(plug + seat)))))
+    socket = hull.material ^ meridian.make_slab(low, low + high)
+    cells.append(Revolve(*meridian.split_rings(meridian.list_rings(meridian.take_half(socket)))))
+    pitch = 2 * hull.widest - _SHARED
+    placed: list[Node] = []
+    for place, cell in enumerate(cells):
+        row, column = divmod(place, _COLUMNS)
+        loose = _APART if place == len(CLEARANCES) else 0.0
+        at = (column * pitch + loose, row * pitch + loose, -low)
+        placed.append(Translate(at, cell))
+        if not loose:
+            placed.append(_make_label(f"{CLEARANCES[place]:.2f}"[1:], at, hull.widest, -1 if row == 0 else 1))
+    tree = Named("fit coupon: clearances in mm", Union(tuple(placed)))
+    return Part("fit coupon", tree, to_solid(tree, options.segments))
+
+
+def describe_coupon(body: Body, options: PartOptions) -> dict[str, Any]:
+    """Return what a coupon is for: its ``core_mm`` and ``o_ring_mm``, and what is ``next``."""
+    return {
+        "core_mm": 2 * MM * body.core.radius,
+        "o_ring_mm": MM * options.o_ring or CORD,
+        "next": "print it as you print kits; take the least number (mm) at which the loose ring slides on by hand, with a greased "
+        "O-ring too if you use some, and at which the core drops to its seat; then give that clearance, in m, to all kits: "
+        "--option clearance=0.00015",
+    }
+
+
+def _make_label(text: str, at: tuple[float, float, float], widest: float, side: int) -> Node:
+    """A disc on the bed beside a plug, with its clearance."""
+    long = text_length(text, _LETTER)
+    radius = math.hypot(long, _LETTER) / 2 + 1.0
+    disc = Revolve(((0.0, 0.0), (radius, 0.0), (radius, _THICK), (0.0, _THICK)))
+    start = (-long / 2 + _LETTER * STROKE / 2, -_LETTER / 2, _THICK - _DEEP)
+    label = Difference(disc, (Translate(start, Text(text, _LETTER, 2 * _DEEP)),))
+    return Translate((at[0], at[1] + side * (widest + radius - 1.0), 0.0), label)

@@ -1,0 +1,141 @@
+"""The fit coupon: its clearances measured on the mesh, what slicers make of it, and the command that writes it."""
+
+import json
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform.interfaces import Printer, PrintJob
+from driftform.types import Finding, Module, Morphology, State
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.kits import make_parts
+from driftform_kit.cutting.coupon import CLEARANCES
+from driftform_kit.cutting.pieces import make_kit
+from driftform_kit.reading import read_meshes
+
+Call = Callable[..., Any]
+
+
+def body_of(core: str = "steel-20mm"):
+    modules = (Module(0.01, 0.0),) * 6
+    return FrustaBuilder(FrustaOptions(core=core)).build(Morphology(modules, modules))
+
+
+def radii_at(options: PartOptions, height: float, core: str = "steel-20mm"):
+    """Inner and outer radius of each cell of the coupon at a height (mm), the loose ring last; sections of the mesh alone."""
+    [part] = make_parts(body_of(core), options)
+    mesh = make_mesh(part)
+    sections = [np.asarray(path)[:, :2] for path in mesh.section([0, 0, 1], [0, 0, height]).discrete]
+    cells: dict[tuple[float, float], list[float]] = {}
+    for path in sections:
+        middle = (path.min(axis=0) + path.max(axis=0)) / 2
+        radius = float(np.hypot(*(path - middle).T).max())
+        cells.setdefault(tuple(np.round(middle, 1).tolist()), []).append(radius)
+    return cells
+
+
+def make_mesh(part):
+    import trimesh
+
+    solid = part.on_bed()
+    return trimesh.Trimesh(solid.vertices, solid.triangles, process=False)
+
+
+@pytest.mark.parametrize(("core", "radius"), [("steel-20mm", 10.0), ("glass-30mm", 15.0)])
+def test_each_plug_has_its_clearance_to_the_loose_ring_and_to_the_core(core, radius):
+    options = PartOptions(coupon=True, segments=256)
+    [part] = make_parts(body_of(core), options)
+    # Above the rim and below the groove: only plugs are there.
+    rim = part.solid.bounds[1, 2] - 6.0
+    plugs = sorted(radii_at(options, rim + 0.6, core).items(), key=lambda item: (item[0][1], item[0][0]))
+    ring = min(min(found) for found in radii_at(options, 5.0, core).values() if min(found) > radius + 1.5)
+    assert len(plugs) == len(CLEARANCES)
+    for (_, (inner, outer)), gap in zip([(at, sorted(r)) for at, r in plugs], CLEARANCES, strict=True):
+        assert ring - outer == pytest.approx(gap, abs=0.01)
+        assert inner - radius == pytest.approx(gap, abs=0.01)
+
+
+def test_the_groove_squeezes_the_cord_by_a_fifth_at_every_clearance():
+    options = PartOptions(coupon=True, segments=256, o_ring=0.002, sleeve=0.002, lap=0.009)
+    [part] = make_parts(body_of(), options)
+    rim = part.solid.bounds[1, 2] - 9.0
+    ring = min(min(found) for found in radii_at(options, 5.0).values() if min(found) > 11.5)
+    depths = [radii_at(options, rim + height) for height in np.arange(1.0, 8.0, 0.25).tolist()]
+    for place in depths[0]:
+        bottom = min(max(found[place]) for found in depths)
+        assert ring - bottom == pytest.approx(0.8 * 2.0, abs=0.01)
+
+
+def test_the_core_comes_to_rest_on_each_seat():
+    [part] = make_parts(body_of(), PartOptions(coupon=True))
+    mesh, rim = make_mesh(part), part.solid.bounds[1, 2] - 6.0
+    for place in radii_at(PartOptions(coupon=True), rim + 0.6):
+        around = mesh.vertices - (*place, rim)
+        inside = around[np.hypot(around[:, 0], around[:, 1]) < 9.0]
+        # The nearest of the cone is a clearance from a core whose middle is at the rim.
+        assert 0.0 < np.linalg.norm(inside, axis=1).min() - 10.0 < 0.35
+
+
+def test_kits_have_the_clearance_that_is_chosen():
+    kits = [make_kit(body_of(), PartOptions(kit=True, clearance=c)) for c in (0.00015, 0.0003)]
+    assert [kit.joints[0].gap for kit in kits] == pytest.approx([0.15, 0.3])
+
+
+def test_the_command_writes_one_small_file_without_an_agent(call: Call, tmp_path: Path) -> None:
+    found = json.loads(
+        call("export", "--coupon", "--format", "stl,3mf", "--out", str(tmp_path), "--json").stdout
+    )
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["coupon.3mf", "coupon.stl"]
+    assert {file["coupon"]["core_mm"] for file in found["files"]} == {20.0}
+    [mesh] = read_meshes(tmp_path / "coupon.stl")
+    assert np.ptp(mesh.bounds, axis=0).max() < 100 and mesh.volume < 20_000
+    with zipfile.ZipFile(tmp_path / "coupon.3mf") as archive:
+        assert not any(name.endswith(("kit.json", "agent.json")) for name in archive.namelist())
+    text = call("export", "--coupon", "--set", "builder.core=stainless-25mm", "--out", str(tmp_path)).stdout
+    assert "core_mm: 25" in text and "--option clearance=" in text and "assembly" not in text
+
+
+def test_a_format_without_parts_and_a_missing_agent_are_one_line(call: Call, tmp_path: Path) -> None:
+    for words, line in (
+        (("--coupon", "--format", "svg"), "exporter 'svg' has no option 'coupon'"),
+        ((), "AGENT is missing: name an agent, or write the fit coupon with --coupon"),
+    ):
+        result = call("export", *words, "--out", str(tmp_path / "new"))
+        assert result.exit_code == 2 and line in result.stderr and result.stderr.count("\n") == 1
+        assert not (tmp_path / "new").exists()
+
+
+def test_a_file_holds_what_a_printer_needs_of_kits(call: Call, tmp_path: Path) -> None:
+    printer = tmp_path / "printer.toml"
+    printer.write_text("nozzle = 0.0005\nbed = [0.22, 0.2, 0.25]\nclearance = 0.00015\n", encoding="utf-8")
+    arguments = ("addF-tiltp-2-L-moveF", "--kit", "--format", "3mf", "--out", str(tmp_path))
+    assert call("export", *arguments, "--option", str(printer)).exit_code == 0
+    with zipfile.ZipFile(next(tmp_path.glob("*.3mf"))) as archive:
+        options = json.loads(archive.read("Metadata/kit.json"))
+    assert (options["nozzle"], options["clearance"], options["bed"]) == (0.0005, 0.00015, [0.22, 0.2, 0.25])
+    sheet = next(tmp_path.glob("*-assembly-2.svg")).read_text(encoding="utf-8")
+    assert "--option clearance=0.00015" in sheet
+    printer.write_text("clearance = 0,15\n", encoding="utf-8")
+    for path, reason in (
+        (printer, "printer.toml:1: is not valid TOML"),
+        (tmp_path / "none.toml", "none.toml"),
+    ):
+        result = call("export", *arguments, "--option", str(path))
+        assert result.exit_code == 2 and reason in result.stderr and result.stderr.count("\n") == 1
+
+
+@pytest.mark.peers
+def test_prusa_slicer_slices_the_coupon(
+    call: Call, ask: Callable[..., dict[str, Finding]], tmp_path: Path
+) -> None:
+    call("export", "--coupon", "--out", str(tmp_path))
+    found = ask("prusa-slicer", PrintJob((tmp_path / "coupon.stl",), Printer()), infill=1.0)
+    assert {name: finding.state for name, finding in found.items()} == {
+        "prusa-slicer mesh": State.PASS,
+        "prusa-slicer g-code": State.PASS,
+    }
