@@ -78,10 +78,7 @@ def describe_bounds(field: FieldInfo) -> str:
 def check_defaults(model: type[Table]) -> None:
     """Check that a model accepts its own defaults, which pydantic does not.
 
-    Raises
-    ------
-    ValueError
-        with the option and the reason.
+    Raises ValueError with the option and the reason.
     """
     defaults = {
         name: field.get_default(call_default_factory=True)

@@ -57,10 +57,8 @@ class GroupFitness(Fitness[GroupOptions]):
     def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
         """Return for each target the fitness of its group, 0 to 100, (targets,).
 
-        Raises
-        ------
-        ValueError
-            if a group names no target, a target is in none or in two, or the pipe has no crown to ride along.
+        Raises ValueError if a group names no target, a target is in none or in two, or the pipe has no crown to
+        ride along.
         """
         names, points = scenario.target_names, scenario.target_array()
         each = ClosestApproach(Table()).score(trajectory, scenario, agent)

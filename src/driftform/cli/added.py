@@ -28,13 +28,7 @@ class AddedCommand(Command):
     """A command of a plugin: an error of the plugin becomes one line."""
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command.
-
-        Raises
-        ------
-        WorkFailedError
-            for any error that is not meant for users.
-        """
+        """Run the command. Raises WorkFailedError for any error that is not meant for users."""
         try:
             return super().invoke(ctx)
         except (DriftformError, OSError, typer.Exit, typer.Abort, UsageError):
@@ -84,10 +78,7 @@ def load_added() -> Added:
 def find_added(name: str) -> Any:
     """Return the command that a plugin adds under a name, ``None`` if there is none and nothing is known of it.
 
-    Raises
-    ------
-    InputError
-        if two plugins claim the name, or the plugin that is known to add it is missing or broken.
+    Raises InputError if two plugins claim the name, or the plugin that is known to add it is missing or broken.
     """
     added = load_added()
     if name in added.commands:

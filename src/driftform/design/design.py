@@ -462,13 +462,7 @@ class Design:
 
 
 def check_moment(flight: Flight, at: float | None) -> None:
-    """Refuse a moment outside a flight.
-
-    Raises
-    ------
-    InputError
-        with how long the flight lasts.
-    """
+    """Refuse a moment outside a flight. Raises InputError with how long the flight lasts."""
     if at is not None and not 0 <= at <= flight.duration:
         raise InputError(f"--still-at {at:g}: the flight goes from 0 to {flight.duration:.3f} s")
 

@@ -46,10 +46,7 @@ def name_agent(text: str, settings: Sequence[str]) -> str:
 def open_best(run: Run, target: str) -> StoredAgent:
     """Return the best agent of a run for a target, named after both.
 
-    Raises
-    ------
-    InputError
-        if the run has no such target, or no evaluation yet that did not fail.
+    Raises InputError if the run has no such target, or no evaluation yet that did not fail.
     """
     names = run.study.scenario.target_names
     if target not in names:

@@ -25,10 +25,7 @@ def measure_gram_sensitivity(pipeline: Pipeline, agent: Agent, name: str) -> Sen
     The two are given apart and not as one slope: about the mass that was evolved for a target the error grows on
     either side.
 
-    Raises
-    ------
-    WorkFailedError
-        as :meth:`driftform.pipeline.Pipeline.simulate`.
+    Raises WorkFailedError as :meth:`driftform.pipeline.Pipeline.simulate`.
     """
     if agent.mass.mass - agent.body.core.mass <= GRAM:
         return None

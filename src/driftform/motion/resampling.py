@@ -14,10 +14,7 @@ MAX_RATE_HZ = 10_000.0
 def check_rate(rate_hz: float) -> None:
     """Refuse a rate of samples (1/s) that is out of range; 0 stands for the samples of the simulator.
 
-    Raises
-    ------
-    InputError
-        with the range.
+    Raises InputError with the range.
     """
     if not 0 <= rate_hz <= MAX_RATE_HZ:
         raise InputError(f"--rate-hz {rate_hz:g}: should be from 0 to {MAX_RATE_HZ:g}")

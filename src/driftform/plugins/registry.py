@@ -116,10 +116,7 @@ class Registry:
     def find(self, seam: str, name: str) -> type[Plugin[Any]]:
         """Return the class with this name.
 
-        Raises
-        ------
-        InputError
-            if no plugin has the name, two plugins claim it, or its plugin cannot be imported.
+        Raises InputError if no plugin has the name, two plugins claim it, or its plugin cannot be imported.
         """
         rows = [row for row in self.seam(seam) if row.name == name]
         usable = [row for row in rows if row.cls is not None]
@@ -139,10 +136,7 @@ class Registry:
     def check_seams(self, seams: Iterable[str]) -> None:
         """Check that for each of some seams a distribution is installed, whether it works or not.
 
-        Raises
-        ------
-        InputError
-            if there is none, as where driftform was installed without its dependencies.
+        Raises InputError if there is none, as where driftform was installed without its dependencies.
         """
         missing = [seam for seam in seams if not self.seam(seam)]
         if missing and not self._broken:

@@ -35,13 +35,7 @@ T = TypeVar("T")
 
 
 def require(value: object, expected: type[T], plugin: Plugin[Any], method: str) -> T:
-    """Return what a method of a plugin returned.
-
-    Raises
-    ------
-    WorkFailedError
-        if it is not of the expected type.
-    """
+    """Return what a method of a plugin returned. Raises WorkFailedError if it is not of the expected type."""
     if not isinstance(value, expected):
         raise _refuse(plugin, method, _describe(value), f"a {expected.__name__}")
     return value
@@ -52,10 +46,7 @@ def require_flights(
 ) -> list[Trajectory]:
     """Return the flights of a simulator, one for each agent.
 
-    Raises
-    ------
-    WorkFailedError
-        if one is missing, empty, without an end, or not finite although it did not fail.
+    Raises WorkFailedError if one is missing, empty, without an end, or not finite although it did not fail.
     """
     if not isinstance(flights, list | tuple) or len(flights) != count:
         what = f"{len(flights)} flights" if isinstance(flights, list | tuple) else _describe(flights)
@@ -99,11 +90,8 @@ def require_candidates(
     first
         number of evaluations before these.
 
-    Raises
-    ------
-    WorkFailedError
-        if there are fewer or more, or other things among them, or one has another genome, target, parent or threshold
-        than there is.
+    Raises WorkFailedError if there are fewer or more, or other things among them, or one has another genome,
+    target, parent or threshold than there is.
     """
     expected = f"1 to {most} candidates"
     if not isinstance(candidates, Sequence):
@@ -134,10 +122,7 @@ def require_candidates(
 def require_genome(genome: object, grammar: Grammar[Any], method: str) -> Genome:
     """Return a genome that a method of a grammar returned.
 
-    Raises
-    ------
-    WorkFailedError
-        if it is another thing, or names another grammar.
+    Raises WorkFailedError if it is another thing, or names another grammar.
     """
     if not isinstance(genome, Genome) or genome.grammar != grammar.name:
         raise _refuse(grammar, method, _describe_genome(genome), f"a Genome of grammar '{grammar.name}'")
@@ -147,10 +132,7 @@ def require_genome(genome: object, grammar: Grammar[Any], method: str) -> Genome
 def require_morphology(morphology: object, grammar: Grammar[Any]) -> Morphology:
     """Return what a grammar expressed.
 
-    Raises
-    ------
-    WorkFailedError
-        if it is another thing, or a module has a length or a tilt that no body has.
+    Raises WorkFailedError if it is another thing, or a module has a length or a tilt that no body has.
     """
     found = require(morphology, Morphology, grammar, "express")
     # Modules of a kind are often one object, which is checked once.
@@ -167,10 +149,7 @@ def require_morphology(morphology: object, grammar: Grammar[Any]) -> Morphology:
 def require_body(body: object, builder: Plugin[Any]) -> Body:
     """Return what a builder built.
 
-    Raises
-    ------
-    WorkFailedError
-        if it is another thing, or its contours do not run from the axis to the axis.
+    Raises WorkFailedError if it is another thing, or its contours do not run from the axis to the axis.
     """
     found = require(body, Body, builder, "build")
     require(found.core, Core, builder, "build")
@@ -191,10 +170,8 @@ def require_body(body: object, builder: Plugin[Any]) -> Body:
 def require_coefficients(coefficients: object, body: Body, model: Plugin[Any]) -> Coefficients:
     """Return the coefficients of a body by a hydrodynamics model.
 
-    Raises
-    ------
-    WorkFailedError
-        if they are something else, or not finite, or the added mass is not symmetric and positive semi-definite.
+    Raises WorkFailedError if they are something else, or not finite, or the added mass is not symmetric and
+    positive semi-definite.
     """
     found = require(coefficients, Coefficients, model, "coefficients")
     for name in ("added_mass", "origin", "linear_damping", "quadratic_damping"):
@@ -209,10 +186,7 @@ def require_coefficients(coefficients: object, body: Body, model: Plugin[Any]) -
 def require_scores(scores: object, targets: int, fitness: Fitness[Any]) -> FloatArray:
     """Return what a fitness scored, (targets,).
 
-    Raises
-    ------
-    WorkFailedError
-        if it is not one real number from 0 to 100 for each target.
+    Raises WorkFailedError if it is not one real number from 0 to 100 for each target.
     """
     if not _are_numbers(scores, targets, 0, 100):
         what = _show(scores.tolist() if isinstance(scores, np.ndarray) else scores)
@@ -224,10 +198,7 @@ def require_scores(scores: object, targets: int, fitness: Fitness[Any]) -> Float
 def require_files(files: object, plugin: Plugin[Any], method: str = "write") -> tuple[WrittenFile, ...]:
     """Return the files that a plugin says it wrote.
 
-    Raises
-    ------
-    WorkFailedError
-        if it says nothing of the kind, or one is not there.
+    Raises WorkFailedError if it says nothing of the kind, or one is not there.
     """
     if not isinstance(files, list | tuple) or not files:
         raise _refuse(plugin, method, _describe(files), "the files that it wrote")
@@ -237,10 +208,7 @@ def require_files(files: object, plugin: Plugin[Any], method: str = "write") -> 
 def require_file(file: object, plugin: Plugin[Any], method: str) -> WrittenFile:
     """Return a file that a plugin says it wrote.
 
-    Raises
-    ------
-    WorkFailedError
-        if it says nothing of the kind, or the file is not there.
+    Raises WorkFailedError if it says nothing of the kind, or the file is not there.
     """
     found = require(file, WrittenFile, plugin, method)
     if not isinstance(found.path, str) or not Path(found.path).exists():
@@ -255,10 +223,7 @@ def require_file(file: object, plugin: Plugin[Any], method: str) -> WrittenFile:
 def require_findings(findings: object, checker: Plugin[Any]) -> Iterator[Finding]:
     """Yield the findings of a checker.
 
-    Raises
-    ------
-    WorkFailedError
-        if one is something else, or its state or a text of it is.
+    Raises WorkFailedError if one is something else, or its state or a text of it is.
     """
     if not isinstance(findings, Iterable):
         raise _refuse(checker, "check", _describe(findings), "a list of Findings")
@@ -275,10 +240,7 @@ def require_findings(findings: object, checker: Plugin[Any]) -> Iterator[Finding
 def require_facts(facts: object, inspector: Plugin[Any]) -> dict[str, Any]:
     """Return the facts of an inspector, arrays as lists.
 
-    Raises
-    ------
-    WorkFailedError
-        if they are no dictionary from names to numbers, texts and lists of them.
+    Raises WorkFailedError if they are no dictionary from names to numbers, texts and lists of them.
     """
     found = require(facts, dict, inspector, "describe")
     for name, value in found.items():
@@ -364,11 +326,8 @@ def _refuse(plugin: Plugin[Any], method: str, what: str, expected: str) -> WorkF
 def check_grammar(grammar: Grammar[Any]) -> None:
     """Check what a grammar returns by a few genomes, before a run is full of them.
 
-    Raises
-    ------
-    WorkFailedError
-        if a method does not return what :class:`driftform.interfaces.Grammar` says, or a genome is not read back from
-        its text.
+    Raises WorkFailedError if a method does not return what :class:`driftform.interfaces.Grammar` says, or a genome
+    is not read back from its text.
     """
     rng = np.random.default_rng(0)
     with report_faults():
@@ -396,10 +355,8 @@ def check_grammar(grammar: Grammar[Any]) -> None:
 def check_wording(fitness: Fitness[Any]) -> None:
     """Check the words of a fitness before a search, at the end of which they are needed.
 
-    Raises
-    ------
-    WorkFailedError
-        if a word is no text, or a method does not return what :class:`driftform.interfaces.Fitness` says.
+    Raises WorkFailedError if a word is no text, or a method does not return what
+    :class:`driftform.interfaces.Fitness` says.
     """
     for attribute in ("heading", "unit", "goal", "share"):
         if not isinstance(value := getattr(fitness, attribute), str):

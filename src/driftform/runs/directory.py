@@ -47,10 +47,7 @@ def resume_command(directory: Path) -> str:
 def lock_run(directory: Path) -> Iterator[None]:
     """Hold the run for one writer; the lock goes with the process, however it ends.
 
-    Raises
-    ------
-    InputError
-        where another process holds it.
+    Raises InputError where another process holds it.
     """
     lock = FileLock(directory / _LOCK)
     try:
@@ -77,10 +74,7 @@ def check_new(directory: Path) -> None:
 
     A directory with no more than the inputs of a run that never began, such as one killed in its first moment, is new.
 
-    Raises
-    ------
-    InputError
-        with the next step.
+    Raises InputError with the next step.
     """
     if (directory / DATABASE).exists():
         raise InputError(
@@ -103,10 +97,7 @@ def _is_own(name: str) -> bool:
 def check_unbegun(directory: Path) -> Path:
     """Return the file with the study of a run that was stopped before it made its database.
 
-    Raises
-    ------
-    InputError
-        if the directory holds no such run, with the next step.
+    Raises InputError if the directory holds no such run, with the next step.
     """
     check_run(directory, begun=False)
     if not (directory / RESOLVED).is_file():
@@ -127,10 +118,7 @@ def remove_leftovers(directory: Path) -> None:
 def check_run(directory: Path, *, begun: bool = True) -> Path:
     """Return the database of a run directory; without ``begun`` it need not be there yet.
 
-    Raises
-    ------
-    InputError
-        if the directory is not a run.
+    Raises InputError if the directory is not a run.
     """
     if not directory.is_dir():
         where = "is a file, expected a run directory" if directory.exists() else "no such run directory"

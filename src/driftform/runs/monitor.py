@@ -42,13 +42,7 @@ class RunMonitor:
         self.throughput = Throughput(0)
 
     def poll(self) -> None:
-        """Read what is new.
-
-        Raises
-        ------
-        InputError
-            if the database is damaged.
-        """
+        """Read what is new. Raises InputError if the database is damaged."""
         # Asked first: a process that has released the run has written all that is read below.
         held = is_worked_on(self.directory)
         with Store.open(self._database, read_only=True, check=False) as store:

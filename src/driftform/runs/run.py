@@ -49,10 +49,7 @@ class Run:
 
         Without ``check`` the database is not searched for damage first; damage is then reported where it is read.
 
-        Raises
-        ------
-        InputError
-            if the directory is not a run, or its study cannot be carried out here.
+        Raises InputError if the directory is not a run, or its study cannot be carried out here.
         """
         return cls._load(directory, check=check)
 
@@ -61,10 +58,7 @@ class Run:
     def create(cls, directory: Path, study: Study) -> Iterator[Self]:
         """Begin a run in a new or empty directory, and hold its lock.
 
-        Raises
-        ------
-        InputError
-            if the study has no targets, or the directory holds something else.
+        Raises InputError if the study has no targets, or the directory holds something else.
         """
         study.check_search()
         check_new(directory)
@@ -81,10 +75,8 @@ class Run:
 
         Nothing is written before the run advances, except the database of a run that was stopped before it had one.
 
-        Raises
-        ------
-        InputError
-            if the directory is not a run, another process works on it, or it holds more evaluations already.
+        Raises InputError if the directory is not a run, another process works on it, or it holds more evaluations
+        already.
         """
         check_run(directory, begun=False)
         with lock_run(directory):
@@ -101,10 +93,7 @@ class Run:
     def ensure(cls, directory: Path, study: Study) -> Iterator[Self]:
         """Begin a run of this study, or continue the one that the directory holds, and hold its lock.
 
-        Raises
-        ------
-        InputError
-            if the directory holds a run of another study, or another process works on it.
+        Raises InputError if the directory holds a run of another study, or another process works on it.
         """
         if not (directory / DATABASE).is_file():
             check_new(directory)
@@ -180,10 +169,7 @@ class Run:
         Its ``title``, the number of ``targets``, evaluations ``done`` and their ``budget``, and whether it
         ``is_worked_on``.
 
-        Raises
-        ------
-        InputError
-            if the directory is not a run, or the run is damaged.
+        Raises InputError if the directory is not a run, or the run is damaged.
         """
         database = check_run(directory)
         with Store.open(database, read_only=True, check=False) as store:

@@ -74,10 +74,7 @@ FORMATS: dict[str, TableWriter] = {"csv": write_csv, "parquet": write_parquet}
 def check_format(name: str) -> None:
     """Check that a format can be written, before any work is done.
 
-    Raises
-    ------
-    WorkFailedError
-        if a package is missing.
+    Raises WorkFailedError if a package is missing.
     """
     if name == "parquet" and find_spec("pyarrow") is None:
         raise WorkFailedError(

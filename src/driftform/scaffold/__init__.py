@@ -58,10 +58,7 @@ class Names:
 def make_names(name: str, seam: str) -> Names:
     """Check the name of a new distribution, and return all names that follow from it.
 
-    Raises
-    ------
-    InputError
-        if it is not a valid name of a distribution (PEP 508), or is already taken.
+    Raises InputError if it is not a valid name of a distribution (PEP 508), or is already taken.
     """
     if seam not in KINDS:
         raise InputError(f"--seam {seam}: unknown seam{did_you_mean(seam, KINDS)}")

@@ -28,10 +28,7 @@ def pick_agent(run: Run, point: Vector) -> StoredAgent:
     Its ``result`` holds the point, the distance (m), when it passes (``t``, s) and its evaluation. If the stored flight
     is unchecked, the agent is flown again, and the distance is that of its checked flight.
 
-    Raises
-    ------
-    InputError
-        if no flight can pass the point, or every evaluation has failed so far.
+    Raises InputError if no flight can pass the point, or every evaluation has failed so far.
     """
     check_point(point, run.study.scenario)
     with run.read() as store:
@@ -82,10 +79,7 @@ def write_pick(run: Run, point: Vector, folder: Path | None = None) -> tuple[Sto
 def find_place(text: str, pipe: Pipe) -> Vector:
     """Return the point (m) of a place in a pipe, given as the inside of an inline table of TOML.
 
-    Raises
-    ------
-    InputError
-        if it is no place of the pipe.
+    Raises InputError if it is no place of the pipe.
     """
     try:
         place = tomllib.loads(f"place = {{ {text} }}")["place"]
@@ -105,13 +99,7 @@ def name_point(point: Vector) -> str:
 
 
 def check_point(point: Vector, scenario: Scenario) -> None:
-    """Refuse a point that no flight can pass.
-
-    Raises
-    ------
-    InputError
-        with what the point must be.
-    """
+    """Refuse a point that no flight can pass. Raises InputError with what the point must be."""
     given = "X Y Z = " + " ".join(f"{value:g}" for value in point)
     if not all(map(isfinite, point)):
         raise InputError(f"{given}: should be three finite numbers, in m")

@@ -108,13 +108,7 @@ def _require_best(study: Study, store: Store, target: str, winner: Winner | None
 
 
 def read_flight(run: Run, store: Store, index: int) -> Trajectory:
-    """Return the stored flight of an evaluation that did not fail.
-
-    Raises
-    ------
-    InputError
-        if it is missing.
-    """
+    """Return the stored flight of an evaluation that did not fail. Raises InputError if it is missing."""
     flight = store.read_record(index, run.study.scenario.target_names).evaluation.trajectory
     if flight is None:
         raise InputError(f"{run.path}: is damaged: the flight of evaluation {index} is missing")
@@ -212,10 +206,7 @@ class BestFlight:
 def read_best(run: Run, store: Store) -> list[BestFlight]:
     """Return the best agent for each target of a run; targets that share an agent share its objects.
 
-    Raises
-    ------
-    WorkFailedError
-        where not one evaluation succeeded.
+    Raises WorkFailedError where not one evaluation succeeded.
     """
     pipeline, found = run.study.make_pipeline(), []
     flown: dict[int, tuple[Agent, Trajectory]] = {}
@@ -256,12 +247,6 @@ def _write_reach(run: Run, store: Store) -> None:
 
 
 def map_run(study: Study, store: Store) -> CoverageMap:
-    """Return the coverage of all flights of a run that did not fail.
-
-    Raises
-    ------
-    InputError
-        in open water.
-    """
+    """Return the coverage of all flights of a run that did not fail. Raises InputError in open water."""
     flights = track_progress(store.read_trajectories(), store.count_sound(), "flights")
     return map_coverage(flights, PipeGrid.of_scenario(study.scenario))

@@ -95,10 +95,7 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
 
     ``above`` are the files whose ``base`` led to this file, and ``named_by`` is the place of the last ``base``.
 
-    Raises
-    ------
-    InputError
-        if a file is missing, cannot be read, is not TOML, or is based on itself.
+    Raises InputError if a file is missing, cannot be read, is not TOML, or is based on itself.
     """
     builtins = read_scenarios()
     path = Path(source)
@@ -131,10 +128,7 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
 def read_calibration(path: str) -> Source:
     """Read a file with the table ``[calibration]``, which replaces that of a study.
 
-    Raises
-    ------
-    InputError
-        if there is no such file, or it holds something else.
+    Raises InputError if there is no such file, or it holds something else.
     """
     if not is_file(Path(path)):
         raise InputError(f"--calibration {path}: is not a file; 'driftform calibrate' writes one")
@@ -159,10 +153,7 @@ def parse_text(label: str, text: str) -> Source:
 def parse_setting(text: str) -> Source:
     """Parse ``key=value`` of the command line: a dotted key and a TOML value; any other value is text.
 
-    Raises
-    ------
-    InputError
-        if the text does not have this form.
+    Raises InputError if the text does not have this form.
     """
     key, equals, value = text.partition("=")
     names = [name.strip() for name in key.split(".")]
@@ -185,10 +176,7 @@ def parse_setting(text: str) -> Source:
 def merge_source(below: Mapping[str, Any], source: Source) -> dict[str, Any]:
     """Return ``below`` overridden by the keys of a source; see :func:`merge`.
 
-    Raises
-    ------
-    InputError
-        if the source sets an item that its list does not have.
+    Raises InputError if the source sets an item that its list does not have.
     """
     try:
         return merge(below, source.data, source.replaces)

@@ -28,10 +28,7 @@ def check_keys(text: str) -> None:
 
     tomllib needs memory and time that grow with the square of their number.
 
-    Raises
-    ------
-    ValueError
-        if a key has more; the message says its line.
+    Raises ValueError if a key has more; the message says its line.
     """
     found = _LONG_KEY.search(text)
     if found:

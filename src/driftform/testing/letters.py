@@ -37,13 +37,7 @@ class LetterGrammar(Grammar[Table]):
         return self._genome(x[:cut] + y[cut:]), self._genome(y[:cut] + x[cut:])
 
     def express(self, genome: Genome) -> Morphology:
-        """Return one module for each letter.
-
-        Raises
-        ------
-        ValueError
-            if the genome does not belong to this grammar.
-        """
+        """Return one module for each letter. Raises ValueError if the genome does not belong to this grammar."""
         if genome.grammar != self.name or (fault := _fault("".join(genome.symbols))):
             raise ValueError(fault if genome.grammar == self.name else f"a genome of {genome.grammar!r}")
         modules = tuple(Module(0.005, TILTS[letter]) for letter in genome.symbols)
@@ -54,13 +48,7 @@ class LetterGrammar(Grammar[Table]):
         return "".join(genome.symbols)
 
     def parse(self, text: str) -> Genome:
-        """Read twelve letters.
-
-        Raises
-        ------
-        InputError
-            if the text has other letters, or not twelve.
-        """
+        """Read twelve letters. Raises InputError if the text has other letters, or not twelve."""
         if fault := _fault(text):
             raise InputError(fault)
         return self._genome(text)

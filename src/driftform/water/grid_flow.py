@@ -40,11 +40,8 @@ FEWEST_CELLS = 4
 def load_grid(flow: GridFlow, pipe: Pipe, walls: FloatArray) -> FloatArray:
     """Return the array ``fittings`` of a pipe and a grid: the walls, as :mod:`fitting_walls` has them, and the grid.
 
-    Raises
-    ------
-    ValueError
-        if the file cannot be read, or does not fit the pipe: see :func:`make_grid` and :func:`check_grid`. The message
-        names file and next step.
+    Raises ValueError if the file cannot be read, or does not fit the pipe: see :func:`make_grid` and
+    :func:`check_grid`. The message names file and next step.
     """
     path = Path(flow.file)
     try:
@@ -73,10 +70,7 @@ def _load(path: Path, _: tuple[int, int], pipe: Pipe, reference: float, walls: b
 def make_grid(grid: VelocityGrid, pipe: Pipe, walls: FloatArray) -> FloatArray:
     """Return the walls of a pipe and a grid of velocities as one array, as :func:`grid_motion` reads it, (n,), read-only.
 
-    Raises
-    ------
-    ValueError
-        if a node in the water has no velocity, or if the pipe reaches beyond the grid.
+    Raises ValueError if a node in the water has no velocity, or if the pipe reaches beyond the grid.
     """
     from scipy.ndimage import spline_filter1d
 
@@ -158,10 +152,7 @@ def format_point(point: FloatArray) -> str:
 def check_grid(grid: VelocityGrid, array: FloatArray, pipe: Pipe, reference: float) -> None:
     """Check that the water of a grid stays in the pipe, and that its mean speed at the inlet is ``reference`` (m/s).
 
-    Raises
-    ------
-    ValueError
-        if it does not.
+    Raises ValueError if it does not.
     """
     speed = inlet_speed(array, pipe)
     if not abs(speed - reference) <= SPEED_TOLERANCE * reference:

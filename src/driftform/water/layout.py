@@ -296,10 +296,7 @@ def lay_out(tables: Sequence[AnyPart], start: FloatArray, direction: FloatArray,
     radius
         of the bore at the inlet, m.
 
-    Raises
-    ------
-    LayoutError
-        if a part does not fit to its bore, two parts run into each other, or an outlet has no name.
+    Raises LayoutError if a part does not fit to its bore, two parts run into each other, or an outlet has no name.
     """
     builder = _Builder()
     opening = Opening(

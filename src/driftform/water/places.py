@@ -41,10 +41,7 @@ class Place(Table):
     def find_point(self, layout: Layout) -> FloatArray:
         """Return the point in the world frame, m, (3,).
 
-        Raises
-        ------
-        ValueError
-            if there is no such part, or the place is beyond its end or its axis.
+        Raises ValueError if there is no such part, or the place is beyond its end or its axis.
         """
         parts = {placed.name: placed.part for placed in layout.parts}
         if self.part not in parts:
@@ -84,10 +81,7 @@ def measure_along(axis: Axis) -> FloatArray:
 def resolve_place(value: Any, layout: Layout) -> Any:
     """Return the coordinates (m) of a place that is given as a table; what else is given is returned as it is.
 
-    Raises
-    ------
-    ValueError
-        if it is no place of the pipe.
+    Raises ValueError if it is no place of the pipe.
     """
     if not isinstance(value, Mapping):
         return value

@@ -43,10 +43,7 @@ def tee_field(radius: float, branch: float, angle: float, fillet: float, Q2: flo
     Q2, Q3
         volume flow that leaves by the run and by the branch, m3/s; a negative one enters there.
 
-    Raises
-    ------
-    ValueError
-        if the shape is outside these limits.
+    Raises ValueError if the shape is outside these limits.
     """
     junction, mirrored = _find_junction(radius, branch, angle, fillet)
     tee = load_tee(junction)

@@ -79,10 +79,7 @@ class TrackTable:
 def read_table(path: Path, target: str | None = None) -> TrackTable:
     """Read the numbers of a file; ``target`` names the tracked object if there are several.
 
-    Raises
-    ------
-    InputError
-        if it is no such file.
+    Raises InputError if it is no such file.
     """
     rows = _split_rows(files.read_text(path))
     if not rows:
@@ -131,10 +128,7 @@ def _read_numbers(path: Path, columns: Iterable[Sequence[str]]) -> FloatArray:
 def _find_marks(path: Path, cells: Sequence[str]) -> tuple[str, str]:
     """Return the decimal mark of numbers, and the mark between thousands (``" "`` if they have none).
 
-    Raises
-    ------
-    InputError
-        if a comma may be either: one more reading of the numbers would be a thousand times as large.
+    Raises InputError if a comma may be either: one more reading of the numbers would be a thousand times as large.
     """
     both = {
         ("." if cell.rfind(".") > cell.rfind(",") else ",") for cell in cells if "." in cell and "," in cell

@@ -32,13 +32,7 @@ _GIF = (
 
 
 def find_ffmpeg() -> str:
-    """Return the path of ffmpeg.
-
-    Raises
-    ------
-    WorkFailedError
-        if it is not installed.
-    """
+    """Return the path of ffmpeg. Raises WorkFailedError if it is not installed."""
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
 
@@ -52,10 +46,7 @@ def find_ffmpeg() -> str:
 def encode(images: "Iterable[Image]", path: Path, suffix: str, fps: float) -> None:
     """Write images of one size as a film in the format of ``suffix``.
 
-    Raises
-    ------
-    WorkFailedError
-        if ffmpeg fails; the message ends with its error message.
+    Raises WorkFailedError if ffmpeg fails; the message ends with its error message.
     """
     # Without "file:" ffmpeg reads the text before a colon as a protocol.
     arguments = (*(_MP4 if suffix == ".mp4" else _GIF), "-fflags", "+bitexact", f"file:{path}")

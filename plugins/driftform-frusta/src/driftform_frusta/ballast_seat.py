@@ -30,10 +30,7 @@ _STATIONS = 100
 def place_ballast(body: Body, mass: float) -> Moments:
     """Return the volume integrals of a ball of lead of some mass (kg) at the seat, which follows from the shape alone.
 
-    Raises
-    ------
-    ValueError
-        if the ball has no room.
+    Raises ValueError if the ball has no room.
     """
     x, room = _find_seat(body)
     volume = mass / LEAD

@@ -73,10 +73,7 @@ class Solid:
     def to_manifold(self) -> Manifold:
         """Return the solid for manifold3d, which unites, cuts and measures solids.
 
-        Raises
-        ------
-        WorkFailedError
-            if its surfaces are not closed.
+        Raises WorkFailedError if its surfaces are not closed.
         """
         solid = Manifold(Mesh64(vert_properties=self.vertices, tri_verts=self.triangles.astype(np.uint64)))
         if solid.status() != Error.NoError:

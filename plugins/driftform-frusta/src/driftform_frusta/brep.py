@@ -18,10 +18,7 @@ from driftform_frusta.solid import half_section, to_manifold
 def require_opencascade() -> None:
     """Check that Open CASCADE is installed.
 
-    Raises
-    ------
-    WorkFailedError
-        if it is not; the message has the command that installs it.
+    Raises WorkFailedError if it is not; the message has the command that installs it.
     """
     try:
         import OCP.gp  # noqa: F401
@@ -34,10 +31,7 @@ def require_opencascade() -> None:
 def to_brep(node: Node) -> Any:
     """Return the solid of a tree as an Open CASCADE shape, mm.
 
-    Raises
-    ------
-    WorkFailedError
-        if the result is not valid.
+    Raises WorkFailedError if the result is not valid.
     """
     from OCP.BRepCheck import BRepCheck_Analyzer
 

@@ -26,10 +26,7 @@ def build_hull(body: Body) -> Node:
 
     This is the fast route: booleans are done in the plane.
 
-    Raises
-    ------
-    WorkFailedError
-        if a contour does not run from the axis to the axis.
+    Raises WorkFailedError if a contour does not run from the axis to the axis.
     """
     outer, cavity = read_contours(body)
     holes = (_points(cavity),) if len(cavity) else ()
@@ -39,10 +36,7 @@ def build_hull(body: Body) -> Node:
 def read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
     """Return outer contour and cavity as (n, 2) of z and r in the printed frame; the cavity may be empty.
 
-    Raises
-    ------
-    WorkFailedError
-        if one does not run from the axis to the axis.
+    Raises WorkFailedError if one does not run from the axis to the axis.
     """
     contours = []
     for what, contour in (("outer contour", body.outer), ("cavity", body.cavity)):

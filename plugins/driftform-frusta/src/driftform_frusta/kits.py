@@ -42,13 +42,7 @@ class KitMaker(Protocol):
 
 @cache
 def find_maker() -> KitMaker:
-    """Return the installed maker of kits.
-
-    Raises
-    ------
-    InputError
-        if there is none.
-    """
+    """Return the installed maker of kits. Raises InputError if there is none."""
     for point in metadata.entry_points(group=GROUP):
         maker: KitMaker = point.load()
         return maker
@@ -58,10 +52,7 @@ def find_maker() -> KitMaker:
 def settle_ballast(body: Body, options: PartOptions) -> PartOptions:
     """Return options with the ballast of a body; the same ones if it has none, or if the options have ballast.
 
-    Raises
-    ------
-    WorkFailedError
-        if a kit cannot hold it; the message has the reason.
+    Raises WorkFailedError if a kit cannot hold it; the message has the reason.
     """
     if not body.ballast.volume or options.ballast:
         return options
@@ -72,10 +63,7 @@ def settle_ballast(body: Body, options: PartOptions) -> PartOptions:
 def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
     """Return the parts of a body: its sealed hull, or those of its kit, from aft to fore, or the fit coupon.
 
-    Raises
-    ------
-    WorkFailedError
-        if it cannot be printed this way; the message has the reason.
+    Raises WorkFailedError if it cannot be printed this way; the message has the reason.
     """
     if options.coupon:
         return (find_maker().make_coupon(body, options),)

@@ -71,10 +71,7 @@ def missing_letters(text: str) -> str:
 def draw_strokes(text: str, size: float) -> tuple[Stroke, ...]:
     """Return the strokes of a text whose capitals are ``size`` high; it begins at the origin and runs along x.
 
-    Raises
-    ------
-    ValueError
-        if a letter is not known.
+    Raises ValueError if a letter is not known.
     """
     if letters := missing_letters(text):
         raise ValueError(f"cannot draw {letters!r}: no letter is known for it")

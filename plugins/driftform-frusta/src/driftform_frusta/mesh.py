@@ -24,10 +24,8 @@ def make_mesh(solid: Solid, name: str = "hull", frame: FloatArray | None = None)
     frame
         matrix from its points to those of the mesh, (3, 3); the identity by default.
 
-    Raises
-    ------
-    WorkFailedError
-        if the rounded mesh is not closed, or its volume differs from the solid's by more than rounding explains.
+    Raises WorkFailedError if the rounded mesh is not closed, or its volume differs from the solid's by more than
+    rounding explains.
     """
     points, expected = solid.vertices, solid.volume
     if frame is not None:

@@ -28,10 +28,7 @@ def build_printable_hull(body: Body, segments: int) -> tuple[Node, Solid]:
     The solid is checked: it is in one piece, and of the section's volume. A sealed hull has two closed surfaces, the
     outside and a hollow.
 
-    Raises
-    ------
-    WorkFailedError
-        if the body has no such solid; the message has the reason.
+    Raises WorkFailedError if the body has no such solid; the message has the reason.
     """
     check_printable_section(body)
     tree = build_hull(body)
@@ -45,10 +42,7 @@ def build_printable_hull(body: Body, segments: int) -> tuple[Node, Solid]:
 def check_printable_section(body: Body) -> None:
     """Check that the hull's contours have a wall between them all round.
 
-    Raises
-    ------
-    WorkFailedError
-        if the contours have no wall between them, or touch the axis; the message has the reason.
+    Raises WorkFailedError if the contours have no wall between them, or touch the axis; the message has the reason.
     """
     read_contours(body)
     _refuse_without_wall(body)
@@ -58,10 +52,7 @@ def check_printable_section(body: Body) -> None:
 def refuse_other_volume(volume: float, expected: float, what: str) -> None:
     """Compare the volume of a solid, mm3, with that of its section in closed form, m3.
 
-    Raises
-    ------
-    WorkFailedError
-        if they differ.
+    Raises WorkFailedError if they differ.
     """
     closed_form = expected * MM3_PER_M3
     if not abs(volume - closed_form) <= _VOLUME_TOLERANCE * closed_form:

@@ -26,10 +26,7 @@ def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
     segments
         corners of every circle.
 
-    Raises
-    ------
-    WorkFailedError
-        if the solid is empty or inside out.
+    Raises WorkFailedError if the solid is empty or inside out.
     """
     vertices, triangles, shells, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], [], 0
     for profile in profiles:

@@ -30,10 +30,7 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
         corners of every circle. Volumes of revolved sections are exact for any number; where such solids are cut or
         united off their own axis, the error is of second order in 1/segments.
 
-    Raises
-    ------
-    WorkFailedError
-        if the tree has no solid: the result is empty, inside out, or not manifold.
+    Raises WorkFailedError if the tree has no solid: the result is empty, inside out, or not manifold.
     """
     _refuse_too_few(segments)
     match node:

@@ -154,10 +154,7 @@ class Mesh:
 
         Format: 3D Systems, "StereoLithography Interface Specification" (1989), in single precision.
 
-        Raises
-        ------
-        ValueError
-            if a coordinate is not finite.
+        Raises ValueError if a coordinate is not finite.
         """
         corners = self._corners(np.asarray(self.vertices, dtype=np.float32))
         if not np.isfinite(corners).all():

@@ -36,10 +36,7 @@ def sum_volumes(written: Sequence[WrittenFile]) -> float | None:
 def extract_attachment(path: Path, ending: str, folder: Path) -> Path | None:
     """Copy the file of an archive, such as a 3MF, whose name ends so into a folder; ``None`` if there is none.
 
-    Raises
-    ------
-    InputError
-        if the archive, or the file in it, cannot be read.
+    Raises InputError if the archive, or the file in it, cannot be read.
     """
     try:
         if not zipfile.is_zipfile(path):
@@ -63,10 +60,7 @@ def list_findings(
 
     ``programs`` and ``on_program`` are as for :func:`check_design`.
 
-    Raises
-    ------
-    WorkFailedError
-        if every check was skipped; the message gives the reasons.
+    Raises WorkFailedError if every check was skipped; the message gives the reasons.
     """
     found: list[Finding] = []
     rows = [(getattr(row.cls, "program", ""), row) for row in Study.list_plugins("checker")]

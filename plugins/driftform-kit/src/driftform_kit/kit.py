@@ -47,10 +47,8 @@ class KitReport:
 def report_kit(body: Body, options: KitOptions) -> KitReport:
     """Return what the kit of a body weighs, and what holds its ballast.
 
-    Raises
-    ------
-    WorkFailedError
-        if no kit can be made of the body, or it cannot hold the balls of the options; the message has the reason.
+    Raises WorkFailedError if no kit can be made of the body, or it cannot hold the balls of the options; the
+    message has the reason.
     """
     kit, whole = make_kit(body, options), kit_mass(body, options)
     held = tuple(

@@ -20,10 +20,7 @@ __all__ = ["draw_sheet", "list_facts", "make_coupon", "make_parts", "measure_fit
 def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
     """Return the parts of a kit, from aft to fore.
 
-    Raises
-    ------
-    WorkFailedError
-        if no kit can be made of the body; the message has the reason.
+    Raises WorkFailedError if no kit can be made of the body; the message has the reason.
     """
     lift = -MM * float(body.outer[:, 0].min())
     return tuple(_make_part(piece, lift, options.segments) for piece in make_kit(body, options).pieces)

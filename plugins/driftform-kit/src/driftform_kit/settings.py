@@ -29,10 +29,7 @@ def read_kit_settings(path: Path, label: str, format: str) -> list[str]:
 
     The label names the file in errors.
 
-    Raises
-    ------
-    InputError
-        if the file does not hold options of this exporter, or the exporter writes no kits.
+    Raises InputError if the file does not hold options of this exporter, or the exporter writes no kits.
     """
     list_kit_settings([format], Printer())
     model = next(row.cls.Options for row in Study.list_plugins("exporter") if row.cls and row.name == format)

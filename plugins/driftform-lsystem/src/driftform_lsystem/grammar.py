@@ -56,10 +56,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
     def mutate(self, genome: Genome, rng: np.random.Generator, rate: float) -> Genome:
         """Return the genome with each symbol flipped with probability ``rate``.
 
-        Raises
-        ------
-        ValueError
-            if the genome is not one of this grammar.
+        Raises ValueError if the genome is not one of this grammar.
         """
         # As in the base class, but checked once and not for every flip: mutation is most of the cost of a strategy.
         self._check(genome)
@@ -74,10 +71,8 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         Genotypes are cut between two rules, developed words between two quintuples; words too short to be cut
         are returned unchanged.
 
-        Raises
-        ------
-        ValueError
-            if a genome is not one of this grammar, or if one is a genotype and the other a developed word.
+        Raises ValueError if a genome is not one of this grammar, or if one is a genotype and the other a developed
+        word.
         """
         self._check(a)
         self._check(b)
@@ -99,11 +94,8 @@ class LSystemGrammar(Grammar[LSystemOptions]):
     def express(self, genome: Genome) -> Morphology:
         """Return the modules that the genome grows into: lengths in m, tilts in rad.
 
-        Raises
-        ------
-        ValueError
-            if the genome is not one of this grammar; the message names the symbol and its position as
-            :meth:`to_text` prints it.
+        Raises ValueError if the genome is not one of this grammar; the message names the symbol and its position as
+        :meth:`to_text` prints it.
         """
         self._check(genome)
         if checking.is_word(genome.symbols):
@@ -114,10 +106,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
     def to_text(self, genome: Genome) -> str:
         """Return a word as the paper prints it, a genotype as ``C: ... | S: ... | M: ... | L: ...``.
 
-        Raises
-        ------
-        ValueError
-            if the genome is not one of this grammar.
+        Raises ValueError if the genome is not one of this grammar.
         """
         self._check(genome)
         return lines.write(genome.symbols)
@@ -125,10 +114,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
     def parse(self, text: str) -> Genome:
         """Read a genotype or a developed word.
 
-        Raises
-        ------
-        InputError
-            if the text is neither; the message names the symbol and its position, counted from 1.
+        Raises InputError if the text is neither; the message names the symbol and its position, counted from 1.
         """
         return self._genome(lines.read(text))
 

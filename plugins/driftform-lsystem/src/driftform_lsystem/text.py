@@ -28,10 +28,7 @@ def read(text: str) -> tuple[str, ...]:
 
     Whitespace around separators, a word's leading ``C-``, and the order of the rules do not matter.
 
-    Raises
-    ------
-    InputError
-        if the text is not a genome; the message names the symbol or the rule.
+    Raises InputError if the text is not a genome; the message names the symbol or the rule.
     """
     if not text.strip():
         raise InputError(f"the genome is empty; {_EXPECTED}")

@@ -96,10 +96,7 @@ def open_traveller(
     buoyancy
         net buoyancy to which the core trims it, N, upward positive; ``None`` for that of its design, and for 0 of a sphere.
 
-    Raises
-    ------
-    InputError
-        if there is no such agent, or no core gives it that buoyancy.
+    Raises InputError if there is no such agent, or no core gives it that buoyancy.
     """
     from driftform import open_agent
 
@@ -129,10 +126,7 @@ def open_traveller(
 def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
     """Return an agent that travels as designed, or whose core has the mass that gives it a net buoyancy (N).
 
-    Raises
-    ------
-    InputError
-        if it is too heavy for this buoyancy without a core, or too light for it with one of lead.
+    Raises InputError if it is too heavy for this buoyancy without a core, or too light for it with one of lead.
     """
     if buoyancy is None:
         return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator, design)

@@ -48,10 +48,7 @@ def collect_candidates(
     scenario, settings
         as for :func:`driftform_networks.bodies.open_traveller`.
 
-    Raises
-    ------
-    InputError
-        if there is no such agent or run, or none of them can be trimmed.
+    Raises InputError if there is no such agent or run, or none of them can be trimmed.
     """
     environment = scenario or str(SCENARIO)
     designs: list[Design | str] = list(agents)
@@ -83,10 +80,7 @@ def pick_agents(run: Path, count: int, environment: str, settings: Sequence[str]
     Flights differ by their fitness for the targets of the run; each agent that is added has the greatest distance from
     the nearest of those before it (Gonzalez 1985, doi:10.1016/0304-3975(85)90224-5).
 
-    Raises
-    ------
-    InputError
-        if it is not a run, or all its evaluations failed.
+    Raises InputError if it is not a run, or all its evaluations failed.
     """
     from driftform import Design, Run, StoredAgent
 
@@ -121,10 +115,7 @@ def draw_agents(
 ) -> "list[Design]":
     """Return random agents that can be built, released, and trimmed to each of these buoyancies (N).
 
-    Raises
-    ------
-    WorkFailedError
-        if hardly any can.
+    Raises WorkFailedError if hardly any can.
     """
     from driftform import Design, StoredAgent, load_study
 

@@ -24,10 +24,7 @@ def follow(routing: Routing, release: int) -> Passage:
     source. The probability to ever enter a set of states A follows from the entries into A and those from A into A
     (Kemeny and Snell, Finite Markov Chains, section 3.2); outside loops it is the number of entries.
 
-    Raises
-    ------
-    InputError
-        if no water flows from the node into a pipe.
+    Raises InputError if no water flows from the node into a pipe.
     """
     snapshot, network, bands = routing.snapshot, routing.snapshot.network, routing.bands
     links, nodes = len(snapshot.links), len(network.nodes)

@@ -86,10 +86,7 @@ def solve(file: str, changes: dict[str, Any]) -> dict[str, Any]:
     changes
         :class:`driftform_networks.epanet.Changes` as plain values.
 
-    Raises
-    ------
-    InputError
-        if EPANET refuses the file or cannot solve it, in its words.
+    Raises InputError if EPANET refuses the file or cannot solve it, in its words.
     """
     project, done = _Project(Path(file)), Path(file).with_suffix(".percent")
     nodes, links = project("getcount", 0), project("getcount", 2)

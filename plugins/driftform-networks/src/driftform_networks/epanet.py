@@ -44,10 +44,7 @@ class Changes:
     def parse(cls, close: Sequence[str], open: Sequence[str], valves: Sequence[str]) -> "Changes":
         """Return what ``--close PIPE``, ``--open NODE=LPS`` and ``--set-valve V=SETTING`` say.
 
-        Raises
-        ------
-        InputError
-            if a value is missing or no number.
+        Raises InputError if a value is missing or no number.
         """
         settings = dict(split_option("--set-valve", text, ("open", "closed")) for text in valves)
         drawn = {name: float(value) for name, value in (split_option("--open", text) for text in open)}
@@ -57,10 +54,7 @@ class Changes:
 def split_option(option: str, text: str, words: Sequence[str] = ()) -> tuple[str, float | str]:
     """Return name and value of ``NAME=VALUE``, a number of at least 0 or one of some words.
 
-    Raises
-    ------
-    InputError
-        if it is neither.
+    Raises InputError if it is neither.
     """
     name, equals, value = text.rpartition("=")
     if value in words and equals:
@@ -81,11 +75,8 @@ def run_epanet(path: Path, changes: Changes | None = None) -> Arrays:
 
     EPANET reads a copy in a temporary folder, in UTF-8, and leaves nothing behind.
 
-    Raises
-    ------
-    InputError
-        if EPANET refuses the file, cannot solve it, or breaks down; the message has EPANET's own words, and the number of
-        the line that it quotes.
+    Raises InputError if EPANET refuses the file, cannot solve it, or breaks down; the message has EPANET's own
+    words, and the number of the line that it quotes.
     """
     text = files.read_text(path)
     with TemporaryDirectory() as name:

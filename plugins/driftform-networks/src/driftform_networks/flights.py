@@ -95,10 +95,7 @@ class StraightTask:
 def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) -> StraightFlights:
     """Return what flights of a body through a straight pipe say.
 
-    Raises
-    ------
-    WorkFailedError
-        if the simulator can fly none of them.
+    Raises WorkFailedError if the simulator can fly none of them.
     """
     cell = min(CELL_BORES * bore, CELL_S * speed)
     scenarios = _make_scenarios(traveller, bore, speed, slope, cell)

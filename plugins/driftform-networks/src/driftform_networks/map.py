@@ -47,10 +47,7 @@ class Mark:
 def passage_svg(passage: Passage, title: str) -> str:
     """Return the map of a passage: probability as colour and width of a link, arrival times, stuck places.
 
-    Raises
-    ------
-    InputError
-        if the network has no coordinates.
+    Raises InputError if the network has no coordinates.
     """
     shares = np.where(passage.reachable, passage.seen, np.nan)
     network, stuck = passage.network, passage.stuck
@@ -65,10 +62,7 @@ def passage_svg(passage: Passage, title: str) -> str:
 def fleet_svg(fleet: Fleet, title: str) -> str:
     """Return the map of a fleet: the probability that any member sees a link, and where members are stuck.
 
-    Raises
-    ------
-    InputError
-        if the network has no coordinates.
+    Raises InputError if the network has no coordinates.
     """
     network, size = fleet.network, len(fleet.members)
     shares = np.where(fleet.reachable, fleet.seen, np.nan)
@@ -105,10 +99,7 @@ def network_svg(
     legend
         what the values are.
 
-    Raises
-    ------
-    InputError
-        if the network has no coordinates.
+    Raises InputError if the network has no coordinates.
     """
     page = _fit(network)
     lines = [page.to_page(network.polyline(link)) for link in range(len(network.links))]

@@ -32,10 +32,7 @@ def open_network(source: str | Path, cache: Path | None = None, changes: Changes
     changes
         to the model of the file.
 
-    Raises
-    ------
-    InputError
-        if there is no such file, or EPANET refuses it.
+    Raises InputError if there is no such file, or EPANET refuses it.
     """
     path = _find_file(str(source))
     content = [hashlib.sha256(path.read_bytes()).hexdigest(), _FORMAT, asdict(changes or Changes())]

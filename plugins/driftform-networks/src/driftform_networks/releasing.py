@@ -85,10 +85,7 @@ def turn(quaternion: FloatArray, vector: FloatArray) -> FloatArray:
 def fly(traveller: Traveller, scenarios: list[Scenario], pipe: str) -> list[Trajectory | None]:
     """Return the flights of a body, ``None`` for those that the simulator cannot fly.
 
-    Raises
-    ------
-    WorkFailedError
-        if it can fly none of them; ``pipe`` says where.
+    Raises WorkFailedError if it can fly none of them; ``pipe`` says where.
     """
     agents = [traveller.agent] * len(scenarios)
     flights = traveller.simulator.screen_batch(agents, scenarios, lambda _, __: False)

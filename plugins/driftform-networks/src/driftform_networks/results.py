@@ -52,10 +52,7 @@ class Outputs:
     def check(self) -> Self:
         """Return these files; refuse those that cannot be written, before work that takes time.
 
-        Raises
-        ------
-        InputError
-            if a directory cannot be written to, or a file has the wrong suffix.
+        Raises InputError if a directory cannot be written to, or a file has the wrong suffix.
         """
         for option, path, suffix in (("--map", self.map, ".svg"), ("--report", self.report, ".html")):
             if path is None:

@@ -85,10 +85,8 @@ class Snapshot:
 def take_snapshot(network: Network, hour: float = 0.0, absurd: bool = False) -> Snapshot:
     """Return the flow of a network at an hour of the simulation, with ``absurd`` also where no network has such pressures.
 
-    Raises
-    ------
-    InputError
-        if the simulation does not cover the hour, or EPANET finds pressures below :data:`MOST_SUCTION` then.
+    Raises InputError if the simulation does not cover the hour, or EPANET finds pressures below
+    :data:`MOST_SUCTION` then.
     """
     hydraulics = network.hydraulics
     step = hydraulics.find_step(hour)
@@ -131,10 +129,7 @@ def divide_flow(snapshot: Snapshot, node: int, retained: bool = False) -> FloatA
 
     Bodies that are ``retained`` do not leave with the demand of the node.
 
-    Raises
-    ------
-    InputError
-        if it flows into none.
+    Raises InputError if it flows into none.
     """
     outlets, network = snapshot.outlets[node], snapshot.network
     if not len(outlets):

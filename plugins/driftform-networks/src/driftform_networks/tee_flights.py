@@ -95,10 +95,7 @@ def fly_tee(traveller: Traveller, tee: Tee, states: FloatArray | None, slope: fl
     slope
         of the straight pipe of the states; the tee is level.
 
-    Raises
-    ------
-    WorkFailedError
-        if the simulator can fly none of them.
+    Raises WorkFailedError if the simulator can fly none of them.
     """
     document, along = describe_pipe(traveller, tee), _START * tee.bore
     starts = _spread(traveller, tee) if states is None else _continue(traveller, tee, states, slope)

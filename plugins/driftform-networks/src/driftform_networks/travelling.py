@@ -66,10 +66,7 @@ class Travel:
     ) -> "Travel":
         """Return what the options say.
 
-        Raises
-        ------
-        InputError
-            if there is no such side, kind or link, or a clearance is no number from 0 to 1.
+        Raises InputError if there is no such side, kind or link, or a clearance is no number from 0 to 1.
         """
         if branch not in SIDES:
             raise InputError(f"--branch {branch}: no such side{did_you_mean(branch, SIDES)}")
@@ -255,10 +252,7 @@ def make_flights(
 
     Each result is written as soon as it is there: after an interruption, only flights that were being made are made again.
 
-    Raises
-    ------
-    WorkFailedError
-        if a body cannot be flown, or workers die again and again.
+    Raises WorkFailedError if a body cannot be flown, or workers die again and again.
     """
     cases = list(product(travelings, snapshots))
     # Flights through tees begin where those through straight pipes end.

@@ -143,10 +143,7 @@ def make_panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
 def _clean_contour(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return points, edges and lengths of a contour, without edges of zero length and edges on the axis at an end.
 
-    Raises
-    ------
-    ValueError
-        if the contour does not start and end on the axis, or has no point off the axis.
+    Raises ValueError if the contour does not start and end on the axis, or has no point off the axis.
     """
     radii = points[:, 1]
     on_axis = np.abs(radii) <= 1e-9 * np.abs(radii).max()

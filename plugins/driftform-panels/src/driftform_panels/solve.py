@@ -104,10 +104,8 @@ def solve(
     origin
         x (m) of the point of the axis that the result refers to; ``None`` for the centroid of the volume.
 
-    Raises
-    ------
-    ValueError
-        if the contour does not run from axis to axis, touches itself, or has a wall that is too thin for its panels.
+    Raises ValueError if the contour does not run from axis to axis, touches itself, or has a wall that is too thin
+    for its panels.
     """
     points: FloatArray = np.asarray(contour, dtype=np.float64)
     options = options or PanelOptions()

@@ -73,10 +73,7 @@ def search_all(
 
     ``progress`` is called with the number of flights that are done, and of all.
 
-    Raises
-    ------
-    InputError
-        if a directory holds a run of another study, or another process works on it.
+    Raises InputError if a directory holds a run of another study, or another process works on it.
     """
     total, before = sum(study.evaluations for study in studies.values()), 0
     for directory, study in studies.items():

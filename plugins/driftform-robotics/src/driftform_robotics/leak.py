@@ -50,10 +50,7 @@ class Leak(Fitness[LeakOptions]):
     def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,).
 
-        Raises
-        ------
-        ValueError
-            if the scenario has no pipe, or if its water is at rest.
+        Raises ValueError if the scenario has no pipe, or if its water is at rest.
         """
         t, readings = self._read_sensor(trajectory, scenario)
         seen = [

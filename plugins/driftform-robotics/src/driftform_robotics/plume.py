@@ -187,10 +187,7 @@ def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: floa
     For a point on the pipe's axis the leak is in the wall below it, or beside it if the pipe is vertical. The rate is in
     kg/s, the diffusivity in m2/s, by default :func:`eddy_diffusivity`.
 
-    Raises
-    ------
-    ValueError
-        if the scenario has no pipe or one that is not straight, or if its water is at rest.
+    Raises ValueError if the scenario has no pipe or one that is not straight, or if its water is at rest.
     """
     segment = scenario.pipe.straight
     if segment is None:

@@ -34,10 +34,7 @@ def alpha_0(slenderness: float) -> float:
     slenderness
         largest diameter over length, d/L > 0.
 
-    Raises
-    ------
-    ValueError
-        if ``slenderness`` is not positive and finite.
+    Raises ValueError if ``slenderness`` is not positive and finite.
     """
     s = slenderness
     if not (0 < s < math.inf):

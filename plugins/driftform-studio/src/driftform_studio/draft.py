@@ -31,10 +31,7 @@ FILE = "study.toml"
 def check_draft(draft: Any) -> dict[str, Any]:
     """Return a draft if it consists of a built-in ``base``, a ``title`` and tables that the page may set.
 
-    Raises
-    ------
-    InputError
-        if it does not. Its base is never a file: the page reads no file but those of runs.
+    Raises InputError if it does not. Its base is never a file: the page reads no file but those of runs.
     """
     if not isinstance(draft, dict) or not all(isinstance(key, str) for key in draft):
         raise InputError(f"{FILE}: is not a table")
@@ -52,13 +49,7 @@ def check_draft(draft: Any) -> dict[str, Any]:
 
 
 def write_draft(draft: Mapping[str, Any]) -> str:
-    """Return a draft as the text of a study file.
-
-    Raises
-    ------
-    InputError
-        if it holds a value that TOML does not have.
-    """
+    """Return a draft as the text of a study file. Raises InputError if it holds a value that TOML does not have."""
     try:
         return tomli_w.dumps(dict(draft))
     except (TypeError, ValueError) as error:
@@ -68,10 +59,7 @@ def write_draft(draft: Mapping[str, Any]) -> str:
 def load_draft(text: str) -> Study:
     """Return the study of a draft's text, checked; errors name the line of the text.
 
-    Raises
-    ------
-    InputError
-        if the study is wrong: one line for each error.
+    Raises InputError if the study is wrong: one line for each error.
     """
     with TemporaryDirectory() as folder:
         # From a file, so that errors have lines, and the run keeps the study as it was given.

@@ -56,10 +56,7 @@ def sample_current(scenario: Scenario, spacing: float | None = None) -> grid_fil
     spacing
         of the nodes, m; ``None`` for that of :func:`usual_spacing`.
 
-    Raises
-    ------
-    InputError
-        in open water, if the spacing is too large for the narrowest bore, or too small for a file.
+    Raises InputError in open water, if the spacing is too large for the narrowest bore, or too small for a file.
     """
     pipe = scenario.pipe
     if pipe.is_open:

@@ -38,10 +38,7 @@ class PartExporter(Exporter[PartOptions]):
         ``parts``. Of a mesh also its ``triangles``, and ``watertight``: it is checked after rounding to the single precision
         that files have.
 
-        Raises
-        ------
-        WorkFailedError
-            if the body has no closed printable solid, or a file cannot be written.
+        Raises WorkFailedError if the body has no closed printable solid, or a file cannot be written.
         """
         from driftform_frusta.kits import find_maker, make_parts, settle_ballast
 
@@ -107,13 +104,7 @@ class JoinedFile(PartExporter):
 
 
 def save(path: Path, content: bytes | str) -> None:
-    """Write a whole file; text in UTF-8.
-
-    Raises
-    ------
-    WorkFailedError
-        if it cannot be written.
-    """
+    """Write a whole file; text in UTF-8. Raises WorkFailedError if it cannot be written."""
     raw = content.encode() if isinstance(content, str) else content
     try:
         files.write_whole(path, lambda part: part.write_bytes(raw))

@@ -16,10 +16,7 @@ class SvgExporter(Exporter[Table]):
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the drawing; it has no facts beside those it shows.
 
-        Raises
-        ------
-        WorkFailedError
-            if the file cannot be written.
+        Raises WorkFailedError if the file cannot be written.
         """
         from driftform.figures import section_svg
 

@@ -41,10 +41,7 @@ MOST_ELEMENTS = 5_000_000
 def check_counts(pieces: int, elements: int) -> None:
     """Refuse a file that a few bytes could make larger than any memory, by placing copies of copies.
 
-    Raises
-    ------
-    ValueError
-        if it has more than :data:`MOST_PIECES` meshes or :data:`MOST_ELEMENTS` triangles or vertices.
+    Raises ValueError if it has more than :data:`MOST_PIECES` meshes or :data:`MOST_ELEMENTS` triangles or vertices.
     """
     if pieces > MOST_PIECES:
         raise ValueError(f"places more than {MOST_PIECES} meshes")
@@ -55,10 +52,7 @@ def check_counts(pieces: int, elements: int) -> None:
 def read_3mf(path: Path) -> tuple[Mesh, ...]:
     """Return the parts that the build section places.
 
-    Raises
-    ------
-    ValueError
-        if it is not a 3MF file; the message has the reason.
+    Raises ValueError if it is not a 3MF file; the message has the reason.
     """
     return tuple(Mesh(*values) for values in foreign.call_apart(_read_values, path))
 

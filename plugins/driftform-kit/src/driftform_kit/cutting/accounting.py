@@ -50,10 +50,7 @@ def place_ballast(body: Body, options: PartOptions) -> tuple[float, float]:
     Where such a ball would be in the way of the core, it lies at the place of the ballast, and the seat alone moves the
     centre of gravity, by some tenths of a millimetre at most.
 
-    Raises
-    ------
-    WorkFailedError
-        if the kit cannot hold it; the message has the reason.
+    Raises WorkFailedError if the kit cannot hold it; the message has the reason.
     """
     try:
         return _settle_ball(body, options, True)

@@ -38,10 +38,7 @@ _APART = 3.0
 def make_coupon(body: Body, options: PartOptions) -> Part:
     """Return the fit coupon for the core and the wall of a body, and sleeves and O-rings of some options.
 
-    Raises
-    ------
-    WorkFailedError
-        if it has no solid.
+    Raises WorkFailedError if it has no solid.
     """
     core, cord = MM * body.core.radius, MM * options.o_ring or CORD
     thick = max(MM * options.sleeve, GROOVE_SHARE * cord - CLEARANCES[0] + MM * options.nozzle)

@@ -83,10 +83,7 @@ class _Cut:
 def make_kit(body: Body, options: KitOptions) -> Kit:
     """Cut a hull into the parts of a kit.
 
-    Raises
-    ------
-    WorkFailedError
-        if it cannot be cut; the message has the reason.
+    Raises WorkFailedError if it cannot be cut; the message has the reason.
     """
     # The search asks for the kits of one hull with several balls.
     cut = _cut_hull(body, options.model_copy(update={"ballast": ()}))

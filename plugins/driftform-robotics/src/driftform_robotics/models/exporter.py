@@ -130,10 +130,7 @@ class ModelExporter(Exporter[OptionsT_co]):
         Facts: ``mass_kg``, ``cog_mm`` and ``cob_mm`` along the axis from the core's centre, ``volume_mm3``,
         ``added_over_own_mass``, and ``warnings``, if any.
 
-        Raises
-        ------
-        WorkFailedError
-            if the hull is not a solid, or if the files cannot be written.
+        Raises WorkFailedError if the hull is not a solid, or if the files cannot be written.
         """
         model = self._make_model(job)
         texts, warnings = self.make_files(model)
