@@ -211,6 +211,7 @@ def test_a_command_of_the_core_is_not_replaced(install: Install, call: Call) -> 
     ("command", "remedy"),
     [
         ("network", 'uv sync --extra networks, or pip install "driftform[networks]"'),
+        ("ros", 'uv sync --extra ros, or pip install "driftform[ros]"'),
         ("studio", 'uv sync --extra studio, or pip install "driftform[studio]"'),
         ("trim", 'pip install "driftform-kit"'),
         ("calibrate", 'pip install "driftform-calibration"'),

@@ -240,6 +240,7 @@ some formats need, are extras: `uv sync --extra robotics --extra film` in a clon
 | `film` | films by `renderer exudyn` | imageio-ffmpeg | BSD-2-Clause; the ffmpeg in it is built with `--enable-gpl --enable-version3` and under the GPL, version 3 or later |
 | `ribs` | `strategy ribs` | driftform-ribs, ribs | MIT |
 | `robotics` | the recorders, exporters and fitness of driftform-robotics | driftform-robotics, rosbags | MIT, Apache-2.0 |
+| `ros` | `driftform ros`, live flights on ROS 1, which comes from the system | driftform-ros, driftform-robotics | MIT |
 | `parquet` | tables in Parquet | pyarrow | Apache-2.0 |
 | `dask` | runs on a cluster | distributed | BSD-3-Clause |
 | `step` | `exporter step` | cadquery-ocp-novtk | Apache-2.0; the Open CASCADE in it is under the LGPL 2.1 with an exception |

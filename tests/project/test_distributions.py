@@ -23,6 +23,7 @@ pytestmark = pytest.mark.installs
 
 COMMANDS_ALONE = {
     "driftform-networks": "network",
+    "driftform-ros": "ros",
     "driftform-studio": "studio",
     "driftform-tees": "export-flow",
 }

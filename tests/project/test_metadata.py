@@ -85,7 +85,13 @@ def test_packages_whose_internals_are_used_have_an_upper_bound(folder: Path) -> 
 def test_the_core_installs_every_plugin_of_the_default_study() -> None:
     needs = {need.partition("==")[0] for need in read_project(ROOT)["dependencies"]}
     optional = {folder.name for folder in PROJECTS[1:]} - needs
-    assert optional == {"driftform-networks", "driftform-ribs", "driftform-robotics", "driftform-studio"}
+    assert optional == {
+        "driftform-networks",
+        "driftform-ribs",
+        "driftform-robotics",
+        "driftform-ros",
+        "driftform-studio",
+    }
     for name in optional:
         assert any(need.startswith(name) for need in read_project(ROOT)["optional-dependencies"][name[10:]])
 

@@ -1,28 +1,23 @@
 """ROS 1: catkin builds the package for the UUV simulator, roslaunch reads it, and rospy receives what bags hold."""
 
-import socket
 import subprocess
 import time
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager
 from importlib.util import find_spec
-from json import loads
 from pathlib import Path
-from typing import Any
-from xmlrpc.client import ServerProxy
 
 import numpy as np
 import pytest
 import yaml
+from ros1 import listen, run_master, start
 
 from driftform.interfaces import ExportJob
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
 from driftform_robotics.recording.options import FlightOptions
 from driftform_robotics.recording.recorders import Rosbag1Recorder
-
-LISTENER = Path(__file__).parent / "programs" / "listen.py"
 
 # Stand-ins for packages that Debian does not have. The last xacro of ROS 1 is not on PyPI: that of ROS 2 finds packages
 # by the index of ament.
@@ -116,46 +111,8 @@ def environment(
 ) -> Iterator[dict[str, str]]:
     """The environment of ROS with a master that runs."""
     requires_program("roscore")
-    with socket.socket() as free:
-        free.bind(("localhost", 0))
-        port = free.getsockname()[1]
-    found = system_environment | {"ROS_MASTER_URI": f"http://localhost:{port}"}
-    with start("roscore", "-p", str(port), env=found), ServerProxy(found["ROS_MASTER_URI"]) as master:
-        # The log is the last that roscore starts.
-        wait_for(lambda: "/rosout" in str(master.lookupNode("/test", "/rosout")))
+    with run_master(system_environment) as (found, _):
         yield found
-
-
-@contextmanager
-def start(*command: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "encoding": "utf-8"}
-    process: subprocess.Popen[str] = subprocess.Popen(command, **pipes, **options)
-    try:
-        yield process
-    finally:
-        process.terminate()
-        process.communicate(timeout=20)
-
-
-def wait_for(happens: Callable[[], bool], seconds: float = 20.0) -> None:
-    until = time.monotonic() + seconds
-    while time.monotonic() < until:
-        try:
-            if happens():
-                return
-        except OSError:
-            pass
-        time.sleep(0.1)
-    raise AssertionError(f"{happens} has not happened within {seconds} s")
-
-
-@contextmanager
-def listen(environment: dict[str, str], *arguments: str) -> Iterator[Callable[[], dict[str, Any]]]:
-    """Yield a function that ends listening and returns what was received."""
-    with start("/usr/bin/python3", str(LISTENER), *arguments, env=environment) as process:
-        assert process.stdin is not None and process.stdout is not None
-        assert process.stdout.readline() == "ready\n"
-        yield lambda: loads(process.communicate("end\n", timeout=20)[0])
 
 
 def test_rospy_receives_every_message_of_a_bag_and_tf2_the_poses(

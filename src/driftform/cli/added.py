@@ -18,6 +18,7 @@ BROUGHT_BY: Mapping[str, str] = {
     "export-flow": "driftform-tees",
     "network": "driftform[networks]",
     "reproduce": "driftform-paper",
+    "ros": "driftform[ros]",
     "studio": "driftform[studio]",
     "trim": "driftform-kit",
 }

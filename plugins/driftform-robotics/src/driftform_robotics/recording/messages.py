@@ -81,6 +81,12 @@ class Messages:
         return [self._make_zero((inner, what)) for _ in range(count if kind == Nodetype.ARRAY else 0)]
 
 
+@cache
+def make_messages(release: Release | None) -> Messages:
+    """Return the messages of a release; its definitions are read once."""
+    return Messages(release)
+
+
 def full_name(kind: str) -> str:
     """Return the full name of a message type, with ``/msg/``.
 

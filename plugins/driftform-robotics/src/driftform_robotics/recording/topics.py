@@ -11,12 +11,12 @@ from driftform.interfaces import ExportJob
 from driftform.motion import forces
 from driftform.types import FloatArray, Trajectory
 from driftform.util import rotations
-from driftform.water import field
+from driftform.water import Scenario, field
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.models.pipe import list_bores
 from driftform_robotics.plume import Plume, make_plume
-from driftform_robotics.recording.messages import SECOND, Messages
+from driftform_robotics.recording.messages import SECOND, make_messages
 from driftform_robotics.recording.options import FlightOptions, Ros2Options
 
 WORLD = "world"
@@ -44,11 +44,22 @@ class Topic:
 
 
 class FlightTopics:
-    """All topics of one flight."""
+    """All topics of one flight, or of a ``part`` of it, which has its own noise.
 
-    def __init__(self, job: ExportJob, trajectory: Trajectory, options: FlightOptions) -> None:
-        self.job, self.trajectory, self.options = job, trajectory, options
-        self.ros = Messages(options.release if isinstance(options, Ros2Options) else None)
+    ``plumes`` are by default those of the targets on the wall.
+    """
+
+    def __init__(
+        self,
+        job: ExportJob,
+        trajectory: Trajectory,
+        options: FlightOptions,
+        part: int = 0,
+        plumes: list[Plume] | None = None,
+    ) -> None:
+        self.job, self.trajectory, self.options, self.part = job, trajectory, options, part
+        self.plumes = list_plumes(job.scenario, options) if plumes is None else plumes
+        self.ros = make_messages(options.release if isinstance(options, Ros2Options) else None)
         self.stamps = [round(options.start * SECOND) + round(float(t) * SECOND) for t in trajectory.t]
         self.base = f"{options.namespace}/base_link"
 
@@ -85,24 +96,9 @@ class FlightTopics:
         """Positions of the sensors, world frame, m, (k, 3)."""
         return sensors.point_positions(self.trajectory, np.array(self.options.sensor))
 
-    @cached_property
-    def plumes(self) -> list[Plume]:
-        """Plumes of the targets on the wall; empty if the water is at rest, or the pipe is not straight."""
-        scenario = self.job.scenario
-        straight = scenario.pipe.straight
-        if not scenario.targets or scenario.flow.speed == 0 or straight is None:
-            return []
-        gaps = field.wall_distance(scenario.target_array(), scenario)
-        on_wall = gaps < ON_WALL * straight.radius
-        return [
-            make_plume(scenario, point, self.options.leak_rate, self.options.diffusivity)
-            for point, leaks in zip(scenario.target_points().values(), on_wall, strict=True)
-            if leaks
-        ]
-
     def _make_rng(self, sensor: int) -> np.random.Generator:
         # The noise of a sensor does not depend on the other sensors.
-        return np.random.default_rng((self.options.seed, sensor))
+        return np.random.default_rng((self.options.seed, sensor, self.part))
 
     def _make_transform(
         self, stamp: int, parent: str, child: str, place: FloatArray, turned: FloatArray
@@ -287,6 +283,19 @@ class FlightTopics:
             frame_locked=True,
             **more,
         )
+
+
+def list_plumes(scenario: Scenario, options: FlightOptions) -> list[Plume]:
+    """Return the plumes of the targets on the wall; none if the water is at rest, or the pipe is not straight."""
+    straight = scenario.pipe.straight
+    if not scenario.targets or scenario.flow.speed == 0 or straight is None:
+        return []
+    gaps = field.wall_distance(scenario.target_array(), scenario)
+    return [
+        make_plume(scenario, point, options.leak_rate, options.diffusivity)
+        for point, gap in zip(scenario.target_points().values(), gaps, strict=True)
+        if gap < ON_WALL * straight.radius
+    ]
 
 
 def _turn_z_to(direction: FloatArray) -> FloatArray:

@@ -1,0 +1,18 @@
+"""An agent in flight on a running ROS."""
+
+from typing import TYPE_CHECKING
+
+from driftform import hookimpl
+
+if TYPE_CHECKING:
+    import typer
+
+
+@hookimpl
+def driftform_commands(app: "typer.Typer") -> None:
+    """Add ``driftform ros``. Check here that rosbags is installed; ROS itself is looked for when the command runs."""
+    from driftform.util import foreign
+    from driftform_ros.command import ros
+
+    foreign.require_module("rosbags")
+    app.command("ros")(ros)

@@ -1,0 +1,237 @@
+"""A live flight on ROS: steps in time with a clock, topics of each step, currents that arrive, services."""
+
+import json
+import math
+import queue
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from driftform.errors import DriftformError, WorkFailedError, describe_error
+from driftform_robotics.recording.messages import make_messages
+from driftform_robotics.recording.options import FlightOptions
+from driftform_robotics.recording.topics import WORLD, FlightTopics, Topic, list_plumes
+from driftform_ros.bus import Bus
+
+if TYPE_CHECKING:
+    from driftform import Design
+
+PATIENCE = 0.2
+"""Longest wait before the loop looks whether ROS is still there, s."""
+
+ANSWER_S = 10.0
+"""Longest time until a released agent flies, s."""
+
+SETTLE = 0.5
+"""Time for subscribers that wait to find the topics, s."""
+
+CURRENT = "geometry_msgs/TwistStamped"
+"""Kind of the messages that say which current acts since when."""
+
+SAME = 1e-9
+"""Steps shorter than this are none, s."""
+
+Current = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Release:
+    """A design to be released, and its answer: when it was, s."""
+
+    design: "Design"
+    done: Future[float] = field(default_factory=Future)
+
+
+class LiveNode:
+    """Flies one agent at a time.
+
+    Parameters
+    ----------
+    bus
+        connection to ROS.
+    open_other
+        opens an agent by its name or genome.
+    options
+        namespace, sensors, and the time of the first release.
+    interval
+        between two messages of a topic, in the time of the flight, s.
+    rate
+        seconds of flight in each second; 0 for as many as it can.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        open_other: Callable[[str], "Design"],
+        options: FlightOptions,
+        interval: float,
+        rate: float,
+    ) -> None:
+        self._bus, self._open, self._options, self._interval = bus, open_other, options, interval
+        self._rate = rate or math.inf
+        self._requests: queue.Queue[tuple[float, Current | Release]] = queue.Queue()
+        self._current: Current | None = None
+        self._published = 0
+
+    def run(self, design: "Design", once: bool) -> None:
+        """Fly a design, and after its flight what ``release`` asks for; with ``once`` return after the flight.
+
+        Raises
+        ------
+        WorkFailedError
+            if ROS does not answer any more; with ``once`` also if the flight fails.
+        """
+        name = self._options.namespace
+        self._rehearse(design)
+        self._release(design, self._options.start if self._bus.has_clock else self._bus.read_time())
+        self._bus.receive_currents(lambda current: self._requests.put((time.monotonic(), current)))
+        self._bus.serve(f"/{name}/release", self._answer_release)
+        self._bus.serve(f"/{name}/evaluate", self._answer_evaluate)
+        print(f"{design.name} flies at {self._bus.address}; topics in /{name}; end with Ctrl-C", flush=True)
+        while self._bus.is_alive():
+            if self._reason and once:
+                return
+            due = self._find_due()
+            try:
+                at, request = self._requests.get(timeout=min(PATIENCE, max(0.0, due - time.monotonic())))
+            except queue.Empty:
+                if time.monotonic() >= due:
+                    self._tick()
+                continue
+            if isinstance(request, Release):
+                self._answer(request)
+            else:
+                self._meet_current(at, request)
+        raise WorkFailedError(f"roscore at {self._bus.address} does not answer any more")
+
+    def _rehearse(self, design: "Design") -> None:
+        """Fly a step and make its messages, so that all is compiled, and all topics are known, when time begins."""
+        flown = design.fly().step(self._interval)
+        self._bus.advertise(f"/{self._options.namespace}/current", CURRENT, latched=True)
+        for topic in self._list_topics(FlightTopics(design.export_job(), flown, self._options)):
+            list(topic.messages())
+            self._bus.advertise(topic.name, topic.kind, topic.latched)
+        time.sleep(SETTLE)
+
+    def _release(self, design: "Design", clock: float) -> None:
+        """Release a design now, at a time of the clock, s."""
+        self._flight = design.fly()
+        self._design, self._clock, self._reason, self._ticks = design, clock, "", 0
+        self._began = time.monotonic()
+        self._live = self._options.model_copy(update={"start": clock})
+        self._job, self._plumes = design.export_job(), list_plumes(design.scenario, self._live)
+        self._pending = self._current
+        self._publish(latched=True)
+        self._publish()
+
+    def _find_due(self) -> float:
+        """Return when the next messages are due."""
+        if self._reason:
+            return math.inf
+        return self._began + (self._ticks + 1) * self._interval / self._rate
+
+    def _tick(self) -> None:
+        self._ticks += 1
+        self._fly(self._ticks * self._interval)
+        self._publish()
+
+    def _fly(self, until: float) -> None:
+        """Fly on to a time since the release, s, in the current that came last."""
+        duration = until - self._flight.time
+        if self._reason or duration <= SAME:
+            return
+        try:
+            self._flight.step(duration, self._pending)
+        except WorkFailedError as error:
+            self._reason = describe_error(error)
+        else:
+            self._reason = "" if self._flight.end is None else str(self._flight.end)
+        self._pending = None
+        if self._reason:
+            where = f"/{self._options.namespace}/release"
+            print(
+                f"{self._design.name}: ends after {self._flight.time:.2f} s: {self._reason}; "
+                f"rosservice call {where} flies again",
+                flush=True,
+            )
+
+    def _meet_current(self, at: float, current: Current) -> None:
+        """Let a current act from the moment of its arrival; the same again changes nothing."""
+        if current == self._current:
+            return
+        arrived = (at - self._began) * self._rate if math.isfinite(self._rate) else 0.0
+        self._fly(min(arrived, (self._ticks + 1) * self._interval))
+        self._current = self._pending = current
+        ros = make_messages(None)
+        stamp = self._make_topics().stamps[0]
+        twist = ros.make("geometry_msgs/Twist", linear=ros.make_vector(np.array(current)))
+        message = ros.make(CURRENT, header=ros.make_header(stamp, WORLD), twist=twist)
+        self._bus.publish(f"/{self._options.namespace}/current", ros.encode(CURRENT, message))
+
+    def _make_topics(self) -> FlightTopics:
+        """Return the topics of the last sample of the flight."""
+        flown = self._flight.latest
+        last = replace(
+            flown,
+            **{name: getattr(flown, name)[-1:] for name in ("t", "position", "quaternion", "velocity")},
+        )
+        if self._job.scenario is not self._flight.scenario:
+            self._job = replace(self._job, scenario=self._flight.scenario)
+        return FlightTopics(self._job, last, self._live, self._published, self._plumes)
+
+    def _list_topics(self, topics: FlightTopics) -> list[Topic]:
+        """Return the topics of a live flight: those of one that has ended, but for its path."""
+        left_out = {f"/{self._options.namespace}/path", *(() if self._bus.has_clock else ("/clock",))}
+        return [topic for topic in topics.list_topics() if topic.name not in left_out]
+
+    def _publish(self, latched: bool = False) -> None:
+        self._published += 1
+        topics = self._make_topics()
+        for topic in self._list_topics(topics):
+            if topic.latched == latched:
+                self._bus.advertise(topic.name, topic.kind, latched)
+                for _, message in topic.messages():
+                    self._bus.publish(topic.name, topics.ros.encode(topic.kind, message))
+
+    def _answer(self, request: Release) -> None:
+        """Release what a service asks for."""
+        try:
+            # The clock never goes back.
+            self._release(request.design, self._clock + self._flight.time + self._interval)
+        except DriftformError as error:
+            request.done.set_exception(error)
+        else:
+            request.done.set_result(self._clock)
+
+    def _open_named(self) -> "Design":
+        """Open what the parameter names, or what flies."""
+        text = self._bus.read_parameter(f"/{self._options.namespace}/agent")
+        return self._design if text is None else self._open(text)
+
+    def _answer_release(self) -> tuple[bool, str]:
+        try:
+            request = Release(self._open_named())
+            self._requests.put((time.monotonic(), request))
+            return True, f"{request.design.name} flies from {request.done.result(ANSWER_S):.3f} s"
+        except (DriftformError, TimeoutError) as error:
+            return False, describe_error(error)
+
+    def _answer_evaluate(self) -> tuple[bool, str]:
+        """Fly what the parameter names through its scenario, at once and beside the live flight."""
+        try:
+            design = self._open_named()
+            flight = design.simulate()
+        except DriftformError as error:
+            return False, describe_error(error)
+        found = {
+            "agent": design.name,
+            "end": str(flight.end),
+            "duration": flight.duration,
+            "fitness": dict(flight.fitness),
+            "closest": flight.closest,
+        }
+        return True, json.dumps(found)

@@ -1,0 +1,150 @@
+"""ROS 1 by rospy, which belongs to the system and not to the environment of driftform."""
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from driftform.errors import WorkFailedError
+from driftform_robotics.recording.messages import full_name, make_messages
+
+SYSTEM = ("opt/ros/*/lib/python3/dist-packages", "usr/lib/python3/dist-packages")
+"""Where ROS 1 has its Python packages, from the root of the file system."""
+
+CURRENT = "hydrodynamics/current_velocity"
+"""Topic of the velocity of the water, as the UUV simulator has it: ``geometry_msgs/TwistStamped``, in the world frame."""
+
+QUEUE = 10_000
+"""Messages of a topic that wait for a slow subscriber."""
+
+PATIENCE = 0.5
+"""Time between two questions to the master whether it is there, and for its answer, s."""
+
+FLUSH = 0.3
+"""Time for the last messages to be sent, s."""
+
+
+def find_rospy() -> None:
+    """Make rospy importable.
+
+    The system's packages go to the end of the path: before ours they would replace NumPy.
+
+    Raises
+    ------
+    WorkFailedError
+        if there is none.
+    """
+    for folder in (str(path) for pattern in SYSTEM for path in sorted(Path("/").glob(pattern))):
+        if folder not in sys.path:
+            sys.path.append(folder)
+    try:
+        import rospy  # noqa: F401
+        import std_srvs.srv  # noqa: F401
+    except ImportError as error:
+        raise WorkFailedError(
+            f"ROS 1 is not installed: {error}; on Debian: apt install python3-rospy python3-std-srvs"
+        ) from None
+
+
+class RospyBus:
+    """A node of ROS 1; it ends with the context."""
+
+    def __init__(self, name: str, has_clock: bool = True) -> None:
+        find_rospy()
+        import rosgraph
+        import rospy
+
+        self.address = os.environ.setdefault("ROS_MASTER_URI", "http://localhost:11311")
+        self.has_clock, self._rospy, self._lost = has_clock, rospy, threading.Event()
+        self._store = make_messages(None).store
+        self._master = rosgraph.Master(f"/{name}")
+        if not self._ask():
+            raise WorkFailedError(
+                f"no roscore answers at {self.address}: start roscore, or set ROS_MASTER_URI to where it runs"
+            )
+        rospy.init_node(name, anonymous=True, disable_signals=True)
+        self._sets_time = has_clock and not rospy.get_param("/use_sim_time", False)
+        if self._sets_time:
+            rospy.set_param("/use_sim_time", True)
+        threading.Thread(target=self._watch, daemon=True).start()
+        self._publishers: dict[str, tuple[Any, Any]] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if not self.is_alive():
+            # Its threads would ask a master that is gone, and say so.
+            return
+        if self._sets_time:
+            self._rospy.delete_param("/use_sim_time")
+        # Time for what waits for subscribers.
+        time.sleep(FLUSH)
+        self._rospy.signal_shutdown("the flight has ended")
+
+    def _ask(self) -> bool:
+        try:
+            self._master.getPid()
+        except OSError:
+            return False
+        return True
+
+    def _watch(self) -> None:
+        while self._ask():
+            self._lost.wait(PATIENCE)
+        self._lost.set()
+
+    def is_alive(self) -> bool:
+        """Return whether the master still answers."""
+        return not self._lost.is_set()
+
+    def _make_type(self, kind: str, **members: Any) -> Any:
+        """Return a type of messages whose content is bytes, with the digest by which ROS 1 compares definitions."""
+        text, digest = self._store.generate_msgdef(full_name(kind), ros_version=1)
+        own = {"_type": kind, "_md5sum": digest, "_full_text": text, "__slots__": ()}
+        return type("Raw", (self._rospy.AnyMsg,), own | members)
+
+    def advertise(self, topic: str, kind: str, latched: bool) -> None:
+        """Make a topic known."""
+        if topic not in self._publishers:
+            kind_of = self._make_type(kind)
+            publisher = self._rospy.Publisher(topic, kind_of, latch=latched, queue_size=QUEUE)
+            self._publishers[topic] = kind_of, publisher
+
+    def publish(self, topic: str, message: bytes) -> None:
+        """Send a message."""
+        kind_of, publisher = self._publishers[topic]
+        raw = kind_of()
+        raw._buff = message
+        publisher.publish(raw)
+
+    def receive_currents(self, take: Callable[[tuple[float, float, float]], None]) -> None:
+        """Let ``take`` have the velocity of each message of :data:`CURRENT`."""
+
+        def receive(message: Any) -> None:
+            twist: Any = self._store.deserialize_ros1(message._buff, "geometry_msgs/msg/TwistStamped")
+            linear = twist.twist.linear
+            take((float(linear.x), float(linear.y), float(linear.z)))
+
+        self._rospy.Subscriber(CURRENT, self._make_type("geometry_msgs/TwistStamped"), receive)
+
+    def serve(self, name: str, answer: Callable[[], tuple[bool, str]]) -> None:
+        """Offer a service of the type ``std_srvs/Trigger``."""
+        from std_srvs.srv import Trigger, TriggerResponse
+
+        self._rospy.Service(name, Trigger, lambda _: TriggerResponse(*answer()))
+
+    def read_parameter(self, name: str) -> str | None:
+        """Return a parameter as text, ``None`` if it is not set."""
+        found = self._rospy.get_param(name, None)
+        return None if found is None else str(found)
+
+    def read_time(self) -> float:
+        """Return the time of ROS, s."""
+        return float(self._rospy.get_time())

@@ -1,0 +1,184 @@
+"""A live flight on a real roscore: every message arrives, currents act, services answer, and it ends cleanly."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from json import loads
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from ros1 import run_master, start
+
+import driftform as df
+
+PROGRAMS = Path(__file__).parent / "programs"
+WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+STAMPED = ("/clock", "/tf", "/agent/odom", "/agent/wrench", "/agent/imu", "/agent/pressure", "/agent/range")
+PROGRAM = (sys.executable, "-c", "from driftform.cli import main; main()")
+START = 1.0
+"""Time of the clock at the release, s."""
+
+
+@contextmanager
+def fly(environment: dict[str, str], *words: str) -> Iterator[subprocess.Popen[str]]:
+    """The command, in the environment of the tests with the master of a system's; it has said that the agent flies."""
+    given = ("--scenario", "paper", "--simulator", "native", "--set", "release.pitch_deg=20")
+    own = os.environ | {key: environment[key] for key in ("ROS_MASTER_URI", "ROS_HOME")}
+    command = (*PROGRAM, "ros", WORD, *given, *words)
+    with start(*command, env=own, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        assert "flies at http://localhost" in line, process.communicate(timeout=20)
+        yield process
+
+
+@contextmanager
+def follow(environment: dict[str, str], *words: str) -> Iterator[subprocess.Popen[str]]:
+    with start("/usr/bin/python3", str(PROGRAMS / "follow.py"), *words, env=environment) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        yield process
+
+
+def read(process: subprocess.Popen[str]) -> dict[str, Any]:
+    found: dict[str, Any] = loads(process.communicate(timeout=90)[0])
+    return found
+
+
+def call(environment: dict[str, str], command: str) -> dict[str, Any]:
+    done = subprocess.run(
+        ["bash", "-c", command],
+        env=environment,
+        capture_output=True,
+        encoding="utf-8",
+        timeout=60,
+        check=True,
+    )
+    return yaml.safe_load(done.stdout) or {}
+
+
+def test_every_message_of_every_topic_arrives_in_real_time(master: dict[str, str]) -> None:
+    with follow(master, "5.0") as listener:
+        begun = time.monotonic()
+        with fly(master) as process:
+            begun = time.monotonic()
+            found = read(listener)
+            assert time.monotonic() - begun == pytest.approx(5.0, abs=1.5)
+            assert process.poll() is None
+    expected = START + 0.05 * np.arange(101)
+    for topic in STAMPED:
+        assert np.array(found["stamps"][topic][:101]) == pytest.approx(expected, abs=1e-6), topic
+    assert len(found["stamps"]["/agent/clearance"]) == len(found["stamps"]["/agent/odom"])
+    assert set(found["markers"]) == {"pipe", "targets", "names", "agent"}
+    whole = design_of().trace()
+    x = np.interp(expected - START, whole.t, whole.position[:, 0])
+    assert np.array(found["places"])[:101, 0] == pytest.approx(x, abs=1e-3)
+
+
+def design_of(*settings: str) -> df.Design:
+    given = ("release.pitch_deg=20", *settings)
+    return df.open_agent(WORD, *given, scenario="paper", use={"simulator": "native"})
+
+
+def test_a_current_that_arrives_in_flight_moves_the_agent_as_one_that_changes_then(
+    master: dict[str, str],
+) -> None:
+    current = (0.6, 0.1, -0.05)
+    with follow(master, "4.0", "2.0", *map(str, current)) as listener, fly(master):
+        found = read(listener)
+    [changed] = found["stamps"]["/agent/current"]
+    assert 2.0 <= changed - START < 2.5
+    flight = design_of().fly()
+    flight.step(changed - START)
+    path = flight.step(4.5 - (changed - START), current=current)
+    times = np.array(found["stamps"]["/agent/odom"]) - START
+    after = times > changed - START
+    assert after.sum() > 30
+    undisturbed = design_of().trace()
+
+    def find_largest(t: np.ndarray, places: np.ndarray) -> float:
+        expected = np.column_stack([np.interp(times[after], t, axis) for axis in places.T])
+        return float(np.linalg.norm(np.array(found["places"])[after] - expected, axis=1).max())
+
+    assert find_largest(path.t, path.position) < 0.005
+    assert find_largest(undisturbed.t, undisturbed.position) > 0.15
+
+
+def test_services_evaluate_and_release_what_the_parameter_names(
+    master: dict[str, str], tmp_path: Path
+) -> None:
+    with fly(master, "--rate", "0") as process:
+        assert process.stdout is not None
+        assert "ends after" in process.stdout.readline()
+        own = call(master, "rosservice call /agent/evaluate")
+        assert own["success"] and loads(own["message"])["fitness"] == pytest.approx(
+            dict(design_of().simulate().fitness)
+        )
+        call(master, "rosparam set /agent/agent 'addF-tiltn-1-S-moveF'")
+        other = call(master, "rosservice call /agent/evaluate")
+        assert other["success"] and loads(other["message"])["fitness"] != loads(own["message"])["fitness"]
+        released = call(master, "rosservice call /agent/release")
+        assert released["success"], released
+        # The clock goes on.
+        assert float(released["message"].split()[-2]) > START + 5
+        assert "ends after" in process.stdout.readline()
+        call(master, "rosparam set /agent/agent nonsense")
+        for service in ("evaluate", "release"):
+            answer = call(master, f"rosservice call /agent/{service}")
+            assert not answer["success"] and "nonsense" in answer["message"]
+        call(master, "rosparam delete /agent/agent")
+
+
+def test_it_ends_with_its_flight_if_asked(master: dict[str, str]) -> None:
+    with fly(master, "--rate", "0", "--once") as process:
+        stdout, stderr = process.communicate(timeout=30)
+    assert process.returncode == 0 and not stderr
+    assert "outlet" in stdout and len(stdout.splitlines()) == 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_in_one_line_and_leaves_nothing(master: dict[str, str], number: int) -> None:
+    with fly(master) as process:
+        assert "use_sim_time" in str(call(master, "rosparam list"))
+        process.send_signal(number)
+        begun = time.monotonic()
+        _, stderr = process.communicate(timeout=20)
+    assert time.monotonic() - begun < 3.0
+    assert (process.returncode, stderr) == (130, "interrupted\n")
+    assert "driftform" not in str(call(master, "rosnode list"))
+    assert "use_sim_time" not in str(call(master, "rosparam list"))
+
+
+def test_it_ends_within_two_seconds_of_roscore_in_one_line(system: dict[str, str]) -> None:
+    with run_master(system) as (environment, core), fly(environment) as process:
+        time.sleep(0.5)
+        children = Path(f"/proc/{core.pid}/task/{core.pid}/children").read_text(encoding="utf-8").split()
+        for pid in (*map(int, children), core.pid):
+            os.kill(pid, signal.SIGKILL)
+        begun = time.monotonic()
+        _, stderr = process.communicate(timeout=20)
+        assert time.monotonic() - begun < 2.0
+    assert process.returncode == 1
+    [line] = stderr.splitlines()
+    assert "roscore" in line and "does not answer" in line
+
+
+def test_without_roscore_it_says_what_to_start(refused_master: dict[str, str]) -> None:
+    command = (*PROGRAM, "ros", WORD)
+    done = subprocess.run(command, env=refused_master, capture_output=True, encoding="utf-8", check=False)
+    assert done.returncode == 1
+    [line] = done.stderr.splitlines()
+    assert "no roscore answers" in line and "start roscore" in line
+    assert not done.stdout
+
+
+@pytest.fixture
+def refused_master(system: dict[str, str]) -> dict[str, str]:
+    return os.environ | {"ROS_MASTER_URI": "http://localhost:9", "ROS_HOME": system["ROS_HOME"]}
