@@ -119,8 +119,8 @@ def test_drawings_have_the_scale_that_the_sheet_states(body):
     half = len(drawn) // 2
     length = np.ptp(np.concatenate(drawn[:half])[:, 0]) * mm * closed[1] / closed[0]
     assert length == pytest.approx(1e3 * body.length, abs=0.02 * closed[1])
-    for part, left, right in zip(sheet.parts, drawn[half::2], drawn[half + 1 :: 2], strict=True):
-        width, height = np.ptp(np.concatenate((left, right)), axis=0) * mm * printed[1] / printed[0]
+    for part, both in zip(sheet.parts, drawn[half:], strict=True):
+        width, height = np.ptp(both, axis=0) * mm * printed[1] / printed[0]
         assert (width, height) == pytest.approx(part.size, abs=0.02 * printed[1])
 
 
@@ -427,7 +427,9 @@ def test_a_tall_part_on_a_small_foot_is_printed_with_a_brim():
     slim = FrustaBuilder(FrustaOptions()).build(Morphology((narrow,) * 3 + (Module(0.02, 0.0),) * 5, ()))
     sheet = sheet_of(slim)
     number = next(part.number for part in sheet.parts if part.piece.name == "fore shell")
-    assert f"Print part {number} with a brim" in sheet.steps[0]
+    assert f"Print part {number} with a brim of 8\u00a0mm" in " ".join(sheet.steps)
+    drawn = " ".join(sheet_of(slim, brim=0.008).steps)
+    assert f"Cut the brim off part {number}." in drawn and "Print part" not in drawn
 
 
 def test_the_first_box_lists_what_to_get():

@@ -14,7 +14,7 @@ from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, State
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.mesh import MeshChecker, MeshOptions
-from driftform_kit.checks.slenderness import Slenderness, measure_section, measure_slenderness
+from driftform_kit.checks.slenderness import Slenderness, find_brim, measure_section, measure_slenderness
 
 E, YIELD, BED = 2e9, 33e6, 1e5
 
@@ -112,7 +112,7 @@ def test_a_part_that_is_steady_by_its_area_but_sticks_too_little_warns(tmp_path:
     assert check(stout, tmp_path).state is State.PASS
     line = check(stout, tmp_path, adhesion=2e4)
     assert line.state is State.WARN and "0.033 N lift it off the bed" in line.detail
-    assert "a nozzle pushes with 0.098 N and lifts it off: print it with a brim" in line.detail
+    assert "a nozzle pushes with 0.098 N and lifts it off: print it with a brim of 3 mm" in line.detail
 
 
 def test_a_thin_neck_below_a_long_lever_warns_that_it_breaks(tmp_path: Path) -> None:
@@ -145,3 +145,16 @@ def test_parts_of_a_kit_are_not_advised_to_be_made_a_kit(tmp_path: Path) -> None
     found = MeshChecker(MeshOptions()).check(PrintJob(tuple(paths), Printer()))
     lines = [finding.detail for finding in found if finding.check == "slender"]
     assert len(lines) == 2 and all("in shorter parts (--bed)" in line for line in lines)
+
+
+@pytest.mark.parametrize(("radius", "height"), [(3.0, 170.0), (5.0, 60.0), (2.0, 80.0)])
+def test_the_brim_that_is_named_holds_and_the_next_smaller_one_does_not(radius: float, height: float) -> None:
+    rod = revolve((0, 0), (radius, 0), (radius, height), (0, height))
+    brim = find_brim(Mesh(rod.vertices, rod.faces), 0.098, 2e4)
+    widths = (0.0, 3.0, 5.0, 8.0, 12.0, 16.0)
+    assert brim in widths[1:]
+    for width, holds in ((brim, True), (widths[widths.index(brim) - 1], False)):
+        around = radius + width
+        # A disc of that radius, W = pi r^3 / 4, at a stress of 0.02 MPa; and the root of its area is a tenth of the height.
+        lifted = 0.02 * np.pi / 4 * around**3 / height < 0.098
+        assert (not lifted and np.sqrt(np.pi) * around >= 0.1 * height) == holds

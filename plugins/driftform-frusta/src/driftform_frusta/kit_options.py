@@ -153,6 +153,13 @@ class PartOptions(KitOptions):
         ge=100,
         le=30_000,
     )
+    brim: float = option(
+        0.0,
+        "width of a brim of one layer that is part of the parts of a kit which need one; 0: the slicer makes it",
+        "m",
+        ge=0,
+        le=0.05,
+    )
     segments: int = option(64, "corners of every circle of the mesh", ge=12, le=1024)
     layer_height: float = option(
         0.0002, "layer height that the assembly sheet and 3MF files recommend", "m", gt=0, le=0.01

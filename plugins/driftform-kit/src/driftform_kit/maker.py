@@ -12,7 +12,7 @@ from driftform_frusta.solid import to_manifold, to_solid
 from driftform_kit.cutting.accounting import list_facts, measure_fittings, place_ballast
 from driftform_kit.cutting.coupon import make_coupon
 from driftform_kit.cutting.meridian import moments, split_rings
-from driftform_kit.cutting.pieces import Piece, make_kit
+from driftform_kit.cutting.pieces import Piece, add_brim, make_kit
 
 __all__ = ["draw_sheet", "list_facts", "make_coupon", "make_parts", "measure_fittings", "place_ballast"]
 
@@ -23,13 +23,16 @@ def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
     Raises WorkFailedError if no kit can be made of the body; the message has the reason.
     """
     lift = -MM * float(body.outer[:, 0].min())
-    return tuple(_make_part(piece, lift, options.segments) for piece in make_kit(body, options).pieces)
+    return tuple(_make_part(piece, lift, options) for piece in make_kit(body, options).pieces)
 
 
-def _make_part(piece: Piece, lift: float, segments: int) -> Part:
-    shape = Revolve(*split_rings(piece.rings))
+def _make_part(piece: Piece, lift: float, options: PartOptions) -> Part:
+    rings, segments = piece.rings, options.segments
+    if options.brim and piece.brim:
+        rings = add_brim(piece, MM * options.brim, MM * options.layer_height)
+    shape = Revolve(*split_rings(rings))
     solid = to_solid(shape, segments)
-    refuse_other_volume(solid.volume, moments(piece.rings).volume, piece.name)
+    refuse_other_volume(solid.volume, moments(rings).volume, piece.name)
     tree: Node = shape
     if piece.engraved is not None:
         tree = Difference(shape, (piece.engraved.tool,))

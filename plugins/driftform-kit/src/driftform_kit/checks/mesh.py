@@ -6,21 +6,27 @@ from typing import ClassVar, TypeAlias
 
 import numpy as np
 
+from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, FloatArray, State
 from driftform_frusta.csg import MM
 from driftform_frusta.hull import hull_volume
+from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.printable import MM3_PER_M3
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_kit.checks.shells import Shell, find_shells, orient_outward
-from driftform_kit.checks.slenderness import measure_slenderness
+from driftform_kit.checks.slenderness import ADHESION, PUSH, find_brim, measure_slenderness
 from driftform_kit.checks.topology import Topology, analyse_topology
 from driftform_kit.checks.walls import REACH, Wall, find_thinnest_wall
+from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.reading import read_meshes
 
 _SMALLEST, _LARGEST = 1.0, 10_000.0
 """mm: a smaller part was written in metres, a larger one in micrometres."""
+
+_SHARES = (1.0, 0.75, 0.6, 0.5, 0.4, 0.3, 0.2)
+"""Heights of the bed that are tried for parts that do not sway, over that of the printer."""
 
 _LINES = 2
 """Least thickness of a watertight wall, in lines of the nozzle."""
@@ -41,7 +47,7 @@ class MeshOptions(Table):
         1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0, le=1
     )
     push: float = option(
-        0.098,
+        PUSH,
         "force with which a nozzle pushes at the top of a part (PrusaSlicer's 10 gram-force)",
         "N",
         gt=0,
@@ -57,7 +63,7 @@ class MeshOptions(Table):
     stiffness: float = option(2e9, "modulus of elasticity of the material (ABS)", "Pa", ge=1e5, le=1e12)
     strength: float = option(33e6, "its yield strength (ABS)", "Pa", ge=1e4, le=1e10)
     adhesion: float = option(
-        1e5, "stress at which it comes off the bed (ABS; PLA 2e4, PETG 3e5)", "Pa", gt=0, le=1e9
+        ADHESION, "stress at which it comes off the bed (ABS; PLA 2e4, PETG 3e5)", "Pa", gt=0, le=1e9
     )
 
 
@@ -141,20 +147,48 @@ class MeshChecker(Checker[MeshOptions]):
         )
         faults = []
         if bent > half_line:
-            cut = count > 1 or (job.export is not None and not _is_whole(job))
-            shorter = "--bed" if cut else "--kit, --bed"
             faults.append(
-                f"it sways by more than half a line ({half_line:g} mm): print it slowly, or in shorter parts ({shorter})"
+                f"it sways by more than half a line ({half_line:g} mm): {self._advise_cut(job, count)}"
             )
         if beam.lift_force < o.push and (best.steady or faults):
             # Of two dangers the graver comes first: it is lifted off before it sways.
-            faults.insert(0, f"a nozzle pushes with {o.push:.2g} N and lifts it off: print it with a brim")
+            brim = find_brim(turned, o.push, o.adhesion)
+            faults.insert(
+                0,
+                f"a nozzle pushes with {o.push:.2g} N and lifts it off: print it with a brim of {brim:g} mm",
+            )
         if beam.break_force < o.catch:
             faults.append(
                 f"a nozzle that catches, with {o.catch:.2g} N, breaks it: make its wall thicker there"
             )
         state = State.WARN if faults else State.PASS
         return state, ": ".join((message, *(["; ".join(faults)] if faults else [])))
+
+    def _advise_cut(self, job: PrintJob, count: int) -> str:
+        """The highest bed of :data:`_SHARES` for which a kit has no part that sways, as an option; tried, if the agent is known."""
+        cut = count > 1 or (job.export is not None and not _is_whole(job))
+        words = "print it slowly, or in shorter parts"
+        if job.export is None:
+            return f"{words} ({'--bed' if cut else '--kit, --bed'})"
+        width, depth, height = job.printer.bed
+        for share in _SHARES:
+            bed = width, depth, round(share * height, 3)
+            try:
+                pieces = make_kit(
+                    job.export.agent.body, KitOptions(nozzle=job.printer.nozzle, bed=bed)
+                ).pieces
+            except WorkFailedError:
+                break
+            beams = [
+                measure_slenderness(p.mesh, self.options.stiffness, self.options.strength, 1.0)
+                for p in pieces
+            ]
+            if all(
+                beam and self.options.push * beam.bending <= MM * job.printer.nozzle / 2 for beam in beams
+            ):
+                sides = ",".join(f"{MM * side:g}" for side in bed)
+                return f"{words}: {'' if cut else '--kit '}--bed {sides} makes {len(pieces)} that do not"
+        return "print it slowly; no joint has room for a cut that helps"
 
     def _check_mass(self, studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
         if not all(one.sound for one in studied):
@@ -198,7 +232,8 @@ class MeshChecker(Checker[MeshOptions]):
         if best.name != now.name:
             return State.WARN, f"{message}; better {words.get(best.name, best.name)}"
         if not now.steady:
-            return State.WARN, f"{message}; no orientation is better, print it with a brim"
+            brim = find_brim(one.outward, self.options.push, self.options.adhesion)
+            return State.WARN, f"{message}; no orientation is better, print it with a brim of {brim:g} mm"
         support = "" if now.overhang <= self.options.overhang * MM**2 else ", with support"
         state = State.WARN if support else State.PASS
         return state, f"{message}; best {words.get(best.name, best.name)}{support}"

@@ -6,15 +6,14 @@ import numpy as np
 
 from driftform.types import FloatArray
 from driftform_frusta.triangles import Mesh
+from driftform_kit.checks.slenderness import STEADY
+from driftform_kit.cutting.upright import FOOT
 
 STEEPEST = np.radians(45)
 """Overhang, from the vertical, that prints without support."""
 
 _FIRST_LAYER = 0.05
 """mm: surfaces up to this height above the bed belong to the first layer."""
-
-_STEADY = 1 / 10
-"""Least square root of the contact area, over the height, that holds a part without a brim."""
 
 TURNS: dict[str, FloatArray] = {
     "as placed": np.eye(3),
@@ -42,7 +41,7 @@ class Orientation:
     @property
     def steady(self) -> bool:
         """True if the contact with the bed holds it without a brim."""
-        return bool(np.sqrt(self.contact) >= _STEADY * self.size[2])
+        return self.contact >= max(FOOT, (STEADY * float(self.size[2])) ** 2)
 
     def fits(self, bed: FloatArray) -> bool:
         """Return whether it fits a bed (mm, (3,)), turned about the vertical by a right angle if necessary."""

@@ -14,10 +14,11 @@ The push, the strength and the adhesion are those by which PrusaSlicer decides w
 an adhesion to the bed of 0.1 MPa for ABS, 0.02 MPa for PLA and 0.3 MPa for PETG.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
-from manifold3d import CrossSection, Error, Manifold, Mesh64
+from manifold3d import CrossSection, Error, JoinType, Manifold, Mesh64
 
 from driftform_frusta.triangles import Mesh
 
@@ -26,6 +27,15 @@ _STATIONS = 160
 
 _FIRST = 0.1
 """mm: height of the section that sticks to the bed, the middle of the first layer."""
+
+PUSH, ADHESION = 0.098, 1e5
+"""N and Pa: the push of a nozzle, and the adhesion of ABS."""
+
+STEADY = 0.1
+"""Least root of the contact area over the height that holds a part on the bed."""
+
+BRIMS = (0.0, 3.0, 5.0, 8.0, 12.0, 16.0)
+"""Widths of brims, mm."""
 
 _TIP = 0.05
 """Share of the height below the top that is no neck: pointed tips are thin, but have no lever."""
@@ -54,7 +64,7 @@ def measure_slenderness(mesh: Mesh, stiffness: float, strength: float, adhesion:
     The mesh faces outward, and into its hollows. Stiffness and yield strength are those of the material, and the adhesion
     is the stress at which it comes off the bed; Pa.
     """
-    solid = Manifold(Mesh64(vert_properties=mesh.vertices, tri_verts=mesh.triangles.astype(np.uint64)))
+    solid = _make_manifold(mesh)
     low, high = mesh.bounds[:, 2].tolist()
     height = high - low
     if solid.status() != Error.NoError or height <= 2 * _FIRST:
@@ -79,6 +89,26 @@ def measure_slenderness(mesh: Mesh, stiffness: float, strength: float, adhesion:
         break_force=1e-6 * strength * float(modulus[weakest] / lever[weakest]),
         lift_force=1e-6 * adhesion * float(modulus[0]) / height,
     )
+
+
+def find_brim(mesh: Mesh, push: float = PUSH, adhesion: float = ADHESION) -> float:
+    """Return the width of the brim (mm) with which a part, as placed, is steady and not pushed off the bed (N, Pa).
+
+    It is the least of :data:`BRIMS` that does, 0 if the part needs none, and the widest if none is enough.
+    """
+    low, high = mesh.bounds[:, 2].tolist()
+    foot = _make_manifold(mesh).slice(low + _FIRST)
+    for width in BRIMS:
+        around = foot.offset(width, JoinType.Round) if width else foot
+        second, across = measure_section(around)
+        lifted = second <= 0 or 1e-6 * adhesion * 2 * second / across / (high - low) < push
+        if not lifted and math.sqrt(around.area()) >= STEADY * (high - low):
+            break
+    return width
+
+
+def _make_manifold(mesh: Mesh) -> Manifold:
+    return Manifold(Mesh64(vert_properties=mesh.vertices, tri_verts=mesh.triangles.astype(np.uint64)))
 
 
 def measure_section(section: CrossSection) -> tuple[float, float]:

@@ -8,9 +8,13 @@ from manifold3d import CrossSection
 
 from driftform.errors import WorkFailedError
 from driftform.types import Body
+from driftform_frusta.csg import Revolve
 from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.printable import check_printable_section, refuse_other_volume
+from driftform_frusta.solid import to_solid
+from driftform_frusta.triangles import Mesh
+from driftform_kit.checks.slenderness import find_brim
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, place_seats
 from driftform_kit.cutting.cut import CoreJoint, choose_bed_joints, choose_core_joint
@@ -38,10 +42,35 @@ class Piece:
         """Whether it is printed with its fore end on the bed."""
         return prints_fore_down(self.rings)
 
+    @cached_property
+    def mesh(self) -> Mesh:
+        """Its mesh as printed, without its text: mm, z up."""
+        solid = to_solid(Revolve(*meridian.split_rings(self.rings)))
+        turned = solid.turn_over() if self.fore_down else solid
+        return Mesh(turned.vertices, turned.triangles, self.name)
+
+    @cached_property
+    def brim(self) -> float:
+        """Width of the brim that holds it on the bed, mm; 0 if it needs none."""
+        return find_brim(self.mesh)
+
     @property
     def bed_end(self) -> str:
         """The end that is printed on the bed."""
         return "fore" if self.fore_down else "aft"
+
+
+def add_brim(piece: Piece, width: float, thickness: float) -> tuple[Ring, ...]:
+    """Return the half section of a part with a brim (mm) round its foot, which is cut off after printing."""
+    up = -1.0 if piece.fore_down else 1.0
+    bed = min(float((up * ring[:, 1]).min()) for ring in piece.rings)
+    section = CrossSection([ring.tolist() for ring in piece.rings])
+    levels = sorted((up * bed, up * (bed + thickness)))
+    foot = float((section ^ meridian.make_slab(*levels)).bounds()[2])
+    brim = meridian.make_slab(*levels) ^ CrossSection.square((width + thickness, 2 * meridian.FAR)).translate(
+        (foot - thickness, -meridian.FAR)
+    )
+    return meridian.list_rings((section + brim).simplify(meridian.SIMPLIFY))
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,15 +17,6 @@ FOOT = 10.0
 _LINE = 1.2
 """mm of overhang that an edge counts as which begins in the air."""
 
-STEADY = 0.1
-"""Least root of the contact area over the height that holds a part without a brim, as ``driftform check`` has it."""
-
-ADHESION, PUSH = 0.1, 0.098
-"""N/mm2 that hold ABS to the bed, and N with which a nozzle pushes at the top, as ``driftform check`` has them."""
-
-_FIRST = 0.1
-"""mm: height of the section that holds on to the bed."""
-
 _LEVEL = 1e-3
 """mm: a surface lower than this is on the bed."""
 
@@ -39,29 +30,6 @@ def _burden(polygons: Sequence[Ring], up: int) -> tuple[bool, float, float]:
     """Key to sort orientations by, with ``up`` (the sign of z) upward: unstable, overhang (mm2), less contact (mm2)."""
     foot, overhang = _measure_areas(polygons, up)
     return foot < FOOT, round(overhang, 1), -foot
-
-
-def needs_brim(polygons: Sequence[Ring], fore_down: bool) -> bool:
-    """Return whether a part, printed this way up, has too small a foot for its height, or is pushed off the bed."""
-    up = -1 if fore_down else 1
-    heights = np.concatenate([up * ring[:, 1] for ring in polygons])
-    height, first = float(np.ptp(heights)), float(heights.min()) + _FIRST
-    foot, _ = _measure_areas(polygons, up)
-    crossings = np.concatenate([_cross(ring * (1.0, up), first) for ring in polygons])
-    if not len(crossings) or math.sqrt(foot) < STEADY * height:
-        return True
-    outer, inner = float(crossings.max()), float(crossings.min()) if len(crossings) % 2 == 0 else 0.0
-    modulus = math.pi / 4 * (outer**4 - inner**4) / outer
-    return ADHESION * modulus / height < PUSH
-
-
-def _cross(ring: Ring, height: float) -> FloatArray:
-    """Radii at which a ring crosses a height, mm; that of the axis is left out."""
-    (r, z), (r2, z2) = ring.T, np.roll(ring, -1, axis=0).T
-    crosses = (z < height) != (z2 < height)
-    share = (height - z[crosses]) / (z2 - z)[crosses]
-    found = r[crosses] + share * (r2 - r)[crosses]
-    return np.asarray(found[found > 1e-6], dtype=np.float64)
 
 
 def overhang_area(polygons: Sequence[Ring], fore_down: bool) -> float:

@@ -17,7 +17,7 @@ from driftform_kit.cutting.held_ballast import HeldBall
 from driftform_kit.cutting.joint import Joint, groove_diameter, takes_core_aft
 from driftform_kit.cutting.meridian import MM, Ring
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
-from driftform_kit.cutting.upright import needs_brim, overhang_area
+from driftform_kit.cutting.upright import overhang_area
 from driftform_kit.settings import list_arguments
 from driftform_kit.templates import fill_template
 
@@ -58,11 +58,6 @@ class SheetPart:
     def hangs(self) -> bool:
         """Whether its overhang is worth mentioning."""
         return self.overhang > _LEAST_OVERHANG
-
-    @property
-    def needs_brim(self) -> bool:
-        """Whether its foot is too small for its height."""
-        return needs_brim(self.piece.rings, self.piece.fore_down)
 
     @property
     def size(self) -> tuple[float, float]:
@@ -243,6 +238,7 @@ def _write_texts(
         solid=math.ceil(body.wall / options.nozzle / 2),
         filament_mass=sum(part.mass for part in parts),
         scale_to=10 * math.ceil(130 * target.mass),
+        brim=options.brim,
         drain=options.drain,
         flooded=measure_flooding(kit, body, water) if options.drain else None,
         arguments=f"{job.opened_as} {list_arguments([format], options)}",

@@ -1,12 +1,11 @@
 """The drawing of each step of an assembly: what is in place, what comes to it, and which way."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from xml.etree import ElementTree as ET
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from driftform.figures import layout, style, svg
+from driftform.figures import style
 from driftform.types import FloatArray
 from driftform_frusta.colours import colour_of
 from driftform_kit.cutting.meridian import Ring
@@ -22,7 +21,7 @@ _CIRCLE = np.exp(2j * np.pi * np.arange(48) / 48).view(float).reshape(-1, 2)
 
 
 @dataclass(frozen=True, eq=False)
-class _Shape:
+class Shape:
     """Polygons, or lines without ``fill``, of points in mm, x to the right and y up; or a ``mark`` at the first of them."""
 
     lines: Sequence[FloatArray]
@@ -33,32 +32,21 @@ class _Shape:
     colour: str = style.INK
 
 
-def draw_scene(root: ET.Element, sheet: Sheet, step: str, place: FloatArray) -> None:
-    """Draw a step, by its key, as large as fits between two corners of a place, (2, 2) in px."""
+def place_scene(sheet: Sheet, step: str, place: FloatArray) -> list[Shape]:
+    """Return the shapes of a step, by its key, as large as fits between two corners of a place, (2, 2); in px."""
     shapes = list(_list_shapes(sheet, step))
     points = np.concatenate([line for shape in shapes for line in shape.lines])
     low, high = points.min(axis=0), points.max(axis=0)
     scale, middle = float((np.ptp(place, axis=0) / (high - low)).min()), place.mean(axis=0)
-    for shape in shapes:
-        placed = [middle + scale * (line - (low + high) / 2) * (1.0, -1.0) for line in shape.lines]
-        if shape.mark:
-            x, y = placed[0][0].tolist()
-            draw_mark(root, x, y, shape.mark, shape.colour, 9)
-            continue
-        data = "".join(svg.path_data(line, closed=shape.fill != "none") for line in placed)
-        svg.add(
-            root, "path", class_="scene", d=data, fill=shape.fill, fill_rule="evenodd", stroke=style.INK,
-            stroke_width=shape.width, stroke_linejoin="round", stroke_dasharray=shape.dash,
-        )  # fmt: skip
+    return [
+        replace(
+            shape, lines=[middle + scale * (line - (low + high) / 2) * (1.0, -1.0) for line in shape.lines]
+        )
+        for shape in shapes
+    ]
 
 
-def draw_mark(root: ET.Element, x: float, y: float, mark: str, colour: str, size: float = 11) -> None:
-    """Draw the number of a part, or the letter of a ball of ballast, in a circle."""
-    svg.add_circle(root, x, y, 0.77 * size, "#ffffff", colour, 1.6)
-    layout.write(root, x, y + 4 * size / 11, mark, size, anchor="middle", bold=True, class_="number")
-
-
-def _list_shapes(sheet: Sheet, step: str) -> Iterator[_Shape]:
+def _list_shapes(sheet: Sheet, step: str) -> Iterator[Shape]:
     kind, _, which = step.partition(" ")
     hull, parts, first = sheet.kit.hull, sheet.parts, sheet.parts[0]
     wide, length = 2 * hull.widest, float(np.ptp(hull.skin[:, 0]))
@@ -71,12 +59,12 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[_Shape]:
         if kind == "weigh":
             yield _draw_ball(x + hull.core, hull.core, hull.core, CORE)
             x += 2 * hull.core
-            yield _Shape([np.array([[0, 0], [x, 0], [0.9 * x, -wide / 2], [0.1 * x, -wide / 2]])], _PALE)
-            yield _Shape([np.array([[0.4 * x, -wide / 4], [0.6 * x, -wide / 4]])], width=3)
+            yield Shape([np.array([[0, 0], [x, 0], [0.9 * x, -wide / 2], [0.1 * x, -wide / 2]])], _PALE)
+            yield Shape([np.array([[0.4 * x, -wide / 4], [0.6 * x, -wide / 4]])], width=3)
         yield _draw_floor(-wide / 4, x)
     elif kind == "pause" and ball is not None and ball.pause is not None:
         yield from _stand(parts[ball.number - 1], 0.0)
-        yield _Shape([np.array([[-wide, ball.pause], [wide, ball.pause]])], dash="4 2")
+        yield Shape([np.array([[-wide, ball.pause], [wide, ball.pause]])], dash="4 2")
         yield _draw_ball(0.0, ball.pause - ball.held.ball.radius, ball.held.ball.radius, BALLAST)
         yield from _draw_arrow((0.0, ball.pause + wide), (0.0, ball.pause + wide / 8))
         yield _draw_floor(-wide, wide)
@@ -86,15 +74,15 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[_Shape]:
         heights = np.concatenate(rings)[:, 1]
         levels = np.linspace(heights.min(), heights.max(), 80)
         bore = np.column_stack((hull.bore_radius(up * levels), levels))
-        yield _Shape([np.concatenate((bore, bore[::-1] * (-1.0, 1.0)))], WATER)
-        yield _Shape(_mirror(rings), style.tint(colour_of(first.place), 0.45))
+        yield Shape([np.concatenate((bore, bore[::-1] * (-1.0, 1.0)))], WATER)
+        yield Shape(_mirror(rings), style.tint(colour_of(first.place), 0.45))
         yield _draw_floor(-wide, wide, float(heights.min()))
     elif kind == "trim":
         yield from _lay(sheet, parts, loaded=False)
         corner = (sheet.aft, wide / 2 + length / 12)
-        yield _Shape([np.array([[0, 0], [1, 0], [1, 0.25], [0, 0.25]]) * length + corner], _PALE)
+        yield Shape([np.array([[0, 0], [1, 0], [1, 0.25], [0, 0.25]]) * length + corner], _PALE)
         for line in ([[0.05, 0.16], [0.08, 0.125], [0.05, 0.09]], [[0.12, 0.09], [0.45, 0.09]]):
-            yield _Shape([np.array(line) * length + corner], width=1.4)
+            yield Shape([np.array(line) * length + corner], width=1.4)
     elif kind in ("insert", "core"):
         part, z, radius, side = first, 0.0, hull.core, 1.0 if first.place < parts[1].place else -1.0
         if ball is not None and ball.mouth is not None:
@@ -104,7 +92,7 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[_Shape]:
         away = max(float((side * ring[:, 1]).max()) for ring in part.piece.rings) * side + 2.5 * side * radius
         yield _draw_ball(away, 0.0, radius, CORE if kind == "core" else BALLAST)
         yield from _draw_arrow((away - 1.3 * side * radius, 0.0), (z + 1.3 * side * radius, 0.0))
-        yield _Shape([np.append(_CIRCLE, _CIRCLE[:1], axis=0) * radius + (z, 0.0)], dash="2 2")
+        yield Shape([np.append(_CIRCLE, _CIRCLE[:1], axis=0) * radius + (z, 0.0)], dash="2 2")
     elif kind == "join":
         part = parts[int(which) - 1]
         heights = np.concatenate(part.piece.rings)[:, 1]
@@ -122,28 +110,28 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[_Shape]:
             balance = 1e3 * float(sheet.target.cog[0])
             edge = np.array([[0.0, 0.0], [-0.3, -0.6], [0.3, -0.6]]) * wide
             edge += (balance, -hull.skin_radius(balance))
-            yield _Shape([edge], style.INK)
+            yield Shape([edge], style.INK)
 
 
 def _mirror(rings: Sequence[Ring], x: float = 0.0) -> list[FloatArray]:
     return [ring * (side, 1.0) + (x, 0.0) for ring in rings for side in (1.0, -1.0)]
 
 
-def _stand(part: SheetPart, x: float) -> Iterator[_Shape]:
+def _stand(part: SheetPart, x: float) -> Iterator[Shape]:
     """A part as printed, at x, with its number."""
     colour = colour_of(part.place)
-    yield _Shape(_mirror(part.printed, x), style.tint(colour, 0.45))
-    yield _Shape([np.array([[x, part.size[1] / 2]])], mark=str(part.number), colour=colour)
+    yield Shape(_mirror(part.printed, x), style.tint(colour, 0.45))
+    yield Shape([np.array([[x, part.size[1] / 2]])], mark=str(part.number), colour=colour)
 
 
 def _lay(
     sheet: Sheet, parts: Sequence[SheetPart], shift: float = 0.0, core: bool = False, loaded: bool = True
-) -> Iterator[_Shape]:
+) -> Iterator[Shape]:
     """Parts as joined, fore to the right, with their numbers, the core, and balls of ballast if they are ``loaded``."""
     ends = sheet.bounds
     for part in parts:
         lines = [ring[:, ::-1] + (shift, 0.0) for ring in _mirror(part.piece.rings)]
-        yield _Shape(lines, style.tint(colour_of(part.place), 0.45))
+        yield Shape(lines, style.tint(colour_of(part.place), 0.45))
     if core:
         yield _draw_ball(0.0, 0.0, sheet.kit.hull.core, CORE)
     for ball in sheet.balls if loaded else ():
@@ -152,20 +140,20 @@ def _lay(
     for part in parts:
         middle = (ends[part.place] + ends[part.place + 1]) / 2
         at = np.array([[middle + shift, sheet.kit.hull.skin_radius(middle)]])
-        yield _Shape([at], mark=str(part.number), colour=colour_of(part.place))
+        yield Shape([at], mark=str(part.number), colour=colour_of(part.place))
 
 
-def _draw_ball(x: float, y: float, radius: float, fill: str) -> _Shape:
-    return _Shape([_CIRCLE * radius + (x, y)], fill)
+def _draw_ball(x: float, y: float, radius: float, fill: str) -> Shape:
+    return Shape([_CIRCLE * radius + (x, y)], fill)
 
 
-def _draw_floor(left: float, right: float, level: float = 0.0) -> _Shape:
-    return _Shape([np.array([[left, level], [right, level]])], width=1.4)
+def _draw_floor(left: float, right: float, level: float = 0.0) -> Shape:
+    return Shape([np.array([[left, level], [right, level]])], width=1.4)
 
 
-def _draw_arrow(tail: tuple[float, float], head: tuple[float, float]) -> Iterator[_Shape]:
+def _draw_arrow(tail: tuple[float, float], head: tuple[float, float]) -> Iterator[Shape]:
     ends = np.array([tail, head])
     along = (ends[1] - ends[0]) * min(0.3, _HEAD / float(np.ptp(ends, axis=0).max()))
     across = np.array([-along[1], along[0]]) / 2
-    yield _Shape([ends], width=1.4)
-    yield _Shape([ends[1] + [across - along, (0.0, 0.0), -across - along]], width=1.4)
+    yield Shape([ends], width=1.4)
+    yield Shape([ends[1] + [across - along, (0.0, 0.0), -across - along]], width=1.4)
