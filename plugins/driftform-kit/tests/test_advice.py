@@ -38,6 +38,7 @@ def check_slim(folder, **options):
     return {(f.check, f.part.removeprefix("a-")): f for f in found if f.check in ("standing", "slender")}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kit", [False, True])
 def test_the_cut_that_is_advised_for_a_slender_hull_leaves_parts_that_do_not_sway(tmp_path, kit):
     sways = next(f for f in check_slim(tmp_path, kit=kit).values() if "it sways" in f.detail)
@@ -52,6 +53,7 @@ def test_the_cut_that_is_advised_for_a_slender_hull_leaves_parts_that_do_not_swa
     assert len(cut) == int(count) and not any("it sways" in f.detail for f in cut.values())
 
 
+@pytest.mark.long
 def test_a_kit_draws_the_brim_that_is_advised_and_it_holds_the_part(tmp_path):
     bare = check_slim(tmp_path, kit=True)["slender", "fore-shell"].detail
     width = float(re.search(r"lifts it off: print it with a brim of ([\d.]+) mm", bare).group(1))
@@ -68,6 +70,7 @@ def test_a_kit_draws_the_brim_that_is_advised_and_it_holds_the_part(tmp_path):
     assert sheets[0].weights == sheets[1].weights
 
 
+@pytest.mark.long
 def test_where_no_cut_helps_the_check_says_so(tmp_path):
     rod = FrustaBuilder(FrustaOptions()).build(Morphology((Module(0.17, 0.0),), ()))
     job = job_of(rod)

@@ -84,10 +84,8 @@ def ball_diameter(mass: float, density: float) -> float:
 
 def name_material(density: float) -> str:
     """Return what a density (kg/m3) is called: ``lead``, or the density where no material of :data:`MATERIALS` has it."""
-    for name, usual in MATERIALS.items():
-        if abs(density - usual) <= _SAME_MATERIAL * usual:
-            return name
-    return f"{density:g} kg/m3"
+    named = (name for name, usual in MATERIALS.items() if abs(density - usual) <= _SAME_MATERIAL * usual)
+    return next(named, f"{density:g} kg/m3")
 
 
 def ball_mass(diameter: float, density: float) -> float:

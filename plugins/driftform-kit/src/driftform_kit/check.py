@@ -95,7 +95,7 @@ def check_design(
     Parameters
     ----------
     format
-        name of an exporter.
+        name of an exporter; an InputError says that there is no such one, or that it holds no kits.
     printer
         nozzle and bed; ``None`` for a common desktop printer.
     kit
@@ -107,8 +107,6 @@ def check_design(
 
     Raises
     ------
-    InputError
-        if there is no such format, or it holds no kits.
     WorkFailedError
         if nothing could be checked.
     """

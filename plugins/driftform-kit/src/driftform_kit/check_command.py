@@ -1,7 +1,7 @@
 """``driftform check``."""
 
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -126,46 +126,38 @@ def check(
 
 
 def _print(findings: "Sequence[Finding]") -> None:
+    """Print a line for each finding, and the verdict; on a terminal coloured by state and folded to fit.
+
+    The state ``fail`` is in capitals, so that it is seen without colours.
+    """
     from collections import Counter
 
+    from driftform.cli import output
     from driftform.types import State
 
-    _print_states(
-        [(str(f.state), f"{f.check}, {f.part}" if f.part else f.check, f.detail) for f in findings], STYLES
-    )
+    rows = []
+    for f in findings:
+        state = "FAIL" if f.state is State.FAIL else str(f.state)
+        subject = output.escape_controls(f"{f.check}, {f.part}" if f.part else f.check)
+        rows.append((state, subject, output.escape_controls(f.detail)))
+    if sys.stdout.isatty():
+        from rich.console import Console
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table.grid(padding=(0, 2))
+        table.add_column(no_wrap=True)
+        table.add_column(overflow="fold", max_width=24)
+        table.add_column(overflow="fold")
+        for state, subject, detail in rows:
+            table.add_row(Text(state, STYLES[state.lower()]), Text(subject), Text(detail))
+        Console(highlight=False).print(table)
+    else:
+        widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
+        for state, subject, detail in rows:
+            print(f"{state:{widths[0]}}  {subject:{widths[1]}}  {detail}")
     counts = Counter(f.state for f in findings)
     tally = ", ".join(f"{counts[state]} {state}" for state in State if counts[state])
     failed = [f.check for f in findings if f.state is State.FAIL]
     verdict = f"not printable as it is, for {', '.join(dict.fromkeys(failed))}" if failed else "printable"
     print(f"\n{verdict}: {tally}")
-
-
-def _print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
-    """Print lines of a state, a subject and a detail, aligned; on a terminal coloured by state and folded to fit.
-
-    The state ``fail`` is in capitals, so that it is seen without colours.
-    """
-    from driftform.cli import output
-
-    rows = list(rows)
-    states = max((len(state) for state, _, _ in rows), default=0)
-    subjects = max((len(subject) for _, subject, _ in rows), default=0)
-    shown = [
-        ("FAIL" if state == "fail" else state, styles.get(state, ""), *map(output.escape_controls, rest))
-        for state, *rest in rows
-    ]
-    if not sys.stdout.isatty():
-        for state, _, subject, detail in shown:
-            print(f"{state:{states}}  {subject:{subjects}}  {detail}")
-        return
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table.grid(padding=(0, 2))
-    table.add_column(no_wrap=True)
-    table.add_column(overflow="fold", max_width=24)
-    table.add_column(overflow="fold")
-    for state, style, subject, detail in shown:
-        table.add_row(Text(state, style), Text(subject), Text(detail))
-    Console(highlight=False).print(table)

@@ -11,20 +11,10 @@ from driftform_kit.cutting.pieces import make_kit
 
 @dataclass(frozen=True)
 class HeldBall:
-    """A ball of ballast that a kit holds.
+    """A ball of ballast in the ``part`` of a kit: x of its centre and its diameter, m.
 
-    Attributes
-    ----------
-    x, diameter
-        of the ball, m.
-    part
-        name of the part that holds it.
-    mouth
-        x of the joint that it goes in by, m; ``None`` if it is put in while its part is printed.
-    pause
-        height at which the printer is to pause for it, m; ``None`` if it goes in by a joint.
-    held_by
-        ``"seat"``, or ``"wall"`` if the hull narrows there.
+    It goes in by the joint at x = ``mouth`` (m), or, while its part is printed, by a pause at the height ``pause`` (m); the
+    other one is ``None``. It is held by a ``"seat"``, or by the ``"wall"`` if the hull narrows there.
     """
 
     x: float

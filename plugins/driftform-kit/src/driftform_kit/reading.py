@@ -92,19 +92,17 @@ def _read_with_trimesh(path: Path) -> tuple[Mesh, ...]:
         for name, mesh in scene.geometry.items()
     }
     check_counts(0, sum(sizes[scene.graph[node][1]] for node in nodes))
-    found = []
-    for node in nodes:
-        transform, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        if not isinstance(mesh, trimesh.Trimesh):
-            continue
-        vertices = np.asarray(mesh.vertices, dtype=np.float64) @ transform[:3, :3].T + transform[:3, 3]
-        triangles = np.asarray(mesh.faces, dtype=np.int64)
-        if np.linalg.det(transform[:3, :3]) <= 0:
-            triangles = triangles[:, ::-1]
-        name = path.stem if len(scene.geometry) == 1 else str(name)
-        found.append(Mesh(vertices.reshape(-1, 3), triangles.reshape(-1, 3), name).merge_vertices())
-    return tuple(found)
+    placed = [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh)]
+    alone = len(scene.geometry) == 1
+    found = (
+        Mesh(
+            np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3),
+            np.array(mesh.faces, dtype=np.int64).reshape(-1, 3),
+            path.stem if alone else str(mesh.metadata["name"]),
+        )
+        for mesh in placed
+    )
+    return tuple(mesh.merge_vertices() for mesh in found)
 
 
 def _read_gltf(path: Path) -> tuple[Mesh, ...]:

@@ -1,6 +1,5 @@
 """Kit -> what its assembly sheet says: parts in the order of assembly, weights, steps."""
 
-import math
 from collections import Counter
 from dataclasses import dataclass
 
@@ -79,6 +78,11 @@ class SheetBall:
     held: HeldBall
     mouth: Joint | None
     pause: float | None
+
+    @property
+    def deep(self) -> float:
+        """How far it goes in by its mouth, mm."""
+        return abs(self.held.ball.z - self.mouth.z) if self.mouth else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,55 +196,29 @@ def _write_texts(
     core: str,
 ) -> list[tuple[str, str]]:
     """Keys and paragraphs of the sheet: the remedy, what to get, and the steps in an order that can be done."""
-    body, target, printed = job.agent.body, job.agent.mass, weigh_kit(job.agent, kit, options)
-    aft, wanted = MM * float(body.outer[0, 0]), float(target.mass * target.cog[0])
-    mass, moment = printed.closed(printed.flow)
-    lack, water = target.mass - mass, job.scenario.fluid.density
-    by_place = {part.place: part for part in parts}
-    joins = []
-    for part in parts[1:]:
-        other = by_place[part.place + (1 if part.place < parts[0].place else -1)]
-        joint = kit.joints[min(part.place, other.place)]
-        # The plug is that of the part on the joint's side.
-        joins.append((part, other, joint, max(part, other, key=lambda p: joint.side * p.place)))
+    body = job.agent.body
     grooves = {joint: groove_diameter(kit.hull, joint) for joint in kit.joints if joint.groove}
     lines = fill_template(
         "steps.txt",
         nbsp=_NBSP,
         negligible=_NEGLIGIBLE,
+        stretch=_STRETCH,
+        body=body,
+        target=job.agent.mass,
+        options=options,
+        kit=kit,
         parts=parts,
-        aft=aft,
+        by_place=sorted(parts, key=lambda part: part.place),
         balls=balls,
-        core=body.core,
-        core_name=core,
-        target=target,
-        target_at=MM * wanted / target.mass - aft,
-        printed=printed,
-        closed_at=MM * moment / mass - aft,
-        lack=lack,
-        lack_at=MM * (wanted - moment) / lack - aft if lack >= _NEGLIGIBLE else None,
+        core=core,
+        aft=MM * float(body.outer[0, 0]),
+        printed=weigh_kit(job.agent, kit, options),
         material=name_material(options.ballast_density),
-        enclosed=sorted((ball for ball in balls if ball.pause is not None), key=lambda ball: ball.pause or 0),
-        # Of two balls that go in by one mouth, the deeper one is first.
-        inserted=sorted(
-            (ball for ball in balls if ball.mouth is not None),
-            key=lambda ball: -abs(ball.held.ball.z - (ball.mouth.z if ball.mouth else 0)),
-        ),
-        joins=joins,
-        grooves=grooves,
-        rings=Counter((joint.cord, round(size, 1)) for joint, size in grooves.items()),
-        glued=[joint for joint in kit.joints if not joint.groove],
-        least_stretch=1 + _STRETCH[0],
-        most_stretch=1 + _STRETCH[1],
         filament=name_filament(body.hull_density),
         note=MATERIALS[name].note if (name := find_material(body.hull_density)) else "",
-        pockets=options.infill < 1 and body.wall > 2 * options.perimeters * options.nozzle,
-        solid=math.ceil(body.wall / options.nozzle / 2),
-        filament_mass=sum(part.mass for part in parts),
-        scale_to=10 * math.ceil(130 * target.mass),
-        brim=options.brim,
-        drain=options.drain,
-        flooded=measure_flooding(kit, body, water) if options.drain else None,
+        grooves=grooves,
+        rings=Counter((joint.cord, round(size, 1)) for joint, size in grooves.items()),
+        flooded=measure_flooding(kit, body, job.scenario.fluid.density),
         arguments=f"{job.opened_as} {list_arguments([format], options)}",
     )
     return [(key, text) for key, _, text in (line.partition("|") for line in lines)]
