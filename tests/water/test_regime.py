@@ -130,7 +130,7 @@ def test_the_built_in_pipes_are_within_all_ranges(name):
 
 
 def test_a_range_names_quantity_value_and_bounds():
-    limit = Range("speed", "U", 1.0, math.inf, "m/s", "", "")
+    limit = Range("speed", "U", 1.0, math.inf, "", "", unit="m/s")
     assert limit.contains(1.0) and not limit.contains(0.9) and not limit.contains(math.nan)
     assert limit.describe() == "from 1 m/s"
     assert find_departures("logarithmic law", {"Re_D": 5e4}) == []
