@@ -3,6 +3,7 @@
 import json
 import math
 import queue
+import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -31,6 +32,12 @@ SETTLE = 0.5
 
 CURRENT = "geometry_msgs/TwistStamped"
 """Kind of the messages that say which current acts since when."""
+
+FASTEST = 100.0
+"""Fastest current, m/s, as steps take it."""
+
+LATE = 1.0
+"""Delay of which a warning speaks, s."""
 
 SAME = 1e-9
 """Steps shorter than this are none, s."""
@@ -76,6 +83,7 @@ class LiveNode:
         self._requests: queue.Queue[tuple[float, Current | Release]] = queue.Queue()
         self._current: Current | None = None
         self._published = 0
+        self._failure: WorkFailedError | None = None
 
     def run(self, design: "Design", once: bool) -> None:
         """Fly a design, and after its flight what ``release`` asks for; with ``once`` return after the flight.
@@ -93,7 +101,9 @@ class LiveNode:
         self._bus.serve(f"/{name}/evaluate", self._answer_evaluate)
         print(f"{design.name} flies at {self._bus.address}; topics in /{name}; end with Ctrl-C", flush=True)
         while self._bus.is_alive():
-            if self._reason and once:
+            if once and self._failure:
+                raise self._failure
+            if once and self._reason:
                 return
             due = self._find_due()
             try:
@@ -120,7 +130,8 @@ class LiveNode:
     def _release(self, design: "Design", clock: float) -> None:
         """Release a design now, at a time of the clock, s."""
         self._flight = design.fly()
-        self._design, self._clock, self._reason, self._ticks = design, clock, "", 0
+        self._design, self._clock, self._ticks = design, clock, 0
+        self._reason, self._failure, self._is_late = "", None, False
         self._began = time.monotonic()
         self._live = self._options.model_copy(update={"start": clock})
         self._job, self._plumes = design.export_job(), list_plumes(design.scenario, self._live)
@@ -135,6 +146,10 @@ class LiveNode:
         return self._began + (self._ticks + 1) * self._interval / self._rate
 
     def _tick(self) -> None:
+        late = time.monotonic() - self._find_due()
+        if math.isfinite(self._rate) and late > LATE and not self._is_late:
+            self._is_late = True
+            print(f"warning: the flight is {late:.1f} s late: it takes longer than its time", file=sys.stderr)
         self._ticks += 1
         self._fly(self._ticks * self._interval)
         self._publish()
@@ -147,7 +162,7 @@ class LiveNode:
         try:
             self._flight.step(duration, self._pending)
         except WorkFailedError as error:
-            self._reason = describe_error(error)
+            self._failure, self._reason = error, describe_error(error)
         else:
             self._reason = "" if self._flight.end is None else str(self._flight.end)
         self._pending = None
@@ -162,6 +177,9 @@ class LiveNode:
     def _meet_current(self, at: float, current: Current) -> None:
         """Let a current act from the moment of its arrival; the same again changes nothing."""
         if current == self._current:
+            return
+        if not all(abs(u) <= FASTEST for u in current):
+            print(f"warning: the current {current} m/s is ignored", file=sys.stderr)
             return
         arrived = (at - self._began) * self._rate if math.isfinite(self._rate) else 0.0
         self._fly(min(arrived, (self._ticks + 1) * self._interval))

@@ -1,0 +1,153 @@
+"""A live flight on a bus that keeps every message: what does not need ROS."""
+
+import math
+import threading
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import driftform as df
+from driftform.errors import WorkFailedError
+from driftform.types import End, Trajectory
+from driftform_robotics.recording.messages import full_name, make_messages
+from driftform_robotics.recording.options import FlightOptions
+from driftform_ros.node import LiveNode
+
+WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+
+
+def make_design(*settings: str) -> df.Design:
+    given = ("release.pitch_deg=20", *settings)
+    return df.open_agent(WORD, *given, scenario="paper", use={"simulator": "native"})
+
+
+class MemoryBus:
+    """ROS that ends after some messages of the odometry."""
+
+    address = "memory"
+
+    def __init__(self, odometries: int, has_clock: bool = True, parameter: str | None = None) -> None:
+        self.left, self.has_clock, self.parameter = odometries, has_clock, parameter
+        self.kinds: dict[str, str] = {}
+        self.messages: dict[str, list[Any]] = defaultdict(list)
+        self.services: dict[str, Callable[[], tuple[bool, str]]] = {}
+        self.take: Callable[[tuple[float, float, float]], None] = lambda _: None
+        self.acts: dict[int, Callable[[], object]] = {}
+
+    def advertise(self, topic: str, kind: str, latched: bool) -> None:
+        self.kinds[topic] = kind
+
+    def publish(self, topic: str, message: bytes) -> None:
+        store = make_messages(None).store
+        self.messages[topic].append(store.deserialize_ros1(message, full_name(self.kinds[topic])))
+        if topic == "/agent/odom":
+            self.left -= 1
+            self.acts.pop(len(self.messages[topic]), lambda: None)()
+
+    def receive_currents(self, take: Callable[[tuple[float, float, float]], None]) -> None:
+        self.take = take
+
+    def serve(self, name: str, answer: Callable[[], tuple[bool, str]]) -> None:
+        self.services[name] = answer
+
+    def read_parameter(self, name: str) -> str | None:
+        return self.parameter
+
+    def read_time(self) -> float:
+        return 500.0
+
+    def is_alive(self) -> bool:
+        return self.left > 0
+
+
+def run(bus: MemoryBus, design: df.Design, *, once: bool = False, **options: Any) -> None:
+    node = LiveNode(bus, make_design, FlightOptions(**options), 0.05, 0.0)
+    if once:
+        node.run(design, once)
+        return
+    with pytest.raises(WorkFailedError, match="memory does not answer"):
+        node.run(design, once)
+
+
+def stamps_of(bus: MemoryBus, topic: str) -> np.ndarray:
+    stamps = [message.header.stamp for message in bus.messages[topic]]
+    return np.array([stamp.sec + 1e-9 * stamp.nanosec for stamp in stamps])
+
+
+@pytest.fixture(scope="module")
+def design() -> Iterator[df.Design]:
+    yield make_design()
+
+
+def test_without_a_clock_of_its_own_it_begins_at_the_time_of_ros(design: df.Design) -> None:
+    bus = MemoryBus(5, has_clock=False)
+    run(bus, design)
+    assert "/clock" not in bus.kinds
+    assert stamps_of(bus, "/agent/odom") == pytest.approx(500 + 0.05 * np.arange(5))
+    bus = MemoryBus(5)
+    run(bus, design, start=3.0)
+    assert len(bus.messages["/clock"]) == 5
+    assert stamps_of(bus, "/agent/odom")[0] == pytest.approx(3.0)
+
+
+def test_each_reading_has_noise_of_its_own(design: df.Design) -> None:
+    noisy, exact = MemoryBus(60), MemoryBus(60)
+    run(noisy, design, pressure_noise=10.0)
+    run(exact, design)
+    noise = np.array([a.fluid_pressure for a in noisy.messages["/agent/pressure"]]) - [
+        b.fluid_pressure for b in exact.messages["/agent/pressure"]
+    ]
+    assert noise.std() == pytest.approx(10.0, rel=0.4)
+    assert abs(np.corrcoef(noise[1:], noise[:-1])[0, 1]) < 0.4
+
+
+def test_the_same_current_again_changes_nothing_and_one_that_is_no_number_is_ignored(
+    design: df.Design, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bus = MemoryBus(8)
+    bus.acts = {
+        2: lambda: bus.take((0.5, 0.0, 0.0)),
+        4: lambda: bus.take((0.5, 0.0, 0.0)),
+        6: lambda: bus.take((math.nan, 0.0, 0.0)),
+        7: lambda: bus.take((1e3, 0.0, 0.0)),
+    }
+    run(bus, design)
+    [message] = bus.messages["/agent/current"]
+    assert message.twist.linear.x == 0.5
+    assert message.header.frame_id == "world"
+    assert stamps_of(bus, "/agent/current") == pytest.approx([1.05])
+    assert len(capsys.readouterr().err.splitlines()) == 2
+
+
+def test_a_release_that_is_refused_leaves_the_flight_alone(design: df.Design) -> None:
+    bus = MemoryBus(170, parameter="flow.kind=turbulent")
+    answers: list[tuple[bool, str]] = []
+
+    def ask() -> None:
+        answers.append(bus.services["/agent/release"]())
+
+    bus.acts = {3: threading.Thread(target=ask).start, 150: lambda: time.sleep(0.5)}
+    run(bus, design)
+    [(success, message)] = answers
+    assert not success and "gusts" in message and "\n" not in message
+    assert np.diff(stamps_of(bus, "/agent/odom")) == pytest.approx(0.05)
+
+
+def test_a_flight_that_fails_is_an_error_if_it_is_the_only_one(
+    design: df.Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = make_design()
+    step = other.pipeline.simulator.step
+
+    def fail(agent: Any, scenario: Any, flown: Trajectory, duration: float) -> Trajectory:
+        found = step(agent, scenario, flown, duration)
+        object.__setattr__(found, "end", End.NON_FINITE if flown.t[-1] > 0.1 else found.end)
+        return found
+
+    monkeypatch.setattr(type(other.pipeline.simulator), "step", staticmethod(fail))
+    with pytest.raises(WorkFailedError, match="ended after"):
+        run(MemoryBus(10**6), other, once=True)
