@@ -54,3 +54,20 @@ def test_scenarios_are_listed_and_shown_as_toml_to_copy(call: Call) -> None:
 def test_a_scenario_that_was_copied_is_a_study(call: Call) -> None:
     Path("mine.toml").write_text(call("scenarios", "show", "pipe-inspection").stdout)
     assert call("sample", "--scenario", "mine.toml", "--count", 1, "--out", "out").exit_code == 0
+
+
+def test_a_picture_shows_what_is_wrong_with_a_study(call: Call) -> None:
+    lines = ['base = "pipe-inspection"', "[targets]", "high = [3.0, 0, 1.4]", "good = [4.0, 0, 0.2]"]
+    Path("mine.toml").write_text("\n".join(lines))
+    result = call("scenarios", "check", "mine.toml", "--picture", "mine.svg")
+    assert result.exit_code == 2
+    picture = Path("mine.svg").read_text()
+    assert "lies outside the pipe" in picture.replace("\n", " ")
+    assert picture.count('stroke="#b3261e"') == 1
+    # A release outside, and then a pipe that cannot be laid.
+    Path("mine.toml").write_text("\n".join([*lines, "[release]", "position = [0, 0, 3.0]"]))
+    assert call("scenarios", "check", "mine.toml", "--picture", "mine.svg").exit_code == 2
+    assert Path("mine.svg").read_text().count('stroke="#b3261e"') == 2
+    Path("mine.toml").write_text('base = "paper"\n[pipe]\nradius = -1\n')
+    assert call("scenarios", "check", "mine.toml", "--picture", "none.svg").exit_code == 2
+    assert not Path("none.svg").exists()

@@ -91,3 +91,20 @@ def test_the_nearest_point_inside_is_on_the_way_to_the_axis(x: float, away: floa
     if np.cos(turn) > 0 and np.hypot(*point[1:]) < 1.0:
         assert distance == pytest.approx(away - 0.15, rel=0.01)
         assert np.linalg.norm(nearest - point) == pytest.approx(distance, rel=0.01)
+
+
+@pytest.mark.parametrize("slope", [0.0, 30.0])
+@pytest.mark.parametrize("frame", ["inlet", "world"])
+def test_a_release_may_be_given_as_a_place(frame: str, slope: float) -> None:
+    direction = [float(np.cos(np.deg2rad(slope))), 0.0, float(-np.sin(np.deg2rad(slope)))]
+    pipe = f"pipe={{segments = [], radius = 0.5, start = [1.0, 2.0, 3.0], direction = {direction}, parts = [{{kind = 'straight', length = 4.0}}]}}"
+    spot = "release.position={part = 'straight 1', at = 1.0, clock = 12, off_wall = 0.1}"
+    scenario = load_study("pipe-inspection", [pipe, "targets={}", spot, f"release.frame='{frame}'"]).scenario
+    up = np.array([np.sin(np.deg2rad(slope)), 0.0, np.cos(np.deg2rad(slope))])
+    assert scenario.release_position() == pytest.approx([1.0, 2.0, 3.0] + np.array(direction) + 0.4 * up)
+
+
+def test_a_release_at_a_place_that_there_is_not_names_its_key() -> None:
+    spot = "release.position={part = 'straight 2', at = 1.0}"
+    with pytest.raises(InputError, match=r"release\.position: no part is called 'straight 2'"):
+        load_study("pipe-inspection", [spot])

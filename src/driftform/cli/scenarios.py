@@ -1,12 +1,14 @@
 """``driftform scenarios``."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from driftform.cli.help import Command, make_group
 from driftform.cli.options import Json, Settings
+from driftform.errors import InputError
 
 
 def list_(json: Json = False) -> None:
@@ -42,7 +44,7 @@ def show(
     import tomllib
 
     from driftform.cli.output import print_json
-    from driftform.errors import InputError, did_you_mean
+    from driftform.errors import did_you_mean
     from driftform.study.sources import read_scenarios
 
     texts = read_scenarios()
@@ -60,7 +62,10 @@ def check(
         str, typer.Argument(metavar="FILE", help="Study file, or the name of a built-in scenario.")
     ],
     picture: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Draw the pipe with its targets to an SVG file.")
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Draw the pipe with its targets, and with what is wrong, to an SVG file."
+        ),
     ] = None,
     settings: Settings = None,
     json: Json = False,
@@ -71,7 +76,12 @@ def check(
     from driftform.study import NAMED, SELECTED, load_study
     from driftform.util.files import check_directory, write_text
 
-    study = load_study(file, settings or ())
+    try:
+        study = load_study(file, settings or ())
+    except InputError as error:
+        if picture is not None:
+            _draw_faults(file, settings or (), picture, error)
+        raise
     warnings = study.list_warnings()
     if study.scenario.targets:
         study.make_strategy()
@@ -80,7 +90,7 @@ def check(
         from driftform.figures.pipe import pipe_svg
 
         check_directory(picture.parent, "--picture")
-        write_text(picture, pipe_svg(scenario, document.get("title", "") or file))
+        write_text(picture, pipe_svg(scenario, document.get("title", "") or file, notes=warnings))
     found = {
         "file": file,
         "title": document.get("title", ""),
@@ -123,3 +133,36 @@ def check(
         print_text(f"warning: {warning}")
     if picture is not None:
         print(f"picture: {picture}")
+
+
+def _draw_faults(file: str, settings: Sequence[str], picture: Path, fault: InputError) -> None:
+    """Draw the pipe of a study that is wrong, with the places that lie outside; nothing if even the pipe is wrong."""
+    import numpy as np
+
+    from driftform.figures.pipe import pipe_svg
+    from driftform.study import load_study
+    from driftform.study.sources import merge_source, parse_setting, read_sources
+    from driftform.util.files import check_directory, write_text
+
+    check_directory(picture.parent, "--picture")
+    document: dict[str, Any] = {}
+    for layer in (*read_sources(file), *map(parse_setting, settings)):
+        document = merge_source(document, layer)
+    points = {name: value for name, value in document.get("targets", {}).items() if _is_point(value)}
+    for released in ([], ["release.position=[0, 0, 0]"]):
+        try:
+            scenario = load_study(file, [*settings, "targets={}", *released]).scenario
+        except InputError:
+            continue
+        if released and _is_point(document["release"].get("position")):
+            release = scenario.release.model_copy(update={"position": document["release"]["position"]})
+            points["release"] = scenario.model_copy(update={"release": release}).release_position()
+        sound = {name: point for name, point in points.items() if scenario.pipe.contains(tuple(point))}
+        wrong = [(name, np.array(point)) for name, point in points.items() if name not in sound]
+        scenario, title = scenario.model_copy(update={"targets": sound}), document.get("title", "") or file
+        write_text(picture, pipe_svg(scenario, title, wrong, list(map(str, fault.args))))
+        return
+
+
+def _is_point(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 3 and all(isinstance(v, int | float) for v in value)

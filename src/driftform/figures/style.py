@@ -6,6 +6,7 @@ The hues are those of Okabe and Ito, which people with any colour vision can dis
 
 INK = "#1f2a36"
 MUTED = "#586673"
+WRONG = "#b3261e"
 GRID = "#e6ebef"
 WATER = "#f1f7fb"
 WALL = "#4a5967"

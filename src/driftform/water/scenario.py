@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from driftform.errors import did_you_mean
-from driftform.options import Table, describe, option
+from driftform.options import Table, describe, find_table, option
 from driftform.types import Body, FloatArray, MassProperties, Trajectory
 from driftform.util import rotations
 from driftform.util.latest import keep_latest
@@ -28,7 +28,7 @@ from driftform.water.flow import (
 )
 from driftform.water.fluids import FLUIDS
 from driftform.water.pipe import Pipe, Vector
-from driftform.water.pipe_parts import VERTICAL
+from driftform.water.pipe_parts import VERTICAL, upright_axes
 from driftform.water.places import find_nearest_inside, resolve_place
 from driftform.water.wetted import find_surface_fault
 
@@ -74,7 +74,11 @@ class Release(Table):
     frame: Literal["inlet", "world"] = option(
         "inlet", "frame of the release: inlet, at its centre with x along the pipe, or world"
     )
-    position: Vector = option((0.0, 0.0, 0.0), "position of the core's centre at the release", "m")
+    position: Vector = option(
+        (0.0, 0.0, 0.0),
+        "position of the core's centre at the release; or a place in the pipe, as targets may have it",
+        "m",
+    )
     pitch_deg: float = option(
         0.0, "pitch of the body's axis relative to x, positive nose down", "deg", ge=-90, le=90
     )
@@ -250,22 +254,35 @@ class Scenario(Table):
         """Return the options of each kind of current: rows ``{option, type, bounds, default, unit, help}``."""
         return {kind: describe(model) for kind, model in FLOWS.items()}
 
+    @classmethod
+    def describe_tables(cls) -> dict[str, list[dict[str, Any]]]:
+        """Return the options of each table that is of one kind, such as ``fluid``; rows as :meth:`describe_flows` has them."""
+        tables = {name: find_table(field.annotation) for name, field in cls.model_fields.items()}
+        return {name: describe(table) for name, table in tables.items() if table is not None}
+
     @model_validator(mode="before")
     @classmethod
     def _find_places(cls, values: Any) -> Any:
-        """Replace targets that name a place in the pipe by its coordinates."""
-        targets = values.get("targets") if isinstance(values, Mapping) else None
-        if not isinstance(targets, Mapping) or not any(
-            isinstance(target, Mapping) for target in targets.values()
-        ):
-            return values
-        layout, found = Pipe.model_validate(values.get("pipe", {})).layout, dict[str, Any]()
-        for name, target in targets.items():
-            try:
-                found[name] = resolve_place(target, layout)
-            except ValueError as error:
-                raise ValueError(f"targets.{name}: {error}") from None
-        return {**values, "targets": found}
+        """Replace targets, and a release, that name a place in the pipe by its coordinates."""
+        found: dict[str, dict[str, Any]] = {}
+        for table in ("targets", "release") if isinstance(values, Mapping) else ():
+            rows = values.get(table)
+            if not isinstance(rows, Mapping) or not any(isinstance(v, Mapping) for v in rows.values()):
+                continue
+            layout = Pipe.model_validate(values.get("pipe", {})).layout
+            for name, value in rows.items():
+                try:
+                    found.setdefault(table, {})[name] = resolve_place(value, layout)
+                except ValueError as error:
+                    raise ValueError(f"{table}.{name}: {error}") from None
+            if (
+                isinstance(rows.get("position"), Mapping)
+                and table == "release"
+                and rows.get("frame") != "world"
+            ):
+                inlet, point = layout.inlet, np.array(found[table]["position"])
+                found[table]["position"] = (upright_axes(inlet.axes[0]) @ (point - inlet.centre)).tolist()
+        return {**values, **found} if found else values
 
     @model_validator(mode="after")
     def _check_together(self) -> "Scenario":
