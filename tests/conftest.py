@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from chromium import browser
 from program import call, ideal_water, install, refused
 
-__all__ = ["call", "ideal_water", "install", "refused"]
+__all__ = ["browser", "call", "ideal_water", "install", "refused"]
 
 MOST_WORKERS = 8
 

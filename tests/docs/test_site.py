@@ -2,7 +2,10 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
+import pytest
+from accessibility import find_barriers, look
 from public import find_homes
 
 ROOT = Path(__file__).parents[2]
@@ -64,3 +67,16 @@ def test_the_site_opens_with_the_picture_and_four_doors(site: Path) -> None:
 def test_pages_for_users_hold_no_commands_for_developers(pages: dict[str, str]) -> None:
     for name, text in pages.items():
         assert not re.search(r"UPDATE_DOCS|uv run pytest|pytest -m|pre-commit", text), name
+
+
+@pytest.mark.long
+def test_axe_finds_no_barrier_on_any_page(site: Path, browser: Any) -> None:
+    found = {}
+    for page in sorted(site.rglob("*.html")):
+        browser.get(page.as_uri())
+        for width in (390, 1280):
+            for scheme in ("light", "dark"):
+                look(browser, width, scheme)
+                if barriers := find_barriers(browser):
+                    found[f"{page.relative_to(site)}, {width}, {scheme}"] = barriers
+    assert found == {}

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from accessibility import find_barriers, look
 
 from driftform.report.contents import collect_contents
 from driftform.report.page import page_html, viewer_data
@@ -34,17 +35,10 @@ return [shown / (data.length / 4), sum];
 @pytest.fixture
 def page(browser, run_with_page):
     """The page, opened anew, 1400 px wide, in light colours."""
-    look(browser, 1400)
+    look(browser, 1400, "light")
     browser.get_log("browser")
     browser.get((run_with_page / "report.html").as_uri())
     return browser
-
-
-def look(browser, width, scheme="light"):
-    size = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    feature = {"name": "prefers-color-scheme", "value": scheme}
-    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
 
 
 def pixels(page, view):
@@ -133,8 +127,17 @@ def test_nothing_overflows_on_a_phone_or_on_a_desk(page, width, scheme):
     assert page.get_log("browser") == []
 
 
+@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_no_barrier(page, width, scheme):
+    look(page, width, scheme)
+    page.refresh()
+    page.execute_script("document.querySelectorAll('details').forEach((e) => { e.open = true; })")
+    assert find_barriers(page) == []
+
+
 def test_on_a_phone_the_table_is_read_without_scrolling_and_no_letter_of_a_figure_is_tiny(page):
-    look(page, 390)
+    look(page, 390, "light")
     page.refresh()
     assert page.execute_script(
         "return [...document.querySelectorAll('.agents td, .agents th')].every((e) => {"

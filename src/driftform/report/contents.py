@@ -84,12 +84,7 @@ class Contents:
 def collect_contents(run: Run) -> Contents:
     """Read a run, finished or not.
 
-    Raises
-    ------
-    InputError
-        if the run is damaged.
-    WorkFailedError
-        if no evaluation succeeded yet.
+    Raises InputError if the run is damaged. Raises WorkFailedError if no evaluation succeeded yet.
     """
     study, scenario = run.study, run.study.scenario
     grammar, targets = study.make_plugin("grammar"), scenario.target_names

@@ -37,12 +37,7 @@ SEAMS = ("grammar", "builder", "hydrodynamics", "simulator", "fitness", "strateg
 def write_report(run: Run, path: Path | None = None) -> tuple[Contents, Path]:
     """Write the page of a run, by default ``report.html`` in it; return what it holds, and its path.
 
-    Raises
-    ------
-    InputError
-        if the run is damaged.
-    WorkFailedError
-        if no evaluation succeeded yet.
+    Raises InputError if the run is damaged. Raises WorkFailedError if no evaluation succeeded yet.
     """
     contents = collect_contents(run)
     path = path or run.path / "report.html"
