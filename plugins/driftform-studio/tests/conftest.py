@@ -80,7 +80,7 @@ class Server:
     def perform(self, path: str, document: Any) -> Any:
         """Return the result of a task."""
         task = self.ask(path, document)["task"]
-        state = wait_until_true(lambda: (found := self.ask(f"api/tasks/{task}"))["over"] and found)
+        state = wait_until_true(lambda: (found := self.ask(f"api/tasks/{task}"))["is_over"] and found)
         assert state["errors"] == []
         return state["result"]
 

@@ -93,13 +93,36 @@ def test_what_does_not_exist_is_refused_in_a_line(finished, wait_for):
         assert line
     assert "did you mean 'small'" in finished.ask("api/runs/smal", status=422)["errors"][0]
     task = finished.ask("api/runs/small/agents/nowhere", {})["task"]
-    state = wait_for(lambda: (s := finished.ask(f"api/tasks/{task}"))["over"] and s)
+    state = wait_for(lambda: (s := finished.ask(f"api/tasks/{task}"))["is_over"] and s)
     assert state["errors"] == ["small: has no agent 'nowhere'"]
 
 
-def test_a_point_outside_of_the_pipe_is_refused_as_the_core_says_it(finished, wait_for):
-    task = finished.ask("api/runs/small/pick", {"point": [4, 0, 5]})["task"]
+@pytest.mark.parametrize(
+    ("work", "document", "words"),
+    [
+        ("pick", {"point": [4, 0, 5]}, "lies outside the pipe"),
+        *(("pick", {"point": point}, "three numbers") for point in (None, [1, 2], ["x", 0, 0], [1, 2, 3, 4])),
+        *(("agents/near/trim", {"grams": grams}, "enter the grams") for grams in (None, 0, -3, "x", [1])),
+    ],
+)
+def test_work_on_what_is_no_point_or_no_weight_is_refused_in_a_line(
+    finished, wait_for, work, document, words
+):
+    task = finished.ask(f"api/runs/small/{work}", document)["task"]
     [line] = wait_for(lambda: finished.ask(f"api/tasks/{task}")["errors"])
-    assert "lies outside the pipe" in line
-    for point in (None, [1, 2], ["x", 0, 0], [1, 2, 3, 4]):
-        finished.ask("api/runs/small/pick", {"point": point}, status=422)
+    assert words in line
+    for name in ("nonsense", "agents/near/nonsense"):
+        [line] = finished.ask(f"api/runs/small/{name}", {}, status=422)["errors"]
+        assert "unknown" in line
+
+
+def test_ballast_is_planned_for_the_weight_of_a_print(finished):
+    shown = finished.perform("api/runs/small/agents/near", {})
+    facts = shown["facts"]
+    exact = 1000 * (facts["hull"] + facts["core"])
+    found = finished.perform("api/runs/small/agents/near/trim", {"grams": exact - 0.5})
+    missing = facts["mass"] - facts["hull"] - facts["core"] + 0.0005
+    # The seat for a larger ball weighs something, too.
+    assert found["ballast_mass"] == pytest.approx(missing, rel=0.02)
+    assert found["misses"]["simulated"] == pytest.approx(shown["promise"]["nominal"], abs=2e-3)
+    assert found["misses"]["untrimmed"] > 2 * found["misses"]["trimmed"]

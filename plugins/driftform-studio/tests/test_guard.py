@@ -2,8 +2,15 @@
 
 import json
 import os
+import shutil
+import signal
 import socket
+import subprocess
+import time
+from base64 import b64encode
 from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 import pytest
 
@@ -114,7 +121,7 @@ def test_no_path_leads_out_of_the_folder(finished, finished_folder, name):
         f"{name}",
     ):
         status, _, body = finished.send("GET", f"/{finished.token}/{path}")
-        assert status in (403, 404, 422), path
+        assert status in (403, 404, 405, 422), path
         assert (
             b"secret" not in body.replace(b"../secret", b"").replace(b"named '", b"")
             or b"did you mean" in body
@@ -205,3 +212,143 @@ def test_the_token_is_for_the_owner_alone_and_holds_when_the_server_is_started_a
 
 def test_a_second_server_of_a_folder_finds_another_port(serve):
     assert serve().port != serve().port
+
+
+@pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of command lines")
+def test_no_command_line_holds_the_token(folder, tmp_path, program, wait_for):
+    # A browser that writes down what it is called with.
+    called = tmp_path / "called"
+    browser = tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\nprintf "%s\\n" "$@" >> {called}\n')
+    browser.chmod(0o755)
+    command = [program, "studio", str(folder), "--json"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, text=True, env={**os.environ, "BROWSER": f"{browser} %s"}
+    ) as server:
+        assert server.stdout is not None
+        text = ""
+        while not text.endswith("}\n"):
+            text += server.stdout.readline()
+        address = json.loads(text)["address"]
+        token = address.rstrip("/").rpartition("/")[2]
+        wait_for(called.exists)
+        page = Path(url2pathname(urlsplit(called.read_text().strip()).path))
+        assert address in page.read_text() and page.stat().st_mode & 0o077 == 0
+        lines = [path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline")]
+        assert len(lines) > 3 and not [line for line in lines if token.encode() in line]
+        server.send_signal(signal.SIGINT)
+    # The page is of no use without the server.
+    assert not page.exists()
+
+
+def test_another_port_has_another_token(serve, folder):
+    first = serve()
+    first.kill()
+    with socket.socket() as taken:
+        taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        taken.bind(("127.0.0.1", first.port))
+        taken.listen()
+        again = serve()
+    assert again.port != first.port and again.token != first.token
+
+
+@pytest.mark.parametrize(
+    "half",
+    [
+        b"GET / HT",
+        b"POST /{token}/api/check HTTP/1.1\r\nhost: {host}\r\ncontent-type: application/json\r\ncontent-length: 90\r\n\r\n{{",
+        b"",
+    ],
+)
+def test_a_request_that_is_half_sent_ends_after_ten_seconds(finished, half):
+    text = half.decode().format(token=finished.token, host=f"{finished.host}:{finished.port}").encode()
+    began = time.monotonic()
+    with socket.create_connection((finished.host, finished.port), timeout=30) as connection:
+        connection.sendall(text)
+        try:
+            while connection.recv(1000):
+                pass
+        except ConnectionResetError:
+            pass
+    assert 8 < time.monotonic() - began < 20
+    assert finished.send("GET", f"/{finished.token}/")[0] == 200
+
+
+ODD = [
+    '"\\ud800"',
+    "9999999999999999999",
+    "-9999999999999999999",
+    "1e400",
+    "NaN",
+    "Infinity",
+    '{"\\udfff": 1}',
+]
+
+
+@pytest.mark.parametrize("value", ODD)
+def test_half_characters_and_numbers_that_no_study_holds_are_refused_in_a_line(finished, value):
+    table = f'{{"base": "pipe-inspection", "fluid": {{"density": {value}}}}}'
+    for path, body in {
+        "api/check": table,
+        "api/examine": table,
+        "api/runs": f'{{"draft": {table}}}',
+        "api/runs/small/pick": f'{{"point": [{value}, 0, 0]}}',
+        "api/runs/small/resume": f'{{"more": {value}}}',
+        "api/runs/small/agents/near/trim": f'{{"grams": {value}}}',
+        "api/files": f'{{"name": {value}, "content": ""}}',
+    }.items():
+        status, _, answer = finished.send(
+            "POST", f"/{finished.token}/{path}", body.encode(), content_type="application/json"
+        )
+        assert status == 422, (path, answer)
+        assert len(json.loads(answer)["errors"]) == 1
+    assert finished.send("GET", f"/{finished.token}/api/runs/small/flights/9999999999999999999")[0] == 422
+
+
+def test_a_draft_names_no_file_but_those_that_were_given_to_it(finished, finished_folder, tmp_path):
+    grid = "x,y,z,u,v,w\n" + "".join(
+        f"{x},{y},{z},1,0,0\n" for x in (0, 9) for y in (-1, 0, 1) for z in (-1, 0, 1)
+    )
+    (tmp_path / "secret.csv").write_text(grid)
+    link = finished_folder / ".files" / "link.csv"
+    draft = {"base": "pipe-inspection", "flow": {"kind": "grid", "speed": 1.0}, "targets": {}}
+    given = finished.ask("api/files", {"name": "../../my.csv", "content": b64encode(grid.encode()).decode()})[
+        "file"
+    ]
+    assert Path(given).is_relative_to(finished_folder / ".files") and Path(given).read_text() == grid
+    draft["flow"]["file"] = given
+    assert "errors" in finished.ask("api/check", draft)
+    link.symlink_to(tmp_path / "secret.csv")
+    outside = [
+        str(tmp_path / "secret.csv"),
+        "/etc/passwd",
+        "secret.csv",
+        str(link),
+        f"{given}/../../../secret",
+        "",
+        7,
+    ]
+    for file in outside:
+        draft["flow"]["file"] = file
+        for path in ("api/check", "api/examine"):
+            [line] = finished.ask(path, draft, status=422)["errors"]
+            assert "it opens no other files" in line
+    for name in ("x.exe", "x", 3, None):
+        finished.ask("api/files", {"name": name, "content": ""}, status=422)
+    finished.ask("api/files", {"name": "x.csv", "content": "?"}, status=422)
+    link.unlink()
+    core = {"base": "pipe-inspection", "builder": {"core": "/etc/passwd"}}
+    assert "none that can be bought" in finished.ask("api/check", core, status=422)["errors"][0]
+
+
+def test_a_link_that_is_laid_while_a_run_is_open_is_not_followed(serve, folder, finished_folder, tmp_path):
+    shutil.copytree(finished_folder / "small", folder / "small")
+    server = serve()
+    server.ask("api/runs/small/status")
+    shutil.rmtree(folder / "small" / "picks", ignore_errors=True)
+    (tmp_path / "outside").mkdir()
+    (folder / "small" / "picks").symlink_to(tmp_path / "outside")
+    for path, document in (("status", None), ("", None), ("pick", {"point": [4, 0, 0]}), ("report", {})):
+        [line] = server.ask(f"api/runs/small/{path}".rstrip("/"), document, status=422)["errors"]
+        assert "leads out of the run" in line
+    assert not list((tmp_path / "outside").iterdir())

@@ -12,6 +12,7 @@ from driftform import Design
 from driftform.agent import MassElement
 from driftform.cli import formats
 from driftform.errors import InputError, WorkFailedError
+from driftform.motion import approach
 from driftform.types import Agent, FloatArray
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import settle_ballast
@@ -66,10 +67,7 @@ def weigh_print(
 ) -> PrintWeight:
     """Return what a print weighs, from what was measured of it (kg, m; ``None`` if it was not) and what its kit weighs.
 
-    Raises
-    ------
-    InputError
-        if the mass is missing.
+    Raises InputError if the mass is missing.
     """
     core = agent.body.core.mass
     if mass is None and (kit is None or cog is not None):
@@ -99,6 +97,8 @@ def _trim(design: Design, weight: PrintWeight, density: float, measure: MeasureK
         for case, flight in flights.items()
         if flight.failure is None
     }
+    points = pipeline.scenario.target_array()
+    closest = {case: approach.closest_approach(flight, points)[0] for case, flight in flights.items()}
     return {
         "agent": name,
         "simulator": pipeline.simulator.name,
@@ -113,6 +113,7 @@ def _trim(design: Design, weight: PrintWeight, density: float, measure: MeasureK
         "ballast_density": density,
         **remedy,
         **{case: scores.get(case) for case in ("simulated", "untrimmed", "trimmed")},
+        "misses": {case: dict(zip(targets, closest[case], strict=True)) for case in scores},
         "ends": {
             case: {
                 "t": flight.t[-1],
@@ -353,13 +354,7 @@ def trim_design(
         name of the exporter whose options the kit has.
     ballast_density
         kg/m3; ``None`` for that of the kit's options, or else of lead.
-
-    Raises
-    ------
-    InputError
-        if a value cannot be that of this agent.
-    WorkFailedError
-        if a flight fails.
+    Raises InputError if a value cannot be that of this agent. Raises WorkFailedError if a flight fails.
     """
     if not kit:
         weight = weigh_print(design.agent, printed_mass, printed_cog)

@@ -1,6 +1,7 @@
 """An agent as the page shows it, and the files that can be taken of it."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -8,7 +9,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import numpy as np
 import numpy.typing as npt
 
-from driftform import Design, Run, StoredAgent
+from driftform import Design, StoredAgent
 from driftform.agent import hull_mass
 from driftform.errors import InputError, did_you_mean
 from driftform.figures import scene, style
@@ -17,13 +18,18 @@ from driftform.search import PipeGrid
 from driftform.types import FloatArray
 from driftform.util import progress
 from driftform.water import Pipe
+from driftform_kit.trim import trim_design
+from driftform_studio.live import LiveRun
+
+Document = dict[str, Any]
 
 FORMATS = {"stl": ("stl", False), "3mf": ("3mf", False), "kit": ("3mf", True)}
 """What can be taken for a printer: the exporter of each, and whether it writes a kit."""
 
 
-def describe_agent(run: Run, key: str, design: Design) -> dict[str, Any]:
+def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
     """Return what the page shows of an agent: its body, its flight, its facts, and what is promised of it."""
+    run, design = live.run, live.find_agent(key)
     scenario, agent, result = run.study.scenario, design.agent, design.result
     flight = run.read_flight(result["evaluation"])
     if flight is None or flight.error is None:
@@ -52,6 +58,7 @@ def describe_agent(run: Run, key: str, design: Design) -> dict[str, Any]:
             "diameter": design.max_diameter,
             "mass": design.mass.mass,
             "hull": hull_mass(agent.body),
+            "core": agent.body.core.mass,
             "buoyancy": design.net_buoyancy,
             "modules": len(agent.morphology.modules) if agent.morphology else 0,
         },
@@ -59,35 +66,59 @@ def describe_agent(run: Run, key: str, design: Design) -> dict[str, Any]:
     }
 
 
-def disturb_agent(key: str, design: Design) -> dict[str, Any]:
+def disturb_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
     """Fly an agent under disturbed conditions, and return what is promised of it."""
-    scenario = design.scenario
-    if key not in scenario.targets:
-        # The point that was picked takes the place of the targets.
-        point = json.dumps(list(design.result["point"]))
-        design = design.under(f"targets={{picked = {point}}}")
-    flights = scenario.robustness.checks
-    number = list(scenario.targets).index(key) if key in scenario.targets else 0
+    design, number = _aim(key, live.find_agent(key))
+    flights = design.scenario.robustness.checks
     with progress.count_progress("disturbed flights") as show:
         misses = design.disturb(flights, progress=show)
     return {"promise": _summarise(misses, number), "effects": _list_effects(misses, number)}
 
 
-def export_agent(design: Design, kind: str, folder: Path) -> Path:
+def trim_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
+    """Plan the ballast of the kit of an agent that weighs so many ``grams`` with its core; ``misses`` are of its target, m."""
+    grams = document.get("grams")
+    if not isinstance(grams, int | float) or grams <= 0:
+        raise InputError("weigh the print with its core, and enter the grams")
+    design, number = _aim(key, live.find_agent(key))
+    facts = trim_design(design, grams / 1000, kit=True, format="3mf")
+    target = design.scenario.target_names[number]
+    kept = (
+        "simulated_mass",
+        "printed_mass",
+        "ballast_mass",
+        "pieces",
+        "held",
+        "unheld",
+        "buoyancy",
+        "aft_end",
+    )
+    misses = {case: found[target] for case, found in facts["misses"].items()}
+    return {name: facts[name] for name in kept} | {"misses": misses}
+
+
+def _aim(key: str, design: Design) -> tuple[Design, int]:
+    """Return an agent with the number of its target; a point that was picked takes the place of the targets."""
+    names = design.scenario.target_names
+    if key in names:
+        return design, names.index(key)
+    return design.under(f"targets={{picked = {json.dumps(list(design.result['point']))}}}"), 0
+
+
+def export_agent(design: Design, kind: str, folder: Path, ballast: Any = None) -> Path:
     """Write an agent for a printer into a folder, and return the file: an archive, if there are several.
 
-    Raises
-    ------
-    InputError
-        if there is no such kind.
-    WorkFailedError
-        if the agent cannot be written so.
+    A kit has the options that it was simulated with, and seats for the ``ballast`` if some is given, (x, diameter) in m.
+    Raises InputError if there is no such kind. Raises WorkFailedError if the agent cannot be written so.
     """
     if kind not in FORMATS:
         raise InputError(f"there are no files '{kind}'{did_you_mean(kind, FORMATS)}")
     format, kit = FORMATS[kind]
     if kit:
-        design = Design.build(design.stored, design.name, settings=(f"exporter.{format}.kit=true",))
+        given = design.study.document.get("builder", {}).get("kit") or {}
+        options = {**given, **({"ballast": ballast} if ballast else {}), "kit": True}
+        settings = [f"exporter.{format}.{name}={json.dumps(value)}" for name, value in options.items()]
+        design = Design.build(design.stored, design.name, settings=settings)
     path = folder / f"{design.name}{design.study.make_exporter(format).suffix}"
     written = sorted(set(design.export(format, path)))
     if len(written) == 1:
@@ -99,18 +130,14 @@ def export_agent(design: Design, kind: str, folder: Path) -> Path:
     return archive
 
 
-def map_reach(run: Run) -> dict[str, Any]:
+def map_reach(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
     """Return the reach map: the class of each cell by the closest flight, and where the cells lie in the pipe.
 
     A cell that no flight crosses has the class -1, and one that is not in the pipe -2: beside a narrow bore, or between
     the parts on an unrolled map. ``edges`` has two edges for each column of cells, upstream and downstream, from the lowest to
-    the highest point of the map; ``None`` for a column that is not in the pipe.
-
-    Raises
-    ------
-    InputError
-        if the run is in open water.
+    the highest point of the map; ``None`` for a column that is not in the pipe. Raises InputError if the run is in open water.
     """
+    run = live.run
     reach = run.map_coverage()
     cells, classes = reach.cells, reach.classes
     edges = _place_columns(cells)
@@ -153,10 +180,29 @@ def _find_real(cells: PipeGrid, pipe: Pipe) -> npt.NDArray[np.bool_]:
     return real
 
 
-def pick(run: Run, point: tuple[float, float, float]) -> dict[str, Any]:
-    """Find the agent whose flight passes closest to a point, and write it to the run's ``picks``; return its key."""
-    path = run.write_pick(*point)
-    return {"key": path.parent.name, **StoredAgent.read(path).result}
+def pick(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
+    """Find the agent whose flight passes closest to a ``point``, and write it to the run's ``picks``; return its key."""
+    match document.get("point"):
+        case [int() | float() as x, int() | float() as y, int() | float() as z]:
+            path = live.run.write_pick(round(float(x), 4), round(float(y), 4), round(float(z), 4))
+            return {"key": path.parent.name, **StoredAgent.read(path).result}
+    raise InputError(f"point = {document.get('point')!r}: should be three numbers, in m")
+
+
+def write_report(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
+    """Write the report of a run."""
+    return {"bytes": live.run.report().stat().st_size}
+
+
+WORK: dict[str, Callable[[LiveRun, str, Document], dict[str, Any]]] = {
+    "show": describe_agent,
+    "disturb": disturb_agent,
+    "trim": trim_agent,
+    "reach": map_reach,
+    "pick": pick,
+    "report": write_report,
+}
+"""What takes longer than an answer may: of a run, of the key of an agent, and of the document of the request."""
 
 
 def _summarise(misses: Any, target: int) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from importlib.resources import files
+from itertools import islice
 from pathlib import Path
 from secrets import token_hex
 from tempfile import TemporaryDirectory
@@ -23,8 +24,10 @@ from driftform import Run, Study, load_study
 from driftform.errors import DriftformError, InputError, describe_error
 from driftform.figures import scene
 from driftform.water import Pipe, Scenario, Segment, pipe_parts
+from driftform_frusta.cores import CORES, CUSTOM
 from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
 from driftform_studio.folder import DATABASE, RunsFolder
+from driftform_studio.guard import check_values
 from driftform_studio.searches import Searches
 from driftform_studio.tasks import Tasks
 
@@ -68,9 +71,11 @@ class Studio:
         from driftform_studio.live import LiveRun
 
         name = parameters["run"]
+        # At each use: a link may have been laid since the run was opened.
+        directory = self.folder.find(name)
         with self._lock:
             if name not in self._open or not self._open[name].exists():
-                self._open[name] = LiveRun(self.folder.find(name))
+                self._open[name] = LiveRun(directory)
             self._open.move_to_end(name)
             while len(self._open) > MAX_OPEN:
                 self._open.popitem(last=False)
@@ -91,24 +96,50 @@ class Studio:
             "presets": presets,
             "flows": {kind: _list_fields(rows) for kind, rows in Scenario.describe_flows().items()},
             "parts": {kind: _list_fields(rows) for kind, rows in Pipe.describe_parts().items()},
+            "tables": {name: _list_fields(rows) for name, rows in Scenario.describe_tables().items()},
+            "cores": [{"name": name, "radius": c.radius, "mass": c.mass} for name, c in CORES.items()],
         }
+
+    def keep_file(self, parameters: Parameters, document: Any) -> Any:
+        """Keep a file that is given to a design, and return the path that its study has."""
+        if not isinstance(document, dict):
+            raise InputError("the request is not a table")
+        return {"file": str(self.folder.keep_file(document.get("name"), document.get("content")))}
+
+    def _load(self, document: Any) -> tuple[dict[str, Any], str]:
+        """Return a draft and its text; it may name only files that were given to designs."""
+        draft = check_draft(document)
+        flow = draft.get("flow")
+        if isinstance(flow, dict) and "file" in flow:
+            self.folder.check_file(flow["file"])
+        builder = draft.get("builder")
+        core = builder.get("core", CUSTOM) if isinstance(builder, dict) else CUSTOM
+        if core not in (CUSTOM, *CORES):
+            raise InputError(
+                f"core = {core!r} is none that can be bought; choose one, or give its size and mass"
+            )
+        return draft, write_draft(draft)
 
     def check(self, parameters: Parameters, document: Any) -> Any:
         """Check a draft: its study file, its outline, and its errors at the keys that caused them."""
-        draft = check_draft(document)
-        text = write_draft(draft)
+        draft, text = self._load(document)
         try:
             study = load_draft(text)
         except InputError as error:
             errors = locate_errors([str(line) for line in error.args], text)
-            return {"text": text, "errors": errors, "outline": _outline_without_targets(draft)}
+            try:
+                # Without targets, so that those that are wrong can be moved.
+                outline = _outline(load_draft(write_draft({**draft, "targets": {}})).scenario)
+            except InputError:
+                outline = None
+            return {"text": text, "errors": errors, "outline": outline}
         self._warm_up()
         outline = _outline(study.scenario)
         return {"text": text, "errors": [], "outline": outline, "evaluations": study.evaluations}
 
     def examine(self, parameters: Parameters, document: Any) -> Any:
         """Return what takes a moment of a sound draft: the current over the section, and what is likely to be wrong."""
-        study = load_draft(write_draft(check_draft(document)))
+        study = load_draft(self._load(document)[1])
         return {"scene": _scene(study.scenario), "warnings": study.list_warnings()}
 
     def _warm_up(self) -> None:
@@ -136,8 +167,8 @@ class Studio:
         """Make a run of a draft, and begin its search."""
         if not isinstance(document, dict):
             raise InputError("the request is not a table")
-        draft = check_draft(document.get("draft"))
-        study = load_draft(write_draft(draft))
+        draft, text = self._load(document.get("draft"))
+        study = load_draft(text)
         study.check_search()
         if "seed" not in draft.get("run", {}):
             # The study file that the run keeps gives the same run again.
@@ -154,6 +185,11 @@ class Studio:
         live = self._find(parameters)
         run = live.run
         scenario = run.study.scenario
+        paths = []
+        if scenario.pipe.is_open:
+            # No pipe gives the scene an extent: a flight does.
+            with run.read() as store:
+                paths = [trajectory.position for _, trajectory in islice(store.read_trajectories(), 1)]
         return {
             "run": live.directory.name,
             "path": str(self.given / live.directory.name),
@@ -162,17 +198,9 @@ class Studio:
             "text": self.folder.read_text(live.directory, "study.toml"),
             "seed": run.study.seed,
             "outline": _outline(scenario),
-            "scene": _scene(scenario, self._find_paths(live)),
+            "scene": _scene(scenario, paths),
             "conditions": scenario.robustness.conditions,
         }
-
-    def _find_paths(self, live: Any) -> list[Any]:
-        """Return the path of a flight, if the scenario has no pipe that gives it an extent."""
-        if not live.run.study.scenario.pipe.is_open:
-            return []
-        with live.run.read() as store:
-            first = next(store.read_trajectories(), None)
-        return [] if first is None else [first[1].position]
 
     def show_status(self, parameters: Parameters, document: Any) -> Any:
         """Return how far the search of a run is."""
@@ -197,69 +225,31 @@ class Studio:
         self.searches.start(live.directory, budget + more if more else None)
         return {}
 
-    def show_agent(self, parameters: Parameters, document: Any) -> Any:
-        """Return a task that collects what is shown of an agent."""
-        from driftform_studio.agents import describe_agent
+    def begin_work(self, parameters: Parameters, document: Any) -> Any:
+        """Return a task on a run or on an agent: what :data:`driftform_studio.agents.WORK` has by its name."""
+        from driftform_studio.agents import WORK, export_agent
 
-        live, key = self._find(parameters), parameters["agent"]
-        return {"task": self.tasks.start(lambda: describe_agent(live.run, key, live.find_agent(key)))}
+        name = parameters.get("work", "show")
+        if not isinstance(document, dict) or name not in (*WORK, "make"):
+            raise InputError(f"the request to {name} is not a table, or unknown")
+        live, key = self._find(parameters), parameters.get("agent", "")
 
-    def disturb(self, parameters: Parameters, document: Any) -> Any:
-        """Return a task that flies an agent under disturbed conditions."""
-        from driftform_studio.agents import disturb_agent
-
-        live, key = self._find(parameters), parameters["agent"]
-        return {"task": self.tasks.start(lambda: disturb_agent(key, live.find_agent(key)))}
-
-    def map_reach(self, parameters: Parameters, document: Any) -> Any:
-        """Return a task that maps what the flights of a run reach."""
-        from driftform_studio.agents import map_reach
-
-        live = self._find(parameters)
-        return {"task": self.tasks.start(lambda: map_reach(live.run))}
-
-    def pick(self, parameters: Parameters, document: Any) -> Any:
-        """Return a task that finds the agent of a run that passes a point."""
-        from driftform_studio.agents import pick
-
-        live = self._find(parameters)
-        point = document.get("point") if isinstance(document, dict) else None
-        if (
-            not isinstance(point, list)
-            or len(point) != 3
-            or not all(isinstance(v, int | float) for v in point)
-        ):
-            raise InputError(f"point = {point!r}: should be three numbers, in m")
-        x, y, z = (round(float(v), 4) for v in point)
-        return {"task": self.tasks.start(lambda: pick(live.run, (x, y, z)))}
-
-    def make(self, parameters: Parameters, document: Any) -> Any:
-        """Return a task that makes files of an agent for a printer; its result is the name to take them by."""
-        from driftform_studio.agents import export_agent
-
-        live, key, kind = self._find(parameters), parameters["agent"], parameters["kind"]
-
-        def work() -> dict[str, str]:
+        def make() -> dict[str, str]:
             folder = Path(self._made.name) / token_hex(8)
             folder.mkdir()
-            file = export_agent(live.find_agent(key), kind, folder)
+            file = export_agent(live.find_agent(key), parameters["kind"], folder, document.get("ballast"))
             return {"made": folder.name, "file": file.name}
 
-        return {"task": self.tasks.start(work)}
-
-    def write_report(self, parameters: Parameters, document: Any) -> Any:
-        """Return a task that writes the report of a run."""
-        live = self._find(parameters)
-        return {"task": self.tasks.start(lambda: {"bytes": live.run.report().stat().st_size})}
+        return {"task": self.tasks.start(make if name == "make" else lambda: WORK[name](live, key, document))}
 
     def show_task(self, parameters: Parameters, document: Any) -> Any:
         """Return how far a task is."""
         task = self.tasks.find(parameters["task"])
         if task is None:
             raise InputError("the server was started again meanwhile: ask once more")
-        return task.document()
+        return task
 
-    def take_made(self, parameters: Parameters) -> Response:
+    def take_made(self, parameters: Parameters, document: Any) -> Response:
         """Answer with a file that a task made."""
         folder = Path(self._made.name)
         known = {f"{path.parent.name}/{path.name}": path for path in folder.glob("*/*")}
@@ -268,7 +258,7 @@ class Studio:
             raise InputError("this file is gone: make it once more")
         return FileResponse(path, filename=path.name, media_type="application/octet-stream")
 
-    def take_report(self, parameters: Parameters) -> Response:
+    def take_report(self, parameters: Parameters, document: Any) -> Response:
         """Answer with the report of a run, in a sandbox."""
         live = self._find(parameters)
         path = live.directory / "report.html"
@@ -277,17 +267,17 @@ class Studio:
         headers = {"content-security-policy": REPORT_POLICY}
         return FileResponse(path, media_type="text/html", headers=headers)
 
-    def take_study(self, parameters: Parameters) -> Response:
+    def take_study(self, parameters: Parameters, document: Any) -> Response:
         """Answer with the study file of a run."""
         live = self._find(parameters)
         return _attach(self.folder.read_text(live.directory, "study.toml"), f"{live.directory.name}.toml")
 
-    def take_agent(self, parameters: Parameters) -> Response:
+    def take_agent(self, parameters: Parameters, document: Any) -> Response:
         """Answer with the ``agent.json`` of an agent."""
         design = self._find(parameters).find_agent(parameters["agent"])
         return _attach(design.stored.to_text(), f"{design.name}.json")
 
-    def take_section(self, parameters: Parameters) -> Response:
+    def take_section(self, parameters: Parameters, document: Any) -> Response:
         """Answer with the drawing of an agent's section."""
         design = self._find(parameters).find_agent(parameters["agent"])
         return Response(design._repr_svg_(), media_type="image/svg+xml")
@@ -300,6 +290,7 @@ def make_app(studio: Studio) -> Starlette:
         ("GET", "/api/begin", studio.begin),
         ("POST", "/api/check", studio.check),
         ("POST", "/api/examine", studio.examine),
+        ("POST", "/api/files", studio.keep_file),
         ("GET", "/api/runs", studio.list_runs),
         ("POST", "/api/runs", studio.create),
         ("GET", run, studio.show_run),
@@ -307,26 +298,21 @@ def make_app(studio: Studio) -> Starlette:
         ("GET", f"{run}/flights/{{evaluation:int}}", studio.show_path),
         ("POST", f"{run}/pause", studio.pause),
         ("POST", f"{run}/resume", studio.resume),
-        ("POST", f"{run}/reach", studio.map_reach),
-        ("POST", f"{run}/pick", studio.pick),
-        ("POST", f"{run}/report", studio.write_report),
-        ("POST", agent, studio.show_agent),
-        ("POST", f"{agent}/disturb", studio.disturb),
-        ("POST", f"{agent}/make/{{kind}}", studio.make),
+        ("POST", f"{run}/{{work}}", studio.begin_work),
+        ("POST", agent, studio.begin_work),
+        ("POST", f"{agent}/{{work}}", studio.begin_work),
+        ("POST", f"{agent}/{{work}}/{{kind}}", studio.begin_work),
         ("GET", "/api/tasks/{task}", studio.show_task),
-    ]
-    taken: list[tuple[str, Callable[[Parameters], Response]]] = [
-        ("/take/made/{made}/{file}", studio.take_made),
-        ("/take/{run}/report.html", studio.take_report),
-        ("/take/{run}/study.toml", studio.take_study),
-        ("/take/{run}/agents/{agent}/agent.json", studio.take_agent),
-        ("/take/{run}/agents/{agent}/section.svg", studio.take_section),
+        ("GET", "/take/made/{made}/{file}", studio.take_made),
+        ("GET", "/take/{run}/report.html", studio.take_report),
+        ("GET", "/take/{run}/study.toml", studio.take_study),
+        ("GET", "/take/{run}/agents/{agent}/agent.json", studio.take_agent),
+        ("GET", "/take/{run}/agents/{agent}/section.svg", studio.take_section),
     ]
     pages = {**_read_page(), "viewer.js": scene.read_viewer().encode()}
     return Starlette(
         routes=[
             *(Route(path, _answer(function), methods=[method]) for method, path, function in answers),
-            *(Route(path, _take(function), methods=["GET"]) for path, function in taken),
             *(
                 Route("/" if name == "index.html" else f"/{name}", _serve(name, content), methods=["GET"])
                 for name, content in pages.items()
@@ -336,7 +322,7 @@ def make_app(studio: Studio) -> Starlette:
 
 
 def _answer(function: Callable[[Parameters, Any], Any]) -> Callable[[Request], Any]:
-    """Return an endpoint that answers with a document, or with the lines of an error."""
+    """Return an endpoint that answers with a document or a file, or with the lines of an error."""
 
     async def endpoint(request: Request) -> Response:
         try:
@@ -344,24 +330,14 @@ def _answer(function: Callable[[Parameters, Any], Any]) -> Callable[[Request], A
         except (ValueError, RecursionError):
             return _refuse(400, "the request is not JSON")
         try:
+            check_values(document)
+            check_values(request.path_params)
             answer = await run_in_threadpool(function, request.path_params, document)
         except DriftformError as error:
             return _refuse(422, *error.args)
         except Exception as error:
             return _refuse(500, describe_error(error, with_place=True))
-        return JSONResponse(answer)
-
-    return endpoint
-
-
-def _take(function: Callable[[Parameters], Response]) -> Callable[[Request], Any]:
-    """Return an endpoint that answers with a file, or with the lines of an error."""
-
-    async def endpoint(request: Request) -> Response:
-        try:
-            return await run_in_threadpool(function, request.path_params)
-        except DriftformError as error:
-            return _refuse(404, *error.args)
+        return answer if isinstance(answer, Response) else JSONResponse(answer)
 
     return endpoint
 
@@ -400,9 +376,14 @@ def _outline(scenario: Any) -> dict[str, Any]:
     return {
         "pipe": [straight.model_dump(mode="json")] if straight else [],
         "axes": [
-            {"points": np.round(axis.points, 6).tolist(), "radii": np.round(axis.radii, 6).tolist()}
+            {
+                "part": placed.name,
+                "branch": bool(number),
+                "points": np.round(axis.points, 6).tolist(),
+                "radii": np.round(axis.radii, 6).tolist(),
+            }
             for placed in pipe.layout.parts
-            for axis in placed.part.list_axes(_axis_step(placed.part))
+            for number, axis in enumerate(placed.part.list_axes(_axis_step(placed.part)))
         ],
         "openings": [
             {"centre": end.centre.tolist(), "direction": (sign * end.axes[0]).tolist(), "radius": end.radius}
@@ -414,14 +395,6 @@ def _outline(scenario: Any) -> dict[str, Any]:
         "current": scenario.current().tolist(),
         "water": scenario.fluid.water_level,
     }
-
-
-def _outline_without_targets(draft: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the outline of a draft whose targets are wrong, so that they can be moved; ``None`` if more is wrong."""
-    try:
-        return _outline(load_draft(write_draft({**draft, "targets": {}})).scenario)
-    except InputError:
-        return None
 
 
 def _axis_step(part: Any) -> float:

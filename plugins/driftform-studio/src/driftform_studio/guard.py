@@ -5,20 +5,30 @@ rebinding). So the token is the first part of every path, the host must be this 
 must be the page's own, and a request that changes something must be JSON, which another origin cannot send unasked.
 """
 
-from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+import asyncio
+import math
+from collections.abc import Iterable
 from secrets import compare_digest
 from typing import Any
 
+import h11
 from starlette.responses import PlainTextResponse, Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
-Scope = MutableMapping[str, Any]
-Message = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[Message]]
-Send = Callable[[Message], Awaitable[None]]
-App = Callable[[Scope, Receive, Send], Awaitable[None]]
+from driftform.errors import InputError
 
 LARGEST_BODY = 1_000_000
 """Largest request that is read, bytes: a study of a thousand targets is a tenth of it."""
+
+LARGEST_FILE = 40_000_000
+"""Largest request with a file, bytes: a grid of a million nodes as NetCDF is two thirds of it."""
+
+PATIENCE_S = 10.0
+"""Time that a request may take to arrive, s: on one machine it takes milliseconds."""
+
+LARGEST_NUMBER = 2**53
+"""Largest whole number that JavaScript, which wrote the requests of the page, counts exactly."""
 
 HEADERS = {
     "content-security-policy": (
@@ -37,7 +47,7 @@ HEADERS = {
 class Guard:
     """An ASGI application that refuses strangers, and passes the others on without the token in their path."""
 
-    def __init__(self, app: App, token: str, hosts: Iterable[str]) -> None:
+    def __init__(self, app: ASGIApp, token: str, hosts: Iterable[str]) -> None:
         self._app = app
         self._token = token.encode()
         self._hosts = frozenset(hosts)
@@ -59,7 +69,8 @@ class Guard:
             return
         refusal = self._refuse(scope)
         if refusal is None and scope["method"] not in ("GET", "HEAD"):
-            receive, refusal = await _read_body(receive)
+            largest = LARGEST_FILE if scope["path"].endswith("/api/files") else LARGEST_BODY
+            receive, refusal = await _read_body(receive, largest)
         if refusal is not None:
             await refusal(scope, receive, send_with_headers)
             return
@@ -90,7 +101,7 @@ class Guard:
         return None
 
 
-async def _read_body(receive: Receive) -> tuple[Receive, Response | None]:
+async def _read_body(receive: Receive, largest: int) -> tuple[Receive, Response | None]:
     """Return the body as one message, or the refusal of a large one, which is not read to its end."""
     parts: list[bytes] = []
     size, more = 0, True
@@ -100,14 +111,64 @@ async def _read_body(receive: Receive) -> tuple[Receive, Response | None]:
             return receive, _refuse(400, "the request was cut short")
         parts.append(message.get("body", b""))
         size, more = size + len(parts[-1]), message.get("more_body", False)
-        if size > LARGEST_BODY:
-            return receive, _refuse(413, f"the request is larger than {LARGEST_BODY // 1000} kB")
+        if size > largest:
+            return receive, _refuse(413, f"the request is larger than {largest // 1000} kB")
     body = b"".join(parts)
 
     async def replay() -> Message:
         return {"type": "http.request", "body": body, "more_body": False}
 
     return replay, None
+
+
+class HurriedProtocol(H11Protocol):
+    """HTTP as uvicorn speaks it, but a request that is not complete after :data:`PATIENCE_S` ends its connection."""
+
+    _limit: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Begin to wait for a request."""
+        super().connection_made(transport)
+        self._wait()
+
+    def data_received(self, data: bytes) -> None:
+        """Read on, and wait no longer once a request is complete."""
+        super().data_received(data)
+        if self.conn.their_state in (h11.IDLE, h11.SEND_BODY):
+            self._wait()
+        else:
+            self._stop_waiting()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget the connection."""
+        self._stop_waiting()
+        super().connection_lost(exc)
+
+    def _wait(self) -> None:
+        if self._limit is None:
+            self._limit = self.loop.call_later(PATIENCE_S, self.transport.abort)
+
+    def _stop_waiting(self) -> None:
+        if self._limit is not None:
+            self._limit.cancel()
+            self._limit = None
+
+
+def check_values(document: Any) -> None:
+    """Check that a document of JSON holds numbers and texts that a study can hold.
+
+    Raises InputError if a number is too large to be exact, or not finite, or a text cannot be written down.
+    """
+    if isinstance(document, dict | list):
+        for item in [*document, *document.values()] if isinstance(document, dict) else document:
+            check_values(item)
+    elif isinstance(document, str):
+        if not document.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in document):
+            raise InputError("the request holds half of a character")
+    elif isinstance(document, int | float) and not (
+        math.isfinite(document) and abs(document) <= LARGEST_NUMBER
+    ):
+        raise InputError(f"the request holds the number {document:.3g}, which is too large")
 
 
 def _refuse(status: int, reason: str) -> Response:

@@ -9,10 +9,8 @@ import numpy as np
 from driftform import Design, Run, StoredAgent
 from driftform.errors import InputError
 from driftform.figures import scene
-from driftform.types import FloatArray, Trajectory
 from driftform_studio.folder import DATABASE
-from driftform_studio.marks import PROGRESS
-from driftform_studio.searches import Searches
+from driftform_studio.searches import PROGRESS, Searches
 
 RUNNING, WRITING, FINISHED, STOPPED = "running", "writing the best agents", "finished", "stopped"
 """States of the monitor of a run."""
@@ -44,13 +42,7 @@ class LiveRun:
 
     @property
     def run(self) -> Run:
-        """The run, opened to be read.
-
-        Raises
-        ------
-        InputError
-            if its study cannot be carried out here.
-        """
+        """The run, opened to be read. Raises InputError if its study cannot be carried out here."""
         with self._lock:
             if self._run is None:
                 self._run = Run.open(self.directory, check=False)
@@ -58,13 +50,7 @@ class LiveRun:
             return self._run
 
     def read_status(self, searches: Searches) -> dict[str, Any]:
-        """Return how far the search is.
-
-        Raises
-        ------
-        InputError
-            if the run is damaged.
-        """
+        """Return how far the search is. Raises InputError if the run is damaged."""
         run = self.run
         with self._lock:
             monitor = self._monitor
@@ -99,6 +85,7 @@ class LiveRun:
                 "failed": status.failed,
                 "commonestFailure": (run.describe_failures() or {}).get("reason") if status.failed else None,
                 "disturbed": disturbed,
+                "compiling": [] if status.done else searches.read_compilation(self.directory),
                 "rate": throughput.recent(status.done) if state == RUNNING else None,
                 "targets": targets,
                 "failure": failure,
@@ -138,10 +125,7 @@ class LiveRun:
     def find_agent(self, key: str) -> Design:
         """Return the agent that a key names: the target of a best one, or ``X_Y_Z`` of one that was picked.
 
-        Raises
-        ------
-        InputError
-            if there is none.
+        Raises InputError if there is none.
         """
         run = self.run
         if key in run.study.scenario.targets:
@@ -154,17 +138,15 @@ class LiveRun:
         return Design.build(StoredAgent.read(path), f"{run.name}: {key}")
 
     def read_path(self, evaluation: int) -> list[list[float]]:
-        """Return the path of an evaluation's flight, m, simplified.
-
-        Raises
-        ------
-        InputError
-            if there is no such flight.
-        """
+        """Return the path of an evaluation's flight, m, simplified. Raises InputError if there is no such flight."""
         flight = self.run.read_flight(evaluation)
         if flight is None:
             raise InputError(f"{self.directory.name}: has no flight {evaluation}")
-        path: list[list[float]] = np.round(_simplify_path(flight), 4).tolist()
+        side = flight.position[:, [0, 2]]
+        kept = scene.simplify_polyline(side, PATH_TOLERANCE)
+        # Simplifying keeps points of the path, whose other coordinate is that of the sample.
+        nearest = [int(np.argmin(((side - point) ** 2).sum(axis=1))) for point in kept]
+        path: list[list[float]] = np.round(flight.position[nearest], 4).tolist()
         return path
 
 
@@ -185,11 +167,3 @@ def _is_complete(run: Run, targets: list[dict[str, Any]]) -> bool:
     return promised and all(
         (run.path / "best" / target["name"] / "agent.json").is_file() for target in targets
     )
-
-
-def _simplify_path(flight: Trajectory) -> FloatArray:
-    """Return the samples of a flight that its side view needs, m, (n, 3)."""
-    side = flight.position[:, [0, 2]]
-    kept = scene.simplify_polyline(side, PATH_TOLERANCE)
-    # Simplifying keeps points of the path, whose other coordinate is that of the sample.
-    return flight.position[[int(np.argmin(((side - point) ** 2).sum(axis=1))) for point in kept]]

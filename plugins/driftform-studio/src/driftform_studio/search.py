@@ -14,7 +14,7 @@ from driftform import Run
 from driftform.errors import DriftformError
 from driftform.search import Observer, open_executor
 from driftform.util import files
-from driftform_studio.marks import HELD, PAUSE, PROGRESS
+from driftform_studio.searches import HELD, PAUSE, PROGRESS
 
 
 class PausedError(KeyboardInterrupt):

@@ -1,13 +1,23 @@
 """Searches in processes of their own: begin, pause and continue them. They go on when the server ends."""
 
+import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from driftform import Run
 from driftform.errors import InputError
 from driftform.util import files
-from driftform_studio.marks import HELD, PAUSE
+
+HELD = ".studio.lock"
+"""Lock file of a run that a search of the page holds: it listens to :data:`PAUSE`."""
+
+PAUSE = ".pause"
+"""File of a run that asks its search to pause."""
+
+PROGRESS = ".disturbed"
+"""File of a run with the number of disturbed flights that are done, and of all."""
 
 LOG = "search.log"
 """File of a run with what its search printed."""
@@ -25,10 +35,7 @@ class Searches:
     def start(self, directory: Path, evaluations: int | None = None) -> None:
         """Continue a run in a process of its own, with a larger budget if ``evaluations`` is given.
 
-        Raises
-        ------
-        InputError
-            if a process works on the run already.
+        Raises InputError if a process works on the run already.
         """
         if Run.glance(directory)["is_worked_on"] or self.is_alive(directory):
             raise InputError(f"{directory.name}: a search works on this run already")
@@ -49,10 +56,7 @@ class Searches:
     def pause(self, directory: Path) -> None:
         """Ask the search of a run to pause; what it has found is stored already.
 
-        Raises
-        ------
-        InputError
-            if the run is not searched by the page.
+        Raises InputError if the run is not searched by the page.
         """
         if not self.can_pause(directory):
             raise InputError(
@@ -76,6 +80,16 @@ class Searches:
         lines = (directory / LOG).read_text(encoding="utf-8", errors="replace").splitlines()
         errors = [line for line in lines if line.startswith("error: ")]
         return "\n".join(errors or lines[-5:]) or f"the search ended with exit code {process.returncode}"
+
+    def read_compilation(self, directory: Path) -> list[float]:
+        """Return for how long a search has compiled kernels, and how long that takes, s; empty if it has not said so."""
+        try:
+            said = re.findall(
+                r"^compiling .* about (\d+) s", (directory / LOG).read_text(errors="replace"), re.M
+            )
+            return [time.time() - (directory / LOG).stat().st_mtime, float(said[-1])] if said else []
+        except OSError:
+            return []
 
     def count_alive(self) -> int:
         """Return how many searches that this server began still go on."""

@@ -1,5 +1,6 @@
 """``driftform studio``: one server on this machine, for one folder of runs."""
 
+import secrets
 import socket
 import sys
 import threading
@@ -11,8 +12,8 @@ import uvicorn
 
 from driftform.errors import InputError
 from driftform_studio.app import Studio, make_app
-from driftform_studio.folder import RunsFolder
-from driftform_studio.guard import Guard
+from driftform_studio.folder import REDIRECT, RunsFolder
+from driftform_studio.guard import Guard, HurriedProtocol
 
 HOST = "127.0.0.1"
 """The only address that the server listens at: it is reached from this machine alone."""
@@ -21,33 +22,23 @@ HOST = "127.0.0.1"
 def serve(folder: Path, port: int | None, announce: Callable[[str], None], browser: bool) -> None:
     """Serve the page until it is interrupted; searches that were begun go on.
 
-    Parameters
-    ----------
-    folder
-        of the runs; made if it does not exist.
-    port
-        to listen at; ``None`` for the one that the folder's page had before, or else any free one.
-    announce
-        called with the address once the server listens.
-    browser
-        whether the page is opened in a browser.
-
-    Raises
-    ------
-    InputError
-        if the port is taken, or the folder cannot be written to.
+    ``port`` is ``None`` for the one that the folder's page had before, or else any free one; ``announce`` is called with the
+    address once the server listens. Raises InputError if the port is taken, or the folder cannot be written to.
     """
     runs = RunsFolder(folder)
     token, before = runs.read_address()
     listener = _listen(port, before)
     actual = listener.getsockname()[1]
+    if actual != before:
+        # Whoever has the old port now receives what pages that are open ask there, token and all.
+        token = secrets.token_hex(16)
     runs.write_address(token, actual)
     address = f"http://{HOST}:{actual}/{token}/"
     studio = Studio(runs, folder)
     guard = Guard(make_app(studio), token, (f"{HOST}:{actual}", f"localhost:{actual}"))
     config = uvicorn.Config(
         guard,
-        http="h11",
+        http=HurriedProtocol,
         ws="none",
         lifespan="off",
         log_level="warning",
@@ -59,12 +50,14 @@ def serve(folder: Path, port: int | None, announce: Callable[[str], None], brows
     server = uvicorn.Server(config)
     announce(address)
     if browser:
-        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+        redirect = runs.write_redirect(address)
+        threading.Thread(target=webbrowser.open, args=(redirect.as_uri(),), daemon=True).start()
     try:
         server.run(sockets=[listener])
     except KeyboardInterrupt:
         pass
     finally:
+        (runs.path / REDIRECT).unlink(missing_ok=True)
         alive = studio.searches.count_alive()
         studio.close()
         if alive:

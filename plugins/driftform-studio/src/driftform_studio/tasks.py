@@ -3,7 +3,6 @@
 from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
 from secrets import token_hex
 from typing import Any
 
@@ -14,27 +13,8 @@ KEPT = 50
 """Tasks that are remembered; each has a few kB of results."""
 
 
-@dataclass
-class Task:
-    """Work under way, or done: ``done`` of ``total`` steps of ``what``, and its ``result`` or its ``errors``."""
-
-    what: str = ""
-    done: int = 0
-    total: int = 0
-    is_over: bool = False
-    errors: list[str] = field(default_factory=list)
-    result: Any = None
-
-    def document(self) -> dict[str, Any]:
-        """Return what the page reads."""
-        return {
-            "what": self.what,
-            "done": self.done,
-            "total": self.total,
-            "over": self.is_over,
-            "errors": self.errors,
-            "result": self.result,
-        }
+Task = dict[str, Any]
+"""Work under way, or done, as the page reads it: ``done`` of ``total`` steps of ``what``, and its ``result`` or ``errors``."""
 
 
 class Tasks:
@@ -46,7 +26,8 @@ class Tasks:
 
     def start(self, work: Callable[[], Any]) -> str:
         """Begin work, and return the name of its task."""
-        name, task = token_hex(8), Task()
+        name = token_hex(8)
+        task: Task = {"what": "", "done": 0, "total": 0, "is_over": False, "errors": [], "result": None}
         self._tasks[name] = task
         while len(self._tasks) > KEPT:
             self._tasks.popitem(last=False)
@@ -63,13 +44,13 @@ class Tasks:
 
     def _run(self, task: Task, work: Callable[[], Any]) -> None:
         def show(what: str, done: int, total: int) -> None:
-            task.what, task.done, task.total = what, done, total
+            task.update(what=what, done=done, total=total)
 
         try:
             with progress.show_progress(show):
-                task.result = work()
+                task["result"] = work()
         except DriftformError as error:
-            task.errors = [str(line) for line in error.args]
+            task["errors"] = [str(line) for line in error.args]
         except Exception as error:
-            task.errors = [describe_error(error, with_place=True)]
-        task.is_over = True
+            task["errors"] = [describe_error(error, with_place=True)]
+        task["is_over"] = True

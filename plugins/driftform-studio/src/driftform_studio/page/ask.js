@@ -38,9 +38,9 @@ export async function perform(address, document, show) {
   const { task } = await ask(address, document);
   for (let wait = 60; ; wait = Math.min(400, 1.3 * wait)) {
     await pause(wait);
-    const { what, done, total, over, errors, result } = await ask(`api/tasks/${task}`);
+    const { what, done, total, is_over: isOver, errors, result } = await ask(`api/tasks/${task}`);
     if (errors.length) throw new Refused(errors);
-    if (over) return result;
-    show(total ? `${done} of ${total} ${what}` : "");
+    if (isOver) return result;
+    if (total) show(`${done} of ${total} ${what}`);
   }
 }

@@ -12,7 +12,7 @@ const plus = (a, b, f = 1) => a.map((v, i) => v + f * b[i]);
 export class Side {
   constructor(svg, acts) {
     this.svg = svg;
-    this.acts = acts; // place(point), move(name, point), remove(name), pick(point), choose(name), say(text)
+    this.acts = acts; // place(point), move(name, point), remove(name), describe(name), pick(point), choose(name), say(text)
     this.outline = EMPTY;
     this.bores = []; // the axes of the parts of the pipe in the plane of the view, with both edges
     this.flights = new Map(); // of targets: {path, number}
@@ -288,10 +288,10 @@ export class Side {
     const edit = this.mode === "edit";
     const cross = "M-6 -6L6 6M-6 6L6 -6";
     const right = x > this.width - 16 - 9 * name.length;
-    const where = position.map((v) => v.toFixed(2).replace("-", "−"));
+    const where = edit ? this.acts.describe(name) : `x ${position[0].toFixed(2)} m, y ${position[1].toFixed(2)} m, z ${position[2].toFixed(2)} m`.replaceAll("-", "−");
     return draw("g", {
       class: "mark", transform: `translate(${x.toFixed(1)} ${y.toFixed(1)})`, tabindex: 0, role: "button", "data-name": name,
-      "aria-label": `Target ${name} at x ${where[0]} m, y ${where[1]} m, z ${where[2]} m.${edit ? " Arrow keys move it, Delete removes it." : ""}`,
+      "aria-label": `Target ${name}, ${where}.${edit ? " Arrow keys move it, Delete removes it." : ""}`,
     },
       draw("circle", { class: "hit", r: 16 }), draw("circle", { class: "ring", r: 13 }),
       draw("path", { class: "halo", d: cross }), draw("path", { d: cross, stroke: colour(number) }),
@@ -449,7 +449,8 @@ export class Side {
   }
 
   tell(name, { point, words }) {
-    this.acts.say(`${name}: ${point.map((v) => v.toFixed(2)).join(", ")} m${words.length ? ` (${words.join(", ")})` : ""}`);
+    const where = this.mode === "edit" ? this.acts.describe(name) : `${point.map((v) => v.toFixed(2)).join(", ")} m`;
+    this.acts.say(`${name}: ${where}${words.length ? ` (${words.join(", ")})` : ""}`);
   }
 
   press(event) {

@@ -2,10 +2,14 @@
 // The page: a design, or a run. All that lasts is on the server's disk, so a page that is loaded again shows the same.
 import { ask, Offline, part, perform, Refused } from "./ask.js";
 import { drawCurve } from "./curve.js";
-import { describe, Design, Fields } from "./design.js";
+import { countHeld, goTo, makeNumber } from "./controls.js";
+import { describe, Design } from "./design.js";
+import { Fields } from "./fields.js";
 import { colour, duration, find, grams, length, make, quote } from "./parts.js";
 import { Side } from "./side.js";
 import { Space, Turntable } from "./space.js";
+import { describeTrim } from "./trim.js";
+import { sayLine } from "./words.js";
 
 const WORDS = {
   starting: "Starting", running: "Searching", "writing the best agents": "Flying and writing the best agents", pausing: "Pausing", paused: "Paused", finished: "Finished", failed: "Stopped by an error", damaged: "Damaged",
@@ -20,8 +24,9 @@ const paths = new Map(); // of evaluations of the run
 
 const side = new Side(find("side"), {
   place: (point) => place(point),
-  move: (name, point) => fields.move(name, point),
-  remove: (name) => fields.remove(name),
+  move: (name, point) => fields.targets.move(name, point),
+  remove: (name) => fields.targets.remove(name),
+  describe: (name) => fields.targets.describe(name),
   choose: (name) => { if (run) openAgent(name); },
   pick: (point) => pickAgent(point),
   say: (text) => say(text),
@@ -49,7 +54,7 @@ function offline(on) {
 }
 
 function showProblems(lines) {
-  find("problems").replaceChildren(...lines.map(({ line, wrong }) => make("li", { class: wrong ? "wrong" : "" }, line)));
+  find("problems").replaceChildren(...lines.map(({ line, wrong }) => make("li", { class: wrong ? "wrong" : "" }, ...sayLine(line, { go: run ? null : goTo }))));
 }
 
 // Runs one question at a time, and always the latest; a question that comes meanwhile is asked afterwards.
@@ -80,13 +85,14 @@ const check = latest(async () => {
   if (run) return;
   showCommands(answer.text);
   const others = fields.showErrors(answer.errors);
-  find("start").disabled = answer.errors.length > 0;
+  mayStart = answer.errors.length === 0;
+  showHeld();
   showProblems(others.map(({ line }) => ({ line, wrong: true })));
   checked = answer.errors.length ? null : { ...answer, document: asked };
   if (answer.outline) {
-    fields.showOutlets(answer.outline);
+    fields.targets.showPipe(answer.outline);
     // A target that was dragged on meanwhile stays where it is.
-    side.show({ ...answer.outline, targets: fields.listPlaces() });
+    side.show({ ...answer.outline, targets: fields.targets.listPlaces() });
     offerViews();
     find("views").dataset.drawn = "";
   }
@@ -109,10 +115,47 @@ const examine = latest(async () => {
 const examineSoon = delayed(examine, 350);
 const checkSoon = delayed(check, 60);
 const change = (soon) => {
-  side.showTargets(fields.listPlaces());
+  side.showTargets(fields.targets.listPlaces());
+  showIntro();
+  showHeld();
   checkSoon(soon);
 };
-const place = (point) => side.focus(fields.place(point));
+const place = (point) => side.focus(fields.targets.place(point));
+
+let mayStart = false; // whether the server found nothing wrong with the design
+
+// A field that holds what is no value keeps a search from being made of another one.
+function showHeld() {
+  const held = countHeld();
+  find("start").disabled = !mayStart || held > 0;
+  find("held").textContent = held ? `${held === 1 ? "One field holds" : `${held} fields hold`} what cannot be used; correct it, or undo.` : "";
+  find("undo").disabled = !design.canUndo && !held;
+  find("redo").disabled = !design.canRedo;
+}
+document.addEventListener("held", () => { if (!run) showHeld(); });
+
+// Whoever begins is told what this is.
+function showIntro() { find("intro").hidden = run !== null || fields.targets.list.length > 0; }
+
+// Takes back what a field holds, or else the latest step.
+function undo(step) {
+  if (run) return;
+  const held = document.activeElement?.matches("[data-held]") ? document.activeElement : step < 0 ? document.querySelector("form [data-held]") : null;
+  if (held) { held.takeBack(); return; }
+  if (!(step < 0 ? design.canUndo : design.canRedo)) return;
+  design.go(step);
+  fields.show(design);
+  change(true);
+}
+find("undo").addEventListener("click", () => undo(-1));
+find("redo").addEventListener("click", () => undo(1));
+document.addEventListener("keydown", (event) => {
+  if (run || !(event.ctrlKey || event.metaKey) || event.altKey || find("runs").open) return;
+  const key = event.key.toLowerCase();
+  if (key !== "z" && key !== "y") return;
+  event.preventDefault();
+  undo(key === "y" || event.shiftKey ? 1 : -1);
+});
 
 function openDesign(next) {
   const wasRun = run !== null;
@@ -127,9 +170,12 @@ function openDesign(next) {
   closeAgent();
   document.body.className = "design";
   fields.show(design);
+  for (const id of ["undo", "redo"]) find(id).hidden = false;
+  showIntro();
   for (const id of ["pause", "resume", "more", "change", "progress", "promise", "reach-choice", "summary"]) find(id).hidden = true;
   find("start").hidden = false;
-  find("start").disabled = false;
+  mayStart = false;
+  showHeld();
   find("reach").checked = false;
   find("legend").hidden = true;
   find("place").textContent = "";
@@ -144,7 +190,7 @@ find("add-target").addEventListener("click", () => {
 });
 find("example-targets").addEventListener("click", () => {
   design.setTargets({ ...design.preset.targets });
-  fields.showTargets();
+  fields.targets.show();
   change(true);
 });
 find("start").addEventListener("click", async () => {
@@ -161,7 +207,7 @@ find("start").addEventListener("click", async () => {
     } else report(error);
   }
   find("start-wait").hidden = true;
-  button.disabled = false;
+  if (!run) button.disabled = false;
 });
 
 // ---- a run
@@ -177,6 +223,8 @@ async function openRun(name, key = null) {
   closeAgent();
   checked = null;
   document.body.className = "run";
+  for (const id of ["undo", "redo", "intro"]) find(id).hidden = true;
+  find("held").textContent = "";
   find("summary").replaceChildren(...describe(info.document).map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
   find("summary").hidden = false;
   find("start").hidden = true;
@@ -247,15 +295,17 @@ async function showStatus(status) {
   }
 }
 
-function showProgress({ state, done, budget, disturbed, rate, extent }) {
+function showProgress({ state, done, budget, disturbed, rate, extent, compiling }) {
   find("progress").hidden = false;
   const bar = find("progress-bar");
   const flying = state === "writing the best agents";
   if (flying && disturbed[1]) [bar.max, bar.value] = [disturbed[1], disturbed[0]];
+  else if (compiling.length && !isOver({ state })) [bar.max, bar.value] = [compiling[1], Math.min(compiling[0], 0.97 * compiling[1])];
   else if (state === "starting" || flying) bar.removeAttribute("value");
   else [bar.max, bar.value] = [budget, done];
   const words = [`${WORDS[state] ?? state}: ${done} of ${budget} flights`];
   if (flying) words.push(disturbed[1] ? `${disturbed[0]} of ${disturbed[1]} disturbed flights` : `${disturbed[0]} disturbed flights`);
+  else if (compiling.length && !isOver({ state })) words.push(`compiling the equations of motion, about ${duration(compiling[1])}, once per machine`);
   else if (rate) words.push(`${rate.toPrecision(2)} per second`, `about ${duration((budget - done) / rate)} left`);
   find("progress-text").textContent = words.join(", ");
   bar.setAttribute("aria-valuetext", words.join(", "));
@@ -285,7 +335,7 @@ function showPromises({ state, targets }) {
   });
   const focused = document.activeElement?.closest?.("#promises button")?.getAttribute("aria-label");
   find("promises").replaceChildren(
-    make("thead", {}, make("tr", {}, ...["target", ...promised ? ["hit", "90 %", "weighed", "90 %", "idle"] : ["nominal"]].map((text) => make("th", { scope: "col", class: text === "90 %" ? "wide" : "" }, text)), make("th", { scope: "col", class: "at" }, ""), make("th", { scope: "col" }, make("span", { hidden: true }, "agent")))),
+    make("thead", {}, make("tr", {}, ...["target", ...promised ? ["hit", "90 %", "weighed", "90 %", "idle"] : ["nominal"]].map((text) => make("th", { scope: "col", class: text === "90 %" ? "wide" : "" }, text)), make("th", { scope: "col", class: "at" }, "verdict"), make("th", { scope: "col" }, make("span", { class: "seen-by-none" }, "agent")))),
     make("tbody", {}, ...rows),
   );
   if (focused) for (const button of find("promises").querySelectorAll("button")) if (button.getAttribute("aria-label") === focused) button.focus();
@@ -333,11 +383,11 @@ find("reach").addEventListener("change", async () => {
       side.reach = reach;
       side.mode = "pick";
       const { words, text } = side.legend();
-      find("legend").replaceChildren(make("span", {}, "Closest flight:"), ...words.map(([fillColour, word]) => {
+      find("legend").replaceChildren(make("span", {}, "Closest flight to the middle of each cell:"), ...words.map(([fillColour, word]) => {
         const swatch = make("i");
         swatch.style.background = fillColour;
         return make("span", {}, swatch, word);
-      }));
+      }), make("span", {}, make("i", { class: "none" }), "no flight crosses it"));
       find("legend").hidden = false;
       say(`${text}. Click any point for the agent that passes there.`);
     } catch (error) { say(""); report(error); }
@@ -400,11 +450,14 @@ function showAgent(key, data) {
   find("agent-shown").hidden = find("transport").hidden = false;
   showPromise(data);
   const { facts } = data;
+  const ballast = facts.mass - facts.hull - facts.core;
   find("agent-facts").replaceChildren(...[
     ["length", length(facts.length)], ["diameter", length(facts.diameter)], ["modules", `${facts.modules}`],
-    ["mass", grams(facts.mass)], ["of it printed", grams(facts.hull)], ["in water", `${facts.buoyancy >= 0 ? "rises" : "sinks"} with ${Math.abs(1000 * facts.buoyancy).toFixed(0)} mN`],
+    ["mass", grams(facts.mass)], ["of it printed", grams(facts.hull)], ["core", grams(facts.core)],
+    ...(ballast > 5e-5 ? [["ballast", grams(ballast)]] : []), ["in water", `${facts.buoyancy >= 0 ? "rises" : "sinks"} with ${Math.abs(1000 * facts.buoyancy).toFixed(0)} mN`],
   ].map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
   showTakes(key);
+  if (!again) showWeighing(facts);
   find("drawing").open = false;
   find("section").removeAttribute("src");
   turntable.show(data, number);
@@ -422,22 +475,29 @@ function showAgent(key, data) {
 
 function showPromise({ promise, effects, limits, target }) {
   const number = (title, value, main) => make("div", { class: main ? "main" : "" }, make("dt", {}, title), make("dd", {}, value));
-  const { nominal, median, p90, flights, failed } = promise;
+  const { nominal, p90, flights, failed } = promise;
+  const { hit, weighed, baseline } = run.status.targets.find(({ name }) => name === target)?.robust ?? {};
+  const percent = (value) => `${Math.round(100 * value)} %`;
   find("agent-promise").replaceChildren(
-    number("nominal miss", length(nominal)), number("median", flights ? length(median) : "–"), number("9 of 10 within", flights ? length(p90) : "–", true),
+    number("nominal miss", length(nominal)),
+    ...(hit === undefined ? [number("median", flights ? length(promise.median) : "–")] : [number("of flights hit", percent(hit))]),
+    number("9 of 10 within", flights ? length(p90) : "–", true),
+    ...(weighed ? [number("if weighed: hit", percent(weighed.hit)), number("if weighed: 9 of 10", length(weighed.p90), true)] : []),
+    ...(baseline ? [number("a plain ball: hit", percent(baseline.hit))] : []),
   );
   find("agent-limits").replaceChildren(...[...limits, ...(failed ? [`${failed} of ${flights} disturbed flights failed`] : [])].map((line) => make("li", {}, line)));
+  for (const line of find("agent-limits").children) line.replaceChildren(...sayLine(line.textContent));
   const box = find("agent-effects");
   box.replaceChildren();
   if (effects.length) {
     const longest = Math.max(...effects.map((e) => e.deviation)) || 1;
     box.append(make("h3", {}, "What its miss depends on"), make("dl", { class: "effects" }, ...effects.flatMap(({ name, deviation, advice }, i) => {
-      const bar = make("i", { title: advice });
+      const bar = make("i", { title: sayLine(advice).join("") });
       bar.style.width = `${(100 * deviation) / longest}%`;
-      return [make("dt", {}, make("span", {}, name)), make("dd", { class: i === effects.length - 1 ? "rest" : "" }, bar), make("b", {}, length(deviation))];
+      return [make("div", {}, make("dt", {}, name), make("dd", { class: i === effects.length - 1 ? "bar rest" : "bar" }, bar), make("dd", {}, length(deviation)))];
     })));
     const first = effects.find((e) => !e.advice.startsWith("nothing"));
-    if (first && first.deviation > 0) box.append(make("p", { class: "hint" }, `Most helpful: ${first.advice}.`));
+    if (first && first.deviation > 0) box.append(make("p", { class: "hint" }, "Most helpful: ", ...sayLine(first.advice).map((node) => node.replace?.(/^[A-Z](?=[a-z])/, (letter) => letter.toLowerCase()) ?? node), "."));
   }
   find("disturb").hidden = flights > 0;
   find("disturb").textContent = target ? "Fly it under disturbed conditions" : "Fly it under disturbed conditions: what can be promised here?";
@@ -492,8 +552,8 @@ async function takeWith(button, label, work) {
   button.disabled = false;
 }
 
-const takeMade = (button, kind, label) => takeWith(button, label, async (show) => {
-  const { made, file } = await perform(address("agents", part(agent.key), "make", kind), {}, show);
+const takeMade = (button, kind, label, ballast) => takeWith(button, label, async (show) => {
+  const { made, file } = await perform(address("agents", part(agent.key), "make", kind), { ballast }, show);
   const link = make("a", { href: `take/made/${made}/${part(file)}`, download: file }, file);
   link.click();
   return [`${label}: `, link];
@@ -504,6 +564,43 @@ const takeReport = (button) => takeWith(button, "Report", async (show) => {
   const link = make("a", { href: `take/${part(run.name)}/report.html`, target: "_blank", rel: "noopener" }, "open the report");
   return [`Report (${(bytes / 1e6).toFixed(1)} MB, also in ${run.info.path}/report.html): `, link];
 });
+
+// ---- weighing
+
+let weight = null; // of the print, g
+
+function showWeighing({ hull, core }) {
+  weight = null;
+  find("weigh").hidden = run.info.document.builder?.use !== "frusta";
+  find("weigh-field").replaceChildren(makeNumber("Weight with the core", undefined, (grams) => { weight = grams; }, { unit: "g", keys: "weight", bounds: { above: 0, high: 1e6 }, placeholder: (1000 * (hull + core)).toFixed(1) }));
+  find("trimmed").replaceChildren();
+  find("trim-wait").textContent = "";
+}
+
+find("weigh").addEventListener("submit", async () => {
+  const { key, data } = agent;
+  const wait = find("trim-wait");
+  if (find("weigh").querySelector("[data-held]")) return;
+  find("trim").disabled = true;
+  wait.className = "wait busy";
+  wait.textContent = "Placing ballast, and flying";
+  find("trimmed").replaceChildren();
+  try {
+    // An empty field is a print that weighs what was simulated.
+    const found = await perform(address("agents", part(key), "trim"), { grams: weight ?? 1000 * (data.facts.hull + data.facts.core) }, (text) => { wait.textContent = `Placing ballast, and flying: ${text}`; });
+    if (agent?.key === key) find("trimmed").replaceChildren(...describeTrim(found, (button, seats) => takeMade(button, "kit", "3MF kit with its seat", seats)));
+    wait.textContent = "";
+  } catch (error) {
+    wait.replaceChildren(make("span", { class: "error" }, ...sayWeight(error)));
+    if (error instanceof Offline) offline(true);
+  }
+  wait.className = "wait";
+  find("trim").disabled = false;
+});
+
+// The core speaks of an option in kg.
+const sayWeight = (error) => [error.message.replace(/^--printed-mass [\d.e-]+: should be more than the core's ([\d.e-]+) kg.*/s, (_, core) => `It weighs more than its core of ${grams(Number(core))}: weigh all parts with the core.`)
+  .replace(/^--printed-mass [\d.e-]+: is in kg.*/s, "This is more than twenty times what was simulated: enter grams.")];
 
 find("drawing").addEventListener("toggle", () => {
   if (find("drawing").open && agent) find("section").src = `take/${part(run.name)}/agents/${part(agent.key)}/section.svg`;
