@@ -84,10 +84,7 @@ class PipeGrid:
     def of_scenario(cls, scenario: Scenario, side: float | None = None) -> "PipeGrid":
         """Return the grid of a scenario's pipe; see :meth:`of_segment` and :class:`UnrolledGrid`.
 
-        Raises
-        ------
-        InputError
-            if the scenario is open water, which has no section.
+        Raises InputError if the scenario is open water, which has no section.
         """
         if scenario.pipe.is_open:
             raise InputError("a map of what flights reach needs a pipe; this scenario is open water")

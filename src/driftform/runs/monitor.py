@@ -23,12 +23,7 @@ class RunMonitor:
     state
         one of :data:`RUNNING`, :data:`WRITING`, :data:`FINISHED` and :data:`STOPPED`, as of then.
     throughput
-        evaluations per second since the first poll.
-
-    Raises
-    ------
-    InputError
-        if the directory is not a run.
+        evaluations per second since the first poll. Raises InputError if the directory is not a run.
     """
 
     def __init__(self, directory: Path) -> None:

@@ -65,13 +65,7 @@ def write_tables(
         ``"csv"`` or ``"parquet"``, which needs pyarrow.
     trajectories
         whether the samples of all flights are written too, hundreds for each.
-
-    Raises
-    ------
-    InputError
-        if there is no such format, or the folder is not empty.
-    WorkFailedError
-        if pyarrow is missing.
+    Raises InputError if there is no such format, or the folder is not empty. Raises WorkFailedError if pyarrow is missing.
     """
     check_output(format, folder)
     target = folder or run.path / FOLDER
@@ -83,12 +77,7 @@ def write_tables(
 def check_output(format: str, folder: Path | None = None) -> None:
     """Refuse tables that cannot be written, before anything is read.
 
-    Raises
-    ------
-    InputError
-        if there is no such format, or the folder is not empty.
-    WorkFailedError
-        if pyarrow is missing.
+    Raises InputError if there is no such format, or the folder is not empty. Raises WorkFailedError if pyarrow is missing.
     """
     if format not in FORMATS:
         raise InputError(f"--format {format}: no such format of tables{did_you_mean(format, FORMATS)}")

@@ -60,13 +60,7 @@ def write_results(run: Run, executor: Executor) -> list[Best]:
     """Write the best agent of each target, the overview and the map of a run; return the best agents.
 
     The executor writes them at the same time, each file completely or not at all.
-
-    Raises
-    ------
-    WorkFailedError
-        where not one evaluation succeeded; the message gives the reason of the first.
-    InputError
-        where a stored evaluation is damaged.
+    Raises WorkFailedError with the reason of the first if not one evaluation succeeded, and InputError if one is damaged.
     """
     with run.read() as store:
         groups = _group_targets(run.study, store)

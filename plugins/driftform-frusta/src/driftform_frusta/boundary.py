@@ -22,11 +22,7 @@ class Solid:
         indices of their corners, counterclockwise seen from outside, (m, 3).
     shells
         volume inside each closed surface, mm3, (k,): negative for that of a hollow, which faces inward.
-
-    Raises
-    ------
-    WorkFailedError
-        if it is empty or inside out.
+    Raises WorkFailedError if it is empty or inside out.
     """
 
     vertices: FloatArray

@@ -157,12 +157,8 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
     def build(self, morphology: Morphology) -> Body:
         """Return the meridian section of the morphology.
 
-        Raises
-        ------
-        ValueError
-            if a module has no length, or turns back; the message names it.
-        WorkFailedError
-            if the body is weighed as a kit, and no kit can be made of it; the message has the reason.
+        Raises ValueError if a module has no length, or turns back, and WorkFailedError if the body is weighed as a kit, and
+        no kit can be made of it; the message names the module or has the reason.
         """
         o = self.options
         thinner = morphology.tuning if o.tuning == "wall" else 0.0

@@ -40,13 +40,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
 
         The core's letter at the start of a developed word has no alternative: the genome is then returned
         unchanged.
-
-        Raises
-        ------
-        ValueError
-            if the genome is not one of this grammar.
-        IndexError
-            if it has no symbol at ``index``.
+        Raises ValueError if the genome is not one of this grammar. Raises IndexError if it has no symbol at ``index``.
         """
         self._check(genome)
         symbols = list(genome.symbols)

@@ -11,12 +11,8 @@ TIMEOUT = 300.0
 def render(source: Path, folder: Path, timeout: float = TIMEOUT) -> Path:
     """Render OpenSCAD source to a mesh within ``folder``, and return its path.
 
-    Raises
-    ------
-    WorkFailedError
-        if OpenSCAD is not installed or does not end in time.
-    InputError
-        if the source has no solid, or a part of it is left out; the message has OpenSCAD's reason.
+    Raises WorkFailedError if OpenSCAD is not installed or does not end in time, and InputError with its reason if the
+    source has no solid, or a part of it is left out.
     """
     if reason := explain_missing("openscad"):
         raise WorkFailedError(f"{source}: only OpenSCAD can read it: {reason}")
