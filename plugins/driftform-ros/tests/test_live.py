@@ -65,13 +65,12 @@ def call(environment: dict[str, str], command: str) -> dict[str, Any]:
 
 
 def test_every_message_of_every_topic_arrives_in_real_time(master: dict[str, str]) -> None:
-    with follow(master, "5.0") as listener:
-        with fly(master) as process:
-            begun = time.monotonic()
-            found = read(listener)
-            # The flight began a moment before the command said so; under load the listener is late.
-            assert 4.0 < time.monotonic() - begun < 15.0
-            assert process.poll() is None
+    with follow(master, "5.0") as listener, fly(master) as process:
+        begun = time.monotonic()
+        found = read(listener)
+        # The flight began a moment before the command said so; under load the listener is late.
+        assert 4.0 < time.monotonic() - begun < 15.0
+        assert process.poll() is None
     expected = START + 0.05 * np.arange(101)
     for topic in STAMPED:
         assert np.array(found["stamps"][topic][:101]) == pytest.approx(expected, abs=1e-6), topic
