@@ -36,7 +36,7 @@ def job(name: str) -> ExportJob:
         genome = pipeline.grammar.parse(source)
     else:
         genome = [pipeline.grammar.random(rng) for _ in range(source + 1)][source]
-    return ExportJob(name, pipeline.make_agent(genome), pipeline.scenario)
+    return ExportJob(name, pipeline.make_agent(genome), pipeline.scenario, {}, f"r1:{name}")
 
 
 def plate(name: str) -> bytes:

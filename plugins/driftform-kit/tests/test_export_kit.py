@@ -1,6 +1,7 @@
 """``export --kit``: files for each part, the balance of the kit, and clear lines where there can be none."""
 
 import json
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -151,3 +152,13 @@ def test_the_note_on_kits_is_for_formats_that_have_them(call: Call, tmp_path: Pa
     made = ("--set", "builder.made_as=kit", "--out", str(tmp_path))
     assert "write them with --kit" in call("export", LONG, *made, "--format", "stl").stderr
     assert "--kit" not in call("export", LONG, *made, "--format", "sdf").stderr
+
+
+@pytest.mark.long
+def test_sheets_in_the_folder_of_a_run_name_the_agent_as_commands_take_it(call: Call, tmp_path: Path) -> None:
+    run = tmp_path / "run 2"
+    formats = ("--set", 'run.formats=["stl"]', "--set", "exporter.stl.kit=true")
+    few = ("--target", "TP5", "--evaluations", "8", "--seed", "4", "--workers", "1", "--robust", "0")
+    assert call("evolve", *few, "--simulator", "native", *formats, "--out", str(run)).exit_code == 0
+    sheet = (run / "best/TP5/agent-assembly-2.svg").read_text(encoding="utf-8")
+    assert f"driftform trim {shlex.quote(f'{run}:TP5')} --kit" in sheet

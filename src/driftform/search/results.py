@@ -1,5 +1,6 @@
 """What a run leaves behind: the best agents with their files, and pictures of all flights."""
 
+import shlex
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -170,9 +171,8 @@ def _export_agent(run: Run, agent: Agent, stored: Sequence[StoredAgent]) -> Expo
     exporters = [run.study.make_exporter(name) for name in run.study.run.formats]
     exported: Exports = {}
     for best in stored:
-        job = ExportJob(
-            "agent", agent, run.study.scenario, best.document(), f"{run.path}:{best.result['target']}"
-        )
+        opened = shlex.quote(f"{run.path}:{best.result['target']}")
+        job = ExportJob("agent", agent, run.study.scenario, best.document(), opened)
         files, problems = exported.setdefault(best.result["target"], ([], []))
         for exporter in exporters:
             path = run.path / "best" / best.result["target"] / f"agent{exporter.suffix}"

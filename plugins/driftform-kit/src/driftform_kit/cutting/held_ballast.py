@@ -73,7 +73,7 @@ def hold_ballast(
             raise _refuse(ball, hull, "the core is there, or passes there")
         if any((ball.draw() ^ other).area() > _AREA for other in kept_free[1:]):
             raise _refuse(ball, hull, "another ball is there")
-        held.append(_hold(hull, parts, joints, gap, ball, part, kept_free))
+        held.append(_Bay(hull, parts, joints, gap).hold(ball, part, kept_free))
         if held[-1].seat is not None:
             parts[held[-1].part] += held[-1].seat.section
     for one in held:
@@ -104,61 +104,61 @@ def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float
     )
 
 
-def _hold(
-    hull: Hull,
-    parts: Sequence[CrossSection],
-    joints: Sequence[Joint],
-    gap: float,
-    ball: Ball,
-    part: int,
-    kept_free: Sequence[CrossSection],
-) -> HeldBall:
-    others = [section for index, section in enumerate(parts) if index != part]
-    if any((ball.draw(gap) ^ other).area() > _AREA for other in others):
-        raise _refuse(ball, hull, "a joint is there")
-    if hull.bore_radius(ball.z) <= 0:
-        raise _refuse(ball, hull, "it is not in the cavity")
-    if (ball.draw(-_ROUNDING) ^ parts[part]).area() > _AREA:
-        raise _refuse(ball, hull, "the bore is narrower there")
-    mouths = (joint for joint in (part - 1, part) if 0 <= joint < len(joints))
-    for mouth in sorted(mouths, key=lambda m: abs(joints[m].z - ball.z)):
-        if free_radius(hull, parts[part], joints[mouth], ball.z) >= ball.radius - _ROUNDING:
-            side = 1 if ball.z > joints[mouth].z else -1
-            held, seat = _support(hull, parts, part, ball, side, gap, [*others, *kept_free])
-            if held:
-                return HeldBall(ball, part, mouth, side, seat)
-    for side in (1, -1):
-        if _opens_upward(hull, ball, side):
-            held, seat = _support(hull, parts, part, ball, side, gap, [*others, *kept_free])
-            printed = parts[part] if seat is None else parts[part] + seat.section
-            if held and _fore_down(printed) == (side > 0):
-                return HeldBall(ball, part, None, side, seat)
-    raise _refuse(
-        ball, hull, "it is wider than the way to it, or a seat has no room beside joint, core and other balls"
-    )
+@dataclass(frozen=True, eq=False)
+class _Bay:
+    """A hull, the sections of its parts, its joints, and the gap between seats and balls, mm."""
 
+    hull: Hull
+    parts: Sequence[CrossSection]
+    joints: Sequence[Joint]
+    gap: float
 
-def _support(
-    hull: Hull,
-    parts: Sequence[CrossSection],
-    part: int,
-    ball: Ball,
-    side: int,
-    gap: float,
-    kept_free: Sequence[CrossSection],
-) -> tuple[bool, Seat | None]:
-    """Return whether a ball can rest on one side, and the seat for that, ``None`` if the wall holds it."""
-    if is_held([parts[part]], ball, side, gap):
-        return True, None
-    drawn = [draw(hull, ball, parts[part], kept_free, side, gap) for draw in (draw_seat, draw_tube)]
-    sections = [s for s in drawn if s is not None and (s - parts[part]).area() > _LEAST]
-    if not sections:
-        return False, None
+    def hold(self, ball: Ball, part: int, kept_free: Sequence[CrossSection]) -> HeldBall:
+        """Return how a ball is held by a part; fails if it has no room, or cannot get there or rest there."""
+        hull, parts, joints = self.hull, self.parts, self.joints
+        others = [section for index, section in enumerate(parts) if index != part]
+        if any((ball.draw(self.gap) ^ other).area() > _AREA for other in others):
+            raise _refuse(ball, hull, "a joint is there")
+        if hull.bore_radius(ball.z) <= 0:
+            raise _refuse(ball, hull, "it is not in the cavity")
+        if (ball.draw(-_ROUNDING) ^ parts[part]).area() > _AREA:
+            raise _refuse(ball, hull, "the bore is narrower there")
+        taken = [*others, *kept_free]
+        mouths = (joint for joint in (part - 1, part) if 0 <= joint < len(joints))
+        for mouth in sorted(mouths, key=lambda m: abs(joints[m].z - ball.z)):
+            if free_radius(hull, parts[part], joints[mouth], ball.z) >= ball.radius - _ROUNDING:
+                side = 1 if ball.z > joints[mouth].z else -1
+                held, seat = self.support(part, ball, side, taken)
+                if held:
+                    return HeldBall(ball, part, mouth, side, seat)
+        for side in (1, -1):
+            if _opens_upward(hull, ball, side):
+                held, seat = self.support(part, ball, side, taken)
+                printed = parts[part] if seat is None else parts[part] + seat.section
+                if held and _fore_down(printed) == (side > 0):
+                    return HeldBall(ball, part, None, side, seat)
+        raise _refuse(
+            ball,
+            hull,
+            "it is wider than the way to it, or a seat has no room beside joint, core and other balls",
+        )
 
-    def added_volume(section: CrossSection) -> float:
-        return meridian.moments(meridian.list_rings(meridian.take_right(section - parts[part]))).volume
+    def support(
+        self, part: int, ball: Ball, side: int, taken: Sequence[CrossSection]
+    ) -> tuple[bool, Seat | None]:
+        """Return whether a ball can rest on one side, and the seat for that, ``None`` if the wall holds it."""
+        own = self.parts[part]
+        if is_held([own], ball, side, self.gap):
+            return True, None
+        drawn = [draw(self.hull, ball, own, taken, side, self.gap) for draw in (draw_seat, draw_tube)]
+        sections = [s for s in drawn if s is not None and (s - own).area() > _LEAST]
+        if not sections:
+            return False, None
 
-    return True, Seat(min(sections, key=added_volume), part)
+        def added_volume(section: CrossSection) -> float:
+            return meridian.moments(meridian.list_rings(meridian.take_right(section - own))).volume
+
+        return True, Seat(min(sections, key=added_volume), part)
 
 
 def _opens_upward(hull: Hull, ball: Ball, side: int) -> bool:
