@@ -5,7 +5,6 @@ import driftform as df
 study = df.load_study(
     "pipe-inspection",
     targets=["TP1", "TP8"],
-    use={"simulator": "native"},
     run={"seed": 1, "evaluations": 150},
 )
 run = df.evolve(study, "runs/two-targets", progress=False)

@@ -11,7 +11,6 @@ for mass in (0.0095, 0.0105, 0.0115):
         "builder.core=custom",
         f"builder.core_mass={mass}",
         scenario="t-junction",
-        use={"simulator": "native"},
     )
     shares[mass] = agent.disturb(20, seed=1).outlet_shares(agent.scenario)
     ways = ", ".join(f"{100 * share:.0f} % by {name}" for name, share in shares[mass].items())

@@ -7,7 +7,7 @@ from driftform_kit.trim import trim_design
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
 # `pipe-inspection` simulates the kit: sleeves and seats are part of the mass.
-agent = df.open_agent(WORD, "exporter.3mf.kit=true", use={"simulator": "native"})
+agent = df.open_agent(WORD, "exporter.3mf.kit=true")
 for path in agent.export("3mf", "parts/agent.3mf"):
     print(path)
 

@@ -24,9 +24,7 @@ class Sweep(Fitness[Table]):
         return np.full(len(scenario.targets), 100 * np.ptp(heights) / bore)
 
 
-study = df.load_study(
-    "pipe-inspection", ["release.position=[0,0,-0.6]"], use={"simulator": "native"}, run={"seed": 1}
-)
+study = df.load_study("pipe-inspection", ["release.position=[0,0,-0.6]"], run={"seed": 1})
 pipeline = replace(study.make_pipeline(), fitness=Sweep(Table()))
 rng = np.random.default_rng(3)
 genomes = [pipeline.grammar.random(rng) for _ in range(40)]

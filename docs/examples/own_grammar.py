@@ -33,7 +33,7 @@ class TailGrammar(Grammar):
         return Genome(self.name, tuple(text.split()))
 
 
-study = df.load_study("pipe-inspection", targets=["TP5"], use={"simulator": "native"}, run={"seed": 1})
+study = df.load_study("pipe-inspection", targets=["TP5"], run={"seed": 1})
 pipeline = replace(study.make_pipeline(), grammar=TailGrammar(TailGrammar.Options()))
 rng = np.random.default_rng(1)
 best = max(pipeline.evaluate([pipeline.grammar.random(rng) for _ in range(100)]), key=lambda e: e.fitness[0])

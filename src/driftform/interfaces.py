@@ -225,9 +225,7 @@ class Simulator(Plugin[OptionsT_co]):
         An unchecked flight costs less: nothing estimates its error, and its ``error`` is ``None``. Override this method
         if the check of a flight takes much of its time. Make an unchecked flight of each agent, and call
         ``matters(index, trajectory)`` with its index in the batch. If that is true, return what :meth:`simulate`
-        returns, to the last bit; otherwise return the unchecked trajectory. If :meth:`simulate` compares flights of two
-        integrators, ``matters`` may be called again with the first and its estimated error, before the second is flown:
-        less of it is uncertain then. Return it without that error. Each must be independent of the rest of the batch. The
+        returns, to the last bit; otherwise return the unchecked trajectory. Each must be independent of the rest of the batch. The
         base class checks every flight.
         """
         return self.simulate_batch(agents, scenarios)

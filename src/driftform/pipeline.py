@@ -48,9 +48,6 @@ Of 2000 random agents in `paper`, 2.9 % have an unchecked flight whose fitness i
 of 252 agents of a search that matter, none is missed.
 """
 
-CLOSE_MARGIN = 0.03
-"""The same for a flight whose error is known. In `paper`, a millimetre is at most 0.022 % of the farthest distance."""
-
 KEPT_BODIES = 128
 """Bodies that are kept for flights under other conditions."""
 
@@ -214,7 +211,7 @@ class Pipeline:
 
         An error in the evaluation of a genome becomes the failure of that evaluation, and does not affect the others.
         A flight with a threshold may stay unchecked (its ``error`` is ``None``) if its fitness is more than
-        :data:`MARGIN` below that for every target, or :data:`CLOSE_MARGIN` if a flight of known error says so. All other
+        :data:`MARGIN` below that for every target. All other
         flights are checked.
 
         Parameters
@@ -307,8 +304,7 @@ class Pipeline:
                 # The same error in the score of the checked flight is the failure of the evaluation.
                 return True
             screened[agent] = ScoredFlight(trajectory, fitness)
-            margin = MARGIN if trajectory.error is None else CLOSE_MARGIN
-            return not np.all(fitness <= np.array(threshold) - margin)
+            return not np.all(fitness <= np.array(threshold) - MARGIN)
 
         flights = self.simulator.screen_batch(agents, scenarios, matters)
         return require_flights(flights, len(agents), self.simulator, "screen_batch")

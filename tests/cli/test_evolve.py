@@ -73,7 +73,7 @@ def test_the_resolved_study_loads_as_the_same_study(finished_run: Finished) -> N
 def test_the_environment_names_versions_plugins_and_the_seed(finished_run: Finished) -> None:
     document = json.loads((finished_run[0] / "environment.json").read_text())
     assert document["seed"] == 1
-    assert {row["name"] for row in document["plugins"]} >= {"lsystem", "frusta", "striptheory", "exudyn"}
+    assert {row["name"] for row in document["plugins"]} >= {"lsystem", "frusta", "striptheory", "native"}
     assert document["packages"]["numpy"] != "?"
 
 

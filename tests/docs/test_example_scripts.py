@@ -9,7 +9,10 @@ from pathlib import Path
 import pytest
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
-SCRIPTS = ("evolve", "own_fitness", "own_grammar", "reach_map", "junction", "kit", "calibration", "network")
+SCRIPTS = (
+    *("evolve", "own_fitness", "own_grammar", "reach_map", "junction", "kit", "calibration", "network"),
+    "tether",
+)
 
 pytestmark = [pytest.mark.long, pytest.mark.peers]
 
@@ -69,6 +72,11 @@ def test_five_spheres_see_almost_half_of_net3(printed: Callable[[str, str], list
     assert printed("network", r"five spheres see ([\d.]+) %") == pytest.approx([45.1], abs=0.2)
 
 
+def test_a_tether_carries_the_net_weight(printed: Callable[[str, str], list[float]]) -> None:
+    lifted, weight = printed("tether", r"([\d.]+) N")
+    assert lifted == pytest.approx(weight, rel=5e-3) and weight > 0.2
+
+
 def test_examples_are_short_and_import_nothing_private() -> None:
     assert sorted(path.stem for path in EXAMPLES.glob("*.py")) == sorted(SCRIPTS)
     for script in SCRIPTS:
@@ -81,7 +89,7 @@ def test_page_of_examples(docs: Path, up_to_date: Callable[[Path, str], None]) -
     lines = [
         "# Examples",
         "",
-        "Eight scripts to copy, from `docs/examples` of the repository; each runs as a test. [python.md](python.md) explains",
+        "Nine scripts to copy, from `docs/examples` of the repository; each runs as a test. [python.md](python.md) explains",
         "what they call.",
     ]
     for script in SCRIPTS:

@@ -48,7 +48,7 @@ def test_the_full_example_loads(study_folder: dict[str, str]) -> None:
     assert study.scenario.flow.speed == 0.8
     assert study.document["grammar"]["occupied"] == "skip"
     assert study.document["builder"]["core_mass"] == 0.02
-    assert study.document["simulator"]["use"] == "exudyn"
+    assert study.document["simulator"]["use"] == "native"
 
 
 def test_the_merging_rules_are_as_told(study_folder: dict[str, str]) -> None:

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.motion.coordinates import Motion
 from driftform.motion.equations import accelerations, damping_wrench, water_motion_at_cob
 from driftform.motion.model import flight_model
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent
@@ -116,19 +115,6 @@ def test_accelerations_are_those_of_fossens_matrices(seed):
     found = accelerated(flight_model(agent, scenario), R, rng.normal(size=3), velocity, omega)
     for half in (slice(0, 3), slice(3, 6)):
         assert found[half] == pytest.approx(expected[half], abs=1e-10 * np.linalg.norm(expected[half]))
-
-
-def test_accelerations_of_coordinates_are_those_of_the_attitude_that_their_rotation_vector_tells():
-    rng = np.random.default_rng(1)
-    model = flight_model(
-        random_agent(rng, damped=True), scenario_of(TurbulentFlow(), level=0.1, friction=0.3)
-    )
-    turn, position, velocity, omega = rng.normal(size=(4, 3)) * [[1], [0.3], [1], [3]]
-    motion = Motion.of(model, np.eye(13)[3])
-    coordinates, rates = np.concatenate([position, turn]), np.concatenate([velocity, omega])
-    R = Rotation.from_rotvec(turn).as_matrix()
-    found = motion.accelerations(1.3, coordinates, rates, motion.values)
-    assert found == pytest.approx(accelerated(model, R, position, velocity, omega, 1.3), rel=1e-9)
 
 
 @given(vectors, vectors)

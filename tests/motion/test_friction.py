@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.motion.coordinates import Motion
 from driftform.motion.flight import release_state
 from driftform.motion.integrator import Accuracy, integrate
 from driftform.motion.model import flight_model
@@ -117,7 +116,7 @@ def test_both_integrators_roll_and_stick_alike():
         start = release_state(model, scenario)
         ours = integrate(model, start, 3.0, ACCURACY).samples
         settings = make_settings("DOPRI5", 3.0, 1e-7, 0.05)
-        theirs = integrate_motion(Motion.of(model, start), settings, 100_000)
+        theirs = integrate_motion(agent, scenario, settings, 100_000)
         assert theirs[-1, 0] == ours[-1, 0] == 3.0
         assert theirs[-1, 1:4] == pytest.approx(ours[-1, 1:4], abs=1e-4)
         assert theirs[-1, 8:] == pytest.approx(ours[-1, 8:], abs=1e-3)

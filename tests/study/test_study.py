@@ -106,8 +106,8 @@ def test_another_plugin_drops_the_options_of_the_one_before(write: Write, fakes:
 
 def test_the_same_plugin_named_again_keeps_its_options(write: Write) -> None:
     write(BASE + "[simulator]\ntolerance = 1e-9\n", "base.toml")
-    overlay = write('base = "base.toml"\n[simulator]\nuse = "exudyn"\nmax_step = 0.01\n')
-    for study in (load_study(overlay), load_study(overlay, use={"simulator": "exudyn"})):
+    overlay = write('base = "base.toml"\n[simulator]\nuse = "native"\nmax_step = 0.01\n')
+    for study in (load_study(overlay), load_study(overlay, use={"simulator": "native"})):
         assert study.document["simulator"]["tolerance"] == 1e-9
         assert study.document["simulator"]["max_step"] == 0.01
 
@@ -123,14 +123,14 @@ def test_set_wins_over_the_file_and_the_last_set_over_those_before(write: Write)
 @pytest.mark.parametrize(
     ("setting", "value"),
     [
-        ("simulator.integrator=RK67", "RK67"),
-        ("simulator.integrator = 'RK67'", "RK67"),
-        ('simulator.integrator="RK67"', "RK67"),
-        ("simulator={integrator='RK67'}", "RK67"),
+        ("robustness.score=worst", "worst"),
+        ("robustness.score = 'worst'", "worst"),
+        ('robustness.score="worst"', "worst"),
+        ("robustness={score='worst'}", "worst"),
     ],
 )
 def test_text_may_be_set_with_and_without_quotes(setting: str, value: str) -> None:
-    assert load_study(settings=[setting]).document["simulator"]["integrator"] == value
+    assert load_study(settings=[setting]).document["robustness"]["score"] == value
 
 
 def test_without_a_seed_one_is_drawn_and_kept() -> None:
@@ -192,7 +192,7 @@ def test_an_environment_flies_without_a_strategy() -> None:
     assert "strategy" not in environment
     assert "run" not in environment
     held = load_study(Document("agent.json", environment))
-    assert held.make_pipeline().simulator.name == "exudyn"
+    assert held.make_pipeline().simulator.name == "native"
     assert held.run.evaluations is None
 
 
@@ -256,7 +256,12 @@ def test_another_kind_of_flow_drops_what_only_the_former_has() -> None:
     assert flow["kind"] == "turbulent"
     assert "acceleration" not in flow
     back = load_study(Document("agent", {**resolved.data, "flow": flow}), ["flow.kind=uniform"])
-    assert back.document["flow"] == {"kind": "uniform", "speed": 0.7, "acceleration": 0.0}
+    assert back.document["flow"] == {
+        "kind": "uniform",
+        "speed": 0.7,
+        "acceleration": 0.0,
+        "added": [0.0, 0.0, 0.0],
+    }
 
 
 def test_another_kind_keeps_a_misspelt_key_for_its_error(write: Write) -> None:

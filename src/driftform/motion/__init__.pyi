@@ -4,4 +4,3 @@ from . import inertia as inertia
 from . import integrator as integrator
 from . import interpolation as interpolation
 from . import stepping as stepping
-from .coordinates import Motion as Motion

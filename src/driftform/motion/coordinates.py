@@ -1,26 +1,38 @@
-"""Motion in coordinates, their rates and accelerations, for integrators that need this form, such as Exudyn's.
+"""What water and wall do to a rigid body that another program integrates, in that program's coordinates.
 
-The coordinates are the position and the rotation vector, body to world; their rates are the velocity in the
-world frame and the angular velocity in the body frame.
+The coordinates are the position of the body's origin and the rotation vector, body to world; their rates are the velocity in
+the world frame and the angular velocity in the body frame. The other program knows the dry body, its weight and, without a
+free surface, its buoyancy. Of the equations of motion (:mod:`driftform.motion.equations`) there remain, with the body's
+velocity v and the water's u and u', nu_r = (R^T (v - u), w) and its momentum (P, H) = M_A nu_r,::
+
+    force    R [F + (M_A (R^T u' + w x R^T (v - u), 0))_1 + P x w]
+    torque      T + (M_A (R^T u' + w x R^T (v - u), 0))_2 + H x w + P x R^T (v - u)
+
+and the mass matrix diag(R, 1) M_A diag(R, 1)^T. F and T are the wrench of pressure gradient, damping, drag and the wall.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from driftform.motion.contact import is_far_from_wall
-from driftform.motion.equations import accelerations
-from driftform.motion.flight import has_left_pipe, is_finite
-from driftform.motion.model import FlightModel, pack, unpack
-from driftform.types import FloatArray
+from driftform.motion.equations import wrench_in_water
+from driftform.motion.flight import has_left_pipe, is_finite, release_state
+from driftform.motion.inertia import added_mass_at
+from driftform.motion.model import FlightModel, flight_model, pack, unpack
+from driftform.types import Agent, FloatArray
 from driftform.util.compiled import compiled
-from driftform.util.rotations import rotation_from_vector, rotation_vector_from_quaternion
+from driftform.util.rotations import (
+    rotation_from_vector,
+    rotation_vector_from_quaternion,
+)
+from driftform.util.small_vectors import ZERO, Vector, add, add_wrenches, cross, multiply, to_body, to_world
+from driftform.water import Scenario
 
 GREATEST = 1e9
-"""Acceleration (m/s2, rad/s2) to which those of trial steps are limited.
+"""Acceleration (m/s2, rad/s2) of the dry body to which the forces of trial steps are limited.
 
 A long trial step ends deep in the wall, whose force throws the body so far that the later stages of the step overflow.
 Exudyn rejects a step with a large error, but gives up after one that is not finite.
@@ -28,118 +40,141 @@ Exudyn rejects a step with a large error, but gives up after one that is not fin
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
-    """A motion in coordinates: its initial values, and the compiled functions that define it.
+class WaterForces:
+    """The forces of water and wall on a rigid body: see :mod:`driftform.motion.coordinates`.
 
     Attributes
     ----------
     coordinates, rates
         at the release, (6,): SI units and radians.
-    values
-        numbers of the model; pass them to all functions.
+    lift
+        buoyancy (N, upward), if the other program must add it at the centre of buoyancy; 0 if it depends on the pose, and the
+        forces contain it.
+    model
+        of the flight.
     inner, inner_rates
         places in ``values`` of the inner states of wall and water, all zero at the release, and of their rates, (k,) each.
-        Write the states before ``accelerations`` is called; it writes their rates.
-    bristles
-        how many of them, the first, are those of friction. Where ``touches(coordinates, values)`` is False they are zero.
-    accelerations
-        ``accelerations(t, coordinates, rates, values)`` returns the derivatives of the rates, a tuple as long as they.
-    fill_sample
-        ``fill_sample(sample, t, coordinates, rates, values)`` fills ``sample``, a raw sample of
-        :mod:`driftform.motion.flight`, (14,), and returns True while the flight continues: the sample is finite and
-        inside the pipe.
+        Write the states before :meth:`force` is called; it writes their rates.
+    values
+        the numbers of the model without weight and dry mass.
+    most
+        greatest components of a force, (6,).
     """
 
     coordinates: FloatArray
     rates: FloatArray
+    lift: float
+    model: FlightModel
     values: FloatArray
-    accelerations: Callable[[float, FloatArray, FloatArray, FloatArray], tuple[float, ...]]
-    fill_sample: Callable[[FloatArray, float, FloatArray, FloatArray, FloatArray], bool]
     inner: npt.NDArray[np.int64]
     inner_rates: npt.NDArray[np.int64]
-    bristles: int = 0
-    touches: Callable[[FloatArray, FloatArray], bool] | None = None
+    most: FloatArray
 
     @classmethod
-    def of(cls, model: FlightModel, start: FloatArray) -> "Motion":
-        """Return the motion from the state ``start`` (13,)."""
-        coordinates = np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])])
-        inner, fittings = _find_inner_states(model, model.bristles.size // 2), model.fittings
-        if fittings is None:
-            functions = _accelerations_in_space, _fill_sample_in_space, *inner, _can_touch
-            return cls(coordinates, start[7:13], pack(model), *functions)
+    def of(cls, agent: Agent, scenario: Scenario) -> "WaterForces":
+        """Return the forces on an agent that is released in a scenario."""
+        model = flight_model(agent, scenario)
+        start = release_state(model, scenario)
+        outer = model._replace(numbers=model.numbers.copy())
+        n, is_full = outer.numbers[0], scenario.fluid.water_level is None
+        inertia = np.diagonal(n["mass"]).copy()
+        n["mass"], n["body_mass"] = added_mass_at(agent.coefficients, np.zeros(3)), 0.0
+        # A body of no inertia, such as a massless sphere in roll, has no torque either.
+        n["mass"] += np.diag(inertia == 0.0)
+        lift = float(n["displaced_mass"] * n["gravity"]) if is_full else 0.0
+        n["gravity"] *= not is_full
+        values, bristles, eddies = pack(outer), model.bristles.size // 2, model.eddies.size // 2
+        end = len(values) - 2 * eddies
+        states = np.concatenate([np.arange(bristles) - 2 * bristles, np.arange(eddies)]) + end
+        rates = np.concatenate([np.arange(bristles) - bristles, np.arange(eddies) + eddies]) + end
+        turned = rotation_vector_from_quaternion(start[3:7])
+        coordinates = np.concatenate([start[:3], turned])
+        return cls(coordinates, start[7:13], lift, model, values, states, rates, GREATEST * inertia)
 
-        def accelerate(
-            t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
-        ) -> tuple[float, ...]:
-            return _accelerations_in_space(t, coordinates, rates, values, fittings)
+    def force(self, t: float, coordinates: FloatArray, rates: FloatArray) -> tuple[float, ...]:
+        """Return the force (N, world frame) and the torque (N m, body frame) at a time (s), six numbers; the mass is that of :meth:`fill_mass`."""
+        return _force(t, coordinates, rates, self.values, self.most, self.model.fittings)
 
-        def fill_sample(
-            sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
-        ) -> bool:
-            return _fill_sample_in_space(sample, t, coordinates, rates, values, fittings)
+    def fill_mass(self, coordinates: FloatArray, mass: FloatArray) -> None:
+        """Fill in the added mass for accelerations of these coordinates, (6, 6)."""
+        _fill_mass(coordinates, self.values, mass)
 
-        def can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
-            return _can_touch(coordinates, values, fittings)
+    def fill_sample(self, sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray) -> bool:
+        """Fill a raw sample of :mod:`driftform.motion.flight`, (14,), and return True while it is finite and in the pipe."""
+        return _fill_sample(sample, t, coordinates, rates, self.values, self.model.fittings)
 
-        return cls(coordinates, start[7:13], pack(model), accelerate, fill_sample, *inner, can_touch)
-
-
-def _find_inner_states(
-    model: FlightModel, bristles: int
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], int]:
-    """Return the places of the inner states and of their rates in a packed model, at whose end they are, and ``bristles``."""
-    eddies = model.eddies.size // 2
-    end = len(pack(model)) - 2 * eddies
-    states = np.concatenate([np.arange(bristles) - 2 * bristles, np.arange(eddies)]) + end
-    rates = np.concatenate([np.arange(bristles) - bristles, np.arange(eddies) + eddies]) + end
-    return states, rates, bristles
+    def touches(self, coordinates: FloatArray) -> bool:
+        """Return True if a surface may touch a wall; where none does, bristles of friction, the first of the inner states, are zero."""
+        return _can_touch(coordinates, self.values, self.model.fittings)
 
 
 @compiled
-def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray | None = None) -> bool:
-    """Return True if a surface may touch a wall."""
+def _place(coordinates: FloatArray) -> Vector:
+    return coordinates[0], coordinates[1], coordinates[2]
+
+
+@compiled
+def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray | None) -> bool:
     model = unpack(values, fittings)
-    position = (coordinates[0], coordinates[1], coordinates[2])
-    return not is_far_from_wall(position, model.numbers[0].reach, model.pipe, model.fittings)
+    return not is_far_from_wall(_place(coordinates), model.numbers[0].reach, model.pipe, model.fittings)
 
 
 @compiled
-def _accelerations_in_space(
+def _force(
     t: float,
     coordinates: FloatArray,
     rates: FloatArray,
     values: FloatArray,
-    fittings: FloatArray | None = None,
+    most: FloatArray,
+    fittings: FloatArray | None,
 ) -> tuple[float, float, float, float, float, float]:
+    model = unpack(values, fittings)
     R = rotation_from_vector(coordinates[3], coordinates[4], coordinates[5])
-    a, alpha = accelerations(
-        t,
-        (coordinates[0], coordinates[1], coordinates[2]),
-        R,
-        (rates[0], rates[1], rates[2]),
-        (rates[3], rates[4], rates[5]),
-        unpack(values, fittings),
+    velocity, omega = (rates[0], rates[1], rates[2]), (rates[3], rates[4], rates[5])
+    wrench, moving, change = wrench_in_water(t, _place(coordinates), R, velocity, omega, model)
+    added = model.numbers[0].mass
+    P, H = multiply(added, moving, omega)
+    wrench = add_wrenches(wrench, multiply(added, add(to_body(R, change), cross(omega, moving)), ZERO))
+    force = to_world(R, add(wrench[0], cross(P, omega)))
+    torque = add(wrench[1], add(cross(H, omega), cross(P, moving)))
+    return (
+        _bound(force[0], most[0]),
+        _bound(force[1], most[1]),
+        _bound(force[2], most[2]),
+        _bound(torque[0], most[3]),
+        _bound(torque[1], most[4]),
+        _bound(torque[2], most[5]),
     )
-    return _bound(a[0]), _bound(a[1]), _bound(a[2]), _bound(alpha[0]), _bound(alpha[1]), _bound(alpha[2])
 
 
 @compiled
-def _bound(acceleration: float) -> float:
-    """Return the acceleration within +-GREATEST; NaN remains NaN."""
-    if acceleration > GREATEST:
-        return GREATEST
-    return -GREATEST if acceleration < -GREATEST else acceleration
+def _bound(value: float, most: float) -> float:
+    """Return the value within +-most; NaN remains NaN."""
+    if value > most:
+        return most
+    return -most if value < -most else value
 
 
 @compiled
-def _fill_sample_in_space(
+def _fill_mass(coordinates: FloatArray, values: FloatArray, out: FloatArray) -> None:
+    added = unpack(values, None).numbers[0].mass
+    R = rotation_from_vector(coordinates[3], coordinates[4], coordinates[5])
+    for j in range(6):
+        i = j % 3
+        unit = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
+        push, turn = multiply(added, to_body(R, unit), ZERO) if j < 3 else multiply(added, ZERO, unit)
+        out[0, j], out[1, j], out[2, j] = to_world(R, push)
+        out[3, j], out[4, j], out[5, j] = turn
+
+
+@compiled
+def _fill_sample(
     sample: FloatArray,
     t: float,
     coordinates: FloatArray,
     rates: FloatArray,
     values: FloatArray,
-    fittings: FloatArray | None = None,
+    fittings: FloatArray | None,
 ) -> bool:
     x, y, z = coordinates[3], coordinates[4], coordinates[5]
     half = 0.5 * math.sqrt(x * x + y * y + z * z)
@@ -150,5 +185,4 @@ def _fill_sample_in_space(
         sample[1 + i] = coordinates[i]
         sample[8 + i] = rates[i]
         sample[11 + i] = rates[3 + i]
-    position = (coordinates[0], coordinates[1], coordinates[2])
-    return is_finite(sample) and not has_left_pipe(position, unpack(values, None).pipe, fittings)
+    return is_finite(sample) and not has_left_pipe(_place(coordinates), unpack(values, None).pipe, fittings)

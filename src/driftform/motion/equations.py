@@ -178,21 +178,13 @@ def water_motion_at_cob(
 
 
 @compiled
-def accelerations(
+def wrench_in_water(
     t: float, position: Vector, R: Rotation, velocity: Vector, omega: Vector, model: FlightModel
-) -> tuple[Vector, Vector]:
-    """Return the acceleration of the body's origin (world frame, m/s2) and the angular one (body frame, rad/s2).
+) -> tuple[Wrench, Vector, Vector]:
+    """Return the wrench on the body in a frame that moves with the water, the velocity relative to it, and its acceleration.
 
-    Parameters
-    ----------
-    t
-        time, s.
-    position, velocity
-        of the body's origin in the world frame, m and m/s.
-    R
-        rotation, body to world.
-    omega
-        angular velocity in the body frame, rad/s.
+    The wrench (N, N m, about the origin) is that of weight, buoyancy, pressure gradient, damping, drag and the wall, in body
+    axes as the velocity (m/s); the water's acceleration is in the world frame (m/s2). See :func:`accelerations`.
     """
     n = model.numbers[0]
     stream, change, shear, curl = _read_vector(n.current), ZERO, ZERO, ZERO
@@ -220,10 +212,28 @@ def accelerations(
             there = add(moving, cross(omega, centre))
             mass = n.density * n.shear_volume * displaced / n.displaced_mass
             wrench = add_wrenches(wrench, force_wrench(centre, shear_lift(there, curl, mass)))
-    wrench = add_wrenches(
-        wrench,
-        wall_wrench(position, R, velocity, omega, model),
-    )
+    return add_wrenches(wrench, wall_wrench(position, R, velocity, omega, model)), moving, change
+
+
+@compiled
+def accelerations(
+    t: float, position: Vector, R: Rotation, velocity: Vector, omega: Vector, model: FlightModel
+) -> tuple[Vector, Vector]:
+    """Return the acceleration of the body's origin (world frame, m/s2) and the angular one (body frame, rad/s2).
+
+    Parameters
+    ----------
+    t
+        time, s.
+    position, velocity
+        of the body's origin in the world frame, m and m/s.
+    R
+        rotation, body to world.
+    omega
+        angular velocity in the body frame, rad/s.
+    """
+    n = model.numbers[0]
+    wrench, moving, change = wrench_in_water(t, position, R, velocity, omega, model)
     momentum, turning = multiply(n.mass, moving, omega)
     force = add(wrench[0], cross(momentum, omega))
     torque = add(wrench[1], add(cross(turning, omega), cross(momentum, moving)))

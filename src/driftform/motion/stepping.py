@@ -3,6 +3,7 @@
 import numpy as np
 
 from driftform.motion.buoyancy import buoyancy
+from driftform.motion.coordinates import WaterForces
 from driftform.motion.flight import finish_trajectory, has_left_pipe, release_state
 from driftform.motion.model import FlightModel, flight_model
 from driftform.motion.rates import fill_rate_in_space
@@ -12,6 +13,7 @@ from driftform.water import Scenario
 
 __all__ = [
     "FlightModel",
+    "WaterForces",
     "change_current",
     "compute_rate",
     "finish_trajectory",

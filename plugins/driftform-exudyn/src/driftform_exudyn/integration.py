@@ -9,22 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from driftform.motion import Motion, integrator
-from driftform.types import FloatArray
+from driftform.motion import integrator
+from driftform.types import Agent, FloatArray
+from driftform.water import Scenario
 from driftform_exudyn.headless import exudyn
-from driftform_exudyn.headless import items as typed_items
-
-items: Any = typed_items  # the type hints of exudyn's items do not match their arguments
+from driftform_exudyn.system import exudyn_system
 
 SAMPLE = 14
 """Numbers of a raw sample."""
-
-MAX_TRIES = 5_000
-"""Evaluations within one step after which the flight fails.
-
-Halving the longest step down to the shortest takes some 300 evaluations. If forces are unphysically large, Exudyn's
-error control can loop for ever, alternating between longer and shorter steps.
-"""
 
 STEP_SAFETY = 0.75
 """Step size relative to the largest that the error control estimates to be possible.
@@ -58,62 +50,32 @@ def make_settings(integrator: str, horizon: float, tolerance: float, max_step: f
     return settings
 
 
-def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
+def integrate_motion(agent: Agent, scenario: Scenario, settings: Any, limit: int) -> FloatArray:
     """Return the raw samples of a flight, (k, 14): the release and the ends of at most ``limit`` steps.
 
     The tolerance grows along the flight, as in :mod:`driftform.motion.integrator`.
     """
-    container = exudyn.SystemContainer()
-    mbs = container.AddSystem()
-    values, b, states = motion.values, motion.bristles, len(motion.inner)
+    system = exudyn_system(agent, scenario)
+    mbs, water = system.mbs, system.water
     integration = settings.timeIntegration
-    tolerance = integration.absoluteTolerance
-    nowhere = (np.nan,) * 6
-    samples = np.empty((1024, SAMPLE))
-    count, tries, due = 0, 0, 0.0
-    known: tuple[float, ...] | None = None
-
-    def inner_rates(_: Any, t: float, *__: Any) -> FloatArray:
-        nonlocal known
-        values[motion.inner] = inner
-        known = motion.accelerations(t, coordinates, rates, values)
-        return values[motion.inner_rates]
-
-    def force(_: Any, t: float, *__: Any) -> tuple[float, ...]:
-        nonlocal tries, known
-        tries += 1
-        if tries > MAX_TRIES:
-            return nowhere
-        if known is None:
-            return motion.accelerations(t, coordinates, rates, values)
-        # Exudyn asks for the rates of the inner states first, and they are computed together.
-        found, known = known, None
-        return found
+    tolerance, bristles = integration.absoluteTolerance, water.model.bristles.size // 2
+    samples, count, due = np.empty((1024, SAMPLE)), 0, 0.0
 
     def after_step(_: Any, t: float) -> bool:
-        nonlocal samples, count, tries, due
-        tries = 0
+        nonlocal samples, count, due
+        system.tries[0] = 0
         if t >= due:
             # Exudyn reads this at every step.
             integration.absoluteTolerance = integrator.grow_tolerance(tolerance, t)
             due = t + TOLERANCE_PERIOD
-        if b and motion.touches is not None and not motion.touches(coordinates, values):
-            inner[:b] = 0.0
+        if bristles and not water.touches(coordinates):
+            inner[:bristles] = 0.0
         if count == len(samples):
             samples = np.concatenate([samples, np.empty_like(samples)])
-        proceeds = motion.fill_sample(samples[count], t, coordinates, rates, values)
+        proceeds = water.fill_sample(samples[count], t, coordinates, rates)
         count += 1
         return proceeds and count <= limit
 
-    _add_mass(mbs, motion, force)
-    if states:
-        zeros = [0.0] * states
-        node = mbs.AddNode(
-            items.NodeGenericODE1(
-                referenceCoordinates=zeros, initialCoordinates=zeros, numberOfODE1Coordinates=states
-            )
-        )
-        mbs.AddObject(items.ObjectGenericODE1(nodeNumbers=[node], rhsUserFunction=inner_rates))
     mbs.Assemble()
     # Live views of the memory that the last Assemble laid out.
     coordinates: Any = mbs.systemData.GetODE2Coordinates(copy=False)
@@ -131,14 +93,3 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
         finally:
             integration.absoluteTolerance = tolerance
     return samples[:count]
-
-
-def _add_mass(mbs: Any, motion: Motion, force: Any) -> None:
-    node = mbs.AddNode(
-        items.NodeRigidBodyRotVecLG(
-            referenceCoordinates=[0.0] * 6,
-            initialCoordinates=motion.coordinates.tolist(),
-            initialVelocities=motion.rates.tolist(),
-        )
-    )
-    mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force))
