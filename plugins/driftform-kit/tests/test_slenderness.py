@@ -158,3 +158,9 @@ def test_the_brim_that_is_named_holds_and_the_next_smaller_one_does_not(radius: 
         # A disc of that radius, W = pi r^3 / 4, at a stress of 0.02 MPa; and the root of its area is a tenth of the height.
         lifted = 0.02 * np.pi / 4 * around**3 / height < 0.098
         assert (not lifted and np.sqrt(np.pi) * around >= 0.1 * height) == holds
+
+
+def test_a_ball_that_touches_the_bed_in_a_point_gets_a_brim() -> None:
+    # In the middle of the first layer it is 2.8 mm across, and 2 mm at a quarter of it.
+    ball = trimesh.creation.icosphere(subdivisions=5, radius=10.0)
+    assert find_brim(Mesh(ball.vertices, ball.faces)) == 3.0

@@ -16,7 +16,7 @@ from driftform_frusta.printable import MM3_PER_M3
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_kit.checks.shells import Shell, find_shells, orient_outward
-from driftform_kit.checks.slenderness import ADHESION, PUSH, find_brim, measure_slenderness
+from driftform_kit.checks.slenderness import ADHESION, BRIMS, PUSH, find_brim, measure_slenderness
 from driftform_kit.checks.topology import Topology, analyse_topology
 from driftform_kit.checks.walls import REACH, Wall, find_thinnest_wall
 from driftform_kit.cutting.pieces import make_kit
@@ -232,7 +232,7 @@ class MeshChecker(Checker[MeshOptions]):
         if best.name != now.name:
             return State.WARN, f"{message}; better {words.get(best.name, best.name)}"
         if not now.steady:
-            brim = find_brim(one.outward, self.options.push, self.options.adhesion)
+            brim = max(BRIMS[1], find_brim(one.outward, self.options.push, self.options.adhesion))
             return State.WARN, f"{message}; no orientation is better, print it with a brim of {brim:g} mm"
         support = "" if now.overhang <= self.options.overhang * MM**2 else ", with support"
         state = State.WARN if support else State.PASS

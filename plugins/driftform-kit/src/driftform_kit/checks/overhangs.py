@@ -6,8 +6,7 @@ import numpy as np
 
 from driftform.types import FloatArray
 from driftform_frusta.triangles import Mesh
-from driftform_kit.checks.slenderness import STEADY
-from driftform_kit.cutting.upright import FOOT
+from driftform_kit.checks.slenderness import FOOT, STEADY
 
 STEEPEST = np.radians(45)
 """Overhang, from the vertical, that prints without support."""

@@ -14,7 +14,6 @@ The push, the strength and the adhesion are those by which PrusaSlicer decides w
 an adhesion to the bed of 0.1 MPa for ABS, 0.02 MPa for PLA and 0.3 MPa for PETG.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,8 +30,8 @@ _FIRST = 0.1
 PUSH, ADHESION = 0.098, 1e5
 """N and Pa: the push of a nozzle, and the adhesion of ABS."""
 
-STEADY = 0.1
-"""Least root of the contact area over the height that holds a part on the bed."""
+FOOT, STEADY = 10.0, 0.1
+"""mm2 of contact with the bed, and its least root over the height, below which a part falls over."""
 
 BRIMS = (0.0, 3.0, 5.0, 8.0, 12.0, 16.0)
 """Widths of brims, mm."""
@@ -97,12 +96,15 @@ def find_brim(mesh: Mesh, push: float = PUSH, adhesion: float = ADHESION) -> flo
     It is the least of :data:`BRIMS` that does, 0 if the part needs none, and the widest if none is enough.
     """
     low, high = mesh.bounds[:, 2].tolist()
-    foot = _make_manifold(mesh).slice(low + _FIRST)
+    solid = _make_manifold(mesh)
+    foot = solid.slice(low + _FIRST)
+    # A rounded foot touches the bed with less than it has in the middle of the first layer.
+    lacks = max(FOOT, (STEADY * (high - low)) ** 2) - solid.slice(low + _FIRST / 2).area()
     for width in BRIMS:
         around = foot.offset(width, JoinType.Round) if width else foot
         second, across = measure_section(around)
         lifted = second <= 0 or 1e-6 * adhesion * 2 * second / across / (high - low) < push
-        if not lifted and math.sqrt(around.area()) >= STEADY * (high - low):
+        if not lifted and around.area() - foot.area() >= lacks:
             break
     return width
 

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from driftform.types import FloatArray
+from driftform_kit.checks.slenderness import FOOT
 from driftform_kit.cutting.meridian import Ring
 
 STEEPEST = math.radians(45.0) + 1e-3
 """A surface that leans out of the vertical by more than this needs support."""
-
-FOOT = 10.0
-"""mm2 of contact with the bed below which a part falls over."""
 
 _LINE = 1.2
 """mm of overhang that an edge counts as which begins in the air."""
