@@ -59,12 +59,9 @@ class Run(StoredRun, Mapping[str, Design]):
 
     It shows what was stored at the time of asking; ask again while another process continues the run.
 
-    Attributes
-    ----------
-    path
-        of its directory.
-    study
-        what was searched for: scenario, plugins and their options, seed and budget.
+    Attributes:
+        path: of its directory.
+        study: what was searched for: scenario, plugins and their options, seed and budget.
     """
 
     def __getitem__(self, target: str) -> Design:
@@ -86,10 +83,8 @@ class Run(StoredRun, Mapping[str, Design]):
     def pick(self, x: float, y: float, z: float) -> Design:
         """Return the agent whose flight passes closest to a point of the world, m; its ``result`` says how close.
 
-        Raises
-        ------
-        InputError
-            if no flight can pass the point, or every evaluation has failed so far.
+        Raises:
+            InputError: if no flight can pass the point, or every evaluation has failed so far.
         """
         return Design.build(pick_agent(self, (x, y, z)), f"{self.path}: {x:g} {y:g} {z:g}")
 
@@ -110,10 +105,8 @@ class Run(StoredRun, Mapping[str, Design]):
     def map_coverage(self) -> CoverageMap:
         """Return which cells of the pipe its flights cross.
 
-        Raises
-        ------
-        InputError
-            in open water.
+        Raises:
+            InputError: in open water.
         """
         with self.read() as store:
             return map_run(self.study, store)
@@ -127,10 +120,8 @@ class Run(StoredRun, Mapping[str, Design]):
     def search(self, executor: Executor, observer: Observer | None = None) -> None:
         """Ask, evaluate and store until the budget is spent; for a run that is created, resumed or ensured.
 
-        Raises
-        ------
-        InputError
-            if the stored evaluations are not those that the study asks for.
+        Raises:
+            InputError: if the stored evaluations are not those that the study asks for.
         """
         search_run(self, executor, observer)
 
@@ -139,27 +130,20 @@ class Run(StoredRun, Mapping[str, Design]):
 
         Returns one line for each file that could not be written.
 
-        Raises
-        ------
-        InputError
-            if the stored evaluations are not those that the study asks for.
-        WorkFailedError
-            if every evaluation failed.
+        Raises:
+            InputError: if the stored evaluations are not those that the study asks for.
+            WorkFailedError: if every evaluation failed.
         """
         return [problem for best in advance_run(self, executor, observer) for problem in best.problems]
 
     def report(self, path: str | os.PathLike[str] | None = None) -> Path:
         """Write the run as one page that needs no network, and return its path.
 
-        Parameters
-        ----------
-        path
-            of the page; ``None`` for ``report.html`` in the run.
+        Args:
+            path: of the page; ``None`` for ``report.html`` in the run.
 
-        Raises
-        ------
-        WorkFailedError
-            if no evaluation succeeded yet.
+        Raises:
+            WorkFailedError: if no evaluation succeeded yet.
         """
         return write_report(self, None if path is None else Path(path))[1]
 
@@ -181,19 +165,13 @@ class Run(StoredRun, Mapping[str, Design]):
     ) -> dict[str, int]:
         """Write the run as tables, as ``driftform export-data`` does, and return the number of rows of each.
 
-        Parameters
-        ----------
-        folder
-            for the files; ``None`` for ``data`` in the run.
-        format
-            ``"csv"`` or ``"parquet"``.
-        trajectories
-            whether the samples of all flights are written too.
+        Args:
+            folder: for the files; ``None`` for ``data`` in the run.
+            format: ``"csv"`` or ``"parquet"``.
+            trajectories: whether the samples of all flights are written too.
 
-        Raises
-        ------
-        InputError
-            if there is no such format, or the folder is not empty.
+        Raises:
+            InputError: if there is no such format, or the folder is not empty.
         """
         return write_tables(self, None if folder is None else Path(folder), format, trajectories)
 
@@ -257,30 +235,21 @@ def evolve(
     A directory that holds a run of the same study is continued: to run a cell again costs nothing, and what was
     interrupted continues where it stopped.
 
-    Parameters
-    ----------
-    study
-        from :func:`load_study`; name a seed, or each time is another run.
-    directory
-        where the run is written; see ``docs/dataflow.md`` for its files.
-    workers
-        processes; the result does not depend on it.
-    progress
-        whether the number of evaluations done is printed on stderr.
+    Args:
+        study: from :func:`load_study`; name a seed, or each time is another run.
+        directory: where the run is written; see ``docs/dataflow.md`` for its files.
+        workers: processes; the result does not depend on it.
+        progress: whether the number of evaluations done is printed on stderr.
 
-    Raises
-    ------
-    InputError
-        if the study has no targets, not even its smallest agent can be released, or the directory holds something else.
-    WorkFailedError
-        if every evaluation failed.
+    Raises:
+        InputError: if the study has no targets, not even its smallest agent can be released, or the directory holds
+            something else.
+        WorkFailedError: if every evaluation failed.
 
-    Warns
-    -----
-    UserWarning
-        before the first flight, of what is likely to be wrong with the study, such as targets out of reach, as
-        ``driftform scenarios check`` does; after the first flights, if nearly all last to the horizon or none passes a
-        target; at the end, of files that could not be written.
+    Warns:
+        UserWarning: before the first flight, of what is likely to be wrong with the study, such as targets out of
+            reach, as ``driftform scenarios check`` does; after the first flights, if nearly all last to the horizon
+            or none passes a target; at the end, of files that could not be written.
     """
     if workers < 1:
         raise InputError(f"workers = {workers}: should be at least 1")
@@ -297,10 +266,8 @@ def evolve(
 def open_run(directory: str | os.PathLike[str]) -> Run:
     """Open a run directory, also that of a run that another process continues.
 
-    Raises
-    ------
-    InputError
-        if it is not a run.
+    Raises:
+        InputError: if it is not a run.
     """
     return Run.open(Path(directory))
 
@@ -313,17 +280,12 @@ def open_agent(
 ) -> Design:
     """Build an agent.
 
-    Parameters
-    ----------
-    text
-        path of an ``agent.json``, ``RUN:TARGET``, or the text of a genome, as the commands take it.
-    settings, scenario, use
-        other surroundings than its own, as for :meth:`Design.under`.
+    Args:
+        text: path of an ``agent.json``, ``RUN:TARGET``, or the text of a genome, as the commands take it.
+        settings, scenario, use: other surroundings than its own, as for :meth:`Design.under`.
 
-    Raises
-    ------
-    InputError
-        if there is no such agent.
+    Raises:
+        InputError: if there is no such agent.
     """
     return opening.open_agent(os.fspath(text), scenario, settings, use)
 

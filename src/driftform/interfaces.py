@@ -93,10 +93,8 @@ class Grammar(Plugin[OptionsT_co]):
     def express(self, genome: Genome) -> Morphology:
         """Return the modules that the genome describes.
 
-        Raises
-        ------
-        ValueError
-            if the genome does not belong to this grammar; the message names the symbol and its position.
+        Raises:
+            ValueError: if the genome does not belong to this grammar; the message names the symbol and its position.
         """
 
     @abstractmethod
@@ -107,10 +105,8 @@ class Grammar(Plugin[OptionsT_co]):
     def parse(self, text: str) -> Genome:
         """Return the genome that :meth:`to_text` wrote.
 
-        Raises
-        ------
-        InputError
-            if the text is not a genome of this grammar; the message names the symbol and its position.
+        Raises:
+            InputError: if the text is not a genome of this grammar; the message names the symbol and its position.
         """
 
     def mutate(self, genome: Genome, rng: np.random.Generator, rate: float) -> Genome:
@@ -280,18 +276,12 @@ class Fitness(Plugin[OptionsT_co]):
 class SearchSpace:
     """The space that a strategy searches.
 
-    Attributes
-    ----------
-    grammar
-        creates and varies genomes.
-    targets
-        names of the targets, in the order of every fitness vector.
-    rng
-        the only source of randomness that a strategy may use.
-    scenario
-        the environment of the flights; open water by default.
-    builder
-        makes bodies, for a strategy that compares or tunes them; ``None`` where only genomes are known.
+    Attributes:
+        grammar: creates and varies genomes.
+        targets: names of the targets, in the order of every fitness vector.
+        rng: the only source of randomness that a strategy may use.
+        scenario: the environment of the flights; open water by default.
+        builder: makes bodies, for a strategy that compares or tunes them; ``None`` where only genomes are known.
     """
 
     grammar: Grammar[Any]
@@ -347,19 +337,13 @@ class Strategy(Plugin[OptionsT_co]):
 class ExportJob:
     """An agent to export: what exporters and recorders receive.
 
-    Attributes
-    ----------
-    name
-        name of the agent, valid as a file name.
-    agent
-        the agent.
-    scenario
-        the environment that the agent is designed for.
-    document
-        content of its ``agent.json``, to be stored in the files; empty if no grammar made the agent.
-    opened_as
-        what opens the agent on a command line, such as ``run:TP3``, with its settings, for the commands that a file
-        recommends.
+    Attributes:
+        name: name of the agent, valid as a file name.
+        agent: the agent.
+        scenario: the environment that the agent is designed for.
+        document: content of its ``agent.json``, to be stored in the files; empty if no grammar made the agent.
+        opened_as: what opens the agent on a command line, such as ``run:TP3``, with its settings, for the commands
+            that a file recommends.
     """
 
     name: str
@@ -384,19 +368,15 @@ class Exporter(Plugin[OptionsT_co]):
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file at ``path``, or several files, and return a description of each; create missing parent folders.
 
-        Raises
-        ------
-        WorkFailedError
-            if the agent cannot be exported in this format; the message gives the reason.
+        Raises:
+            WorkFailedError: if the agent cannot be exported in this format; the message gives the reason.
         """
 
     def describe_water(self, job: ExportJob) -> str:
         """Return the part of the format that describes the forces of water, for ``driftform inspect --block``.
 
-        Raises
-        ------
-        WorkFailedError
-            if the format has none.
+        Raises:
+            WorkFailedError: if the format has none.
         """
         raise WorkFailedError(f"the format '{self.name}' has no part for the forces of water")
 
@@ -417,12 +397,9 @@ class Renderer(Plugin[OptionsT_co]):
 
         Extend this method if a film needs something that may not be installed.
 
-        Raises
-        ------
-        InputError
-            if the suffix is not one of ``suffixes``.
-        WorkFailedError
-            if something is missing; the message explains how to install it.
+        Raises:
+            InputError: if the suffix is not one of ``suffixes``.
+            WorkFailedError: if something is missing; the message explains how to install it.
         """
         if path.suffix.lower() not in self.suffixes:
             raise InputError(f"{path}: a film by '{self.name}' ends in {' or '.join(self.suffixes)}")
@@ -440,21 +417,16 @@ class Renderer(Plugin[OptionsT_co]):
 
         Call ``progress(done, total)`` with the number of finished frames and the number of all frames.
 
-        Raises
-        ------
-        InputError, WorkFailedError
-            like :meth:`check`, and if the film cannot be made or written.
+        Raises:
+            InputError, WorkFailedError: like :meth:`check`, and if the film cannot be made or written.
         """
 
     def check_still(self, path: Path) -> None:
         """Check that a still can be made, before the simulation starts.
 
-        Raises
-        ------
-        InputError
-            if the suffix is not one of ``stills``.
-        WorkFailedError
-            if something is missing; the message explains how to install it.
+        Raises:
+            InputError: if the suffix is not one of ``stills``.
+            WorkFailedError: if something is missing; the message explains how to install it.
         """
         if not self.stills:
             raise InputError(f"{path}: '{self.name}' makes films, but not stills")
@@ -468,10 +440,8 @@ class Renderer(Plugin[OptionsT_co]):
 
         Override this method if ``stills`` is not empty.
 
-        Raises
-        ------
-        InputError, WorkFailedError
-            like :meth:`check_still`, and if the still cannot be made or written.
+        Raises:
+            InputError, WorkFailedError: like :meth:`check_still`, and if the still cannot be made or written.
         """
         self.check_still(path)
         raise NotImplementedError(f"{type(self).__name__} lists stills, but does not implement still()")
@@ -493,10 +463,8 @@ class Recorder(Plugin[OptionsT_co]):
         The trajectory may have a single sample, or be that of a failed flight: write all its samples. A file must be
         written completely or not at all.
 
-        Raises
-        ------
-        WorkFailedError
-            if the flight cannot be written in this format; the message gives the reason.
+        Raises:
+            WorkFailedError: if the flight cannot be written in this format; the message gives the reason.
         """
 
 
@@ -504,12 +472,9 @@ class Recorder(Plugin[OptionsT_co]):
 class Printer:
     """The printer that the parts are made for.
 
-    Attributes
-    ----------
-    nozzle
-        diameter of the nozzle, m: the width of the narrowest line.
-    bed
-        size of the largest part, m: width, depth and height.
+    Attributes:
+        nozzle: diameter of the nozzle, m: the width of the narrowest line.
+        bed: size of the largest part, m: width, depth and height.
     """
 
     nozzle: float = 0.0004
@@ -520,21 +485,14 @@ class Printer:
 class PrintJob:
     """Printable files to check: what a checker receives.
 
-    Attributes
-    ----------
-    files
-        the files, each with one or more parts; together they form one agent.
-    printer
-        the printer that they are made for.
-    export
-        the agent that the files should represent, ``None`` if unknown.
-    volume
-        volume of material by the agent's closed-form geometry, m3, ``None`` if unknown.
-    source
-        OpenSCAD source of the same solid, ``None`` if there is no such file.
-    withheld
-        name of a source that came within a file of unknown origin and was not asked for, so that no program may run
-        it; ``None`` if there is no such source.
+    Attributes:
+        files: the files, each with one or more parts; together they form one agent.
+        printer: the printer that they are made for.
+        export: the agent that the files should represent, ``None`` if unknown.
+        volume: volume of material by the agent's closed-form geometry, m3, ``None`` if unknown.
+        source: OpenSCAD source of the same solid, ``None`` if there is no such file.
+        withheld: name of a source that came within a file of unknown origin and was not asked for, so that no program
+            may run it; ``None`` if there is no such source.
     """
 
     files: tuple[Path, ...]
@@ -563,10 +521,8 @@ class Checker(Plugin[OptionsT_co]):
         A fault of a part is a finding. So is a check that could not be made, for example because a program is not
         installed. Report each fault once: checks that it makes impossible are ``skipped``.
 
-        Raises
-        ------
-        InputError
-            if a file cannot be read at all.
+        Raises:
+            InputError: if a file cannot be read at all.
         """
 
 
@@ -585,10 +541,8 @@ class Inspector(Plugin[OptionsT_co]):
 
         ``--json`` has them below ``sections``, under the name of the inspector. Without facts there is no section.
 
-        Raises
-        ------
-        WorkFailedError
-            if the agent cannot be described; the message gives the reason.
+        Raises:
+            WorkFailedError: if the agent cannot be described; the message gives the reason.
         """
 
 
@@ -606,14 +560,10 @@ class Flown:
 class ReportJob:
     """A run to report: what reporters receive.
 
-    Attributes
-    ----------
-    name
-        of the run.
-    scenario
-        the environment of all flights.
-    best
-        the best agent of each target, by the name of the target.
+    Attributes:
+        name: of the run.
+        scenario: the environment of all flights.
+        best: the best agent of each target, by the name of the target.
     """
 
     name: str
@@ -637,10 +587,8 @@ class Reporter(Plugin[OptionsT_co]):
         The page must not need anything else: no network, no other file, no script. The same run must give the same text.
         Escape names that come from files (``html.escape``).
 
-        Raises
-        ------
-        WorkFailedError
-            if the section cannot be written; the message gives the reason.
+        Raises:
+            WorkFailedError: if the section cannot be written; the message gives the reason.
         """
 
 

@@ -21,17 +21,12 @@ class Table(BaseModel):
 def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
     """Return one field of a :class:`Table`.
 
-    Parameters
-    ----------
-    default
-        value if a study file does not set the option; ``...`` for a required option.
-    help
-        help text that ``driftform plugins show`` prints, one sentence.
-    unit
-        unit of the value in a study file, ``""`` for a dimensionless one.
-    constraints
-        pydantic constraints such as ``ge=0, le=1``. Give every number a lower and an upper bound: what lies beyond
-        costs hours, memory or sense.
+    Args:
+        default: value if a study file does not set the option; ``...`` for a required option.
+        help: help text that ``driftform plugins show`` prints, one sentence.
+        unit: unit of the value in a study file, ``""`` for a dimensionless one.
+        constraints: pydantic constraints such as ``ge=0, le=1``. Give every number a lower and an upper bound: what
+            lies beyond costs hours, memory or sense.
     """
     if isinstance(default, int | float):
         # Neither true nor "1000" is accepted as a number.

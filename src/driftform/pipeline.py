@@ -64,20 +64,13 @@ class ScoredFlight:
 class Pipeline:
     """One plugin for each step, and the scenario of the flights.
 
-    Attributes
-    ----------
-    scenario
-        environment of the flights.
-    grammar
-        genome -> morphology.
-    builder
-        morphology -> body.
-    hydrodynamics
-        body -> coefficients.
-    simulator
-        agent, scenario -> trajectory.
-    fitness
-        trajectory -> fitness for each target.
+    Attributes:
+        scenario: environment of the flights.
+        grammar: genome -> morphology.
+        builder: morphology -> body.
+        hydrodynamics: body -> coefficients.
+        simulator: agent, scenario -> trajectory.
+        fitness: trajectory -> fitness for each target.
     """
 
     scenario: Scenario
@@ -164,11 +157,9 @@ class Pipeline:
     def fly_named(self, agents: Sequence[Agent], name: str) -> list[Trajectory]:
         """Agents -> their flights; ``name`` says in errors whose they are.
 
-        Raises
-        ------
-        WorkFailedError
-            if one of them does not fit into the pipe, or the simulator cannot fly it. A flight that ended by a failure
-            is returned.
+        Raises:
+            WorkFailedError: if one of them does not fit into the pipe, or the simulator cannot fly it. A flight that
+                ended by a failure is returned.
         """
         for agent in agents:
             if (misfit := find_misfit(agent.body, self.scenario)) is not None:
@@ -187,10 +178,8 @@ class Pipeline:
     def simulate(self, agents: Sequence[Agent], name: str) -> list[ScoredFlight]:
         """Agents -> their flights with what they score; ``name`` says in errors whose they are.
 
-        Raises
-        ------
-        WorkFailedError
-            if one of them cannot be flown, or its flight fails.
+        Raises:
+            WorkFailedError: if one of them cannot be flown, or its flight fails.
         """
         trajectories = self.fly_named(agents, name)
         for trajectory in trajectories:
@@ -214,17 +203,12 @@ class Pipeline:
         :data:`MARGIN` below that for every target. All other
         flights are checked.
 
-        Parameters
-        ----------
-        genomes
-            the genomes to evaluate.
-        seeds
-            seed of the gusts for each genome, ``None`` for that of the scenario.
-        conditions
-            disturbed conditions of each genome's flight, ``None`` for undisturbed.
-        thresholds
-            for each genome, the fitness for each target (%) that it must exceed to matter; ``None`` if every fitness
-            matters.
+        Args:
+            genomes: the genomes to evaluate.
+            seeds: seed of the gusts for each genome, ``None`` for that of the scenario.
+            conditions: disturbed conditions of each genome's flight, ``None`` for undisturbed.
+            thresholds: for each genome, the fitness for each target (%) that it must exceed to matter; ``None`` if
+                every fitness matters.
         """
         started = time.perf_counter()
         targets = len(self.scenario.targets)

@@ -58,12 +58,9 @@ def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> F
 
     An array that is one already, and owns its memory, is returned itself.
 
-    Raises
-    ------
-    TypeError
-        if the values are not real numbers.
-    ValueError
-        if the shapes differ; the message states both.
+    Raises:
+        TypeError: if the values are not real numbers.
+        ValueError: if the shapes differ; the message states both.
     """
     given = np.asarray(values)
     if given.dtype.kind not in "biuf":
@@ -147,16 +144,11 @@ class Core:
 class Moments:
     """Volume integrals of a solid of revolution about the x axis, for unit density, about the frame's origin.
 
-    Attributes
-    ----------
-    volume
-        V, m3.
-    first
-        integral of x dV, m4.
-    second
-        integral of x^2 dV, m5.
-    polar
-        integral of (y^2 + z^2) dV: the inertia about the axis, m5.
+    Attributes:
+        volume: V, m3.
+        first: integral of x dV, m4.
+        second: integral of x^2 dV, m5.
+        polar: integral of (y^2 + z^2) dV: the inertia about the axis, m5.
     """
 
     volume: float = 0.0
@@ -195,13 +187,10 @@ class Moments:
 class Fittings:
     """What a hull has beside the wall of its section, such as the joints and the engraving of a kit.
 
-    Attributes
-    ----------
-    material
-        volume integrals of the material that is added, less that of material that is removed.
-    displaced
-        the same for the volume that the body displaces more than its outer contour; negative for an engraving, which
-        fills with water.
+    Attributes:
+        material: volume integrals of the material that is added, less that of material that is removed.
+        displaced: the same for the volume that the body displaces more than its outer contour; negative for an
+            engraving, which fills with water.
     """
 
     material: Moments = Moments()
@@ -212,27 +201,17 @@ class Fittings:
 class Body:
     """A body of revolution: its meridian section, core and material.
 
-    Attributes
-    ----------
-    outer
-        outer contour, (n, 2) of x and r in m, from the aft axis point to the fore axis point.
-    cavity
-        contour of the cavity, x and r in m, (m, 2), in the same order; (0, 2) for a solid body.
-    joints
-        x of the module joints, m, from aft to fore, including both ends, (k,).
-    core
-        the sphere at the origin of the body frame.
-    wall
-        nominal wall thickness, m.
-    hull_density
-        density of the hull's material, kg/m3.
-    fittings
-        what the hull has beside the wall between both contours.
-    ballast
-        volume integrals of the ball of ballast that lies inside the hull, on its axis. What holds it counts as a part of
-        it, so that the hull does not depend on it.
-    ballast_density
-        density of the ballast, kg/m3.
+    Attributes:
+        outer: outer contour, (n, 2) of x and r in m, from the aft axis point to the fore axis point.
+        cavity: contour of the cavity, x and r in m, (m, 2), in the same order; (0, 2) for a solid body.
+        joints: x of the module joints, m, from aft to fore, including both ends, (k,).
+        core: the sphere at the origin of the body frame.
+        wall: nominal wall thickness, m.
+        hull_density: density of the hull's material, kg/m3.
+        fittings: what the hull has beside the wall between both contours.
+        ballast: volume integrals of the ball of ballast that lies inside the hull, on its axis. What holds it counts
+            as a part of it, so that the hull does not depend on it.
+        ballast_density: density of the ballast, kg/m3.
     """
 
     outer: FloatArray
@@ -275,18 +254,12 @@ class FluidProperties(Protocol):
 class MassProperties:
     """Mass, displaced volume, their centres, and the inertia of a rigid body.
 
-    Attributes
-    ----------
-    mass
-        mass of hull and core, kg.
-    cog
-        centre of gravity in the body frame, m, (3,).
-    inertia
-        inertia tensor about the centre of gravity, in body axes, kg m2, (3, 3).
-    volume
-        displaced volume, m3.
-    cob
-        centre of buoyancy, the centroid of the displaced volume, in the body frame, m, (3,).
+    Attributes:
+        mass: mass of hull and core, kg.
+        cog: centre of gravity in the body frame, m, (3,).
+        inertia: inertia tensor about the centre of gravity, in body axes, kg m2, (3, 3).
+        volume: displaced volume, m3.
+        cob: centre of buoyancy, the centroid of the displaced volume, in the body frame, m, (3,).
     """
 
     mass: float
@@ -313,38 +286,23 @@ class Drag:
     motion towards -x. The part of the body that counts as a sphere has the force ``-1/2 rho C_d(Re) round_area |v| v`` of
     a sphere at ``centre``, again without creeping. The whole body creeps with the forces ``-mu k v`` at ``centre``.
 
-    Attributes
-    ----------
-    strips
-        x of the middle, diameter d, width dx (m each), and factor of each strip, (n, 4).
-    friction_area
-        wetted area, for skin friction, times the form factor of a streamlined body, m2.
-    length
-        length in the Reynolds number Re_L of skin friction, m.
-    ahead, astern
-        drag areas of the ends (coefficient times area), m2.
-    round_area
-        frontal area times the share to which the body is a sphere, m2.
-    diameter
-        greatest diameter, in the Reynolds numbers of sphere and spin, m.
-    centre
-        x of the centre of the displaced volume, m.
-    wake_ahead, wake_astern
-        x (m) and lift area (m2) of the tail, for motion towards +x and towards -x.
-    spin
-        integral of 2 pi r^4 dx, for the friction of a spin about the axis, m5.
-    shear_volume
-        volume times lift coefficient in a shear flow, m3.
-    spread
-        variance of the displaced volume across the axis (in each direction) and along it, m2: the water's velocity is
-        a mean over the body.
-    blocking
-        diameter that narrows the bore, m; 0 if the drag is that in open water.
-    creeping
-        k of Stokes flow: along the axis and across it (m), and of a turn about a transverse axis (m3); and the share of
-        the water's curl with which the axis turns, b^2 / (a^2 + b^2) of a spheroid.
-    rubbing
-        factor on the friction of strips, beside that of each strip.
+    Attributes:
+        strips: x of the middle, diameter d, width dx (m each), and factor of each strip, (n, 4).
+        friction_area: wetted area, for skin friction, times the form factor of a streamlined body, m2.
+        length: length in the Reynolds number Re_L of skin friction, m.
+        ahead, astern: drag areas of the ends (coefficient times area), m2.
+        round_area: frontal area times the share to which the body is a sphere, m2.
+        diameter: greatest diameter, in the Reynolds numbers of sphere and spin, m.
+        centre: x of the centre of the displaced volume, m.
+        wake_ahead, wake_astern: x (m) and lift area (m2) of the tail, for motion towards +x and towards -x.
+        spin: integral of 2 pi r^4 dx, for the friction of a spin about the axis, m5.
+        shear_volume: volume times lift coefficient in a shear flow, m3.
+        spread: variance of the displaced volume across the axis (in each direction) and along it, m2: the water's
+            velocity is a mean over the body.
+        blocking: diameter that narrows the bore, m; 0 if the drag is that in open water.
+        creeping: k of Stokes flow: along the axis and across it (m), and of a turn about a transverse axis (m3); and
+            the share of the water's curl with which the axis turns, b^2 / (a^2 + b^2) of a spheroid.
+        rubbing: factor on the friction of strips, beside that of each strip.
     """
 
     strips: FloatArray
@@ -394,19 +352,13 @@ class Coefficients:
     The force of the fluid on a body with relative velocity nu is
     ``-M_A nu' - C_A(nu) nu - D_1 nu - D_2 |nu| nu`` (Fossen, with ``|nu| nu`` taken component by component).
 
-    Attributes
-    ----------
-    added_mass
-        M_A, (6, 6), symmetric, positive semi-definite; kg, kg m, kg m2.
-    origin
-        reference point of the matrices in the body frame, m, (3,).
-    linear_damping
-        D_1, (6, 6); N s/m, N s, N m s.
-    quadratic_damping
-        D_2, (6, 6).
-    drag
-        drag that these matrices cannot express, ``None`` without such drag; its x is measured in the body frame, not
-        from ``origin``.
+    Attributes:
+        added_mass: M_A, (6, 6), symmetric, positive semi-definite; kg, kg m, kg m2.
+        origin: reference point of the matrices in the body frame, m, (3,).
+        linear_damping: D_1, (6, 6); N s/m, N s, N m s.
+        quadratic_damping: D_2, (6, 6).
+        drag: drag that these matrices cannot express, ``None`` without such drag; its x is measured in the body
+            frame, not from ``origin``.
     """
 
     added_mass: FloatArray
@@ -476,26 +428,17 @@ class End(StrEnum):
 class Trajectory:
     """The motion of an agent during one flight.
 
-    Attributes
-    ----------
-    t
-        time, s, (k,), strictly increasing from 0.
-    position
-        position of the core's centre in the world frame, m, (k, 3).
-    quaternion
-        attitude, from body to world, (k, 4).
-    velocity
-        velocity over ground, in the body frame: surge, sway, heave (m/s), roll, pitch, yaw (rad/s), (k, 6).
-    end
-        why the flight ended.
-    contact
-        time of the first contact with a wall, s; ``None`` without contact.
-    energy_drift
-        largest change of the energy of body and water before the first contact, relative to the largest kinetic energy;
-        ``None`` if energy is not conserved: with drag, or if the velocity of the water varies.
-    error
-        largest estimated error of the position along the flight, m; ``None`` if it was not estimated: an unchecked
-        flight.
+    Attributes:
+        t: time, s, (k,), strictly increasing from 0.
+        position: position of the core's centre in the world frame, m, (k, 3).
+        quaternion: attitude, from body to world, (k, 4).
+        velocity: velocity over ground, in the body frame: surge, sway, heave (m/s), roll, pitch, yaw (rad/s), (k, 6).
+        end: why the flight ended.
+        contact: time of the first contact with a wall, s; ``None`` without contact.
+        energy_drift: largest change of the energy of body and water before the first contact, relative to the largest
+            kinetic energy; ``None`` if energy is not conserved: with drag, or if the velocity of the water varies.
+        error: largest estimated error of the position along the flight, m; ``None`` if it was not estimated: an
+            unchecked flight.
     """
 
     t: FloatArray
@@ -522,10 +465,8 @@ class Trajectory:
     def require_success(self, name: str) -> None:
         """Raise an error if the flight failed.
 
-        Raises
-        ------
-        WorkFailedError
-            if the flight failed; the message begins with ``name``, the name of the agent.
+        Raises:
+            WorkFailedError: if the flight failed; the message begins with ``name``, the name of the agent.
         """
         if self.failure is not None:
             raise WorkFailedError(f"{name}: {self.failure}")
@@ -535,19 +476,13 @@ class Trajectory:
 class Candidate:
     """A genome that a strategy wants evaluated, and its origin.
 
-    Attributes
-    ----------
-    genome
-        the genome to evaluate.
-    parents
-        indices of the evaluations of its parents, empty for a random genome.
-    generation
-        number of the generation, from 0.
-    target
-        the target that its population is bred for, ``""`` if bred for all targets.
-    threshold
-        for each target the fitness (%) that the candidate must exceed to matter to its strategy, (targets,); ``None``
-        if every fitness matters. It is neither stored nor compared.
+    Attributes:
+        genome: the genome to evaluate.
+        parents: indices of the evaluations of its parents, empty for a random genome.
+        generation: number of the generation, from 0.
+        target: the target that its population is bred for, ``""`` if bred for all targets.
+        threshold: for each target the fitness (%) that the candidate must exceed to matter to its strategy,
+            (targets,); ``None`` if every fitness matters. It is neither stored nor compared.
     """
 
     genome: Genome
@@ -566,21 +501,14 @@ class Candidate:
 class Evaluation:
     """The outcome of one evaluation, successful or failed.
 
-    Attributes
-    ----------
-    genome
-        the genome that was evaluated.
-    fitness
-        fitness for each target of the scenario, %, in its order, (targets,); zeros for a failed evaluation.
-    trajectory
-        the trajectory, ``None`` if the evaluation failed before the flight.
-    failure
-        the reason of the failure in one line, ``None`` for a successful evaluation.
-    seconds
-        duration of the evaluation, s.
-    offsets
-        vector from each target to the closest approach, m, (targets, 3), NaN where the flight failed before, in place of
-        the trajectory of a flight whose trajectory is not kept; otherwise ``None``.
+    Attributes:
+        genome: the genome that was evaluated.
+        fitness: fitness for each target of the scenario, %, in its order, (targets,); zeros for a failed evaluation.
+        trajectory: the trajectory, ``None`` if the evaluation failed before the flight.
+        failure: the reason of the failure in one line, ``None`` for a successful evaluation.
+        seconds: duration of the evaluation, s.
+        offsets: vector from each target to the closest approach, m, (targets, 3), NaN where the flight failed before,
+            in place of the trajectory of a flight whose trajectory is not kept; otherwise ``None``.
     """
 
     genome: Genome
@@ -631,16 +559,11 @@ class State(StrEnum):
 class Finding:
     """The finding of one check.
 
-    Attributes
-    ----------
-    check
-        name of the check, one or two words such as ``closed``.
-    state
-        result of the check; ``fail`` if it makes a print useless, ``warn`` if the maker should know.
-    detail
-        one line of text: the numbers, and the next step after a fault; for ``skipped`` the reason.
-    part
-        the part that was checked, ``""`` for all parts.
+    Attributes:
+        check: name of the check, one or two words such as ``closed``.
+        state: result of the check; ``fail`` if it makes a print useless, ``warn`` if the maker should know.
+        detail: one line of text: the numbers, and the next step after a fault; for ``skipped`` the reason.
+        part: the part that was checked, ``""`` for all parts.
     """
 
     check: str

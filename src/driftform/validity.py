@@ -14,16 +14,11 @@ from pathlib import Path
 class Range:
     """Where a formula holds, by one quantity.
 
-    Attributes
-    ----------
-    quantity, symbol, unit
-        in words, as in formulas, and SI; an empty unit for a ratio.
-    low, high
-        ends of the range; infinite where the range is open.
-    source
-        of the formula or of its range.
-    outside
-        what the program does where the value lies outside.
+    Attributes:
+        quantity, symbol, unit: in words, as in formulas, and SI; an empty unit for a ratio.
+        low, high: ends of the range; infinite where the range is open.
+        source: of the formula or of its range.
+        outside: what the program does where the value lies outside.
     """
 
     quantity: str
@@ -64,12 +59,9 @@ RANGES: dict[str, tuple[Range, ...]] = {
 def find_departures(formula: str, values: Mapping[str, float]) -> list[str]:
     """Return a line for each value outside the range of a formula: quantity, value, range.
 
-    Parameters
-    ----------
-    formula
-        a name in :data:`RANGES`.
-    values
-        by the symbols of the quantities; a quantity without a value is not checked.
+    Args:
+        formula: a name in :data:`RANGES`.
+        values: by the symbols of the quantities; a quantity without a value is not checked.
 
     >>> find_departures("logarithmic law", {"Re_D": 1000.0})
     ['logarithmic law: Reynolds number of the pipe (mean speed, diameter) Re_D = 1000; it holds from 4000 to 1e+08']

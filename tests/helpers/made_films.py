@@ -24,20 +24,13 @@ SURFACE = -0.02
 class Filming:
     """How a film is made: frames for each second, noise of a point (m), and standard deviations of what else is wrong.
 
-    Attributes
-    ----------
-    fps
-        frames for each second; the release is at any time within the first frame.
-    noise
-        of each coordinate, m.
-    longest
-        time that is filmed, s.
-    scale
-        relative.
-    tilt
-        of the camera, rad.
-    release
-        1 for releases as by hand, 0 for exact ones.
+    Attributes:
+        fps: frames for each second; the release is at any time within the first frame.
+        noise: of each coordinate, m.
+        longest: time that is filmed, s.
+        scale: relative.
+        tilt: of the camera, rad.
+        release: 1 for releases as by hand, 0 for exact ones.
     """
 
     fps: float = 60.0

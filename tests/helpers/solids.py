@@ -10,12 +10,10 @@ from driftform.types import Agent, Body, Coefficients, MassProperties
 def solid_agent(body: Body, density: float, coefficients: Coefficients, offset: float = 0.0) -> Agent:
     """Return the agent of a homogeneous solid with the contour of ``body``.
 
-    Parameters
-    ----------
-    density
-        mean density, kg/m3.
-    offset
-        distance of the centre of gravity ahead of that of the volume, m; the inertia remains that of the solid.
+    Args:
+        density: mean density, kg/m3.
+        offset: distance of the centre of gravity ahead of that of the volume, m; the inertia remains that of the
+            solid.
     """
     solid = solid_of_revolution(body.outer)
     mass, transverse = density * solid.volume, solid.transverse - solid.volume * solid.centroid**2

@@ -15,16 +15,11 @@ def farthest_from_line(
     axes; its farthest point from the line is a trust-region problem in two dimensions, whose secular equation is solved
     by bisection (Conn, Gould and Toint 2000, Trust-Region Methods, section 7.3).
 
-    Parameters
-    ----------
-    contour
-        outer contour, x and r, m, (n, 2).
-    position
-        of the body's origin, world frame, m, (3,).
-    axis
-        unit vector along the body's axis, world frame, (3,).
-    start, direction
-        a point of the line, m, and the unit vector along it, world frame, (3,) each.
+    Args:
+        contour: outer contour, x and r, m, (n, 2).
+        position: of the body's origin, world frame, m, (3,).
+        axis: unit vector along the body's axis, world frame, (3,).
+        start, direction: a point of the line, m, and the unit vector along it, world frame, (3,) each.
     """
     x, r = contour.T
     cosine = float(axis @ direction)

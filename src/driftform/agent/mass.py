@@ -33,12 +33,9 @@ def mass_properties(body: Body, parts: Moments | None = None) -> MassProperties:
     sphere at the origin and enters eq. 20 with its mass and the inertia with 2/5 m R^2; so is the ballast at its place. Buoyancy acts on the outer
     contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses.
 
-    Parameters
-    ----------
-    body
-        the body.
-    parts
-        volume integrals of the material of its parts, in place of the hull with its fittings.
+    Args:
+        body: the body.
+        parts: volume integrals of the material of its parts, in place of the hull with its fittings.
     """
     hull, displaced = parts, displaced_moments(body)
     if hull is None:

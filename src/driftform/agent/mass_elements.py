@@ -13,14 +13,10 @@ from driftform.types import Agent, Body
 class MassElement:
     """A mass on the axis.
 
-    Attributes
-    ----------
-    mass
-        kg.
-    x
-        of its centre in the body frame, m.
-    axial, transverse
-        its inertia about the axis, and about a transverse axis through its centre, kg m2.
+    Attributes:
+        mass: kg.
+        x: of its centre in the body frame, m.
+        axial, transverse: its inertia about the axis, and about a transverse axis through its centre, kg m2.
     """
 
     mass: float
@@ -41,10 +37,8 @@ class MassElement:
         ``x`` is the centre of gravity of both (m); without it, the hull's centre is that of its material. The hull's
         inertia is proportional to its mass: the distribution of the material is taken to be unchanged.
 
-        Raises
-        ------
-        ValueError
-            if no mass is left for the hull.
+        Raises:
+            ValueError: if no mass is left for the hull.
         """
         hull, solid = mass - body.core.mass, hull_moments(body)
         if not hull > 0:
@@ -64,10 +58,8 @@ class MassElement:
 
         Its shape is unchanged, and so are its coefficients and what it displaces.
 
-        Raises
-        ------
-        ValueError
-            if their mass is not above zero.
+        Raises:
+            ValueError: if their mass is not above zero.
         """
         elements = list(elements)
         mass = sum(element.mass for element in elements)

@@ -9,16 +9,12 @@ from driftform.types import FloatArray
 def slice_solid(contour: npt.ArrayLike, count: int) -> FloatArray:
     """Cut a solid of revolution into ``count`` slices of equal width.
 
-    Parameters
-    ----------
-    contour
-        x and r of the meridian, m, (n, 2), as in :func:`driftform.agent.solid_of_revolution`.
+    Args:
+        contour: x and r of the meridian, m, (n, 2), as in :func:`driftform.agent.solid_of_revolution`.
 
-    Returns
-    -------
-    numpy.ndarray
-        x of the slice's centroid (m), its volume (m3) and its width (m), (count, 3). Volumes and centroids are
-        exact: combined, they are those of the solid.
+    Returns:
+        numpy.ndarray: x of the slice's centroid (m), its volume (m3) and its width (m), (count, 3). Volumes and
+            centroids are exact: combined, they are those of the solid.
     """
     points: FloatArray = np.asarray(contour, dtype=np.float64)
     x0, x1, r0, r1 = points[:-1, 0], points[1:, 0], points[:-1, 1], points[1:, 1]

@@ -28,11 +28,9 @@ def solid_of_revolution(contour: npt.ArrayLike) -> Moments:
     An edge that runs aft (dx < 0) subtracts, so contours that fold back are integrated correctly too. Faces
     normal to the axis contribute nothing.
 
-    Parameters
-    ----------
-    contour
-        x and r, m, (n, 2), from the aft axis point to the fore axis point; fewer than two points are an empty
-        solid.
+    Args:
+        contour: x and r, m, (n, 2), from the aft axis point to the fore axis point; fewer than two points are an
+            empty solid.
     """
     return _revolve(np.asarray(contour, dtype=np.float64).reshape(-1, 2).tobytes())
 

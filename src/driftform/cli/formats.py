@@ -17,10 +17,8 @@ MM_PER_M = 1000.0
 def parse_formats(text: str, seam: str, example: str) -> list[str]:
     """Read ``NAME[,NAME...]`` of ``--format``, each an installed plugin of a seam.
 
-    Raises
-    ------
-    InputError
-        if one of them is missing, or none is named.
+    Raises:
+        InputError: if one of them is missing, or none is named.
     """
     from driftform.errors import InputError
     from driftform.plugins.registry import registry
@@ -39,10 +37,8 @@ def parse_formats(text: str, seam: str, example: str) -> list[str]:
 def parse_bed(text: str) -> "Vector":
     """Read ``X,Y,Z`` in mm as width, depth and height in m.
 
-    Raises
-    ------
-    InputError
-        if the text is something else.
+    Raises:
+        InputError: if the text is something else.
     """
     from driftform.errors import InputError
 
@@ -67,10 +63,8 @@ def open_exported(
 ) -> "Design":
     """Open an agent, with the options of its exporters that ``--kit``, ``--bed`` and ``--option`` give.
 
-    Raises
-    ------
-    InputError
-        if an option is not one of these exporters; the line names it as the user gave it.
+    Raises:
+        InputError: if an option is not one of these exporters; the line names it as the user gave it.
     """
     from driftform.design.opening import open_agent
     from driftform.errors import InputError
@@ -85,17 +79,12 @@ def open_exported(
 def list_exporter_settings(formats: Iterable[str], options: Mapping[str, tuple[str, str]]) -> list[str]:
     """Return the settings that give each exporter the same options.
 
-    Parameters
-    ----------
-    formats
-        names of exporters that are installed.
-    options
-        for each key its value as a setting has it, and how the user asked for it.
+    Args:
+        formats: names of exporters that are installed.
+        options: for each key its value as a setting has it, and how the user asked for it.
 
-    Raises
-    ------
-    InputError
-        if an exporter has no such option; the message names those that have it.
+    Raises:
+        InputError: if an exporter has no such option; the message names those that have it.
     """
     from driftform.errors import InputError, did_you_mean
     from driftform.plugins.registry import registry

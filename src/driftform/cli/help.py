@@ -35,12 +35,9 @@ class Group(TyperGroup):
 def make_group(help: str, list_all: Callable[[bool], None]) -> Typer:
     """Return a group of commands that lists what there is if no command is named.
 
-    Parameters
-    ----------
-    help
-        of the group.
-    list_all
-        its command ``list``, a function of ``--json``.
+    Args:
+        help: of the group.
+        list_all: its command ``list``, a function of ``--json``.
     """
     group = Typer(cls=Group, help=help, invoke_without_command=True)
 

@@ -19,12 +19,9 @@ WEIGHT = 1e-4
 def list_departures(agent: Agent, pipeline: Pipeline, designed: Agent, design: Pipeline) -> list[str]:
     """Return one line for each respect in which an agent and its water, pipe or wall are not those of its design.
 
-    Parameters
-    ----------
-    agent, pipeline
-        the agent as it flies now.
-    designed, design
-        the agent as it was evolved.
+    Args:
+        agent, pipeline: the agent as it flies now.
+        designed, design: the agent as it was evolved.
     """
     now, before = pipeline.scenario, design.scenario
     lines = [*_compare_water(now, before), *_compare_pipes(now, before)]

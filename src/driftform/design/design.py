@@ -53,20 +53,14 @@ def ignore(_: object, __: object = None) -> None:
 class Design:
     """An agent: its genome, the body that the genome makes, and the scenario that it flies in.
 
-    Attributes
-    ----------
-    name
-        what its files are called; safe for the name of a file.
-    stored
-        genome, environment and result, as an ``agent.json`` holds them.
-    study
-        the scenario, and the plugins with their options.
-    pipeline
-        the steps from genome to fitness.
-    agent
-        body, masses and coefficients, as simulators and exporters receive them.
-    opened_as
-        what opens it on a command line, such as ``run:TP3``, with the settings; ``AGENT`` if that is unknown.
+    Attributes:
+        name: what its files are called; safe for the name of a file.
+        stored: genome, environment and result, as an ``agent.json`` holds them.
+        study: the scenario, and the plugins with their options.
+        pipeline: the steps from genome to fitness.
+        agent: body, masses and coefficients, as simulators and exporters receive them.
+        opened_as: what opens it on a command line, such as ``run:TP3``, with the settings; ``AGENT`` if that is
+            unknown.
     """
 
     name: str
@@ -87,12 +81,9 @@ class Design:
     ) -> Self:
         """Build a stored agent in its environment, or in another; ``label`` names it in errors.
 
-        Raises
-        ------
-        InputError
-            if the environment is not sound, or the genome does not belong to it.
-        WorkFailedError
-            if no body can be built.
+        Raises:
+            InputError: if the environment is not sound, or the genome does not belong to it.
+            WorkFailedError: if no body can be built.
         """
         source: str | Document = Document(label, stored.environment)
         if scenario is not None:
@@ -193,19 +184,13 @@ class Design:
     ) -> "Design":
         """Return the same genome in other surroundings, such as ``under("flow.speed=0.8")``.
 
-        Parameters
-        ----------
-        settings
-            ``key=value`` as ``--set`` takes them.
-        scenario
-            path of a study file or the name of a built-in scenario.
-        use
-            plugin by seam, such as ``{"simulator": "native"}``.
+        Args:
+            settings: ``key=value`` as ``--set`` takes them.
+            scenario: path of a study file or the name of a built-in scenario.
+            use: plugin by seam, such as ``{"simulator": "native"}``.
 
-        Raises
-        ------
-        InputError
-            if a setting is not sound.
+        Raises:
+            InputError: if a setting is not sound.
         """
         # What was found out elsewhere does not hold there.
         stored = replace(self.stored, environment=self.study.environment(), result={})
@@ -216,22 +201,17 @@ class Design:
     def fly(self) -> LiveFlight:
         """Release it, and return its flight, which other programs take on step by step: ``fly().step(0.05, current=(1, 0, 0))``.
 
-        Raises
-        ------
-        InputError
-            if the water has gusts, which outlast a step.
-        WorkFailedError
-            if it does not fit into the pipe.
+        Raises:
+            InputError: if the water has gusts, which outlast a step.
+            WorkFailedError: if it does not fit into the pipe.
         """
         return LiveFlight(self.name, self.agent, self.scenario, self.pipeline.simulator)
 
     def trace(self) -> Trajectory:
         """Return the agent's trajectory through its scenario; it may have ended by a failure.
 
-        Raises
-        ------
-        WorkFailedError
-            if the simulator cannot fly it.
+        Raises:
+            WorkFailedError: if the simulator cannot fly it.
         """
         [trajectory] = self.pipeline.fly_named([self.agent], self.name)
         return trajectory
@@ -239,10 +219,8 @@ class Design:
     def simulate(self) -> Flight:
         """Fly it through its scenario.
 
-        Raises
-        ------
-        WorkFailedError
-            if the flight fails.
+        Raises:
+            WorkFailedError: if the flight fails.
         """
         [found] = self.pipeline.simulate([self.agent], self.name)
         fitness = dict(zip(self.scenario.target_names, found.fitness.tolist(), strict=True))
@@ -275,17 +253,12 @@ class Design:
         Warns if the agent was simulated as a kit, and the file holds its sealed hull; ``under("exporter.stl.kit=true")``
         writes the kit.
 
-        Parameters
-        ----------
-        format
-            name of an exporter, such as ``"stl"`` or ``"3mf"``.
-        path
-            of the file; ``None`` for the agent's name in the working directory. An older file is replaced.
+        Args:
+            format: name of an exporter, such as ``"stl"`` or ``"3mf"``.
+            path: of the file; ``None`` for the agent's name in the working directory. An older file is replaced.
 
-        Raises
-        ------
-        InputError
-            if there is no such format, or nothing can be written there.
+        Raises:
+            InputError: if there is no such format, or nothing can be written there.
         """
         files = self.export_files(format, path)
         if note := self.describe_missing_kit(files):
@@ -317,12 +290,9 @@ class Design:
     def describe_water(self, format: str) -> str:
         """Return the part of a format, such as ``"sdf"``, that describes the forces of water, to paste into another model.
 
-        Raises
-        ------
-        InputError
-            if there is no such format.
-        WorkFailedError
-            if it has no such part.
+        Raises:
+            InputError: if there is no such format.
+            WorkFailedError: if it has no such part.
         """
         return self.study.make_exporter(format).describe_water(self.export_job())
 
@@ -335,21 +305,15 @@ class Design:
     ) -> list[Path]:
         """Fly it, write the samples for other programs, such as Foxglove or pandas, and return the paths.
 
-        Parameters
-        ----------
-        format
-            name of a recorder, such as ``"csv"`` or ``"mcap"``.
-        path
-            of the file; ``None`` for the agent's name in the working directory. An older file is replaced.
-        rate_hz
-            samples for each second of the flight, 1/s, from 0 to 10 000; 0 for those of the simulator.
+        Args:
+            format: name of a recorder, such as ``"csv"`` or ``"mcap"``.
+            path: of the file; ``None`` for the agent's name in the working directory. An older file is replaced.
+            rate_hz: samples for each second of the flight, 1/s, from 0 to 10 000; 0 for those of the simulator.
 
-        Raises
-        ------
-        InputError
-            if there is no such format, or the rate is out of range.
-        WorkFailedError
-            if it cannot be written, or the flight fails: the files then hold the flight until that moment.
+        Raises:
+            InputError: if there is no such format, or the rate is out of range.
+            WorkFailedError: if it cannot be written, or the flight fails: the files then hold the flight until that
+                moment.
         """
         check_rate(rate_hz)
         trajectory = self.trace()
@@ -370,10 +334,8 @@ class Design:
     def check_picture(self, path: Path, renderer: str = "exudyn", *, film: bool) -> None:
         """Refuse a film, or else a still, that cannot be made, before anything is flown for it.
 
-        Raises
-        ------
-        InputError, WorkFailedError
-            if there is no such renderer, or it cannot make such a picture.
+        Raises:
+            InputError, WorkFailedError: if there is no such renderer, or it cannot make such a picture.
         """
         camera: Renderer[Any] = self.study.make_renderer(renderer)
         (camera.check if film else camera.check_still)(path)
@@ -390,21 +352,14 @@ class Design:
     ) -> Path:
         """Make a film of a flight, and return its path.
 
-        Parameters
-        ----------
-        path
-            of the file; its suffix, such as ``.mp4``, decides the format. An older file is replaced.
-        renderer
-            name of a renderer.
-        flight
-            the flight; ``None`` to fly it now.
-        progress
-            called with the number of frames that are done, and of all.
+        Args:
+            path: of the file; its suffix, such as ``.mp4``, decides the format. An older file is replaced.
+            renderer: name of a renderer.
+            flight: the flight; ``None`` to fly it now.
+            progress: called with the number of frames that are done, and of all.
 
-        Raises
-        ------
-        InputError, WorkFailedError
-            as :meth:`check_picture`, or if the flight fails.
+        Raises:
+            InputError, WorkFailedError: as :meth:`check_picture`, or if the flight fails.
         """
         file = Path(path)
         self.check_picture(file, renderer, film=True)
@@ -424,21 +379,15 @@ class Design:
     ) -> Path:
         """Make a picture of a moment of a flight, and return its path.
 
-        Parameters
-        ----------
-        path
-            of the file; its suffix, such as ``.png``, decides the format. An older file is replaced.
-        at
-            the moment, s from the release; ``None`` for the closest approach to any target.
-        renderer
-            name of a renderer.
-        flight
-            the flight; ``None`` to fly it now.
+        Args:
+            path: of the file; its suffix, such as ``.png``, decides the format. An older file is replaced.
+            at: the moment, s from the release; ``None`` for the closest approach to any target.
+            renderer: name of a renderer.
+            flight: the flight; ``None`` to fly it now.
 
-        Raises
-        ------
-        InputError, WorkFailedError
-            as :meth:`check_picture`, if the flight fails, or if it does not last until ``at``.
+        Raises:
+            InputError, WorkFailedError: as :meth:`check_picture`, if the flight fails, or if it does not last until
+                ``at``.
         """
         file = Path(path)
         self.check_picture(file, renderer, film=False)

@@ -18,18 +18,12 @@ from driftform.water import Scenario
 class Flight:
     """One flight of an agent through its scenario.
 
-    Attributes
-    ----------
-    name
-        of the agent.
-    trajectory
-        time (s), position (m), attitude and velocity, sample by sample.
-    scenario
-        what it flew through.
-    agent
-        what flew.
-    fitness
-        for each target, %; 100 is a hit.
+    Attributes:
+        name: of the agent.
+        trajectory: time (s), position (m), attitude and velocity, sample by sample.
+        scenario: what it flew through.
+        agent: what flew.
+        fitness: for each target, %; 100 is a hit.
     """
 
     name: str
@@ -93,12 +87,9 @@ class Flight:
 class DisturbedFlights(Misses):
     """How far an agent's disturbed flights miss, and where they end.
 
-    Attributes
-    ----------
-    outlets
-        name of the outlet by which each flight left the pipe; ``None`` if it did not, or failed.
-    failures
-        why each flight failed, ``None`` for a sound one.
+    Attributes:
+        outlets: name of the outlet by which each flight left the pipe; ``None`` if it did not, or failed.
+        failures: why each flight failed, ``None`` for a sound one.
     """
 
     outlets: Sequence[str | None] = ()

@@ -35,16 +35,11 @@ LARGEST_LAGGED_RATIO = 17 / 3
 def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | None = None) -> dict[str, Any]:
     """Return what ``driftform inspect --json`` prints of an agent; SI units throughout.
 
-    Parameters
-    ----------
-    pipeline
-        its scenario, models and simulator.
-    agent
-        the agent, made from a genome.
-    name
-        what people call it.
-    target
-        that it was evolved for; ``None`` for the one that it comes closest to.
+    Args:
+        pipeline: its scenario, models and simulator.
+        agent: the agent, made from a genome.
+        name: what people call it.
+        target: that it was evolved for; ``None`` for the one that it comes closest to.
     """
     assert agent.genome is not None
     body, mass, coefficients = agent.body, agent.mass, agent.coefficients
@@ -110,10 +105,8 @@ def compare_added_mass(pipeline: Pipeline, agent: Agent, name: str) -> dict[str,
 
     The pipeline's own model has its options, the others have their defaults.
 
-    Raises
-    ------
-    WorkFailedError
-        if a model cannot compute it.
+    Raises:
+        WorkFailedError: if a model cannot compute it.
     """
     own, found = pipeline.hydrodynamics, {}
     for row in registry().seam("hydrodynamics"):

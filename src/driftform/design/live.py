@@ -19,18 +19,13 @@ LONGEST, FASTEST = 1e5, 100.0
 class LiveFlight:
     """An agent in flight.
 
-    Attributes
-    ----------
-    name
-        of the agent.
-    agent
-        what flies.
-    scenario
-        the water as it is now.
-    latest
-        the trajectory of the last step, with times since the release; before the first step, the release alone.
-    end
-        why the flight has ended: at an outlet or the inlet; ``None`` while it continues.
+    Attributes:
+        name: of the agent.
+        agent: what flies.
+        scenario: the water as it is now.
+        latest: the trajectory of the last step, with times since the release; before the first step, the release
+            alone.
+        end: why the flight has ended: at an outlet or the inlet; ``None`` while it continues.
     """
 
     def __init__(self, name: str, agent: Agent, scenario: Scenario, simulator: Simulator[Any]) -> None:
@@ -72,19 +67,14 @@ class LiveFlight:
     def step(self, duration: float, current: Sequence[float] | None = None) -> Trajectory:
         """Fly on for ``duration`` (s), and return the trajectory of this step; it is shorter if the agent leaves the pipe.
 
-        Parameters
-        ----------
-        current
-            velocity of the water (m/s, world frame, three numbers), everywhere in place of the scenario's from now on, in later
-            steps too; ``None`` to leave the water as it is. Its pressure gradient and the added mass move the agent at once,
-            as in water that accelerates for a moment.
+        Args:
+            current: velocity of the water (m/s, world frame, three numbers), everywhere in place of the scenario's
+                from now on, in later steps too; ``None`` to leave the water as it is. Its pressure gradient and the
+                added mass move the agent at once, as in water that accelerates for a moment.
 
-        Raises
-        ------
-        InputError
-            if an argument is not sound, or the flight has ended.
-        WorkFailedError
-            if the step fails; the flight remains where it was.
+        Raises:
+            InputError: if an argument is not sound, or the flight has ended.
+            WorkFailedError: if the step fails; the flight remains where it was.
         """
         if self.end is not None:
             raise InputError(f"{self.name}: the flight has ended after {self.time:.3g} s: {self.end}")

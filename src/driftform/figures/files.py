@@ -14,10 +14,8 @@ DPI = 96.0
 def write_picture(path: Path, svg: str) -> tuple[Path, ...]:
     """Write an SVG picture, and the same as PNG if the extra ``png`` is installed; return the paths.
 
-    Raises
-    ------
-    OSError
-        if a file cannot be written.
+    Raises:
+        OSError: if a file cannot be written.
     """
     write_text(path, svg)
     png = rasterise(svg)

@@ -35,16 +35,11 @@ _SIDEWAYS = 0.01
 def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body: Body | None = None) -> str:
     """Return a flight as SVG: the pipe in side view (x to the right, z upward), to scale, axes in metres.
 
-    Parameters
-    ----------
-    trajectory
-        its path is drawn with the interpolation between samples that fitness uses.
-    scenario
-        pipe, current and targets; in open water, the window fits the path and the targets.
-    title
-        a line above the picture.
-    body
-        its silhouette is drawn in its attitude at several moments, magnified if it would be too small.
+    Args:
+        trajectory: its path is drawn with the interpolation between samples that fitness uses.
+        scenario: pipe, current and targets; in open water, the window fits the path and the targets.
+        title: a line above the picture.
+        body: its silhouette is drawn in its attitude at several moments, magnified if it would be too small.
 
     A flight that also moves sideways gets a plan view (x to the right, y upward) below the side view.
     """

@@ -124,18 +124,12 @@ def place_labels(
 ) -> list[Box]:
     """Return a box for each label: near its anchor, off other labels and anchors, and off ``ink`` if possible.
 
-    Parameters
-    ----------
-    anchors
-        the points to label, (n, 2).
-    widths, height
-        the width of each label, and the height of all.
-    ink
-        points on the lines that are drawn already, (m, 2), about 3 px apart.
-    page
-        the rectangle that labels should stay in.
-    keep
-        half the side of the square around each anchor that labels must leave free.
+    Args:
+        anchors: the points to label, (n, 2).
+        widths, height: the width of each label, and the height of all.
+        ink: points on the lines that are drawn already, (m, 2), about 3 px apart.
+        page: the rectangle that labels should stay in.
+        keep: half the side of the square around each anchor that labels must leave free.
     """
     count = len(anchors)
     ink = ink[np.argsort(ink[:, 0], kind="stable")]

@@ -22,17 +22,12 @@ _LEFT, _RIGHT = 58.0, 22.0
 def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str, result: str = "") -> str:
     """Return the result of a study as SVG: the pipe with each flight in side view, a gallery of bodies below.
 
-    Parameters
-    ----------
-    flights
-        each gets its colour, and is solid up to its closest approach and faint after it. If the scenario has no target
-        of the flight's name, the closest approach is that to the nearest target.
-    scenario
-        pipe, current and targets; x to the right, z upward, to scale.
-    title
-        a line above the picture.
-    result
-        what the flights come to, in a few words.
+    Args:
+        flights: each gets its colour, and is solid up to its closest approach and faint after it. If the scenario has
+            no target of the flight's name, the closest approach is that to the nearest target.
+        scenario: pipe, current and targets; x to the right, z upward, to scale.
+        title: a line above the picture.
+        result: what the flights come to, in a few words.
 
     The bodies of the gallery share one scale, fore end to the right.
     """

@@ -36,16 +36,11 @@ _RIM = 36
 class Window:
     """The visible part of a view, and its place on the page.
 
-    Attributes
-    ----------
-    view
-        the indices of the world coordinates that run to the right and upward.
-    box
-        the window on the page, px.
-    low
-        the world point (m, (2,)) at its lower left corner.
-    px_per_m
-        the scale, the same in both directions.
+    Attributes:
+        view: the indices of the world coordinates that run to the right and upward.
+        box: the window on the page, px.
+        low: the world point (m, (2,)) at its lower left corner.
+        px_per_m: the scale, the same in both directions.
     """
 
     view: View
@@ -265,14 +260,10 @@ def label_points(
 ) -> None:
     """Write names beside points of the page so that they overlap neither each other nor, if possible, lines.
 
-    Parameters
-    ----------
-    anchors
-        the points, (n, 2) in px.
-    names
-        text, colour and boldness, for each point.
-    ink, keep
-        as in :func:`driftform.figures.layout.place_labels`, with ``ink`` as a list of parts.
+    Args:
+        anchors: the points, (n, 2) in px.
+        names: text, colour and boldness, for each point.
+        ink, keep: as in :func:`driftform.figures.layout.place_labels`, with ``ink`` as a list of parts.
     """
     texts = [shorten(name, 12, 140, bold=True) for name, _, _ in names]
     frame = window.box

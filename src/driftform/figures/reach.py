@@ -29,15 +29,11 @@ _SWATCH = (34.0, 14.0)
 def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
     """Return a coverage map as SVG: the pipe in section, each cell coloured by the closest flight.
 
-    Parameters
-    ----------
-    reach
-        the map, drawn to scale: along the pipe to the right, and upward as in
-        :class:`driftform.runs.coverage.PipeGrid`.
-    scenario
-        current, release and targets. If its pipe lies along the world's x, the axes are those of the world.
-    title
-        a line above the picture.
+    Args:
+        reach: the map, drawn to scale: along the pipe to the right, and upward as in
+            :class:`driftform.runs.coverage.PipeGrid`.
+        scenario: current, release and targets. If its pipe lies along the world's x, the axes are those of the world.
+        title: a line above the picture.
 
     Cells that no flight crosses are white and hatched.
     """

@@ -54,16 +54,12 @@ _RATIOS = tuple(
 def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None) -> str:
     """Return the half section of one body as SVG: outside above the axis, cut below, fore end to the right.
 
-    Parameters
-    ----------
-    agent
-        drawn with the body's x to the right and z upward. The centres of gravity (a quartered circle) and of
-        buoyancy (a ring) are those of ``agent.mass``. Ticks below the length mark the joints between modules.
-    title
-        a line above the picture.
-    scenario
-        its water gives the net buoyancy, and the water line of a body that floats: the surface when the body is at
-        rest, far from any wall. If the scenario has no surface, the line is where one would be.
+    Args:
+        agent: drawn with the body's x to the right and z upward. The centres of gravity (a quartered circle) and of
+            buoyancy (a ring) are those of ``agent.mass``. Ticks below the length mark the joints between modules.
+        title: a line above the picture.
+        scenario: its water gives the net buoyancy, and the water line of a body that floats: the surface when the
+            body is at rest, far from any wall. If the scenario has no surface, the line is where one would be.
 
     The natural size is in millimetres: printed at that size, the picture has the scale that it states.
     """

@@ -18,16 +18,11 @@ SMALLEST = 1e-4
 class Strip:
     """Misses (m) of the best agent for one target.
 
-    Attributes
-    ----------
-    name
-        of the target.
-    nominal
-        of the undisturbed flight.
-    misses
-        of the disturbed flights, (n,); infinite for failed ones, which are not drawn.
-    promised
-        that 9 of 10 disturbed flights stay within.
+    Attributes:
+        name: of the target.
+        nominal: of the undisturbed flight.
+        misses: of the disturbed flights, (n,); infinite for failed ones, which are not drawn.
+        promised: that 9 of 10 disturbed flights stay within.
     """
 
     name: str

@@ -20,14 +20,10 @@ _STRAIGHT = np.deg2rad(3.0)
 class WaterRest:
     """A body at rest, far from any wall.
 
-    Attributes
-    ----------
-    text
-        description of the rest position.
-    pitch
-        of the axis, rad, positive nose down.
-    height
-        of the body's origin above the surface, m; ``None`` if it does not float.
+    Attributes:
+        text: description of the rest position.
+        pitch: of the axis, rad, positive nose down.
+        height: of the body's origin above the surface, m; ``None`` if it does not float.
     """
 
     text: str
@@ -39,14 +35,10 @@ class WaterRest:
 class Surface:
     """The water's surface on the page, px.
 
-    Attributes
-    ----------
-    line
-        both ends, (2, 2).
-    wet
-        corners of the polygon of water, (n, 2).
-    up
-        unit vector out of the water, (2,).
+    Attributes:
+        line: both ends, (2, 2).
+        wet: corners of the polygon of water, (n, 2).
+        up: unit vector out of the water, (2,).
     """
 
     line: FloatArray

@@ -32,16 +32,11 @@ _BASELINE = "#7f8b96"
 class Trend:
     """Growth of the best fitness for one target.
 
-    Attributes
-    ----------
-    name
-        of the target.
-    flights
-        number of flights up to each value, (g,).
-    fitness
-        the best so far, %, a row for each repeat, (repeats, g).
-    baseline
-        the same for a search without selection, (repeats, g), or (0, g) if there was no such search.
+    Attributes:
+        name: of the target.
+        flights: number of flights up to each value, (g,).
+        fitness: the best so far, %, a row for each repeat, (repeats, g).
+        baseline: the same for a search without selection, (repeats, g), or (0, g) if there was no such search.
     """
 
     name: str

@@ -58,12 +58,9 @@ def estimate_drag(
 
     Between a sphericity of :data:`SLENDER` and 1, the drag changes linearly from that of a slender body to a sphere's.
 
-    Parameters
-    ----------
-    wake_factor
-        see :func:`wake_factor`; 1 is that of a slender body.
-    without
-        terms to leave out: those of ``drag_without`` in :class:`driftform.interfaces.HydrodynamicsOptions`.
+    Args:
+        wake_factor: see :func:`wake_factor`; 1 is that of a slender body.
+        without: terms to leave out: those of ``drag_without`` in :class:`driftform.interfaces.HydrodynamicsOptions`.
     """
     shape = _measure_shape(body.outer.tobytes(), viscosity)
     sphere = 0.0 if "sphere" in without else max(0.0, (shape.sphericity - SLENDER) / (1 - SLENDER))
@@ -159,10 +156,8 @@ def wake_factor(coefficients: Coefficients, displaced: float) -> float:
     A body at a small angle to the flow has the Munk moment (M22 - M11) u v. With the same factor on the lift, a body
     whose flow separates at its greatest section has the moment of slender-body theory, whatever its length.
 
-    Parameters
-    ----------
-    displaced
-        mass of the displaced water, kg.
+    Args:
+        displaced: mass of the displaced water, kg.
     """
     added = coefficients.added_mass
     return max(0.0, float(added[1, 1] - added[0, 0]) / displaced)

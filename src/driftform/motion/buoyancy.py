@@ -62,14 +62,10 @@ def buoyancy(
 ) -> tuple[Wrench, float, float]:
     """Return the buoyancy of slices about the body's origin, the volume under water (m3), and the x of its centre (m).
 
-    Parameters
-    ----------
-    height, centre, level
-        see :func:`slice_depth`.
-    weight
-        of a cubic metre of water, N/m3.
-    slices
-        x, radius (m), volume (m3), width (m), (n, 4).
+    Args:
+        height, centre, level: see :func:`slice_depth`.
+        weight: of a cubic metre of water, N/m3.
+        slices: x, radius (m), volume (m3), width (m), (n, 4).
     """
     volume = moment = turning = 0.0
     for k in range(slices.shape[0]):

@@ -43,22 +43,15 @@ Exudyn rejects a step with a large error, but gives up after one that is not fin
 class WaterForces:
     """The forces of water and wall on a rigid body: see :mod:`driftform.motion.coordinates`.
 
-    Attributes
-    ----------
-    coordinates, rates
-        at the release, (6,): SI units and radians.
-    lift
-        buoyancy (N, upward), if the other program must add it at the centre of buoyancy; 0 if it depends on the pose, and the
-        forces contain it.
-    model
-        of the flight.
-    inner, inner_rates
-        places in ``values`` of the inner states of wall and water, all zero at the release, and of their rates, (k,) each.
-        Write the states before :meth:`force` is called; it writes their rates.
-    values
-        the numbers of the model without weight and dry mass.
-    most
-        greatest components of a force, (6,).
+    Attributes:
+        coordinates, rates: at the release, (6,): SI units and radians.
+        lift: buoyancy (N, upward), if the other program must add it at the centre of buoyancy; 0 if it depends on the
+            pose, and the forces contain it.
+        model: of the flight.
+        inner, inner_rates: places in ``values`` of the inner states of wall and water, all zero at the release, and
+            of their rates, (k,) each. Write the states before :meth:`force` is called; it writes their rates.
+        values: the numbers of the model without weight and dry mass.
+        most: greatest components of a force, (6,).
     """
 
     coordinates: FloatArray

@@ -22,17 +22,12 @@ def lower_distances(
 ) -> None:
     """Lower ``nearest`` to the least distance (m) of a path from the centre of each cell, while it is inside that cell.
 
-    Parameters
-    ----------
-    t
-        time of the samples, s, (k,); at least two.
-    place, rate
-        position and velocity in sides of a cell, (k, 3). The grid is one cell deep: it extends from 0 to ``shape[0]``,
-        0 to ``shape[1]`` and 0 to 1.
-    size
-        sides of a cell, m, (3,).
-    nearest
-        one number per cell, the second coordinate varying fastest, (shape[0] shape[1],).
+    Args:
+        t: time of the samples, s, (k,); at least two.
+        place, rate: position and velocity in sides of a cell, (k, 3). The grid is one cell deep: it extends from 0 to
+            ``shape[0]``, 0 to ``shape[1]`` and 0 to 1.
+        size: sides of a cell, m, (3,).
+        nearest: one number per cell, the second coordinate varying fastest, (shape[0] shape[1],).
 
     The path between samples is their cubic Hermite curve. It is cut where it crosses sides of cells.
     """

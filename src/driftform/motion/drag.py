@@ -28,18 +28,13 @@ def strip_drag(
 ) -> Vector:
     """Return the force on one strip, N, in body axes; its component along the axis is zero.
 
-    Parameters
-    ----------
-    moving
-        velocity of the body's origin relative to the water at x = ``middle`` (m), m/s.
-    omega
-        angular velocity, rad/s.
-    shear
-        derivative of the water's velocity along the body's axis, 1/s.
-    water
-        density (kg/m3), kinematic viscosity (m2/s) times the square of ``Drag.rubbing``, and the share of the strip that is under water.
-    strip
-        a row of :attr:`driftform.types.Drag.strips`.
+    Args:
+        moving: velocity of the body's origin relative to the water at x = ``middle`` (m), m/s.
+        omega: angular velocity, rad/s.
+        shear: derivative of the water's velocity along the body's axis, 1/s.
+        water: density (kg/m3), kinematic viscosity (m2/s) times the square of ``Drag.rubbing``, and the share of the
+            strip that is under water.
+        strip: a row of :attr:`driftform.types.Drag.strips`.
     """
     x, d = strip[0], strip[1]
     vy = moving[1] + x * omega[2] - (x - middle) * shear[1]
@@ -80,18 +75,12 @@ def creeping_drag(
 
     The couple vanishes where the axis turns with the water as that of a spheroid does (Jeffery, Proc. R. Soc. A 102, 1922, 161).
 
-    Parameters
-    ----------
-    there
-        velocity of the centre of drag relative to the water, m/s.
-    omega
-        angular velocity, rad/s.
-    shear, curl
-        derivative of the water's velocity along the body's axis, and curl of that velocity, 1/s.
-    viscosity
-        dynamic, Pa s.
-    creeping
-        see :attr:`driftform.types.Drag.creeping`.
+    Args:
+        there: velocity of the centre of drag relative to the water, m/s.
+        omega: angular velocity, rad/s.
+        shear, curl: derivative of the water's velocity along the body's axis, and curl of that velocity, 1/s.
+        viscosity: dynamic, Pa s.
+        creeping: see :attr:`driftform.types.Drag.creeping`.
     """
     along, across, turn = -viscosity * creeping[0], -viscosity * creeping[1], -viscosity * creeping[2]
     share = creeping[3]
@@ -111,10 +100,8 @@ def wake_drag(ahead: float, vy: float, vz: float, density: float, area: float) -
     1/2 rho V^2 C_d A sin(alpha)^2, add up to the measured force from 0 to 90 degrees (Allen and Perkins, NACA
     Report 1048, 1951; Jorgensen, NASA TN D-6996, 1973).
 
-    Parameters
-    ----------
-    ahead, vy, vz
-        velocity of the tail relative to the water along and across the axis, m/s.
+    Args:
+        ahead, vy, vz: velocity of the tail relative to the water along and across the axis, m/s.
     """
     along = abs(ahead)
     square = vy * vy + vz * vz

@@ -191,12 +191,9 @@ def nose_coefficient(half_angle: float, afterbody: float) -> float:
     White, table 7.3, at Re >= 1e4: cones without an afterbody by their half angle (90 degrees is the disc), less
     :data:`BLUNT_BASE`, times the factor of an afterbody, to which the flow reattaches (flat-faced cylinders).
 
-    Parameters
-    ----------
-    half_angle
-        inclination of the nose against the axis at its shoulder, rad, 0 to pi/2.
-    afterbody
-        length behind the shoulder over diameter, up to 8; longer ones count as 8.
+    Args:
+        half_angle: inclination of the nose against the axis at its shoulder, rad, 0 to pi/2.
+        afterbody: length behind the shoulder over diameter, up to 8; longer ones count as 8.
 
     >>> round(nose_coefficient(math.pi / 6, 0.0) + BLUNT_BASE, 2)
     0.8

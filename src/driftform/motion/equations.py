@@ -221,16 +221,11 @@ def accelerations(
 ) -> tuple[Vector, Vector]:
     """Return the acceleration of the body's origin (world frame, m/s2) and the angular one (body frame, rad/s2).
 
-    Parameters
-    ----------
-    t
-        time, s.
-    position, velocity
-        of the body's origin in the world frame, m and m/s.
-    R
-        rotation, body to world.
-    omega
-        angular velocity in the body frame, rad/s.
+    Args:
+        t: time, s.
+        position, velocity: of the body's origin in the world frame, m and m/s.
+        R: rotation, body to world.
+        omega: angular velocity in the body frame, rad/s.
     """
     n = model.numbers[0]
     wrench, moving, change = wrench_in_water(t, position, R, velocity, omega, model)

@@ -133,14 +133,10 @@ def deepest_rim_point(
 ) -> tuple[float, Vector, Vector]:
     """Return the gap (m) of the deepest point of a rim, that point (m), and the wall's normal there.
 
-    Parameters
-    ----------
-    flat
-        sine of the tilt below which the rim touches with less than its radius: see :func:`rim_reach`.
-    normal
-        of the wall at the rim's centre.
-    angle
-        around the axis from the direction of ``normal``, at which the search begins, rad.
+    Args:
+        flat: sine of the tilt below which the rim touches with less than its radius: see :func:`rim_reach`.
+        normal: of the wall at the rim's centre.
+        angle: around the axis from the direction of ``normal``, at which the search begins, rad.
     """
     u, v = _across(axis, normal)
     before, turn_before = 0.0, 0.0

@@ -52,18 +52,12 @@ def contact_law(
 ) -> Records:
     """Return the law of the contacts of a body: one record of :data:`driftform.motion.fields.LAW`, (1,).
 
-    Parameters
-    ----------
-    inverse
-        of the total mass matrix about the body's origin, (6, 6).
-    frequency
-        omega, rad/s.
-    restitution
-        e_dry.
-    viscosity
-        dynamic viscosity of the water, Pa s.
-    radius
-        R of the Stokes number, m.
+    Args:
+        inverse: of the total mass matrix about the body's origin, (6, 6).
+        frequency: omega, rad/s.
+        restitution: e_dry.
+        viscosity: dynamic viscosity of the water, Pa s.
+        radius: R of the Stokes number, m.
     """
     along, across = inverse[0, 0], 0.5 * (inverse[1, 1] + inverse[2, 2])
     law = np.zeros(1, LAW)

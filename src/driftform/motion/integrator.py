@@ -46,18 +46,12 @@ asked for, by 2.1 mm at most.
 class Accuracy:
     """Accuracy of an integration.
 
-    Attributes
-    ----------
-    position
-        largest accepted estimate of the error of the position, m.
-    tolerance
-        initial tolerance of a step at the release, relative to 1 + |value| in every coordinate (SI).
-    tightest
-        tolerance below which a flight counts as not converged.
-    max_step
-        longest step and gap between samples, s.
-    step_limit
-        number of steps after which a flight fails.
+    Attributes:
+        position: largest accepted estimate of the error of the position, m.
+        tolerance: initial tolerance of a step at the release, relative to 1 + |value| in every coordinate (SI).
+        tightest: tolerance below which a flight counts as not converged.
+        max_step: longest step and gap between samples, s.
+        step_limit: number of steps after which a flight fails.
     """
 
     position: float = 1e-3

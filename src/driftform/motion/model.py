@@ -36,36 +36,26 @@ _NO_DRAG = Drag(np.empty((0, 4)))
 class FlightModel(NamedTuple):
     """Input of the kernels; about the body's origin and in body axes unless noted otherwise.
 
-    Attributes
-    ----------
-    numbers
-        one record of :data:`driftform.motion.fields.NUMBERS`, (1,).
-    surfaces
-        rims and domes of the body that can touch a wall: the five numbers of
-        :func:`driftform.motion.surfaces.touching_surfaces`, greatest fall of the bore from its tangent within the
-        radius (m), effective mass against a push along the wall (kg), (k, 7).
-    pipe
-        rows of start (3), unit vector downstream (3), length, radius, (segments, 8); (0, 8) in open water and for a pipe
-        with parts.
-    flow, gusts
-        see :mod:`driftform.water.velocity`; ``flow`` has the gusts that this body meets.
-    slices
-        of the displaced volume: x, radius (m), volume (m3), width (m), (n, 4); (0, 4) if the pipe is full.
-    strips
-        of drag: see :class:`driftform.types.Drag`, (n, 4); (0, 4) without any.
-    touches
-        room for what is known of each surface that touches, and for a row that ends them, (surfaces + 1, 10): in space its
-        lever, the wall's normal, twice the energy of the spring, half of its derivatives by depth and angle, and the index
-        of the surface.
-    bristles
-        of the surfaces, if there is friction: their deflections times the contact's frequency, world frame, m/s (rows
-        of the first half), and room for the rates of these, m/s2 (second half); (2 surfaces, 3) or (0, 3). See
-        :func:`driftform.motion.contact.wall_wrench`.
-    eddies
-        states of the gusts, and room for their rates, (2, 4) or (0, 4) without gusts: see :mod:`driftform.water.gusts`.
-    fittings
-        a pipe with parts, shared by all flights in it (:mod:`driftform.water.fittings`); ``None`` for a straight pipe and in open
-        water, where nothing of it is compiled.
+    Attributes:
+        numbers: one record of :data:`driftform.motion.fields.NUMBERS`, (1,).
+        surfaces: rims and domes of the body that can touch a wall: the five numbers of
+            :func:`driftform.motion.surfaces.touching_surfaces`, greatest fall of the bore from its tangent within the
+            radius (m), effective mass against a push along the wall (kg), (k, 7).
+        pipe: rows of start (3), unit vector downstream (3), length, radius, (segments, 8); (0, 8) in open water and
+            for a pipe with parts.
+        flow, gusts: see :mod:`driftform.water.velocity`; ``flow`` has the gusts that this body meets.
+        slices: of the displaced volume: x, radius (m), volume (m3), width (m), (n, 4); (0, 4) if the pipe is full.
+        strips: of drag: see :class:`driftform.types.Drag`, (n, 4); (0, 4) without any.
+        touches: room for what is known of each surface that touches, and for a row that ends them, (surfaces + 1,
+            10): in space its lever, the wall's normal, twice the energy of the spring, half of its derivatives by
+            depth and angle, and the index of the surface.
+        bristles: of the surfaces, if there is friction: their deflections times the contact's frequency, world frame,
+            m/s (rows of the first half), and room for the rates of these, m/s2 (second half); (2 surfaces, 3) or (0,
+            3). See :func:`driftform.motion.contact.wall_wrench`.
+        eddies: states of the gusts, and room for their rates, (2, 4) or (0, 4) without gusts: see
+            :mod:`driftform.water.gusts`.
+        fittings: a pipe with parts, shared by all flights in it (:mod:`driftform.water.fittings`); ``None`` for a
+            straight pipe and in open water, where nothing of it is compiled.
     """
 
     numbers: Records

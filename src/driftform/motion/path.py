@@ -30,14 +30,10 @@ def locate_stretches(
 ) -> tuple[npt.NDArray[np.intp], FloatArray, FloatArray]:
     """Return the stretch between two ``samples`` (s, (k,)) that each of ``times`` (s, (n,)) lies in.
 
-    Returns
-    -------
-    index
-        of the stretch, (n,).
-    step
-        duration of the stretch, s, (n, 1).
-    u
-        share of the stretch that lies before the time, (n, 1).
+    Returns:
+        index: of the stretch, (n,).
+        step: duration of the stretch, s, (n, 1).
+        u: share of the stretch that lies before the time, (n, 1).
     """
     index = np.clip(np.searchsorted(samples, times, side="right") - 1, 0, len(samples) - 2)
     step = (samples[index + 1] - samples[index])[:, None]

@@ -196,20 +196,15 @@ def press_in_plane(
 ) -> tuple[float, float, float]:
     """Return the forces of all surfaces on the wall, normal to it and along the pipe (N), and the moment (N m) on the body.
 
-    Parameters
-    ----------
-    s, upright
-        components of the normal along the body's x and z axes.
-    gap
-        distance from the body's origin to the wall along the normal, m.
-    speed, sliding, q
-        velocity of the body's origin along the normal and along the pipe, m/s, and pitch rate, rad/s.
-    side
-        sign of the normal's component across the pipe.
-    touches
-        is filled with depth, arm, twice the energy of the spring, half of its derivatives, and index of all surfaces that touch.
-    bristles
-        of :func:`fill_rate_in_plane`; what friction adds to their rates is added.
+    Args:
+        s, upright: components of the normal along the body's x and z axes.
+        gap: distance from the body's origin to the wall along the normal, m.
+        speed, sliding, q: velocity of the body's origin along the normal and along the pipe, m/s, and pitch rate,
+            rad/s.
+        side: sign of the normal's component across the pipe.
+        touches: is filled with depth, arm, twice the energy of the spring, half of its derivatives, and index of all
+            surfaces that touch.
+        bristles: of :func:`fill_rate_in_plane`; what friction adds to their rates is added.
     """
     law, response, steep = n.law, n.inverse, 1.0 / smoothed_sine(s)
     outward, share = upright * steep, (1.0 - s * s) * steep

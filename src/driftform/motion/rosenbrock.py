@@ -30,17 +30,12 @@ SPEED_STEP = 1e-4
 class WorkSpace(NamedTuple):
     """Room for steps of states of s numbers, of which u are unknowns: v velocities, and the bristles.
 
-    Attributes
-    ----------
-    places
-        of the unknowns in a state, (u,).
-    slopes
-        derivatives of the unknowns' rates with respect to motions of the pose by unit velocities, and to the unknowns,
-        (u, v + u).
-    matrix, unknowns, pose
-        of the equations of a stage: (u, u), (u,), (v,).
-    stages, state, rate, changed
-        (stages, s), (s,), (s,), (s,).
+    Attributes:
+        places: of the unknowns in a state, (u,).
+        slopes: derivatives of the unknowns' rates with respect to motions of the pose by unit velocities, and to the
+            unknowns, (u, v + u).
+        matrix, unknowns, pose: of the equations of a stage: (u, u), (u,), (v,).
+        stages, state, rate, changed: (stages, s), (s,), (s,), (s,).
     """
 
     places: FloatArray

@@ -25,15 +25,11 @@ _PITCHES = np.linspace(-math.pi / 2, math.pi / 2, 181)
 class Rest:
     """An attitude of stable rest in still water, far from any wall.
 
-    Attributes
-    ----------
-    pitch
-        of the body's axis, rad, positive nose down.
-    height
-        of the body's origin above the surface (negative below), m; ``None`` if the body does not float: then only its
-        attitude is at rest, and a body that is not neutral rises or sinks.
-    model
-        of the body in still water without walls.
+    Attributes:
+        pitch: of the body's axis, rad, positive nose down.
+        height: of the body's origin above the surface (negative below), m; ``None`` if the body does not float: then
+            only its attitude is at rest, and a body that is not neutral rises or sinks.
+        model: of the body in still water without walls.
     """
 
     pitch: float

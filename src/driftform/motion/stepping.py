@@ -26,15 +26,12 @@ __all__ = [
 def compute_rate(t: float, state: FloatArray, model: FlightModel) -> FloatArray:
     """Return the time derivative of a state, (13,), or (17,) in gusts.
 
-    Parameters
-    ----------
-    t
-        time since the release, s.
-    state
-        position (m), quaternion, velocity (m/s) and angular velocity (rad/s, body axes), and in gusts their four numbers, as
-        :func:`driftform.motion.release_state` returns it; all but the angular velocity in the world frame.
-    model
-        an agent in a scenario, from :func:`flight_model`.
+    Args:
+        t: time since the release, s.
+        state: position (m), quaternion, velocity (m/s) and angular velocity (rad/s, body axes), and in gusts their
+            four numbers, as :func:`driftform.motion.release_state` returns it; all but the angular velocity in the
+            world frame.
+        model: an agent in a scenario, from :func:`flight_model`.
     """
     out = np.empty(len(state))
     fill_rate_in_space(t, state, model, out)

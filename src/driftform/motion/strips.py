@@ -35,10 +35,8 @@ def gauss_strips(x: FloatArray, r: FloatArray, count: int) -> FloatArray:
     (Golub and Welsch, Math. Comp. 23, 1969). Width and diameter of a strip are those of the part of the side that it stands
     for: the parts lie side by side, in the order of the points.
 
-    Parameters
-    ----------
-    x, r
-        radius at equal steps of x, m, (k,) each; the steps are the unit in which the integral is exact.
+    Args:
+        x, r: radius at equal steps of x, m, (k,) each; the steps are the unit in which the integral is exact.
     """
     step = float(x[1] - x[0])
     middle, half = float(x[0] + x[-1]) / 2, step * len(x) / 2

@@ -15,15 +15,11 @@ from driftform.types import FloatArray
 class RungeKuttaPair(NamedTuple):
     """An explicit Runge-Kutta method of s stages, whose last evaluation is the first of the next step.
 
-    Attributes
-    ----------
-    a, b, c
-        the coefficients: stages (s, s), weights (s,), times (s,).
-    error, second
-        weights of the error estimate, with the slope at the end, (s + 1,), and of the second estimate that DOP853
-        divides by (Hairer's 3rd-order estimate); empty for a method without it.
-    power
-        order of the error estimate: the error of a step is proportional to h to this power.
+    Attributes:
+        a, b, c: the coefficients: stages (s, s), weights (s,), times (s,).
+        error, second: weights of the error estimate, with the slope at the end, (s + 1,), and of the second estimate
+            that DOP853 divides by (Hairer's 3rd-order estimate); empty for a method without it.
+        power: order of the error estimate: the error of a step is proportional to h to this power.
     """
 
     a: FloatArray
@@ -41,14 +37,10 @@ class RosenbrockPair(NamedTuple):
 
     The result is y + sum of b_k u_k.
 
-    Attributes
-    ----------
-    a, solved, gamma, c, b
-        the coefficients: (s, s), (s, s), a number, (s,), (s,).
-    error
-        weights of the error estimate, (s,).
-    power
-        see :class:`RungeKuttaPair`.
+    Attributes:
+        a, solved, gamma, c, b: the coefficients: (s, s), (s, s), a number, (s,), (s,).
+        error: weights of the error estimate, (s,).
+        power: see :class:`RungeKuttaPair`.
     """
 
     a: FloatArray

@@ -40,12 +40,9 @@ def wake_section(contour: FloatArray, x: FloatArray, r: FloatArray) -> tuple[flo
     the lift of this section explains the measured one (Roddy, DTRC/SHD-1298-08, 1990); for a blunt end, slender-body
     theory demands the first.
 
-    Parameters
-    ----------
-    contour
-        meridian, m, (n, 2).
-    x, r
-        the same at equal steps of ascending x, m, (k,) each.
+    Args:
+        contour: meridian, m, (n, 2).
+        x, r: the same at equal steps of ascending x, m, (k,) each.
     """
     x_base, r_base = separation_point(contour)
     widest, step = int(np.argmax(r)), float(x[1] - x[0])

@@ -19,14 +19,10 @@ def terminal_speeds(
 ) -> tuple[float, float]:
     """Return the terminal speeds (m/s) along the axis and across it, in still water.
 
-    Parameters
-    ----------
-    net
-        net weight or net buoyancy, N; its sign is ignored.
-    fore_first
-        True if the body moves along its axis with its fore end first.
-    density, viscosity
-        of the water, kg/m3 and m2/s.
+    Args:
+        net: net weight or net buoyancy, N; its sign is ignored.
+        fore_first: True if the body moves along its axis with its fore end first.
+        density, viscosity: of the water, kg/m3 and m2/s.
     """
     along = _balance(drag, net, _AHEAD if fore_first else _ASTERN, density, viscosity)
     return along, terminal_speed_across(drag, net, density, viscosity)

@@ -15,18 +15,12 @@ GROUP = "driftform"
 class PluginModule:
     """A module with hooks that a distribution names.
 
-    Attributes
-    ----------
-    name
-        of its entry point.
-    place
-        what the entry point names, such as ``driftform_native``.
-    distribution, version
-        name and version of its distribution.
-    module
-        the module, ``None`` if it cannot be imported.
-    problem
-        the reason why it cannot be imported.
+    Attributes:
+        name: of its entry point.
+        place: what the entry point names, such as ``driftform_native``.
+        distribution, version: name and version of its distribution.
+        module: the module, ``None`` if it cannot be imported.
+        problem: the reason why it cannot be imported.
     """
 
     name: str

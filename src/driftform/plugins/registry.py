@@ -24,18 +24,12 @@ from driftform.plugins.faults import report_faults
 class Contribution:
     """One class that a distribution contributes to a seam, or the reason why it is unavailable.
 
-    Attributes
-    ----------
-    seam
-        seam of the class; empty if the module with the hooks could not be loaded.
-    name
-        name of the class, or of the entry point if the class is unavailable.
-    distribution, version
-        name and version of the distribution.
-    state
-        ``"ok"``, or the reason why the class is unavailable.
-    cls
-        the class, ``None`` if unavailable.
+    Attributes:
+        seam: seam of the class; empty if the module with the hooks could not be loaded.
+        name: name of the class, or of the entry point if the class is unavailable.
+        distribution, version: name and version of the distribution.
+        state: ``"ok"``, or the reason why the class is unavailable.
+        cls: the class, ``None`` if unavailable.
     """
 
     seam: str
@@ -148,14 +142,10 @@ class Registry:
     def create(self, seam: str, name: str, options: Mapping[str, Any], **more: Any) -> Any:
         """Create an instance of the class with this name from its table of options.
 
-        Raises
-        ------
-        InputError
-            like :meth:`find`.
-        WorkFailedError
-            if the class fails.
-        pydantic.ValidationError
-            if the options do not fit the model of the class.
+        Raises:
+            InputError: like :meth:`find`.
+            WorkFailedError: if the class fails.
+            pydantic.ValidationError: if the options do not fit the model of the class.
         """
         cls = self.find(seam, name)
         checked = self.check_options(seam, name, options)
@@ -165,14 +155,10 @@ class Registry:
     def check_options(self, seam: str, name: str, options: Mapping[str, Any]) -> Table:
         """Return the options of the class with this name, from its table of options.
 
-        Raises
-        ------
-        InputError
-            like :meth:`find`.
-        WorkFailedError
-            if the model of the class fails, other than by a ValueError.
-        pydantic.ValidationError
-            if the options do not fit the model.
+        Raises:
+            InputError: like :meth:`find`.
+            WorkFailedError: if the model of the class fails, other than by a ValueError.
+            pydantic.ValidationError: if the options do not fit the model.
         """
         model = self.find(seam, name).Options
         try:

@@ -75,20 +75,13 @@ def require_candidates(
 ) -> Sequence[Candidate]:
     """Return the candidates of a strategy, at least one and not more than are left of the budget.
 
-    Parameters
-    ----------
-    candidates
-        what ``ask`` returned.
-    most
-        what is left of the budget, evaluations.
-    plugin
-        the strategy.
-    grammar
-        name of the grammar of all genomes.
-    targets
-        names of the targets.
-    first
-        number of evaluations before these.
+    Args:
+        candidates: what ``ask`` returned.
+        most: what is left of the budget, evaluations.
+        plugin: the strategy.
+        grammar: name of the grammar of all genomes.
+        targets: names of the targets.
+        first: number of evaluations before these.
 
     Raises WorkFailedError if there are fewer or more, or other things among them, or one has another genome,
     target, parent or threshold than there is.

@@ -55,10 +55,8 @@ class StoredAgent:
     def read(cls, path: Path) -> Self:
         """Read an agent file.
 
-        Raises
-        ------
-        InputError
-            where it is not one; the message names the file and what is missing.
+        Raises:
+            InputError: where it is not one; the message names the file and what is missing.
         """
         text = read_text(path)
         try:

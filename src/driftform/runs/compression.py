@@ -27,12 +27,9 @@ _SAMPLES = ("t", "position", "quaternion", "velocity")
 class CompressedTrajectory(Trajectory):
     """A trajectory that is held and sent as bytes, and decoded when its samples are first read.
 
-    Attributes
-    ----------
-    blob
-        the samples as :func:`encode` returns them.
-    duration
-        of the flight, s.
+    Attributes:
+        blob: the samples as :func:`encode` returns them.
+        duration: of the flight, s.
     """
 
     blob: bytes
@@ -99,13 +96,10 @@ def encode(trajectory: Trajectory) -> bytes:
 def decode(blob: bytes, end: End, **fields: float | None) -> Trajectory:
     """Read what :func:`encode` wrote; ``fields`` are the other fields of the trajectory, see :func:`diagnostics`.
 
-    Raises
-    ------
-    ValueError
-        if it is not a flight: of another length, or with other bytes, than it says, with times that decrease, or, if
-        the flight did not fail, with numbers that are not finite.
-    zlib.error
-        if its highest bytes are not compressed data.
+    Raises:
+        ValueError: if it is not a flight: of another length, or with other bytes, than it says, with times that
+            decrease, or, if the flight did not fail, with numbers that are not finite.
+        zlib.error: if its highest bytes are not compressed data.
     """
     if len(blob) < _HEADER.size:
         raise ValueError("a flight is cut short")

@@ -41,17 +41,13 @@ class PipeGrid:
     because gusts have blown the agent out of the plane, does not cross it. Cells are half open, so that each point is in
     exactly one.
 
-    Attributes
-    ----------
-    origin
-        centre of the pipe's upstream end, m, (3,).
-    axes
-        unit vectors along the axis, upward and aside, in the world frame, (3, 3). Aside completes a right-handed
-        frame as y does with x and z: it is upward x along. In a vertical pipe, upward is the world's x.
-    size
-        of a cell along, upward and aside, m, (3,).
-    shape
-        number of cells along the axis, and across it.
+    Attributes:
+        origin: centre of the pipe's upstream end, m, (3,).
+        axes: unit vectors along the axis, upward and aside, in the world frame, (3, 3). Aside completes a
+            right-handed frame as y does with x and z: it is upward x along. In a vertical pipe, upward is the world's
+            x.
+        size: of a cell along, upward and aside, m, (3,).
+        shape: number of cells along the axis, and across it.
     """
 
     origin: FloatArray
@@ -163,12 +159,10 @@ class UnrolledGrid(PipeGrid):
 
     ``origin`` and ``axes`` are those of the inlet.
 
-    Attributes
-    ----------
-    layout
-        the parts.
-    starts
-        what to add to the distance along the axes from the inlet to get the place of each part on the map, m, (parts,).
+    Attributes:
+        layout: the parts.
+        starts: what to add to the distance along the axes from the inlet to get the place of each part on the map, m,
+            (parts,).
     """
 
     layout: Layout
@@ -274,19 +268,15 @@ class UnrolledGrid(PipeGrid):
 class CoverageMap:
     """The cells that flights have crossed, and the flight that came closest to the centre of each.
 
-    Attributes
-    ----------
-    cells
-        the grid.
-    distance
-        least distance from the centre of each cell among the flights that cross it, m, infinite if none does,
-        (cells,).
-    evaluation
-        index of that flight's evaluation, -1 if no flight crosses the cell, (cells,); the earliest of equals.
-    visits
-        number of flights that cross each cell, (cells,).
-    flights, unchecked
-        number of flights that were added, and of those among them without an estimate of their error.
+    Attributes:
+        cells: the grid.
+        distance: least distance from the centre of each cell among the flights that cross it, m, infinite if none
+            does, (cells,).
+        evaluation: index of that flight's evaluation, -1 if no flight crosses the cell, (cells,); the earliest of
+            equals.
+        visits: number of flights that cross each cell, (cells,).
+        flights, unchecked: number of flights that were added, and of those among them without an estimate of their
+            error.
     """
 
     bounds: ClassVar = BOUNDS
@@ -333,14 +323,10 @@ def map_coverage(flights: Iterable[tuple[int, Trajectory]], cells: PipeGrid) -> 
 class ClosestPass:
     """The closest pass of a flight by a point.
 
-    Attributes
-    ----------
-    evaluation
-        index of the flight's evaluation.
-    distance, t
-        distance from the point, m, and time, s.
-    checked
-        whether the error of the flight was estimated.
+    Attributes:
+        evaluation: index of the flight's evaluation.
+        distance, t: distance from the point, m, and time, s.
+        checked: whether the error of the flight was estimated.
     """
 
     evaluation: int

@@ -16,14 +16,10 @@ MIN_FLIGHTS = 20
 class Quantity:
     """A disturbed quantity.
 
-    Attributes
-    ----------
-    name
-        for people.
-    advice
-        what reduces its effect.
-    read
-        returns its deviations under a condition: one number or several.
+    Attributes:
+        name: for people.
+        advice: what reduces its effect.
+        read: returns its deviations under a condition: one number or several.
     """
 
     name: str
@@ -91,12 +87,10 @@ def divide_spread(conditions: Sequence[Condition], offsets: FloatArray) -> list[
 
     ``None`` if fewer than :data:`MIN_FLIGHTS` flights succeeded.
 
-    Parameters
-    ----------
-    conditions
-        of each flight.
-    offsets
-        vector from the target to the closest approach of each flight, m, (flights, 3); NaN for a failed flight.
+    Args:
+        conditions: of each flight.
+        offsets: vector from the target to the closest approach of each flight, m, (flights, 3); NaN for a failed
+            flight.
     """
     sound = ~np.isnan(offsets[:, 0])
     if sound.sum() < MIN_FLIGHTS:

@@ -38,13 +38,10 @@ def estimate_quantile(values: FloatArray, share: float) -> FloatArray:
 class Misses:
     """How far an agent's disturbed flights miss; a flight that failed says nothing, and counts as failed.
 
-    Attributes
-    ----------
-    conditions
-        of each flight.
-    offsets
-        vector from each target to the closest approach of each flight, world frame, m, (flights, targets, 3); NaN for a
-        failed flight. In a pipe with parts it is as long as the way through the water.
+    Attributes:
+        conditions: of each flight.
+        offsets: vector from each target to the closest approach of each flight, world frame, m, (flights, targets,
+            3); NaN for a failed flight. In a pipe with parts it is as long as the way through the water.
     """
 
     conditions: Sequence[Condition]

@@ -14,16 +14,11 @@ RUNNING, WRITING, FINISHED, STOPPED = "running", "writing the best agents", "fin
 class RunMonitor:
     """Reads what is new of a run, and nothing twice; holds neither its lock nor its database open.
 
-    Attributes
-    ----------
-    directory
-        of the run.
-    status
-        the evaluations counted so far, as of the last :meth:`poll`.
-    state
-        one of :data:`RUNNING`, :data:`WRITING`, :data:`FINISHED` and :data:`STOPPED`, as of then.
-    throughput
-        evaluations per second since the first poll. Raises InputError if the directory is not a run.
+    Attributes:
+        directory: of the run.
+        status: the evaluations counted so far, as of the last :meth:`poll`.
+        state: one of :data:`RUNNING`, :data:`WRITING`, :data:`FINISHED` and :data:`STOPPED`, as of then.
+        throughput: evaluations per second since the first poll. Raises InputError if the directory is not a run.
     """
 
     def __init__(self, directory: Path) -> None:

@@ -31,12 +31,9 @@ class Run:
     A run that is opened to be read opens its store for each question, so that it sees what another process has
     written since. A run that is created or resumed holds the lock of its directory until its context ends.
 
-    Attributes
-    ----------
-    path
-        of its directory.
-    study
-        what is searched for: scenario, plugins and their options, seed and budget.
+    Attributes:
+        path: of its directory.
+        study: what is searched for: scenario, plugins and their options, seed and budget.
     """
 
     def __init__(self, path: Path, study: Study) -> None:

@@ -14,16 +14,11 @@ STEPS = 512
 class TargetStatus:
     """The state of a run for one target.
 
-    Attributes
-    ----------
-    best
-        the largest fitness of a sound evaluation, 0 before any.
-    index
-        the evaluation that has it, the earliest of equals; -1 before any.
-    generation
-        the newest of the population that works for the target, -1 before any.
-    failed
-        how many evaluations of that population failed.
+    Attributes:
+        best: the largest fitness of a sound evaluation, 0 before any.
+        index: the evaluation that has it, the earliest of equals; -1 before any.
+        generation: the newest of the population that works for the target, -1 before any.
+        failed: how many evaluations of that population failed.
     """
 
     def __init__(self) -> None:
@@ -92,16 +87,11 @@ def _thin(steps: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]
 class RunStatus:
     """The state of a run.
 
-    Attributes
-    ----------
-    budget
-        evaluations in the whole run.
-    done, failed
-        how many there are, and how many of those failed.
-    extent
-        one more than the largest index of an evaluation: what a curve spans.
-    targets
-        the standing of each target, by its name.
+    Attributes:
+        budget: evaluations in the whole run.
+        done, failed: how many there are, and how many of those failed.
+        extent: one more than the largest index of an evaluation: what a curve spans.
+        targets: the standing of each target, by its name.
     """
 
     def __init__(self, targets: Sequence[str], budget: int) -> None:

@@ -118,16 +118,11 @@ _NEXT_STEP = "restore a copy of it, or start a new run"
 class Record:
     """One stored evaluation.
 
-    Attributes
-    ----------
-    index
-        in the run, from 0.
-    candidate
-        what was asked for.
-    evaluation
-        what came of it.
-    seed
-        of what was random about it.
+    Attributes:
+        index: in the run, from 0.
+        candidate: what was asked for.
+        evaluation: what came of it.
+        seed: of what was random about it.
     """
 
     index: int
@@ -140,18 +135,12 @@ class Record:
 class EvaluationSummary:
     """What is small of a stored evaluation: not its genome, nor its flight.
 
-    Attributes
-    ----------
-    index
-        in the run, from 0.
-    generation
-        from 0.
-    population
-        target that its population works for, ``""`` for all.
-    failure
-        why it has no flight that counts, ``None`` if it has one.
-    fitness
-        for each target, %.
+    Attributes:
+        index: in the run, from 0.
+        generation: from 0.
+        population: target that its population works for, ``""`` for all.
+        failure: why it has no flight that counts, ``None`` if it has one.
+        fitness: for each target, %.
     """
 
     index: int
@@ -165,18 +154,13 @@ class EvaluationSummary:
 class DisturbedResult:
     """What one flight of an evaluation's agent under a disturbed condition scored.
 
-    Attributes
-    ----------
-    evaluation
-        index of the evaluation.
-    condition
-        number of the condition, from 0.
-    fitness
-        for each target, %, (targets,).
-    offsets
-        vector from each target to the closest approach, world frame, m, (targets, 3); NaN for a failed flight.
-    failure
-        what went wrong, ``None`` for nothing.
+    Attributes:
+        evaluation: index of the evaluation.
+        condition: number of the condition, from 0.
+        fitness: for each target, %, (targets,).
+        offsets: vector from each target to the closest approach, world frame, m, (targets, 3); NaN for a failed
+            flight.
+        failure: what went wrong, ``None`` for nothing.
     """
 
     evaluation: int
@@ -199,12 +183,9 @@ class Store:
     def create(cls, path: Path, study: Mapping[str, Any]) -> "Store":
         """Make a new run file for a study's document.
 
-        Raises
-        ------
-        InputError
-            where the file exists already.
-        WorkFailedError
-            where it cannot be written.
+        Raises:
+            InputError: where the file exists already.
+            WorkFailedError: where it cannot be written.
         """
         if path.exists():
             raise InputError(f"{path} exists already: resume that run, or choose another --out")
@@ -225,10 +206,8 @@ class Store:
         With ``read_only`` the file and its log are left as they are, and a writer is neither held up nor disturbed.
         Without ``check`` the pages are not checked first, which takes time: damage is reported where it is read.
 
-        Raises
-        ------
-        InputError
-            if it is missing, damaged, or not a run of driftform.
+        Raises:
+            InputError: if it is missing, damaged, or not a run of driftform.
         """
         if not path.is_file():
             raise InputError(f"{path}: no such file; a run directory holds one")
@@ -306,10 +285,8 @@ class Store:
     def check_place(self) -> None:
         """Refuse to go on if the file is no longer where it was opened: SQLite would write to it, wherever it is.
 
-        Raises
-        ------
-        WorkFailedError
-            if the run was moved or deleted.
+        Raises:
+            WorkFailedError: if the run was moved or deleted.
         """
         if _identify(self._path) != self._place:
             raise WorkFailedError(
@@ -320,10 +297,8 @@ class Store:
     def add(self, records: Sequence[Record], targets: Sequence[str]) -> None:
         """Write evaluations, all or none; when this returns they survive a crash.
 
-        Raises
-        ------
-        WorkFailedError
-            where they cannot be written.
+        Raises:
+            WorkFailedError: where they cannot be written.
         """
         self.check_place()
         # One fsync for all of them: on a disk that makes each wait 4 ms it is what a write costs.
@@ -348,10 +323,8 @@ class Store:
     def add_disturbed(self, flights: Sequence[DisturbedResult], targets: Sequence[str]) -> None:
         """Write what flights under disturbed conditions scored, all or none.
 
-        Raises
-        ------
-        WorkFailedError
-            where they cannot be written.
+        Raises:
+            WorkFailedError: where they cannot be written.
         """
         self.check_place()
         rows = [

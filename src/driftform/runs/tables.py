@@ -55,17 +55,15 @@ def write_tables(
 ) -> dict[str, int]:
     """Write a run as tables for data frames, and return the number of rows of each.
 
-    Parameters
-    ----------
-    run
-        finished or not; what is stored at the beginning is written.
-    folder
-        for the files; ``None`` for ``data`` in the run, whose older tables are replaced.
-    format
-        ``"csv"`` or ``"parquet"``, which needs pyarrow.
-    trajectories
-        whether the samples of all flights are written too, hundreds for each.
-    Raises InputError if there is no such format, or the folder is not empty. Raises WorkFailedError if pyarrow is missing.
+    Args:
+        run: finished or not; what is stored at the beginning is written.
+        folder: for the files; ``None`` for ``data`` in the run, whose older tables are replaced.
+        format: ``"csv"`` or ``"parquet"``, which needs pyarrow.
+        trajectories: whether the samples of all flights are written too, hundreds for each.
+
+    Raises:
+        InputError: if there is no such format, or the folder is not empty.
+        WorkFailedError: if pyarrow is missing.
     """
     check_output(format, folder)
     target = folder or run.path / FOLDER

@@ -33,18 +33,12 @@ _MAX_LENGTH = 60
 class Names:
     """The names of a new plugin of one seam and its parts.
 
-    Attributes
-    ----------
-    seam
-        what it implements: ``fitness``.
-    distribution
-        name of the distribution, normalised as in PEP 503: ``driftform-dwell``.
-    package
-        name of the package: ``driftform_dwell``.
-    plugin
-        name of the plugin in a study file: ``dwell``.
-    class_name, options_name
-        names of the implementation and its options: ``DwellFitness``, ``DwellOptions``.
+    Attributes:
+        seam: what it implements: ``fitness``.
+        distribution: name of the distribution, normalised as in PEP 503: ``driftform-dwell``.
+        package: name of the package: ``driftform_dwell``.
+        plugin: name of the plugin in a study file: ``dwell``.
+        class_name, options_name: names of the implementation and its options: ``DwellFitness``, ``DwellOptions``.
     """
 
     seam: str

@@ -40,10 +40,8 @@ class Observer:
 def search_run(run: Run, executor: Executor, observer: Observer | None = None) -> None:
     """Ask, evaluate and store until the budget is spent; requires the lock of the run.
 
-    Raises
-    ------
-    InputError
-        if the stored evaluations are not those that the study asks for.
+    Raises:
+        InputError: if the stored evaluations are not those that the study asks for.
     """
     with run.write() as store:
         _search(run, store, executor, observer or Observer())
@@ -52,12 +50,9 @@ def search_run(run: Run, executor: Executor, observer: Observer | None = None) -
 def advance_run(run: Run, executor: Executor, observer: Observer | None = None) -> list[Best]:
     """Search to the end of the budget, fly the finalists, and write best agents and maps; requires the lock of the run.
 
-    Raises
-    ------
-    InputError
-        if the stored evaluations are not those that the study asks for.
-    WorkFailedError
-        if every evaluation failed.
+    Raises:
+        InputError: if the stored evaluations are not those that the study asks for.
+        WorkFailedError: if every evaluation failed.
     """
     observer = observer or Observer()
     with run.write() as store:
@@ -88,10 +83,8 @@ def _search(run: Run, store: Store, executor: Executor, observer: Observer) -> N
 def _prepare_flow(run: Run) -> None:
     """Solve the flow in tees of a new shape, or read a grid, here and now: what is said would be lost in the display.
 
-    Raises
-    ------
-    InputError
-        if the file of a grid cannot be read any more, or does not fit the pipe.
+    Raises:
+        InputError: if the file of a grid cannot be read any more, or does not fit the pipe.
     """
     scenario = run.study.scenario
     if scenario.pipe.is_open and not isinstance(scenario.flow, GridFlow):

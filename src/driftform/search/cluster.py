@@ -64,12 +64,9 @@ class Cluster(PoolExecutor):
         Whoever can connect to a Dask cluster can run code in it, and every user of a machine can connect to its local
         ports. The processes therefore talk by TLS, with keys that exist in their memory alone.
 
-        Raises
-        ------
-        InputError
-            if the extra ``dask`` is not installed.
-        WorkFailedError
-            if the cluster does not start.
+        Raises:
+            InputError: if the extra ``dask`` is not installed.
+            WorkFailedError: if the cluster does not start.
         """
         distributed = _import_distributed("--executor dask")
         try:
@@ -105,10 +102,8 @@ class Cluster(PoolExecutor):
     def join(cls, document: Mapping[str, Any], address: str) -> "Cluster":
         """Join the cluster of a running scheduler, and wait for its first worker.
 
-        Raises
-        ------
-        InputError
-            if the extra ``dask`` is not installed, or no scheduler answers.
+        Raises:
+            InputError: if the extra ``dask`` is not installed, or no scheduler answers.
         """
         distributed = _import_distributed("--scheduler")
         try:

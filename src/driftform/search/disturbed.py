@@ -39,16 +39,11 @@ def fly_disturbed(
 ) -> int:
     """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs.
 
-    Parameters
-    ----------
-    conditions
-        all of them; a pair holds the index of one.
-    wanted
-        pairs of an evaluation and a condition.
-    on_flights
-        called with the number of pairs that are done.
-    threshold
-        that of :class:`driftform.search.Job`.
+    Args:
+        conditions: all of them; a pair holds the index of one.
+        wanted: pairs of an evaluation and a condition.
+        on_flights: called with the number of pairs that are done.
+        threshold: that of :class:`driftform.search.Job`.
     """
     targets = study.scenario.target_names
     pairs = list(wanted)

@@ -19,21 +19,14 @@ def open_executor(
 ) -> Iterator[Executor]:
     """Give workers that evaluate genomes of a study, and stop them at the end of the context.
 
-    Parameters
-    ----------
-    study
-        what they evaluate.
-    name
-        ``"local"`` for processes on this machine, ``"dask"`` for a cluster; ``None`` for what the others need.
-    scheduler
-        address of a running Dask scheduler.
-    workers
-        number of processes; ``None`` for one on each core. The result does not depend on it.
+    Args:
+        study: what they evaluate.
+        name: ``"local"`` for processes on this machine, ``"dask"`` for a cluster; ``None`` for what the others need.
+        scheduler: address of a running Dask scheduler.
+        workers: number of processes; ``None`` for one on each core. The result does not depend on it.
 
-    Raises
-    ------
-    InputError
-        where the options do not go together, or there is no such cluster.
+    Raises:
+        InputError: where the options do not go together, or there is no such cluster.
     """
     name = name or ("local" if scheduler is None else "dask")
     _check(name, scheduler, workers)

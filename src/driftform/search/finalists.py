@@ -97,14 +97,10 @@ def _race(
     The best of the search for each target fly under all conditions. Another is out as soon as its score would be below
     theirs for all its targets if all flights to come were perfect. So the winners are those of a choice in which all fly.
 
-    Parameters
-    ----------
-    finalists
-        for which targets each may be chosen, (targets,).
-    scores
-        fitness of the search, (targets,).
-    on_flights
-        called with the number of flights that are done, and an upper bound of their total.
+    Args:
+        finalists: for which targets each may be chosen, (targets,).
+        scores: fitness of the search, (targets,).
+        on_flights: called with the number of flights that are done, and an upper bound of their total.
     """
     robustness, targets = study.scenario.robustness, study.scenario.target_names
     count, done = robustness.conditions, 0
@@ -187,14 +183,10 @@ class Promise:
 class Winner:
     """The best finalist for a target.
 
-    Attributes
-    ----------
-    index
-        of its evaluation.
-    score
-        by which it was chosen, %.
-    promises
-        of what flies under the conditions of the promise, empty before that.
+    Attributes:
+        index: of its evaluation.
+        score: by which it was chosen, %.
+        promises: of what flies under the conditions of the promise, empty before that.
     """
 
     index: int

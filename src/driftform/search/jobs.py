@@ -20,19 +20,13 @@ T = TypeVar("T")
 class Job:
     """One genome to evaluate.
 
-    Attributes
-    ----------
-    index
-        identifies the job in its outcome.
-    genome
-        the genome.
-    seed
-        seed of the gusts, ``None`` for that of the scenario.
-    condition
-        disturbed conditions of the flight, ``None`` for undisturbed.
-    threshold
-        for each target the fitness (%) that the genome must exceed to matter, ``None`` if every fitness matters; see
-        :meth:`driftform.pipeline.Pipeline.evaluate`.
+    Attributes:
+        index: identifies the job in its outcome.
+        genome: the genome.
+        seed: seed of the gusts, ``None`` for that of the scenario.
+        condition: disturbed conditions of the flight, ``None`` for undisturbed.
+        threshold: for each target the fitness (%) that the genome must exceed to matter, ``None`` if every fitness
+            matters; see :meth:`driftform.pipeline.Pipeline.evaluate`.
     """
 
     index: int
@@ -58,10 +52,8 @@ class Executor(Protocol):
     def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
         """Call functions on this machine, at the same time if possible; return what they return, in their order.
 
-        Raises
-        ------
-        FunctionDiedError
-            if one of them ends its process.
+        Raises:
+            FunctionDiedError: if one of them ends its process.
         """
 
 
@@ -152,14 +144,10 @@ def task_size(waiting: int, processes: int, seconds: float | None) -> int:
     Tasks become smaller towards the end, so that the processes finish together. The factor of two is that of Hummel,
     Schonberg and Flynn (1992), Factoring: a method for scheduling parallel loops, doi:10.1145/135226.135232.
 
-    Parameters
-    ----------
-    waiting
-        number of genomes that are not in a task yet.
-    processes
-        number of processes that evaluate at the same time.
-    seconds
-        time for one genome, s, ``None`` if unknown.
+    Args:
+        waiting: number of genomes that are not in a task yet.
+        processes: number of processes that evaluate at the same time.
+        seconds: time for one genome, s, ``None`` if unknown.
 
     >>> [task_size(n, 2, 0.005) for n in (100, 75, 20, 6, 1)]
     [25, 19, 5, 2, 1]

@@ -31,10 +31,8 @@ class LocalProcesses(PoolExecutor):
         Functions and results must be picklable. Processes that run already are preferred to new ones. A function whose
         process dies is called again in a new one.
 
-        Raises
-        ------
-        FunctionDiedError
-            if a process dies :data:`ATTEMPTS` times of the same function.
+        Raises:
+            FunctionDiedError: if a process dies :data:`ATTEMPTS` times of the same function.
         """
         processes = [process for process in self._processes if process.is_running] or self._processes
         results: dict[int, T] = {}

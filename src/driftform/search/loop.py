@@ -66,19 +66,14 @@ def run_search(
     A strategy is a function of the seed and of the outcomes it received, so an interrupted run is resumed by running it
     again: what is stored already is not flown a second time. Which flights are checked follows from the same outcomes.
 
-    Parameters
-    ----------
-    on_record
-        called with each evaluation, stored or new.
-    on_generation
-        called with the number of evaluations so far, whenever the strategy has received their outcomes.
+    Args:
+        on_record: called with each evaluation, stored or new.
+        on_generation: called with the number of evaluations so far, whenever the strategy has received their
+            outcomes.
 
-    Raises
-    ------
-    InputError
-        where the stored evaluations are not those that this study asks for.
-    WorkFailedError
-        where the strategy fails.
+    Raises:
+        InputError: where the stored evaluations are not those that this study asks for.
+        WorkFailedError: where the strategy fails.
     """
     strategy, targets = study.make_strategy(), study.scenario.target_names
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
@@ -185,12 +180,9 @@ def _find_batch(batches: Iterable[_Batch], index: int) -> _Batch:
 class BestFitness:
     """The best fitness of a run so far for each target: what an evaluation must exceed to appear among its results.
 
-    Parameters
-    ----------
-    targets
-        number of targets.
-    count
-        number of best evaluations that a run shows for each of them.
+    Args:
+        targets: number of targets.
+        count: number of best evaluations that a run shows for each of them.
     """
 
     def __init__(self, targets: int, count: int) -> None:

@@ -88,10 +88,8 @@ class WorkerGroup(ABC):
     is killed was not ended by its genome, unless it takes all memory: the genome fails after :data:`KILLS` times. An
     evaluation that takes longer than ``run.evaluation_timeout`` fails at once.
 
-    Parameters
-    ----------
-    document
-        of the study.
+    Args:
+        document: of the study.
     """
 
     def __init__(self, document: Mapping[str, Any]) -> None:
@@ -160,12 +158,9 @@ class WorkerGroup(ABC):
     def collect(self) -> list[tuple[Job, Evaluation]]:
         """Return the evaluations since the last call, with a failure for each genome to blame.
 
-        Raises
-        ------
-        WorkersLostError
-            if workers cannot start.
-        Exception
-            the error of a task, if it is not the death of a worker.
+        Raises:
+            WorkersLostError: if workers cannot start.
+            Exception: the error of a task, if it is not the death of a worker.
         """
         found: list[tuple[Job, Evaluation]] = []
         for future in [future for future in self._running if future.done()]:

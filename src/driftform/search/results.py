@@ -36,18 +36,12 @@ T = TypeVar("T")
 class Best:
     """The best of a run for one target.
 
-    Attributes
-    ----------
-    target
-        its name.
-    result
-        what the agent's file holds of it: evaluation, fitness (%), misses (m), and promises.
-    agent
-        path of its ``agent.json``.
-    files
-        paths of whatever else was written.
-    problems
-        what could not be written, one line for each.
+    Attributes:
+        target: its name.
+        result: what the agent's file holds of it: evaluation, fitness (%), misses (m), and promises.
+        agent: path of its ``agent.json``.
+        files: paths of whatever else was written.
+        problems: what could not be written, one line for each.
     """
 
     target: str

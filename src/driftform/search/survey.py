@@ -32,10 +32,8 @@ class Survey:
     It is run in stages: few conditions for many agents, many for few. An agent goes on while, for a target that it is
     among the best for, its mean over the conditions so far is among those of the best earlier agents over the same conditions.
 
-    Parameters
-    ----------
-    study
-        the study of the run; without disturbed conditions nothing is flown.
+    Args:
+        study: the study of the run; without disturbed conditions nothing is flown.
     """
 
     def __init__(self, study: Study) -> None:
@@ -59,12 +57,9 @@ class Survey:
         An agent is surveyed if its undisturbed fitness exceeds its ``threshold`` for some target: any other fitness does
         not matter to its strategy. An agent without a threshold is not surveyed.
 
-        Parameters
-        ----------
-        first
-            index of the first evaluation.
-        candidates, evaluations
-            the batch, and its undisturbed flights.
+        Args:
+            first: index of the first evaluation.
+            candidates, evaluations: the batch, and its undisturbed flights.
         """
         targets, given = self._study.scenario.target_names, list(evaluations)
         matters = {

@@ -28,13 +28,10 @@ def square_root_weight(root: float) -> float:
 def find_next(points: Sequence[tuple[float, float]], slope: float) -> float | None:
     """Return the root of the net weight of the next flight; ``None`` if the body does not respond.
 
-    Parameters
-    ----------
-    points
-        of earlier flights, in their order, the root of the net weight, and the height by which they passed above the
-        target, m.
-    slope
-        expected change of the height with the root, which is negative, m / kg^1/2.
+    Args:
+        points: of earlier flights, in their order, the root of the net weight, and the height by which they passed
+            above the target, m.
+        slope: expected change of the height with the root, which is negative, m / kg^1/2.
     """
     # Flights with the same weight may differ a little, by their tolerances.
     ordered = sorted(dict(points).items())

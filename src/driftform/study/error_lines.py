@@ -21,14 +21,10 @@ def format_errors(
 ) -> list[str]:
     """Return one line for each error.
 
-    Parameters
-    ----------
-    error
-        what pydantic raised when it validated a part of the document by ``model``.
-    prefix
-        key of this part.
-    document, layers
-        the merged document, and its sources.
+    Args:
+        error: what pydantic raised when it validated a part of the document by ``model``.
+        prefix: key of this part.
+        document, layers: the merged document, and its sources.
     """
     lines: list[str] = []
     wrong: dict[KeyPath, dict[str, str]] = {}

@@ -91,18 +91,12 @@ class RunOptions(Table):
 class Study:
     """A checked study.
 
-    Attributes
-    ----------
-    document
-        the whole document with every default filled in, as in ``resolved.toml`` and for worker processes.
-    scenario
-        the environment.
-    run
-        seed (never ``None``), budget (``None`` only without a strategy) and formats.
-    name
-        the file, built-in scenario or document that it was loaded from.
-    given
-        the text of that file; empty for a document.
+    Attributes:
+        document: the whole document with every default filled in, as in ``resolved.toml`` and for worker processes.
+        scenario: the environment.
+        run: seed (never ``None``), budget (``None`` only without a strategy) and formats.
+        name: the file, built-in scenario or document that it was loaded from.
+        given: the text of that file; empty for a document.
     """
 
     document: Mapping[str, Any]
@@ -150,20 +144,16 @@ class Study:
     def check_formats(self) -> None:
         """Check that the formats of a run's files can be written, as :func:`load_study` does for files.
 
-        Raises
-        ------
-        InputError
-            if there is no exporter for one.
+        Raises:
+            InputError: if there is no exporter for one.
         """
         _check_formats(self.run.formats, [Source(self.name, self.document)])
 
     def check_search(self) -> None:
         """Refuse a study that cannot be searched, before anything is written.
 
-        Raises
-        ------
-        InputError
-            if it has no targets, with the line to add, or if its strategy does not accept it.
+        Raises:
+            InputError: if it has no targets, with the line to add, or if its strategy does not accept it.
         """
         if not self.scenario.targets:
             raise InputError(
@@ -174,10 +164,8 @@ class Study:
     def list_warnings(self) -> list[str]:
         """Return what is likely to be wrong with it, one line each; nothing flies.
 
-        Raises
-        ------
-        InputError
-            if not even the smallest body of the builder can be released.
+        Raises:
+            InputError: if not even the smallest body of the builder can be released.
         """
         from driftform.study.advice import list_warnings
 
@@ -212,10 +200,8 @@ class Study:
     def check_print(self, name: str, job: PrintJob) -> Iterator[Finding]:
         """Yield what a checker finds; one that fails, and not for a reason that it explains, gives a skipped finding.
 
-        Raises
-        ------
-        DriftformError
-            if the checker cannot read a file, or returns something else than findings.
+        Raises:
+            DriftformError: if the checker cannot read a file, or returns something else than findings.
         """
         checker = self.make_checker(name)
         try:
@@ -295,26 +281,17 @@ def load_study(
 ) -> Study:
     """Read, merge and check a study.
 
-    Parameters
-    ----------
-    source
-        path of a TOML file, name of a built-in scenario, or document of an agent or run file; ``None`` for the default
-        scenario.
-    settings
-        ``key=value`` with a dotted key and a TOML value, which override the file.
-    targets
-        targets to keep; empty for all.
-    use
-        plugin by seam, if not ``None``.
-    run
-        values of ``[run]``, if not ``None``.
-    calibration
-        path of a file with the table ``[calibration]``, which replaces that of the study.
+    Args:
+        source: path of a TOML file, name of a built-in scenario, or document of an agent or run file; ``None`` for
+            the default scenario.
+        settings: ``key=value`` with a dotted key and a TOML value, which override the file.
+        targets: targets to keep; empty for all.
+        use: plugin by seam, if not ``None``.
+        run: values of ``[run]``, if not ``None``.
+        calibration: path of a file with the table ``[calibration]``, which replaces that of the study.
 
-    Raises
-    ------
-    InputError
-        if the study is wrong: one line for each error, with file, line, key, value and the next step.
+    Raises:
+        InputError: if the study is wrong: one line for each error, with file, line, key, value and the next step.
     """
     if isinstance(source, Document):
         label = source.label

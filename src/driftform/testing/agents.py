@@ -37,14 +37,10 @@ def first_sample(trajectory: Trajectory) -> Trajectory:
 def sphere_agent(radius: float, mass: float, added: float = 0.5, drag: float = 0.0) -> Agent:
     """Return a homogeneous sphere.
 
-    Parameters
-    ----------
-    radius, mass
-        of the sphere, m and kg.
-    added
-        added mass over displaced mass; 1/2 in potential flow.
-    drag
-        drag coefficient on the frontal area, as quadratic damping of surge, sway and heave.
+    Args:
+        radius, mass: of the sphere, m and kg.
+        added: added mass over displaced mass; 1/2 in potential flow.
+        drag: drag coefficient on the frontal area, as quadratic damping of surge, sway and heave.
     """
     volume = 4 / 3 * math.pi * radius**3
     quadratic = 0.5 * DENSITY * drag * math.pi * radius**2
@@ -65,8 +61,7 @@ class Spheroid:
     Added mass after Lamb, sections 114 and 115: k1 along the axis and k2 across it, both of the displaced mass,
     and k' of the moment of inertia that the displaced water would have.
 
-    Examples
-    --------
+    Examples:
     >>> [round(k, 5) for k in Spheroid(0.06, 0.01).factors]
     [0.04518, 0.91712, 0.76231]
     """

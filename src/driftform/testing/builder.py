@@ -52,10 +52,8 @@ every_morphology = pytest.mark.parametrize("kind", MORPHOLOGIES)
 class BuilderContract(SeamContract[PhenotypeBuilder[Any]]):
     """The contract of builders.
 
-    Attributes
-    ----------
-    slack
-        greatest distance (m) of two points that should coincide: the resolution of the builder's geometry.
+    Attributes:
+        slack: greatest distance (m) of two points that should coincide: the resolution of the builder's geometry.
     """
 
     slack: ClassVar[float] = 2e-7

@@ -21,12 +21,9 @@ class CommandsContract(Contract):
             def add(self, app: typer.Typer) -> None:
                 driftform_commands(app)
 
-    Attributes
-    ----------
-    works
-        words of calls that work, without ``--json``: at least one.
-    fails
-        words of calls with wrong input.
+    Attributes:
+        works: words of calls that work, without ``--json``: at least one.
+        fails: words of calls with wrong input.
     """
 
     works: ClassVar[tuple[tuple[str, ...], ...]] = ()

@@ -17,10 +17,8 @@ PluginT_co = TypeVar("PluginT_co", covariant=True)
 class Contract:
     """Base class of all contracts: the failure of a test ends with the requirement that its docstring states.
 
-    Attributes
-    ----------
-    time_limit
-        time after which a test fails, s; a plugin that needs longer raises it in its class.
+    Attributes:
+        time_limit: time after which a test fails, s; a plugin that needs longer raises it in its class.
     """
 
     time_limit: ClassVar[float] = 120.0

@@ -38,10 +38,8 @@ def straight_trajectory(start: Vector, end: Vector, times: FloatArray) -> Trajec
 class FitnessContract(SeamContract[Fitness[Any]]):
     """The contract of fitness functions.
 
-    Attributes
-    ----------
-    rewards_closeness
-        True if a flight through a target, and only such a flight, has a fitness of 100.
+    Attributes:
+        rewards_closeness: True if a flight through a target, and only such a flight, has a fitness of 100.
     """
 
     rewards_closeness: ClassVar[bool] = False

@@ -18,10 +18,9 @@ SEEDS = range(12)
 class GrammarContract(SeamContract[Grammar[Any]]):
     """The contract of grammars.
 
-    Attributes
-    ----------
-    nonsense
-        texts that are not genomes of the grammar."""
+    Attributes:
+        nonsense: texts that are not genomes of the grammar.
+    """
 
     nonsense: ClassVar[tuple[str, ...]] = ("", "   ", "nonsense", "?!", "a genome\nin two lines", "\0")
 

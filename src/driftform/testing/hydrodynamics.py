@@ -43,11 +43,9 @@ MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 class HydrodynamicsContract(SeamContract[Hydrodynamics[Any]]):
     """The contract of models of hydrodynamic coefficients.
 
-    Attributes
-    ----------
-    tolerance
-        relative difference up to which two coefficients count as equal: the error of the method's arithmetic, not of
-        its physics.
+    Attributes:
+        tolerance: relative difference up to which two coefficients count as equal: the error of the method's
+            arithmetic, not of its physics.
     """
 
     tolerance: ClassVar[float] = 1e-6

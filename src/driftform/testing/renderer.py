@@ -63,12 +63,9 @@ class RendererContract(SeamContract[Renderer[Any]]):
 
     A small and coarse film keeps the tests quick.
 
-    Attributes
-    ----------
-    rate
-        frames per second of the flight.
-    size
-        width and height of a frame, px.
+    Attributes:
+        rate: frames per second of the flight.
+        size: width and height of a frame, px.
     """
 
     rate: float = 25.0

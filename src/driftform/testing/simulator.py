@@ -264,14 +264,11 @@ class PointSimulatorContract(SeamContract[Simulator[Any]]):
 class SimulatorContract(PointSimulatorContract):
     """The contract of simulators of rigid bodies.
 
-    Attributes
-    ----------
-    drift
-        greatest change of energy and impulse of a free motion in 3 s, relative to their size.
-    accuracy
-        greatest relative error of motions that are known in closed form.
-    agreement
-        greatest distance (m) at any time between two flights that are the same motion described in two ways.
+    Attributes:
+        drift: greatest change of energy and impulse of a free motion in 3 s, relative to their size.
+        accuracy: greatest relative error of motions that are known in closed form.
+        agreement: greatest distance (m) at any time between two flights that are the same motion described in two
+            ways.
     """
 
     drift: ClassVar[float] = 1e-5

@@ -40,10 +40,8 @@ class StrategyContract(Contract):
             def plugin(self, space: SearchSpace) -> MyStrategy:
                 return MyStrategy(MyOptions(), space)
 
-    Attributes
-    ----------
-    targets
-        names of the two targets of the contract's fitness.
+    Attributes:
+        targets: names of the two targets of the contract's fitness.
     """
 
     targets: ClassVar[tuple[str, str]] = ("left", "right")

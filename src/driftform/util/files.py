@@ -51,10 +51,8 @@ def is_directory(path: Path) -> bool:
 def read_text(path: Path) -> str:
     """Return a text that somebody wrote with any program, its lines ended by newlines; see :func:`find_encoding`.
 
-    Raises
-    ------
-    InputError
-        if the file cannot be read, is no text, or is larger than :data:`MOST_BYTES`.
+    Raises:
+        InputError: if the file cannot be read, is no text, or is larger than :data:`MOST_BYTES`.
     """
     try:
         with path.open("rb") as file:
@@ -135,10 +133,8 @@ def is_locked(path: Path) -> bool:
 def make_directory(path: Path, option: str = "--out") -> Path:
     """Create a directory that an option names, with its parents if they do not exist, and return its path.
 
-    Raises
-    ------
-    InputError
-        if it cannot be created or written to.
+    Raises:
+        InputError: if it cannot be created or written to.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -153,10 +149,8 @@ def make_directory(path: Path, option: str = "--out") -> Path:
 def check_directory(path: Path, option: str = "--out") -> Path:
     """Refuse what :func:`make_directory` could not make, without making it, before work that takes time; return it.
 
-    Raises
-    ------
-    InputError
-        if the path, or one above it, is a file or cannot be written to.
+    Raises:
+        InputError: if the path, or one above it, is a file or cannot be written to.
     """
     existing = next((p for p in (path, *path.absolute().parents) if p.exists()), path)
     if not existing.is_dir():
@@ -181,10 +175,8 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
 
     The file never exists in part. Parent folders are created.
 
-    Raises
-    ------
-    OSError
-        if the file cannot be written; then a former file is unchanged.
+    Raises:
+        OSError: if the file cannot be written; then a former file is unchanged.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     # In the same folder, because renaming is atomic only within a file system.
@@ -217,10 +209,8 @@ def write_together(folder: Path, names: Collection[str]) -> Iterator[Path]:
     Former files in ``folder`` with one of ``names`` are removed, even if they were not written again. After an
     exception inside the context, ``folder`` is unchanged.
 
-    Raises
-    ------
-    InputError
-        if ``folder`` cannot be created or written to.
+    Raises:
+        InputError: if ``folder`` cannot be created or written to.
     """
     folder = folder.resolve()
     make_directory(folder if folder.exists() else folder.parent)
@@ -244,10 +234,8 @@ def write_folder(folder: Path) -> Iterator[Path]:
 
     After an exception inside the context, ``folder`` is unchanged. Parent folders are created.
 
-    Raises
-    ------
-    InputError
-        if ``folder`` is a file, or cannot be created or written to.
+    Raises:
+        InputError: if ``folder`` is a file, or cannot be created or written to.
     """
     folder = folder.resolve()
     if folder.exists() and not folder.is_dir():

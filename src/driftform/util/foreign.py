@@ -67,10 +67,8 @@ _REPORTED = {kind.__name__: kind for kind in (InputError, WorkFailedError, Modul
 def require_module(module: str) -> None:
     """Check that a module is installed which a plugin imports later, so that the plugin is unavailable without it.
 
-    Raises
-    ------
-    ModuleNotFoundError
-        if the module is not installed.
+    Raises:
+        ModuleNotFoundError: if the module is not installed.
     """
     if util.find_spec(module) is None:
         raise ModuleNotFoundError(f"No module named '{module}'", name=module)
@@ -81,27 +79,20 @@ def call_apart(
 ) -> Any:
     """Call a function in a process of its own, with limits, and return its answer: for parsers of files from anybody.
 
-    Parameters
-    ----------
-    function
-        of the top level of a module that can be imported.
-    arguments
-        data; a path arrives as text, and absolute.
-    seconds, memory
-        most processor time, s, and most memory, bytes; Windows has no limit of memory, macOS a weak one.
+    Args:
+        function: of the top level of a module that can be imported.
+        arguments: data; a path arrives as text, and absolute.
+        seconds, memory: most processor time, s, and most memory, bytes; Windows has no limit of memory, macOS a weak
+            one.
 
-    Returns
-    -------
-    Any
-        numbers, texts, arrays of numbers, and lists, tuples and dictionaries of these. An answer that names anything
-        else is refused, because whoever makes a parser run code must not reach this process.
+    Returns:
+        Any: numbers, texts, arrays of numbers, and lists, tuples and dictionaries of these. An answer that names
+            anything else is refused, because whoever makes a parser run code must not reach this process.
 
-    Raises
-    ------
-    DriftformError, ModuleNotFoundError, ValueError
-        what the function raises of these.
-    ValueError
-        if it raises another error, crashes, or takes more than it may; the message does not name the file.
+    Raises:
+        DriftformError, ModuleNotFoundError, ValueError: what the function raises of these.
+        ValueError: if it raises another error, crashes, or takes more than it may; the message does not name the
+            file.
     """
     plain = [str(argument.absolute()) if isinstance(argument, Path) else argument for argument in arguments]
     with TemporaryDirectory(prefix="driftform-", ignore_cleanup_errors=True) as name:
@@ -128,10 +119,8 @@ def run_program(command: Sequence[str], folder: Path, seconds: float, memory: in
     Its limits are ``seconds`` of waiting and ``memory`` in bytes. The exit code is not looked at, because programs for
     printing return 0 whatever happens.
 
-    Raises
-    ------
-    WorkFailedError
-        if it does not end in time, or cannot be started.
+    Raises:
+        WorkFailedError: if it does not end in time, or cannot be started.
     """
     program = shutil.which(command[0])
     if program is None:

@@ -46,31 +46,19 @@ class Specimen(StrEnum):
 class Condition:
     """The deviations of one flight from its scenario.
 
-    Attributes
-    ----------
-    across
-        offset of the release position along the two normals of :func:`draw_normals`, m.
-    pitch, yaw
-        offsets of the release attitude, rad.
-    current, density
-        factors on the speed and the density of the water.
-    mass
-        factor on the density of the hull's material.
-    wall
-        increase of the thickness of the printed wall, m.
-    drag
-        factor on all forces of drag and damping that no filmed flights have calibrated.
-    gusts
-        seed of the gusts, ``None`` for steady water.
-    calibrated
-        values of the factors that have an interval in ``[calibration]``, in the order of
-        :attr:`driftform.water.Calibration.intervals`.
-    swirl
-        increase of the secondary flow of bends, relative to the mean speed.
-    left
-        what a weighed and trimmed print weighs too much, kg.
-    specimen
-        what flies.
+    Attributes:
+        across: offset of the release position along the two normals of :func:`draw_normals`, m.
+        pitch, yaw: offsets of the release attitude, rad.
+        current, density: factors on the speed and the density of the water.
+        mass: factor on the density of the hull's material.
+        wall: increase of the thickness of the printed wall, m.
+        drag: factor on all forces of drag and damping that no filmed flights have calibrated.
+        gusts: seed of the gusts, ``None`` for steady water.
+        calibrated: values of the factors that have an interval in ``[calibration]``, in the order of
+            :attr:`driftform.water.Calibration.intervals`.
+        swirl: increase of the secondary flow of bends, relative to the mean speed.
+        left: what a weighed and trimmed print weighs too much, kg.
+        specimen: what flies.
     """
 
     across: tuple[float, float]

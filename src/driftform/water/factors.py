@@ -15,20 +15,14 @@ from driftform.types import Body, Coefficients, FloatArray
 class Factors:
     """Factors on what the model computes; 1 leaves it as it is.
 
-    Attributes
-    ----------
-    axial_drag
-        of friction, nose and base along the axis, of the friction of a spin, and of damping in surge and roll.
-    cross_drag
-        of strips across the axis, of a sphere's drag, and of all other damping.
-    added_mass
-        of the whole matrix.
-    hull_density
-        of the hull's material, so that a print weighs what it does.
-    restitution, friction
-        of the coefficients of the contact with walls.
-    least, most
-        bounds of every factor.
+    Attributes:
+        axial_drag: of friction, nose and base along the axis, of the friction of a spin, and of damping in surge and
+            roll.
+        cross_drag: of strips across the axis, of a sphere's drag, and of all other damping.
+        added_mass: of the whole matrix.
+        hull_density: of the hull's material, so that a print weighs what it does.
+        restitution, friction: of the coefficients of the contact with walls.
+        least, most: bounds of every factor.
     """
 
     least: ClassVar[float] = 0.01

@@ -21,27 +21,19 @@ def water_velocity(
 ) -> FloatArray:
     """Return the water's velocity at points of the world, with bends, reducers, tees and grids.
 
-    Parameters
-    ----------
-    points
-        world frame, m, (n, 3). A point in the wall has the velocity at or near the wall's surface; beyond the inlet and
-        the outlets the bore continues.
-    t
-        times since the release, from 0 to ``scenario.flight.horizon``, s, (n,) or one for all points.
-    gusts
-        whether gusts are added, if flights have any: those of ``gusts.seed`` that a point meets which stays where it is.
-        Without them the velocity is the mean. The acceleration of a uniform current is no gust.
+    Args:
+        points: world frame, m, (n, 3). A point in the wall has the velocity at or near the wall's surface; beyond the
+            inlet and the outlets the bore continues.
+        t: times since the release, from 0 to ``scenario.flight.horizon``, s, (n,) or one for all points.
+        gusts: whether gusts are added, if flights have any: those of ``gusts.seed`` that a point meets which stays
+            where it is. Without them the velocity is the mean. The acceleration of a uniform current is no gust.
 
-    Returns
-    -------
-    m/s, world frame, (n, 3).
+    Returns:
+        m/s, world frame, (n, 3).:
 
-    Raises
-    ------
-    InputError
-        if the flow in a tee is not stored, and ``driftform-tees``, which solves it, is not installed.
-    ValueError
-        if the file of a grid cannot be read, or does not fit the pipe.
+    Raises:
+        InputError: if the flow in a tee is not stored, and ``driftform-tees``, which solves it, is not installed.
+        ValueError: if the file of a grid cannot be read, or does not fit the pipe.
     """
     places = np.array(points, dtype=np.float64).reshape(-1, 3)
     times = np.array(np.broadcast_to(t, len(places)), dtype=np.float64)
@@ -56,14 +48,11 @@ def wall_distance(points: npt.ArrayLike, scenario: Scenario) -> FloatArray:
     It is exact in straights, bends, reducers and tees, with the rounded edges of tees. Beyond the inlet and the outlets
     the bore continues.
 
-    Parameters
-    ----------
-    points
-        world frame, m, (n, 3).
+    Args:
+        points: world frame, m, (n, 3).
 
-    Returns
-    -------
-    m, (n,); infinite in open water.
+    Returns:
+        m, (n,); infinite in open water.:
     """
     places = np.array(points, dtype=np.float64).reshape(-1, 3)
     if scenario.pipe.is_open:

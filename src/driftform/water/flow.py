@@ -194,12 +194,9 @@ def friction_factor(reynolds: float, roughness: float = 0.0) -> float:
 
     1/sqrt(f) = -2 log10(roughness / 3.7 + 2.51 / (Re sqrt(f))); for a smooth wall this is Prandtl's law.
 
-    Parameters
-    ----------
-    reynolds
-        on diameter and bulk velocity, from 4e3 to 1e8.
-    roughness
-        equivalent sand roughness over diameter, up to 0.05.
+    Args:
+        reynolds: on diameter and bulk velocity, from 4e3 to 1e8.
+        roughness: equivalent sand roughness over diameter, up to 0.05.
 
     >>> round(friction_factor(1.9e6), 5)
     0.01046

@@ -7,16 +7,11 @@ from dataclasses import dataclass
 class NamedFluid:
     """A fluid at one temperature and pressure.
 
-    Attributes
-    ----------
-    density
-        kg/m3.
-    viscosity
-        kinematic, m2/s.
-    state
-        what it is, with its temperature and its pressure where that is not 1 bar.
-    source
-        of both numbers.
+    Attributes:
+        density: kg/m3.
+        viscosity: kinematic, m2/s.
+        state: what it is, with its temperature and its pressure where that is not 1 bar.
+        source: of both numbers.
     """
 
     density: float

@@ -50,14 +50,10 @@ class _TooLargeError(ValueError):
 class VelocityGrid:
     """Velocities at the nodes of a regular grid.
 
-    Attributes
-    ----------
-    origin
-        first node, m, (3,).
-    spacing
-        of the nodes along x, y and z, m, (3,).
-    velocity
-        at the nodes, m/s, (nx, ny, nz, 3); NaN where the file has none.
+    Attributes:
+        origin: first node, m, (3,).
+        spacing: of the nodes along x, y and z, m, (3,).
+        velocity: at the nodes, m/s, (nx, ny, nz, 3); NaN where the file has none.
     """
 
     origin: FloatArray
@@ -84,12 +80,10 @@ class VelocityGrid:
 def read_grid(path: Path) -> VelocityGrid:
     """Read a grid; the ending of the file's name, .csv, .nc, .vtk or .vtu, decides the format.
 
-    Raises
-    ------
-    ValueError
-        if the file cannot be read, has no velocities, or is not a regular grid; the message does not name the file.
-    ModuleNotFoundError
-        if a package of the extra ``grids`` is missing.
+    Raises:
+        ValueError: if the file cannot be read, has no velocities, or is not a regular grid; the message does not name
+            the file.
+        ModuleNotFoundError: if a package of the extra ``grids`` is missing.
     """
     if path.suffix.lower() == ".csv":
         try:
@@ -328,12 +322,9 @@ _READERS = {".nc": _read_netcdf, ".vtk": _read_vtk, ".vtu": _read_vtk}
 def fill_nodes(velocity: FloatArray, known: BoolArray) -> FloatArray:
     """Return velocities at all nodes: extrapolated linearly from known neighbours, and constant further away.
 
-    Parameters
-    ----------
-    velocity
-        (nx, ny, nz, 3).
-    known
-        whether the velocity of a node is known, (nx, ny, nz).
+    Args:
+        velocity: (nx, ny, nz, 3).
+        known: whether the velocity of a node is known, (nx, ny, nz).
     """
     from scipy.ndimage import distance_transform_edt
 

@@ -57,14 +57,10 @@ def gust_numbers(gusts: Gusts, radius: float, slip: float = 0.0, length: float =
     A body that moves through the water leaves eddies before they decay: its memory is T / sqrt(1 + (beta w / s u*)^2)
     (Csanady, J. Atmos. Sci. 20 (1963), 201; across the drift, where he has 2 beta, up to twice as fast, which is left out).
 
-    Parameters
-    ----------
-    radius
-        of the bore, m, which decides the size of the eddies.
-    slip
-        w, speed of the body through the water, m/s.
-    length
-        of the body, m: it has the mean of the gusts at its two Gauss points.
+    Args:
+        radius: of the bore, m, which decides the size of the eddies.
+        slip: w, speed of the body through the water, m/s.
+        length: of the body, m: it has the mean of the gusts at its two Gauss points.
     """
     strength = gusts.strength * math.sqrt((1 + _correlate(gusts, radius, length)) / 2)
     return gusts.smoothing, strength, gusts.memory / gusts.strength**2, gusts.crossing * slip / gusts.strength
@@ -128,16 +124,11 @@ def gust_motion(
 ) -> tuple[Vector, Vector, Vector]:
     """Return a gust (m/s), its rate along the path of the water (m/s2), and its change along the body (1/s), world frame.
 
-    Parameters
-    ----------
-    mean
-        velocity of the mean flow, m/s.
-    flow
-        see :data:`STEP`.
-    walk
-        from :func:`draw_gusts`.
-    eddies
-        states tau and h in the first row; the second is filled with their rates, 1/s; (2, 4).
+    Args:
+        mean: velocity of the mean flow, m/s.
+        flow: see :data:`STEP`.
+        walk: from :func:`draw_gusts`.
+        eddies: states tau and h in the first row; the second is filled with their rates, 1/s; (2, 4).
     """
     normal, R, r, friction = bore
     states, rates = eddies[0], eddies[1]

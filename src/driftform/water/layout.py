@@ -49,22 +49,14 @@ BEYOND = 6.0
 class Placed:
     """A part in its place in a pipe.
 
-    Attributes
-    ----------
-    name
-        unique in the pipe.
-    key
-        where the study file gives it, such as ``pipe.parts[1].branch[0]``.
-    part
-        its geometry.
-    upstream
-        index of the part before it, ``None`` for the first one.
-    by_branch
-        True if it follows the branch of that part, and not its run.
-    flow
-        share of the pipe's water that enters it.
-    outlet
-        index of the outlet at the end of its run, ``None`` where another part follows.
+    Attributes:
+        name: unique in the pipe.
+        key: where the study file gives it, such as ``pipe.parts[1].branch[0]``.
+        part: its geometry.
+        upstream: index of the part before it, ``None`` for the first one.
+        by_branch: True if it follows the branch of that part, and not its run.
+        flow: share of the pipe's water that enters it.
+        outlet: index of the outlet at the end of its run, ``None`` where another part follows.
     """
 
     name: str
@@ -287,14 +279,10 @@ class _Builder:
 def lay_out(tables: Sequence[AnyPart], start: FloatArray, direction: FloatArray, radius: float) -> Layout:
     """Return the layout of parts from the inlet on.
 
-    Parameters
-    ----------
-    tables
-        the parts of the run, with those of the branches in them.
-    start, direction
-        centre of the inlet (m) and the direction downstream, world frame, (3,).
-    radius
-        of the bore at the inlet, m.
+    Args:
+        tables: the parts of the run, with those of the branches in them.
+        start, direction: centre of the inlet (m) and the direction downstream, world frame, (3,).
+        radius: of the bore at the inlet, m.
 
     Raises LayoutError if a part does not fit to its bore, two parts run into each other, or an outlet has no name.
     """

@@ -47,14 +47,10 @@ class Axis:
 class PipePart(ABC):
     """A part of a pipe.
 
-    Attributes
-    ----------
-    origin
-        of the local frame in the world frame, m, (3,).
-    axes
-        rows: x, y and z of the local frame in the world frame, (3, 3).
-    radius
-        of the bore at the entry, m.
+    Attributes:
+        origin: of the local frame in the world frame, m, (3,).
+        axes: rows: x, y and z of the local frame in the world frame, (3, 3).
+        radius: of the bore at the entry, m.
     """
 
     origin: FloatArray
@@ -326,19 +322,13 @@ def place_on_axis(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the points at distances along the axis of a part, and the axes there: what :func:`locate_on_axis` inverts.
 
-    Parameters
-    ----------
-    along
-        distances from the entry along the axis, m, (n,).
-    on_branch
-        whether that axis is the one of a tee's branch, which begins at the axis of its run.
+    Args:
+        along: distances from the entry along the axis, m, (n,).
+        on_branch: whether that axis is the one of a tee's branch, which begins at the axis of its run.
 
-    Returns
-    -------
-    points
-        m, (n, 3).
-    axes
-        downstream, left and up, rows, (n, 3, 3).
+    Returns:
+        points: m, (n, 3).
+        axes: downstream, left and up, rows, (n, 3, 3).
     """
     feet, directions = _along_x(along), np.tile(np.array([1.0, 0.0, 0.0]), (len(along), 1))
     match part:

@@ -32,16 +32,11 @@ _SPLINE = WALL + _WALL_SIZE
 def tee_field(radius: float, branch: float, angle: float, fillet: float, Q2: float, Q3: float) -> FloatArray:
     """Return the flow in a tee as :func:`tee_motion` reads it, (n,), read-only.
 
-    Parameters
-    ----------
-    radius, branch
-        radii of run and branch, m; the branch has between 0.2 and 1 times the radius of the run.
-    angle
-        of the branch from the downstream direction of the run, 30 to 150 degrees, rad.
-    fillet
-        radius of the rounded edge, m; between 0.1 and 0.5 times the radius of the branch.
-    Q2, Q3
-        volume flow that leaves by the run and by the branch, m3/s; a negative one enters there.
+    Args:
+        radius, branch: radii of run and branch, m; the branch has between 0.2 and 1 times the radius of the run.
+        angle: of the branch from the downstream direction of the run, 30 to 150 degrees, rad.
+        fillet: radius of the rounded edge, m; between 0.1 and 0.5 times the radius of the branch.
+        Q2, Q3: volume flow that leaves by the run and by the branch, m3/s; a negative one enters there.
 
     Raises ValueError if the shape is outside these limits.
     """

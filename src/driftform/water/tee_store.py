@@ -42,14 +42,11 @@ STEP = 5e-7
 class TeePotentials:
     """The potentials of two flows in a tee, in units of the run's radius and of the mean speed at its inlet.
 
-    Attributes
-    ----------
-    head
-        number of levels and the rows of the levels, as :mod:`driftform.water.tee_spline` reads them.
-    through, branch
-        coefficients of all levels where all water leaves by the run, and where all leaves by the branch.
-    leakage
-        means over the wall of the products of the two velocities through it, (2, 2).
+    Attributes:
+        head: number of levels and the rows of the levels, as :mod:`driftform.water.tee_spline` reads them.
+        through, branch: coefficients of all levels where all water leaves by the run, and where all leaves by the
+            branch.
+        leakage: means over the wall of the products of the two velocities through it, (2, 2).
     """
 
     head: FloatArray
@@ -62,10 +59,8 @@ class TeePotentials:
 def load_tee(junction: Junction) -> TeePotentials:
     """Return the potentials of a tee: from the package, from the user's cache, or solved now and cached.
 
-    Raises
-    ------
-    InputError
-        if it is neither, and no plugin that solves it is installed.
+    Raises:
+        InputError: if it is neither, and no plugin that solves it is installed.
     """
     name = file_name(junction)
     if (PACKAGED / name).is_file():

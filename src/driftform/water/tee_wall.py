@@ -30,14 +30,10 @@ Point: TypeAlias = tuple[float, float, float]
 class Junction:
     """The shape of a tee or wye.
 
-    Attributes
-    ----------
-    branch
-        radius of the branch, at most 1.
-    angle
-        A, rad.
-    fillet
-        radius of the ball that rounds the edge.
+    Attributes:
+        branch: radius of the branch, at most 1.
+        angle: A, rad.
+        fillet: radius of the ball that rounds the edge.
     """
 
     branch: float

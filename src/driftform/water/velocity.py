@@ -51,12 +51,9 @@ def set_gusts(
 ) -> None:
     """Write to the array of a flow the gusts that a body meets.
 
-    Parameters
-    ----------
-    size
-        half of the body's diameter, m.
-    slip, length
-        see :func:`driftform.water.gusts.gust_numbers`.
+    Args:
+        size: half of the body's diameter, m.
+        slip, length: see :func:`driftform.water.gusts.gust_numbers`.
     """
     radius = scenario.pipe.layout.inlet.radius
     flow[ACCELERATION + 1 : SIZE] = gust_numbers(scenario.gusts, radius, slip, length)

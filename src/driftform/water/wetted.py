@@ -54,14 +54,10 @@ def wetted_speed(pipe: Pipe, flow: PipeFlow, kind: float, parameter: float, leve
     The profile is that of the full bore: the surface neither drags nor bends it. The volume flow of a study is then that
     through the wetted section, speed times area.
 
-    Parameters
-    ----------
-    pipe
-        straight and level, or full.
-    kind, parameter
-        of the profile, see :func:`driftform.water.profiles.velocity_profile`.
-    level
-        height of the surface, m; ``None`` for a full pipe.
+    Args:
+        pipe: straight and level, or full.
+        kind, parameter: of the profile, see :func:`driftform.water.profiles.velocity_profile`.
+        level: height of the surface, m; ``None`` for a full pipe.
     """
     segment = pipe.straight
     if level is None or segment is None:

@@ -20,14 +20,10 @@ ACCURACY = integrator.Accuracy(tolerance=1e-7, max_step=0.03, step_limit=20_000)
 class ReleaseError:
     """How a release differs from that of the scenario.
 
-    Attributes
-    ----------
-    pitch, yaw
-        of the axis, rad.
-    velocity
-        in the world frame, m/s.
-    rise
-        of the position, m, up.
+    Attributes:
+        pitch, yaw: of the axis, rad.
+        velocity: in the world frame, m/s.
+        rise: of the position, m, up.
     """
 
     pitch: float = 0.0
@@ -40,16 +36,11 @@ class ReleaseError:
 class Path:
     """A flight as a film sees it; before the first sample the agent is held, after the last it moves on straight.
 
-    Attributes
-    ----------
-    t
-        times of the samples, s, (k,).
-    position, velocity
-        of the core's centre, in the world frame, m and m/s, (k, 3).
-    axis, axis_rate
-        unit vector along the agent's axis in the world frame, and its rate, 1/s, (k, 3).
-    contact
-        time of the first contact with a wall, s; infinite without one.
+    Attributes:
+        t: times of the samples, s, (k,).
+        position, velocity: of the core's centre, in the world frame, m and m/s, (k, 3).
+        axis, axis_rate: unit vector along the agent's axis in the world frame, and its rate, 1/s, (k, 3).
+        contact: time of the first contact with a wall, s; infinite without one.
     """
 
     t: FloatArray

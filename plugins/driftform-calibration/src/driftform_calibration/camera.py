@@ -20,19 +20,13 @@ VIEWS = {
 class Camera:
     """How a film's coordinates differ from those of the world: a picture from far away, to scale.
 
-    Attributes
-    ----------
-    delay
-        time of the release in the film, s.
-    scale
-        logarithm of the film's lengths over those of the world.
-    tilt
-        turn of the picture, counterclockwise, rad; a track in space has none.
-    aspect
-        logarithm of the width of the picture over that without distortion: the agent moves a little towards the camera,
-        or the camera looks a little down.
-    offset
-        film coordinates of the world's origin, m, (2,) or (3,).
+    Attributes:
+        delay: time of the release in the film, s.
+        scale: logarithm of the film's lengths over those of the world.
+        tilt: turn of the picture, counterclockwise, rad; a track in space has none.
+        aspect: logarithm of the width of the picture over that without distortion: the agent moves a little towards
+            the camera, or the camera looks a little down.
+        offset: film coordinates of the world's origin, m, (2,) or (3,).
     """
 
     delay: float = 0.0

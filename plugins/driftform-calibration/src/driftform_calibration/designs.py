@@ -32,32 +32,20 @@ def calibrate_design(
 ) -> CalibrationResult:
     """Return what films of an agent's flights show of the model, as ``driftform calibrate`` does.
 
-    Parameters
-    ----------
-    tracks
-        files of tracks, one for each film. A study file of the same name beside a track, such as ``drop-1.toml``
-        beside ``drop-1.csv``, is the scenario of that film.
-    scenario
-        of all films, in place of such files; ``None`` for these, or for that of the agent.
-    settings, use
-        of the scenarios of the films, as for :meth:`under`.
-    reading
-        units, frames and points of the tracks; ``None`` for metres and seconds.
-    view
-        of the camera: ``"side"``, ``"top"`` or ``"front"``; tracks with x, y and z have none.
-    scale_error
-        standard deviation of a film's scale, relative to it.
-    fit
-        names of the factors to fit; empty for all.
-    printed_mass
-        what the agent weighs with its core, kg, by scales; ``None`` if it was not weighed.
+    Args:
+        tracks: files of tracks, one for each film. A study file of the same name beside a track, such as
+            ``drop-1.toml`` beside ``drop-1.csv``, is the scenario of that film.
+        scenario: of all films, in place of such files; ``None`` for these, or for that of the agent.
+        settings, use: of the scenarios of the films, as for :meth:`under`.
+        reading: units, frames and points of the tracks; ``None`` for metres and seconds.
+        view: of the camera: ``"side"``, ``"top"`` or ``"front"``; tracks with x, y and z have none.
+        scale_error: standard deviation of a film's scale, relative to it.
+        fit: names of the factors to fit; empty for all.
+        printed_mass: what the agent weighs with its core, kg, by scales; ``None`` if it was not weighed.
 
-    Raises
-    ------
-    InputError
-        if a track is not that of a flight of this agent.
-    WorkFailedError
-        if the agent cannot be flown.
+    Raises:
+        InputError: if a track is not that of a flight of this agent.
+        WorkFailedError: if the agent cannot be flown.
     """
 
     names, films, scenarios = choose_factors(fit), [], []
@@ -85,25 +73,16 @@ def drop_design(
 ) -> DropPlan:
     """Return the drops in a tank whose films show most about the model, in the water of an agent's scenario.
 
-    Parameters
-    ----------
-    tank
-        inside of the tank: along the picture, across it, and the depth of the water, m.
-    drops
-        number of drops.
-    fps
-        frames of the films for each second.
-    noise
-        standard deviation of a tracked point, m.
-    progress
-        called with the number of releases that were examined, and of all.
+    Args:
+        tank: inside of the tank: along the picture, across it, and the depth of the water, m.
+        drops: number of drops.
+        fps: frames of the films for each second.
+        noise: standard deviation of a tracked point, m.
+        progress: called with the number of releases that were examined, and of all.
 
-    Raises
-    ------
-    InputError
-        if the tank is smaller than the agent.
-    WorkFailedError
-        if no release can be filmed.
+    Raises:
+        InputError: if the tank is smaller than the agent.
+        WorkFailedError: if no release can be filmed.
     """
 
     given = f"--tank {' '.join(f'{size:g}' for size in tank)}"

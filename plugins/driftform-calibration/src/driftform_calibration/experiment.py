@@ -60,24 +60,15 @@ class Tank:
 class Drop:
     """One release to film.
 
-    Attributes
-    ----------
-    pitch_deg
-        of the axis, positive nose down.
-    depth
-        of the core's centre below the surface, m.
-    ballast, ballast_x
-        mass that hangs on the agent (kg), and where along its axis (m).
-    duration
-        from the release to the end of what is filmed, s.
-    end
-        where the agent is then: ``"floor"``, ``"surface"``, ``"side"`` or ``"time"``.
-    gain
-        bits that it tells about the factors, after the drops before it.
-    path
-        expected path in the picture, to the right of the release and above the surface, m, (k, 2).
-    scenario
-        of the drop.
+    Attributes:
+        pitch_deg: of the axis, positive nose down.
+        depth: of the core's centre below the surface, m.
+        ballast, ballast_x: mass that hangs on the agent (kg), and where along its axis (m).
+        duration: from the release to the end of what is filmed, s.
+        end: where the agent is then: ``"floor"``, ``"surface"``, ``"side"`` or ``"time"``.
+        gain: bits that it tells about the factors, after the drops before it.
+        path: expected path in the picture, to the right of the release and above the surface, m, (k, 2).
+        scenario: of the drop.
     """
 
     pitch_deg: float
@@ -122,17 +113,13 @@ def plan_drops(
 ) -> Plan:
     """Return the drops that show most about the factors of an agent.
 
-    Parameters
-    ----------
-    pipeline
-        its scenario has the water, and the coefficients of contact with the floor.
-    count, fps, noise, on_candidate
-        as ``drops``, ``fps``, ``noise`` and ``progress`` of :func:`driftform_calibration.designs.drop_design`.
+    Args:
+        pipeline: its scenario has the water, and the coefficients of contact with the floor.
+        count, fps, noise, on_candidate: as ``drops``, ``fps``, ``noise`` and ``progress`` of
+            :func:`driftform_calibration.designs.drop_design`.
 
-    Raises
-    ------
-    WorkFailedError
-        if no release in this tank tells anything.
+    Raises:
+        WorkFailedError: if no release in this tank tells anything.
     """
     bench = Bench.of(pipeline, morphology)
     candidates = list_candidates(bench, tank)

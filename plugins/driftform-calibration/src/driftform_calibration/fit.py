@@ -81,16 +81,11 @@ CONTACT = ("restitution", "friction")
 class FactorEstimate:
     """What the films show of a factor.
 
-    Attributes
-    ----------
-    value
-        the factor; 1 if it is not known.
-    low, high
-        interval that holds it with a probability of 90 %; ``None`` if it is not known.
-    known
-        whether the films show it.
-    reason
-        why they do not, ``""`` if they do.
+    Attributes:
+        value: the factor; 1 if it is not known.
+        low, high: interval that holds it with a probability of 90 %; ``None`` if it is not known.
+        known: whether the films show it.
+        reason: why they do not, ``""`` if they do.
     """
 
     value: float = 1.0
@@ -104,24 +99,15 @@ class FactorEstimate:
 class Fit:
     """The result of a fit.
 
-    Attributes
-    ----------
-    estimates
-        of each factor, by the names of :class:`driftform.water.Factors`.
-    net_weight
-        the same for the net weight of the agent, of which its hull's density is the cause.
-    residual
-        root mean square distance of the tracks from the calibrated flights, m.
-    before
-        the same from the flights of the model as it was, with releases and cameras that fit best.
-    noise
-        standard deviation of the error of each track, m, (tracks,).
-    correlations
-        between the factors that are known.
-    problem, x, x_before
-        the problem, and its unknowns with the calibrated model and with the model as it was.
-    notes
-        what was found on the way, one line each.
+    Attributes:
+        estimates: of each factor, by the names of :class:`driftform.water.Factors`.
+        net_weight: the same for the net weight of the agent, of which its hull's density is the cause.
+        residual: root mean square distance of the tracks from the calibrated flights, m.
+        before: the same from the flights of the model as it was, with releases and cameras that fit best.
+        noise: standard deviation of the error of each track, m, (tracks,).
+        correlations: between the factors that are known.
+        problem, x, x_before: the problem, and its unknowns with the calibrated model and with the model as it was.
+        notes: what was found on the way, one line each.
     """
 
     estimates: dict[str, FactorEstimate]
@@ -162,17 +148,13 @@ def fit_factors(
 ) -> Fit:
     """Fit the factors ``names`` to films; the others stay at 1.
 
-    Parameters
-    ----------
-    films
-        of the same agent.
-    priors
-        what is known of a parameter of :class:`driftform_calibration.problem.Problem` before: value and standard deviation.
+    Args:
+        films: of the same agent.
+        priors: what is known of a parameter of :class:`driftform_calibration.problem.Problem` before: value and
+            standard deviation.
 
-    Raises
-    ------
-    WorkFailedError
-        if no flight comes near a track.
+    Raises:
+        WorkFailedError: if no flight comes near a track.
     """
     # Matrices of a fit are small: threads would wait for each other longer than they compute.
     with threadpool_limits(1):

@@ -108,14 +108,10 @@ class Parameter:
 class Anchor:
     """What an earlier fit has shown of parameters: residuals ``rows @ (x - centre)`` of variance 1.
 
-    Attributes
-    ----------
-    keys
-        owner and name of the parameters, (k,).
-    centre
-        their values, (k,).
-    rows
-        (k, k).
+    Attributes:
+        keys: owner and name of the parameters, (k,).
+        centre: their values, (k,).
+        rows: (k, k).
     """
 
     keys: Sequence[tuple[int, str]]

@@ -24,18 +24,12 @@ DISTANCE = 8.0
 class DropPlan:
     """Drops to film for an agent.
 
-    Attributes
-    ----------
-    name
-        of the agent.
-    agent
-        as simulated, in the water of the tank, without ballast.
-    tank
-        in which it is dropped.
-    plan
-        the drops, and what they are expected to show.
-    document_base
-        the study that it was planned in: its plugins fly the drops.
+    Attributes:
+        name: of the agent.
+        agent: as simulated, in the water of the tank, without ballast.
+        tank: in which it is dropped.
+        plan: the drops, and what they are expected to show.
+        document_base: the study that it was planned in: its plugins fly the drops.
     """
 
     name: str

@@ -32,16 +32,11 @@ FILES = ("calibration.toml", "agent.json", "report.html", "tracks.svg", "factors
 class CalibrationResult:
     """Factors on the model of an agent, fitted to films of its flights.
 
-    Attributes
-    ----------
-    name
-        of the agent.
-    fit
-        values and intervals, and the problem that was solved.
-    stored
-        the agent as it was opened.
-    scenarios
-        in which each track was flown, by name.
+    Attributes:
+        name: of the agent.
+        fit: values and intervals, and the problem that was solved.
+        stored: the agent as it was opened.
+        scenarios: in which each track was flown, by name.
     """
 
     name: str

@@ -160,12 +160,10 @@ def place_releases(
 ) -> FloatArray:
     """Return the unknowns with the time of each release at which the flight comes nearest to its track.
 
-    Parameters
-    ----------
-    tracks
-        whose releases are placed; by default all.
-    pitches
-        errors of the pitch of a release (rad) that are tried: an agent that is released level may tip either way.
+    Args:
+        tracks: whose releases are placed; by default all.
+        pitches: errors of the pitch of a release (rad) that are tried: an agent that is released level may tip either
+            way.
     """
     x = x.copy()
     index = {(p.owner, p.name): j for j, p in enumerate(problem.parameters)}

@@ -43,22 +43,14 @@ _LENGTHS, _ANGLE_UNITS = ("m", "cm", "mm", "px"), {"deg": np.pi / 180, "°": np.
 class TrackTable:
     """The numbers of a file, as they are in it.
 
-    Attributes
-    ----------
-    t
-        times, s, or numbers of frames, (n,).
-    points
-        coordinates of each named point, NaN where there are none: (n, 2), or (n, 3) in space.
-    angle
-        rad, counterclockwise from the right, (n,); NaN without one.
-    likelihood
-        of each point, (n,), if the file has it.
-    is_frames
-        whether ``t`` counts frames.
-    is_image
-        whether the coordinates are those of a picture, with y downward.
-    unit
-        of lengths as the file names it, ``""`` if it does not.
+    Attributes:
+        t: times, s, or numbers of frames, (n,).
+        points: coordinates of each named point, NaN where there are none: (n, 2), or (n, 3) in space.
+        angle: rad, counterclockwise from the right, (n,); NaN without one.
+        likelihood: of each point, (n,), if the file has it.
+        is_frames: whether ``t`` counts frames.
+        is_image: whether the coordinates are those of a picture, with y downward.
+        unit: of lengths as the file names it, ``""`` if it does not.
     """
 
     t: FloatArray

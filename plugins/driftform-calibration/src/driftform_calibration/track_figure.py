@@ -18,20 +18,14 @@ MIDDLE = 420.0
 class TrackPanel:
     """One track: what was seen, and what the model shows before and after calibration.
 
-    Attributes
-    ----------
-    name
-        of the track.
-    t
-        times of the points since the release, s, (n,).
-    seen
-        points of the core in the picture, to the right and up, m, (n, 2); NaN in a column that was not measured.
-    t_path
-        times of the paths since the release, s, (k,).
-    before, after
-        paths of the model in the picture, m, (k, 2) each.
-    off_before, off_after
-        distances of the points from the model, m, (n,); NaN where nothing was seen.
+    Attributes:
+        name: of the track.
+        t: times of the points since the release, s, (n,).
+        seen: points of the core in the picture, to the right and up, m, (n, 2); NaN in a column that was not
+            measured.
+        t_path: times of the paths since the release, s, (k,).
+        before, after: paths of the model in the picture, m, (k, 2) each.
+        off_before, off_after: distances of the points from the model, m, (n,); NaN where nothing was seen.
     """
 
     name: str

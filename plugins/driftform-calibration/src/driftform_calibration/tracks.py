@@ -44,12 +44,10 @@ AXIS_NAMES = {
 class Marker:
     """A point of the agent's axis that was followed.
 
-    Attributes
-    ----------
-    x
-        where it is on the axis, from the core's centre, m.
-    points
-        where it was seen, m, NaN where it was not: to the right and up in the picture, (n, 2), or in space, (n, 3).
+    Attributes:
+        x: where it is on the axis, from the core's centre, m.
+        points: where it was seen, m, NaN where it was not: to the right and up in the picture, (n, 2), or in space,
+            (n, 3).
     """
 
     x: float
@@ -60,18 +58,12 @@ class Marker:
 class Track:
     """One filmed flight.
 
-    Attributes
-    ----------
-    name
-        of its file.
-    t
-        times of the frames, s, increasing, (n,).
-    markers
-        the points that were followed.
-    angle
-        of the axis in the picture, counterclockwise from the right, rad, (n,); NaN where it is not known.
-    notes
-        what was mended, one line each.
+    Attributes:
+        name: of its file.
+        t: times of the frames, s, increasing, (n,).
+        markers: the points that were followed.
+        angle: of the axis in the picture, counterclockwise from the right, rad, (n,); NaN where it is not known.
+        notes: what was mended, one line each.
     """
 
     name: str
@@ -101,20 +93,13 @@ class Track:
 class Reading:
     """How the numbers of a track are read.
 
-    Attributes
-    ----------
-    unit
-        of lengths: a key of :data:`UNITS`; ``None`` for what the file says, or m.
-    scale
-        m for each pixel, ``None`` if the coordinates are no pixels.
-    fps
-        frames for each second, ``None`` if the file has times.
-    y_down
-        whether y grows downward; ``None`` for downward if the coordinates are pixels.
-    target
-        the tracked object among several, ``None`` for the only one.
-    points
-        where on the axis (m) each named point is, besides those of :data:`AXIS_NAMES`.
+    Attributes:
+        unit: of lengths: a key of :data:`UNITS`; ``None`` for what the file says, or m.
+        scale: m for each pixel, ``None`` if the coordinates are no pixels.
+        fps: frames for each second, ``None`` if the file has times.
+        y_down: whether y grows downward; ``None`` for downward if the coordinates are pixels.
+        target: the tracked object among several, ``None`` for the only one.
+        points: where on the axis (m) each named point is, besides those of :data:`AXIS_NAMES`.
     """
 
     unit: str | None = None
@@ -128,10 +113,8 @@ class Reading:
 def read_track(path: Path, body: Body, reading: Reading) -> Track:
     """Read a track; see :mod:`driftform_calibration.tables`.
 
-    Raises
-    ------
-    InputError
-        if it cannot be read, or is not the track of one flight: one line with the file and the next step.
+    Raises:
+        InputError: if it cannot be read, or is not the track of one flight: one line with the file and the next step.
     """
     table = read_table(path, reading.target)
     scale = _find_scale(path, table, reading)
@@ -157,10 +140,8 @@ def read_track(path: Path, body: Body, reading: Reading) -> Track:
 def check_track(label: str, track: Track) -> Track:
     """Return a track in the order of its times and without empty rows; ``label`` names it in errors.
 
-    Raises
-    ------
-    InputError
-        if it is too short, does not move, or follows two objects.
+    Raises:
+        InputError: if it is too short, does not move, or follows two objects.
     """
     notes = list(track.notes)
     seen = np.array([~np.isnan(marker.points).all(axis=1) for marker in track.markers]).any(axis=0)

@@ -37,16 +37,11 @@ def interpolate_poses(trajectory: Trajectory, t: FloatArray) -> list[Pose]:
 class Scene:
     """An agent, its flight, and the times of the frames.
 
-    Attributes
-    ----------
-    agent, flight, scenario
-        the agent, its flight, and the surroundings.
-    t
-        time of each frame, s, (n,).
-    letters
-        height of letters, px.
-    still
-        the frame of a still, which shows the whole path; ``None`` for a film.
+    Attributes:
+        agent, flight, scenario: the agent, its flight, and the surroundings.
+        t: time of each frame, s, (n,).
+        letters: height of letters, px.
+        still: the frame of a still, which shows the whole path; ``None`` for a film.
     """
 
     agent: Agent

@@ -66,14 +66,10 @@ def make_ribbons(
 ) -> Shape:
     """Return ribbons of triangles.
 
-    Parameters
-    ----------
-    grid, normals
-        points of both edges of each ribbon, and their normals, (ribbons, 2, n, 3).
-    colours
-        one for each ribbon.
-    opacity
-        1, or ``GLOWING``.
+    Args:
+        grid, normals: points of both edges of each ribbon, and their normals, (ribbons, 2, n, 3).
+        colours: one for each ribbon.
+        opacity: 1, or ``GLOWING``.
     """
     ribbons, _, n, _ = grid.shape
     corner = 2 * n * np.arange(ribbons)[:, None] + np.arange(n - 1)
@@ -92,18 +88,12 @@ def revolve(
 ) -> Shape:
     """Return the surface of revolution of a meridian about an axis through the origin.
 
-    Parameters
-    ----------
-    contour
-        positions along the axis, and radii, m, (n, 2); the surface faces to the left of the contour.
-    axes
-        the axis, the direction of angle 0 and the direction of angle pi/2, as rows, (3, 3).
-    angles
-        angles of the corners of the surface, rad, (k,).
-    colours
-        one for each edge of the contour.
-    opacity
-        1, or ``GLOWING``.
+    Args:
+        contour: positions along the axis, and radii, m, (n, 2); the surface faces to the left of the contour.
+        axes: the axis, the direction of angle 0 and the direction of angle pi/2, as rows, (3, 3).
+        angles: angles of the corners of the surface, rad, (k,).
+        colours: one for each edge of the contour.
+        opacity: 1, or ``GLOWING``.
     """
     along, rise = np.diff(contour, axis=0).T[..., None, None]
     out = np.cos(angles)[:, None] * axes[1] + np.sin(angles)[:, None] * axes[2]

@@ -24,14 +24,10 @@ UNIT = 100.0
 class Camera:
     """A view of the world.
 
-    Attributes
-    ----------
-    axes
-        the directions right, up, and towards the viewer in the world frame: rows, (3, 3).
-    px_per_m
-        scale at the distance of the focus, the point in the middle of the image.
-    distance
-        distance of the viewer from the focus, m; infinite for parallel lines of sight.
+    Attributes:
+        axes: the directions right, up, and towards the viewer in the world frame: rows, (3, 3).
+        px_per_m: scale at the distance of the focus, the point in the middle of the image.
+        distance: distance of the viewer from the focus, m; infinite for parallel lines of sight.
     """
 
     axes: FloatArray

@@ -38,16 +38,12 @@ def upright_axes(scenario: Scenario) -> FloatArray:
 class Bore:
     """A straight piece of pipe.
 
-    Attributes
-    ----------
-    start, length, radius
-        m.
-    axes
-        rows: its axis, up, and the direction of the back wall, (3, 3).
-    edges
-        angles of the edges along which the wall is cut, rad from up: both, or one where a branch leaves by the other.
-    is_chord
-        whether it is one of many pieces of a pipe with parts, which have no distances beside them.
+    Attributes:
+        start, length, radius: m.
+        axes: rows: its axis, up, and the direction of the back wall, (3, 3).
+        edges: angles of the edges along which the wall is cut, rad from up: both, or one where a branch leaves by the
+            other.
+        is_chord: whether it is one of many pieces of a pipe with parts, which have no distances beside them.
     """
 
     start: FloatArray

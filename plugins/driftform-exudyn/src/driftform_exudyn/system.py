@@ -27,19 +27,14 @@ NOWHERE = (np.nan,) * 6
 class ExudynSystem:
     """A system before it is assembled and solved.
 
-    Attributes
-    ----------
-    container, mbs
-        Exudyn's.
-    node
-        of the rigid body: position and rotation vector, body to world, about the core's centre.
-    body
-        Exudyn's rigid body with dry mass and inertia; markers of other items refer to it, with lengths in its axes, m.
-    water
-        the forces of water and wall.
-    tries
-        one number: how often they were asked for since it was set to 0, which is optional. From :data:`MAX_TRIES` on they are
-        not finite.
+    Attributes:
+        container, mbs: Exudyn's.
+        node: of the rigid body: position and rotation vector, body to world, about the core's centre.
+        body: Exudyn's rigid body with dry mass and inertia; markers of other items refer to it, with lengths in its
+            axes, m.
+        water: the forces of water and wall.
+        tries: one number: how often they were asked for since it was set to 0, which is optional. From
+            :data:`MAX_TRIES` on they are not finite.
     """
 
     container: Any

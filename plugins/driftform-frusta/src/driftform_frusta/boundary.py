@@ -14,15 +14,11 @@ from driftform.types import FloatArray
 class Solid:
     """A solid of positive volume.
 
-    Attributes
-    ----------
-    vertices
-        mm, (n, 3).
-    triangles
-        indices of their corners, counterclockwise seen from outside, (m, 3).
-    shells
-        volume inside each closed surface, mm3, (k,): negative for that of a hollow, which faces inward.
-    Raises WorkFailedError if it is empty or inside out.
+    Attributes:
+        vertices: mm, (n, 3).
+        triangles: indices of their corners, counterclockwise seen from outside, (m, 3).
+        shells: volume inside each closed surface, mm3, (k,): negative for that of a hollow, which faces inward.
+        Raises WorkFailedError if it is empty or inside out.:
     """
 
     vertices: FloatArray

@@ -39,10 +39,9 @@ def unite_contours(first: FloatArray, second: FloatArray) -> FloatArray:
 
     It begins and ends on the axis, and is empty if neither contour is above the axis at x = 0.
 
-    Parameters
-    ----------
-    first, second
-        x and height, in ascending order of x, (n, 2) and (m, 2); a height that is not positive is on the axis.
+    Args:
+        first, second: x and height, in ascending order of x, (n, 2) and (m, 2); a height that is not positive is on
+            the axis.
     """
     size = len(first) + len(second)
     rows, points = np.empty((size, 5)), np.empty((_POINTS * size, 2))
@@ -55,10 +54,8 @@ def offset_inward(contour: FloatArray, wall: float) -> FloatArray:
     The wall is a strip along each edge, and a mitre at each corner that turns away from the axis; a mitre longer
     than :data:`MITRE_LIMIT` walls is cut off at one wall from its corner.
 
-    Parameters
-    ----------
-    contour
-        x and height, from one point of the axis to another, in ascending order of x, (n, 2).
+    Args:
+        contour: x and height, from one point of the axis to another, in ascending order of x, (n, 2).
     """
     size = 5 * len(contour)
     rows, points = np.empty((size, 5)), np.empty((_POINTS * size, 2))

@@ -15,14 +15,10 @@ from driftform_frusta.triangles import Mesh
 def make_mesh(solid: Solid, name: str = "hull", frame: FloatArray | None = None) -> Mesh:
     """Return the mesh of a solid, rounded to single precision and checked after that.
 
-    Parameters
-    ----------
-    solid
-        in mm.
-    name
-        of the mesh.
-    frame
-        matrix from its points to those of the mesh, (3, 3); the identity by default.
+    Args:
+        solid: in mm.
+        name: of the mesh.
+        frame: matrix from its points to those of the mesh, (3, 3); the identity by default.
 
     Raises WorkFailedError if the rounded mesh is not closed, or its volume differs from the solid's by more than
     rounding explains.

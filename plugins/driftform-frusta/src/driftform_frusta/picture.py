@@ -54,12 +54,9 @@ def plate_svg(
 
     The picture shows all shapes, and the part of the bed around them.
 
-    Parameters
-    ----------
-    shapes
-        upright parts; seen from above, their circumscribed circles do not overlap.
-    bed
-        width and depth, mm.
+    Args:
+        shapes: upright parts; seen from above, their circumscribed circles do not overlap.
+        bed: width and depth, mm.
     """
     view = _View.of(shapes, width, height)
     shapes = [(_simplify(mesh, _DETAIL / view.scale), colour) for mesh, colour in shapes]

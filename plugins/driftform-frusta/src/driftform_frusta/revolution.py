@@ -18,13 +18,10 @@ from driftform_frusta.triangles import Mesh
 def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
     """Return the solid that closed profiles sweep about the z axis.
 
-    Parameters
-    ----------
-    profiles
-        each a polygon (n, 2) of (r, z) in mm with r >= 0, the last point joined to the first; counterclockwise
-        around matter, clockwise around a hollow. They neither cross each other nor themselves.
-    segments
-        corners of every circle.
+    Args:
+        profiles: each a polygon (n, 2) of (r, z) in mm with r >= 0, the last point joined to the first;
+            counterclockwise around matter, clockwise around a hollow. They neither cross each other nor themselves.
+        segments: corners of every circle.
 
     Raises WorkFailedError if the solid is empty or inside out.
     """

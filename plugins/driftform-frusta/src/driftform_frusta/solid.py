@@ -22,13 +22,10 @@ _SIMPLIFY = 1e-6
 def to_solid(node: Node, segments: int = 64) -> Solid:
     """Return the solid of a tree as a mesh.
 
-    Parameters
-    ----------
-    node
-        the tree.
-    segments
-        corners of every circle. Volumes of revolved sections are exact for any number; where such solids are cut or
-        united off their own axis, the error is of second order in 1/segments.
+    Args:
+        node: the tree.
+        segments: corners of every circle. Volumes of revolved sections are exact for any number; where such solids
+            are cut or united off their own axis, the error is of second order in 1/segments.
 
     Raises WorkFailedError if the tree has no solid: the result is empty, inside out, or not manifold.
     """

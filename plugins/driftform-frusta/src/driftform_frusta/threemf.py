@@ -50,18 +50,13 @@ def package_bytes(
 ) -> bytes:
     """Return a 3MF file.
 
-    Parameters
-    ----------
-    title
-        shown by slicers.
-    items
-        the parts on the plate, whose corner is the origin.
-    facts, hints
-        metadata by the names of the specification, such as ``Description``, and of our own, by names of letters.
-    thumbnail
-        a PNG picture, empty for none.
-    attachments
-        other files by their names; known endings are ``.json`` and ``.scad``.
+    Args:
+        title: shown by slicers.
+        items: the parts on the plate, whose corner is the origin.
+        facts, hints: metadata by the names of the specification, such as ``Description``, and of our own, by names of
+            letters.
+        thumbnail: a PNG picture, empty for none.
+        attachments: other files by their names; known endings are ``.json`` and ``.scad``.
     """
     entries: dict[str, bytes | str] = {"[Content_Types].xml": _content_types()}
     relations = [("/3D/3dmodel.model", _MODEL_RELATION)]

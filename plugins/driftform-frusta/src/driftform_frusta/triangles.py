@@ -23,14 +23,10 @@ _FACET = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attrib
 class Mesh:
     """A mesh of triangles.
 
-    Attributes
-    ----------
-    vertices
-        in any unit of length, (n, 3); in single or double precision.
-    triangles
-        indices of their corners, counterclockwise seen from outside, (m, 3).
-    name
-        what its solid is called in a file of several, such as ``fore shell``.
+    Attributes:
+        vertices: in any unit of length, (n, 3); in single or double precision.
+        triangles: indices of their corners, counterclockwise seen from outside, (m, 3).
+        name: what its solid is called in a file of several, such as ``fore shell``.
     """
 
     vertices: npt.NDArray[Any]
@@ -46,19 +42,15 @@ class Mesh:
         its circle's area, and the mesh has the volume, the centroid and the mass of the closed forms. The corners then
         lie outside the circle, by 0.08 % of the radius with 64 of them.
 
-        Parameters
-        ----------
-        line
-            r and z, (n, 2), with the material on its left. It begins and ends on the axis; or, if ``closed``, it never
-            touches the axis, and the last point is joined to the first.
-        segments
-            corners of every circle; the first is on the x axis.
+        Args:
+            line: r and z, (n, 2), with the material on its left. It begins and ends on the axis; or, if ``closed``,
+                it never touches the axis, and the last point is joined to the first.
+            segments: corners of every circle; the first is on the x axis.
 
-        Returns
-        -------
-        Mesh
-            Vertices: a ring of ``segments`` for each point off the axis, in the order of the line; then the two poles.
-            Triangles: of the bands between rings, two for each segment; then the caps around the first and the last pole.
+        Returns:
+            Mesh: Vertices: a ring of ``segments`` for each point off the axis, in the order of the line; then the two
+                poles. Triangles: of the bands between rings, two for each segment; then the caps around the first and
+                the last pole.
         """
         swept = line if closed else line[1:-1]
         angle = np.arange(segments) * (2 * np.pi / segments)
@@ -173,10 +165,8 @@ class Mesh:
         Files (.obj)", Advanced Visualizer manual, appendix B1; with nine digits, which bring back the same number in
         single precision.
 
-        Parameters
-        ----------
-        first
-            number of the first vertex in the file: 1 plus the vertices of the meshes before this one.
+        Args:
+            first: number of the first vertex in the file: 1 plus the vertices of the meshes before this one.
         """
         points, normals = ((array + 0.0).ravel().tolist() for array in (self.vertices, self.vertex_normals))
         corners = np.repeat(self.triangles.ravel() + first, 2).tolist()

@@ -92,23 +92,15 @@ def check_design(
 ) -> list[Finding]:
     """Write an agent's files into a temporary folder, and return what the installed checkers find.
 
-    Parameters
-    ----------
-    format
-        name of an exporter; an InputError says that there is no such one, or that it holds no kits.
-    printer
-        nozzle and bed; ``None`` for a common desktop printer.
-    kit
-        check the kit that fits the printer, in place of the hull in one piece.
-    programs
-        whether programs on PATH, such as OpenSCAD and a slicer, are run.
-    on_program
-        called with the name of each program before it is run.
+    Args:
+        format: name of an exporter; an InputError says that there is no such one, or that it holds no kits.
+        printer: nozzle and bed; ``None`` for a common desktop printer.
+        kit: check the kit that fits the printer, in place of the hull in one piece.
+        programs: whether programs on PATH, such as OpenSCAD and a slicer, are run.
+        on_program: called with the name of each program before it is run.
 
-    Raises
-    ------
-    WorkFailedError
-        if nothing could be checked.
+    Raises:
+        WorkFailedError: if nothing could be checked.
     """
     printer = printer or Printer()
     # OpenSCAD source too, if it can be written.
@@ -138,27 +130,19 @@ def check_file(
 ) -> list[Finding]:
     """Return what the installed checkers find about a printable file.
 
-    Parameters
-    ----------
-    path
-        of the file.
-    agent
-        what the file is to be of; ``None`` for the agent.json that is attached to it or lies beside it, if any.
-    settings
-        ``key=value`` of the study, as ``--set`` takes them.
-    attached
-        whether OpenSCAD source that is attached to the file, or lies beside it under its name, is rendered: source may
-        read files, and take all time and memory that OpenSCAD is given.
-    printer, kit, programs, on_program
-        as for :func:`check_design`. A 3MF file of a kit says itself that it is one, for which printer,
-        and with which options it was made; ``settings`` come before these.
+    Args:
+        path: of the file.
+        agent: what the file is to be of; ``None`` for the agent.json that is attached to it or lies beside it, if
+            any.
+        settings: ``key=value`` of the study, as ``--set`` takes them.
+        attached: whether OpenSCAD source that is attached to the file, or lies beside it under its name, is rendered:
+            source may read files, and take all time and memory that OpenSCAD is given.
+        printer, kit, programs, on_program: as for :func:`check_design`. A 3MF file of a kit says itself that it is
+            one, for which printer, and with which options it was made; ``settings`` come before these.
 
-    Raises
-    ------
-    InputError
-        if the file cannot be read, or the agent of a kit is not known.
-    WorkFailedError
-        if nothing could be checked.
+    Raises:
+        InputError: if the file cannot be read, or the agent of a kit is not known.
+        WorkFailedError: if nothing could be checked.
     """
     path = Path(path)
     with TemporaryDirectory() as name:

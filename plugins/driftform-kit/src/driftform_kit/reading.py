@@ -27,12 +27,9 @@ def read_meshes(path: Path) -> tuple[Mesh, ...]:
     STL, OBJ and PLY have no unit and are taken to be in mm; 3MF states its unit, GLB is in metres with y up. OpenSCAD
     source is rendered.
 
-    Raises
-    ------
-    InputError
-        if it is not a file of its format, or has no triangle.
-    WorkFailedError
-        if OpenSCAD is needed and not installed.
+    Raises:
+        InputError: if it is not a file of its format, or has no triangle.
+        WorkFailedError: if OpenSCAD is needed and not installed.
     """
     try:
         status = path.stat()

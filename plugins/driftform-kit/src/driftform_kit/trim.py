@@ -342,19 +342,14 @@ def trim_design(
 ) -> dict[str, Any]:
     """Return the ballast that makes the print fly as simulated, as ``driftform trim --json`` prints it.
 
-    Parameters
-    ----------
-    printed_mass
-        what the print weighs with its core, kg; with ``kit``, ``None`` for what its parts should weigh.
-    printed_cog
-        x of its centre of gravity from the core's centre, fore positive, m; ``None`` if it was not measured.
-    kit
-        whether it is printed as a kit: its sleeves and seats weigh too.
-    format
-        name of the exporter whose options the kit has.
-    ballast_density
-        kg/m3; ``None`` for that of the kit's options, or else of lead.
-    Raises InputError if a value cannot be that of this agent. Raises WorkFailedError if a flight fails.
+    Args:
+        printed_mass: what the print weighs with its core, kg; with ``kit``, ``None`` for what its parts should weigh.
+        printed_cog: x of its centre of gravity from the core's centre, fore positive, m; ``None`` if it was not
+            measured.
+        kit: whether it is printed as a kit: its sleeves and seats weigh too.
+        format: name of the exporter whose options the kit has.
+        ballast_density: kg/m3; ``None`` for that of the kit's options, or else of lead.
+        Raises InputError if a value cannot be that of this agent. Raises WorkFailedError if a flight fails.:
     """
     if not kit:
         weight = weigh_print(design.agent, printed_mass, printed_cog)

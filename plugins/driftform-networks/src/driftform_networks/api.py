@@ -33,25 +33,18 @@ def trace(
 ) -> Passage:
     """Return where point tracers go that are released at a node: they divide like the water.
 
-    Parameters
-    ----------
-    network
-        from :func:`driftform_networks.open_network`.
-    release
-        name of the node.
-    hour
-        hour of the simulation at the release.
-    unsteady
-        whether the flows change after the release, as EPANET computes them; otherwise they remain those of that hour.
-    walks
-        tracers that are followed one by one for the quantiles of arrival times, and with ``unsteady`` for everything.
-    seed
-        of these walks.
+    Args:
+        network: from :func:`driftform_networks.open_network`.
+        release: name of the node.
+        hour: hour of the simulation at the release.
+        unsteady: whether the flows change after the release, as EPANET computes them; otherwise they remain those of
+            that hour.
+        walks: tracers that are followed one by one for the quantiles of arrival times, and with ``unsteady`` for
+            everything.
+        seed: of these walks.
 
-    Raises
-    ------
-    InputError
-        if there is no such node or hour, no water leaves the node, or EPANET finds negative pressures.
+    Raises:
+        InputError: if there is no such node or hour, no water leaves the node, or EPANET finds negative pressures.
     """
     snapshots = _take_snapshots(network, release, hour, unsteady)
     return _follow(snapshots, route_tracers, release, hour, unsteady, walks, seed)
@@ -74,29 +67,20 @@ def route(
 ) -> Passage:
     """Return where an agent goes that is released at a node, by flights in the bores of the network.
 
-    Parameters
-    ----------
-    network, release, hour, unsteady, walks, seed
-        as for :func:`trace`.
-    agent
-        body from :func:`driftform_networks.bodies.open_traveller`, or its name.
-    travel
-        side where branches leave, and bore of service pipes.
-    workers
-        processes that make flights; the result is the same for any number of them.
-    cache
-        directory for flights; ``None`` for the user's.
-    progress
-        takes the number of tables that are made, and of all.
-    compare
-        whether the result also has the passages with branches at each side of the pipes; not with ``unsteady``.
+    Args:
+        network, release, hour, unsteady, walks, seed: as for :func:`trace`.
+        agent: body from :func:`driftform_networks.bodies.open_traveller`, or its name.
+        travel: side where branches leave, and bore of service pipes.
+        workers: processes that make flights; the result is the same for any number of them.
+        cache: directory for flights; ``None`` for the user's.
+        progress: takes the number of tables that are made, and of all.
+        compare: whether the result also has the passages with branches at each side of the pipes; not with
+            ``unsteady``.
 
-    Raises
-    ------
-    InputError
-        if there is no such agent, node or hour, no water leaves the node, or EPANET finds negative pressures.
-    WorkFailedError
-        if the agent cannot be flown.
+    Raises:
+        InputError: if there is no such agent, node or hour, no water leaves the node, or EPANET finds negative
+            pressures.
+        WorkFailedError: if the agent cannot be flown.
     """
     travel = travel or Travel()
     snapshots = _take_snapshots(network, release, hour, unsteady)
@@ -116,11 +100,9 @@ def route(
 def _take_snapshots(network: Network, release: str, hour: float, unsteady: bool) -> list[Snapshot]:
     """Return the flow at an hour, with ``unsteady`` that of each hydraulic step from then on.
 
-    Raises
-    ------
-    InputError
-        if there is no such node or hour, no water leaves the node at that hour, EPANET finds a negative pressure, or the
-        simulation ends before the flow changes.
+    Raises:
+        InputError: if there is no such node or hour, no water leaves the node at that hour, EPANET finds a negative
+            pressure, or the simulation ends before the flow changes.
     """
     node, hydraulics = network.find_node(release), network.hydraulics
     snapshot = take_snapshot(network, hour)

@@ -35,18 +35,12 @@ _SPHERE = "sphere:"
 class Traveller:
     """A body that travels through a network.
 
-    Attributes
-    ----------
-    name
-        its name.
-    agent
-        the body, with its masses and coefficients.
-    scenario
-        fluid, wall and flow profile; pipe, speed and release are those of each flight.
-    simulator
-        flies it.
-    design
-        what its files are made of; ``None`` for a sphere.
+    Attributes:
+        name: its name.
+        agent: the body, with its masses and coefficients.
+        scenario: fluid, wall and flow profile; pipe, speed and release are those of each flight.
+        simulator: flies it.
+        design: what its files are made of; ``None`` for a sphere.
     """
 
     name: str
@@ -85,16 +79,12 @@ def open_traveller(
 ) -> Traveller:
     """Open an agent to travel through a network.
 
-    Parameters
-    ----------
-    text
-        AGENT as every command takes it, or ``sphere:5mm`` for a homogeneous sphere of that diameter.
-    scenario
-        scenario or study whose environment to use; ``None`` for that of water mains.
-    settings
-        ``key=value`` of the study, as ``--set`` takes them.
-    buoyancy
-        net buoyancy to which the core trims it, N, upward positive; ``None`` for that of its design, and for 0 of a sphere.
+    Args:
+        text: AGENT as every command takes it, or ``sphere:5mm`` for a homogeneous sphere of that diameter.
+        scenario: scenario or study whose environment to use; ``None`` for that of water mains.
+        settings: ``key=value`` of the study, as ``--set`` takes them.
+        buoyancy: net buoyancy to which the core trims it, N, upward positive; ``None`` for that of its design, and
+            for 0 of a sphere.
 
     Raises InputError if there is no such agent, or no core gives it that buoyancy.
     """

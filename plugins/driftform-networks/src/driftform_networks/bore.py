@@ -30,12 +30,9 @@ _SECTORS = BANDS - 1
 def find_band(points: FloatArray, room: float) -> IntArray:
     """Return the bands of points, (n,).
 
-    Parameters
-    ----------
-    points
-        to the right and upward, relative to the radius of the bore, (n, 2).
-    room
-        radius of the disc that the body's centre can take, relative to that of the bore.
+    Args:
+        points: to the right and upward, relative to the radius of the bore, (n, 2).
+        room: radius of the disc that the body's centre can take, relative to that of the bore.
     """
     distance = np.linalg.norm(points, axis=1)
     clock = np.arctan2(points[:, 0], points[:, 1])

@@ -35,18 +35,13 @@ def collect_candidates(
 ) -> list[Traveller]:
     """Return the bodies from which a fleet is chosen.
 
-    Parameters
-    ----------
-    agents
-        AGENT as every command takes it, or spheres.
-    run
-        run from which ``count`` agents are taken besides.
-    count, seed
-        number of random agents, and their seed, if there are neither agents nor a run; ``None`` for the default.
-    buoyancies
-        net buoyancies to which each is trimmed, N; ``None`` for that of their designs.
-    scenario, settings
-        as for :func:`driftform_networks.bodies.open_traveller`.
+    Args:
+        agents: AGENT as every command takes it, or spheres.
+        run: run from which ``count`` agents are taken besides.
+        count, seed: number of random agents, and their seed, if there are neither agents nor a run; ``None`` for the
+            default.
+        buoyancies: net buoyancies to which each is trimmed, N; ``None`` for that of their designs.
+        scenario, settings: as for :func:`driftform_networks.bodies.open_traveller`.
 
     Raises InputError if there is no such agent or run, or none of them can be trimmed.
     """

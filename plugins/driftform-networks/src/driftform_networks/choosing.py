@@ -22,20 +22,14 @@ def choose_greedily(
     size sees (Nemhauser, Wolsey and Fisher 1978, doi:10.1007/BF01588971). The bound that is returned is usually closer:
     k more bodies add at most k times what the best of them adds now (Leskovec et al. 2007, doi:10.1145/1281192.1281239).
 
-    Parameters
-    ----------
-    seen
-        probability that each body sees each link, (bodies, links).
-    length
-        of each link, m, (links,).
-    size
-        number of bodies to choose.
+    Args:
+        seen: probability that each body sees each link, (bodies, links).
+        length: of each link, m, (links,).
+        size: number of bodies to choose.
 
-    Returns
-    -------
-    chosen, coverage, bound
-        row of each body that is chosen, in order; the share of the length that the first 1, 2, ... of them see; and an
-        upper bound on the share that any choice of so many rows sees, (size,) each.
+    Returns:
+        chosen, coverage, bound: row of each body that is chosen, in order; the share of the length that the first 1,
+            2, ... of them see; and an upper bound on the share that any choice of so many rows sees, (size,) each.
     """
     missed, total = np.ones(len(length)), length.sum()
     chosen, coverage = np.empty(size, np.int64), np.empty(size)
@@ -85,10 +79,8 @@ def bound_steering(
     by as much of this flow as passes it in all hours, and at most once. Whole bodies, and chance, see less. Tanks and
     reservoirs end a way, and none leads through ``blocked`` links.
 
-    Raises
-    ------
-    WorkFailedError
-        if the solver finds no solution.
+    Raises:
+        WorkFailedError: if the solver finds no solution.
     """
     network = snapshots[0].network
     length, nodes = np.where(reachable, network.length, 0.0), len(network.nodes)

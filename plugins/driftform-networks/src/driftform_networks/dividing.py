@@ -22,15 +22,12 @@ def divide_bodies(
 ) -> RoutingTable:
     """Return where a body goes at a junction, by flights or by the streamtubes of its bore.
 
-    Parameters
-    ----------
-    points
-        band and place of bodies at the end of the link, (n, 3); ``None`` for a body that is anywhere in the bore.
-    service_bore
-        bore of service pipes, m.
-    onward
-        probability of each outlet and of the band in it by flights, for each band, (bands, outlets, bands); ``None`` for
-        streamtubes.
+    Args:
+        points: band and place of bodies at the end of the link, (n, 3); ``None`` for a body that is anywhere in the
+            bore.
+        service_bore: bore of service pipes, m.
+        onward: probability of each outlet and of the band in it by flights, for each band, (bands, outlets, bands);
+            ``None`` for streamtubes.
     """
     body, outlets = traveller.agent.body, len(junction.bores)
     nothing = np.zeros((BANDS, outlets))

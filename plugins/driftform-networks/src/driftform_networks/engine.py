@@ -81,10 +81,8 @@ class _Project:
 def solve(file: str, changes: dict[str, Any]) -> dict[str, Any]:
     """Return what EPANET says of a file, as arrays in SI units; beside the file, write its report and the percent done.
 
-    Parameters
-    ----------
-    changes
-        :class:`driftform_networks.epanet.Changes` as plain values.
+    Args:
+        changes: :class:`driftform_networks.epanet.Changes` as plain values.
 
     Raises InputError if EPANET refuses the file or cannot solve it, in its words.
     """

@@ -25,15 +25,11 @@ _BEYOND = re.compile(r"[-+]?(nan|inf|infinity|\d[\d.]*e\+?\d\d+)", re.IGNORECASE
 class Changes:
     """Changes to the model of a network, without editing its file.
 
-    Attributes
-    ----------
-    close
-        links that are closed at all hours.
-    open
-        litres/s that are drawn at junctions besides their demand, such as at open hydrants.
-    valves
-        ``"open"``, ``"closed"``, or the setting of valves at all hours: metres of water for PRV, PSV and PBV, litres/s for FCV,
-        the loss coefficient of TCV, percent for PCV.
+    Attributes:
+        close: links that are closed at all hours.
+        open: litres/s that are drawn at junctions besides their demand, such as at open hydrants.
+        valves: ``"open"``, ``"closed"``, or the setting of valves at all hours: metres of water for PRV, PSV and PBV,
+            litres/s for FCV, the loss coefficient of TCV, percent for PCV.
     """
 
     close: tuple[str, ...] = ()

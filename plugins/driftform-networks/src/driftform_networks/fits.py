@@ -15,14 +15,10 @@ def longest_rod(first: float, second: float, turn: float, width: float) -> float
     its side: of all its attitudes, the shortest such line decides (the problem of the ladder, for a ladder of some
     width). A rounded corner lets longer rods pass.
 
-    Parameters
-    ----------
-    first, second
-        diameters of the bores, m.
-    turn
-        angle between them, rad, from 0 to less than pi; there is no limit without a turn.
-    width
-        diameter of the rod, m.
+    Args:
+        first, second: diameters of the bores, m.
+        turn: angle between them, rad, from 0 to less than pi; there is no limit without a turn.
+        width: diameter of the rod, m.
 
     >>> round(longest_rod(1.0, 1.0, np.pi / 2, 0.0), 6)
     2.828427

@@ -22,16 +22,11 @@ from driftform_networks.travelling import Progress, Travel, Traveling, make_flig
 class Member:
     """A member of a fleet.
 
-    Attributes
-    ----------
-    agent
-        name of the body.
-    passage
-        where it goes, with node and hour of its release.
-    coverage
-        share of the length within reach of the fleet that it sees alone.
-    gain
-        what it adds to that of the members before it.
+    Attributes:
+        agent: name of the body.
+        passage: where it goes, with node and hour of its release.
+        coverage: share of the length within reach of the fleet that it sees alone.
+        gain: what it adds to that of the members before it.
     """
 
     agent: str
@@ -49,26 +44,17 @@ class Member:
 class Fleet:
     """A fleet beside what others see; a curve has the share of the reachable length that 1, 2, ... bodies see, (size,).
 
-    Attributes
-    ----------
-    network
-        the network.
-    reachable
-        whether water from any of the releases reaches each link, (links,).
-    seen
-        probability that any member sees each link, (links,).
-    members
-        in the order of the choice.
-    curve
-        of the fleet.
-    choice_bound
-        of the best choice among the same candidates, an upper bound.
-    tracers
-        of point tracers, which divide like the water, at the best releases.
-    retained
-        of bodies that divide like the water but stay in the pipes where demand leaves them, at the best releases.
-    bound
-        of bodies that choose their way at every node, an upper bound.
+    Attributes:
+        network: the network.
+        reachable: whether water from any of the releases reaches each link, (links,).
+        seen: probability that any member sees each link, (links,).
+        members: in the order of the choice.
+        curve: of the fleet.
+        choice_bound: of the best choice among the same candidates, an upper bound.
+        tracers: of point tracers, which divide like the water, at the best releases.
+        retained: of bodies that divide like the water but stay in the pipes where demand leaves them, at the best
+            releases.
+        bound: of bodies that choose their way at every node, an upper bound.
     """
 
     network: Network
@@ -178,25 +164,17 @@ def plan_fleet(
     Each body travels by the flows of the hour of its release, which do not change on its way, and independently of the
     others; a body may be chosen more than once.
 
-    Parameters
-    ----------
-    network
-        from :func:`driftform_networks.open_network`.
-    travellers
-        bodies to choose from.
-    releases, hours
-        nodes and hours to choose from.
-    size
-        number of members.
-    travel, workers, cache, progress
-        as for :func:`driftform_networks.api.route`.
+    Args:
+        network: from :func:`driftform_networks.open_network`.
+        travellers: bodies to choose from.
+        releases, hours: nodes and hours to choose from.
+        size: number of members.
+        travel, workers, cache, progress: as for :func:`driftform_networks.api.route`.
 
-    Raises
-    ------
-    InputError
-        if there is no such node or hour, no water leaves a node at any of the hours, or EPANET finds negative pressures.
-    WorkFailedError
-        if a body cannot be flown.
+    Raises:
+        InputError: if there is no such node or hour, no water leaves a node at any of the hours, or EPANET finds
+            negative pressures.
+        WorkFailedError: if a body cannot be flown.
     """
     travel, cases = travel or Travel(), []
     nodes = [network.find_node(name) for name in dict.fromkeys(releases)]

@@ -45,18 +45,13 @@ _SEED = 20260
 class StraightFlights:
     """What flights through a straight pipe say.
 
-    Attributes
-    ----------
-    cell
-        length of a cell, m.
-    transfer
-        probability that a body in a band is in each band one cell later, (bands, bands); what is left of 1 is the
-        probability that it is held.
-    slowness
-        time for a cell from each band, relative to that of the water, (bands,).
-    states
-        bodies at the ends of cells: band, place of the centre of the displaced water to the right and upward relative
-        to the bore's radius, quaternion, velocity over ground in the body frame, (n, 13).
+    Attributes:
+        cell: length of a cell, m.
+        transfer: probability that a body in a band is in each band one cell later, (bands, bands); what is left of 1
+            is the probability that it is held.
+        slowness: time for a cell from each band, relative to that of the water, (bands,).
+        states: bodies at the ends of cells: band, place of the centre of the displaced water to the right and upward
+            relative to the bore's radius, quaternion, velocity over ground in the body frame, (n, 13).
     """
 
     cell: float

@@ -17,16 +17,11 @@ from driftform_networks.network import Network
 class Gate:
     """What is in links of a kind.
 
-    Attributes
-    ----------
-    name
-        of the kind, for people.
-    share
-        opening over the bore.
-    turn_deg
-        turn of the way through it, degrees.
-    reason
-        source of these numbers.
+    Attributes:
+        name: of the kind, for people.
+        share: opening over the bore.
+        turn_deg: turn of the way through it, degrees.
+        reason: source of these numbers.
     """
 
     name: str
@@ -47,12 +42,9 @@ def find_gate(
 ) -> tuple[str, str]:
     """Return why a body cannot pass what is in a link, or what it passes; both are empty where nothing narrows the way.
 
-    Parameters
-    ----------
-    clearance
-        openings that replace the usual ones, by the name of a link or the kind of links.
-    body
-        ``None`` for a point.
+    Args:
+        clearance: openings that replace the usual ones, by the name of a link or the kind of links.
+        body: ``None`` for a point.
     """
     kind, name = network.link_kinds[link], network.links[link]
     gate = read_gates().get(kind, Gate("fitting", 1.0, 0.0, ""))

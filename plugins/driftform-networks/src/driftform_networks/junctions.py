@@ -26,25 +26,16 @@ BRANCH_DEG = 90.0
 class Junction:
     """The downstream end of a link.
 
-    Attributes
-    ----------
-    bore
-        diameter of the link, m; 0 for a pump.
-    bores
-        diameter of each outlet, m, (outlets,).
-    shares
-        share of each outlet in the water that leaves the node through links, (outlets,).
-    exit
-        share of the demand in all water that leaves the node.
-    directions
-        side where each outlet leaves: unit vectors to the right and upward as seen downstream; zero for straight ahead,
-        (outlets, 2).
-    turns
-        angle between the link and each outlet, rad, (outlets,).
-    stores
-        whether the node is a tank or a reservoir.
-    inlets
-        number of links whose water comes in.
+    Attributes:
+        bore: diameter of the link, m; 0 for a pump.
+        bores: diameter of each outlet, m, (outlets,).
+        shares: share of each outlet in the water that leaves the node through links, (outlets,).
+        exit: share of the demand in all water that leaves the node.
+        directions: side where each outlet leaves: unit vectors to the right and upward as seen downstream; zero for
+            straight ahead, (outlets, 2).
+        turns: angle between the link and each outlet, rad, (outlets,).
+        stores: whether the node is a tank or a reservoir.
+        inlets: number of links whose water comes in.
     """
 
     bore: float

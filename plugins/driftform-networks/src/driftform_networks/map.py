@@ -88,16 +88,11 @@ def network_svg(
 ) -> str:
     """Return a map of a network.
 
-    Parameters
-    ----------
-    shares
-        value of each link from 0 to 1, NaN for one that is out of reach, (links,).
-    marks
-        texts at nodes; the first is the release, if it is in colour.
-    stuck
-        places that are marked with a cross.
-    legend
-        what the values are.
+    Args:
+        shares: value of each link from 0 to 1, NaN for one that is out of reach, (links,).
+        marks: texts at nodes; the first is the release, if it is in colour.
+        stuck: places that are marked with a cross.
+        legend: what the values are.
 
     Raises InputError if the network has no coordinates.
     """

@@ -24,23 +24,15 @@ MOST_OFF = 0.2
 class Hydraulics:
     """What EPANET computes; a row holds from its time until the next one.
 
-    Attributes
-    ----------
-    times
-        start of each hydraulic step, s, (steps,), from 0.
-    end
-        end of the last step, s; equal to its start in a network without a duration.
-    flow
-        volume flow of each link, m3/s, positive from its start to its end, (steps, links).
-    outflow
-        water that leaves the pipes at each node, m3/s, (steps, nodes): demand of a junction, or what a tank or a
-        reservoir takes in; negative where water comes in.
-    head
-        hydraulic head of each node, m, (steps, nodes).
-    warnings
-        what EPANET warned of, one line each.
-    clock
-        time of the day at which the simulation begins, s.
+    Attributes:
+        times: start of each hydraulic step, s, (steps,), from 0.
+        end: end of the last step, s; equal to its start in a network without a duration.
+        flow: volume flow of each link, m3/s, positive from its start to its end, (steps, links).
+        outflow: water that leaves the pipes at each node, m3/s, (steps, nodes): demand of a junction, or what a tank
+            or a reservoir takes in; negative where water comes in.
+        head: hydraulic head of each node, m, (steps, nodes).
+        warnings: what EPANET warned of, one line each.
+        clock: time of the day at which the simulation begins, s.
     """
 
     times: FloatArray
@@ -54,10 +46,8 @@ class Hydraulics:
     def find_step(self, hour: float) -> int:
         """Return the index of the step that covers an hour of the simulation.
 
-        Raises
-        ------
-        InputError
-            if the simulation does not cover it.
+        Raises:
+            InputError: if the simulation does not cover it.
         """
         if not 0 <= hour * 3600 <= self.end:
             raise InputError(f"--at {hour:g}: the simulation lasts from hour 0 to hour {self.end / 3600:g}")
@@ -68,32 +58,21 @@ class Hydraulics:
 class Network:
     """A water network with its flows.
 
-    Attributes
-    ----------
-    name
-        name of its file, without suffix.
-    digest
-        SHA-256 of its file.
-    nodes, links
-        names of nodes and links.
-    node_kinds
-        ``"junction"``, ``"tank"`` or ``"reservoir"``.
-    link_kinds
-        ``"pipe"``, ``"cv"`` (a pipe with a check valve), ``"pump"``, or the valves of EPANET from ``"prv"`` to ``"pcv"``.
-    elevation
-        elevation of each node, m, (nodes,).
-    places
-        coordinates of each node on the map of the file, in the file's unit, (nodes, 2); NaN where the file has none.
-    vertices
-        points of each link between its ends, on the same map, (k, 2) each.
-    start, end
-        index of the nodes at the ends of each link, (links,).
-    length
-        length of each link, m, (links,); 0 for pumps and valves.
-    diameter
-        inner diameter of each link, m, (links,); 0 for pumps.
-    hydraulics
-        flows.
+    Attributes:
+        name: name of its file, without suffix.
+        digest: SHA-256 of its file.
+        nodes, links: names of nodes and links.
+        node_kinds: ``"junction"``, ``"tank"`` or ``"reservoir"``.
+        link_kinds: ``"pipe"``, ``"cv"`` (a pipe with a check valve), ``"pump"``, or the valves of EPANET from
+            ``"prv"`` to ``"pcv"``.
+        elevation: elevation of each node, m, (nodes,).
+        places: coordinates of each node on the map of the file, in the file's unit, (nodes, 2); NaN where the file
+            has none.
+        vertices: points of each link between its ends, on the same map, (k, 2) each.
+        start, end: index of the nodes at the ends of each link, (links,).
+        length: length of each link, m, (links,); 0 for pumps and valves.
+        diameter: inner diameter of each link, m, (links,); 0 for pumps.
+        hydraulics: flows.
     """
 
     name: str
@@ -114,10 +93,8 @@ class Network:
     def find_node(self, name: str) -> int:
         """Return the index of a node.
 
-        Raises
-        ------
-        InputError
-            if no node has the name.
+        Raises:
+            InputError: if no node has the name.
         """
         if name not in self.nodes:
             raise InputError(f"--release {name}: {self.name} has no such node{_suggest(name, self.nodes)}")

@@ -59,12 +59,9 @@ def report_html(
 ) -> str:
     """Return the page of a result.
 
-    Parameters
-    ----------
-    text
-        lines and tables as a command prints them; the lines come first.
-    figures
-        headings and SVG pictures.
+    Args:
+        text: lines and tables as a command prints them; the lines come first.
+        figures: headings and SVG pictures.
     """
     return render_template(
         "page.html",

@@ -24,17 +24,12 @@ LEAST = 1e-6
 class Ending:
     """One way in which bodies end.
 
-    Attributes
-    ----------
-    kind
-        ``"demand"``, ``"tank"`` or ``"reservoir"`` for bodies that leave the pipes; ``"stuck"``; ``"circling"`` for those
-        that go round in a loop without an exit; ``"under way"`` at the end of the simulation.
-    place
-        name of the node or link; empty for a loop.
-    probability
-        of this end.
-    reason
-        why it is stuck there, in a few words.
+    Attributes:
+        kind: ``"demand"``, ``"tank"`` or ``"reservoir"`` for bodies that leave the pipes; ``"stuck"``; ``"circling"``
+            for those that go round in a loop without an exit; ``"under way"`` at the end of the simulation.
+        place: name of the node or link; empty for a loop.
+        probability: of this end.
+        reason: why it is stuck there, in a few words.
     """
 
     kind: str
@@ -47,37 +42,22 @@ class Ending:
 class Passage:
     """Where a body goes that enters a network at a node.
 
-    Attributes
-    ----------
-    network
-        the network.
-    release
-        node of the release.
-    hour
-        hour of the release.
-    visits
-        mean number of its arrivals at each node, (nodes,); the release is one.
-    probability
-        probability that it ever arrives at each node, (nodes,).
-    age
-        mean time from the release to its arrivals at each node, s, (nodes,); NaN where it never comes.
-    seen
-        expected share of each link that it passes, (links,).
-    reachable
-        whether the water of the release reaches each link, (links,).
-    ends
-        how it ends, most probable first.
-    quantiles
-        arrival times of :data:`QUANTILES` of those that arrive at each node, s, (nodes, 3); NaN where none arrives, empty if
-        no walks were made.
-    unsteady
-        whether the flows changed on the way.
-    gates
-        valves and the like that it passes: name of the link, what it is, and the probability of passing it.
-    flown, divided
-        number of junctions on its ways that it was flown through, and that streamtubes divide.
-    branches
-        the passages where branches leave the pipes at each side; empty if they were not asked for.
+    Attributes:
+        network: the network.
+        release: node of the release.
+        hour: hour of the release.
+        visits: mean number of its arrivals at each node, (nodes,); the release is one.
+        probability: probability that it ever arrives at each node, (nodes,).
+        age: mean time from the release to its arrivals at each node, s, (nodes,); NaN where it never comes.
+        seen: expected share of each link that it passes, (links,).
+        reachable: whether the water of the release reaches each link, (links,).
+        ends: how it ends, most probable first.
+        quantiles: arrival times of :data:`QUANTILES` of those that arrive at each node, s, (nodes, 3); NaN where none
+            arrives, empty if no walks were made.
+        unsteady: whether the flows changed on the way.
+        gates: valves and the like that it passes: name of the link, what it is, and the probability of passing it.
+        flown, divided: number of junctions on its ways that it was flown through, and that streamtubes divide.
+        branches: the passages where branches leave the pipes at each side; empty if they were not asked for.
     """
 
     network: Network
@@ -182,14 +162,10 @@ def make_passage(
 ) -> Passage:
     """Return the passage of a body by its tables: what they say of junctions, and of the water, is the same for all.
 
-    Parameters
-    ----------
-    routings
-        tables of the hydraulic steps on its way.
-    release, hour, seen, ends, more
-        attributes of :class:`Passage`; ends at the same place may be several.
-    arrivals
-        ``visits``, ``probability`` and ``age``.
+    Args:
+        routings: tables of the hydraulic steps on its way.
+        release, hour, seen, ends, more: attributes of :class:`Passage`; ends at the same place may be several.
+        arrivals: ``visits``, ``probability`` and ``age``.
     """
     network, (_, probability, _) = routings[0].snapshot.network, arrivals
     gates = {

@@ -23,14 +23,10 @@ _HYDRAULICS = "hydraulics."
 def open_network(source: str | Path, cache: Path | None = None, changes: Changes | None = None) -> Network:
     """Return a network with its flows; EPANET runs only if the cache does not hold them.
 
-    Parameters
-    ----------
-    source
-        path of an EPANET file (.inp), or ``"Net3"``, an example of EPANET.
-    cache
-        directory for results; ``None`` for the user's.
-    changes
-        to the model of the file.
+    Args:
+        source: path of an EPANET file (.inp), or ``"Net3"``, an example of EPANET.
+        cache: directory for results; ``None`` for the user's.
+        changes: to the model of the file.
 
     Raises InputError if there is no such file, or EPANET refuses it.
     """

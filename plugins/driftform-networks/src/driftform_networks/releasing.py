@@ -24,23 +24,15 @@ def release(
 ) -> Scenario | None:
     """Return the scenario of a release; its place moves to the axis, and its attitude along the pipe, until it fits.
 
-    Parameters
-    ----------
-    document
-        the scenario without a release.
-    along
-        distance from the inlet, m.
-    place
-        of the core's centre to the right and upward, m, (2,).
-    pitch_deg, yaw_deg
-        attitude relative to the pipe.
-    velocity
-        relative to the pipe, m/s, (3,); ``None`` for that of the water.
+    Args:
+        document: the scenario without a release.
+        along: distance from the inlet, m.
+        place: of the core's centre to the right and upward, m, (2,).
+        pitch_deg, yaw_deg: attitude relative to the pipe.
+        velocity: relative to the pipe, m/s, (3,); ``None`` for that of the water.
 
-    Returns
-    -------
-    scenario
-        ``None`` if the body fits in no attitude.
+    Returns:
+        scenario: ``None`` if the body fits in no attitude.
     """
     # An end may lead: the body keeps its head or its tail downstream.
     turned = yaw_deg if abs(yaw_deg) <= 90 else yaw_deg - np.copysign(180, yaw_deg)

@@ -32,16 +32,11 @@ MOST_ROWS = 12
 class Outputs:
     """Files that a command writes besides what it prints; ``None`` for those that are not asked for.
 
-    Attributes
-    ----------
-    map
-        SVG file.
-    tables
-        directory for CSV files.
-    report
-        HTML file.
-    agents
-        directory for agent.json files.
+    Attributes:
+        map: SVG file.
+        tables: directory for CSV files.
+        report: HTML file.
+        agents: directory for agent.json files.
     """
 
     map: Path | None = None
@@ -75,16 +70,11 @@ class Outputs:
     ) -> list[Path]:
         """Write map, report and tables, those that are asked for, and return their paths.
 
-        Parameters
-        ----------
-        figures
-            what draws each SVG picture; the first is the map.
-        text
-            lines and tables of the report.
-        columns
-            columns of each table.
-        assumptions
-            of the report.
+        Args:
+            figures: what draws each SVG picture; the first is the map.
+            text: lines and tables of the report.
+            columns: columns of each table.
+            assumptions: of the report.
         """
         written: list[Path] = []
         if self.map is not None:

@@ -16,18 +16,12 @@ class RoutingTable:
 
     What is left of 1 in the sum of ``choice`` and ``leaves`` is the probability that the body is held there.
 
-    Attributes
-    ----------
-    choice
-        probability that it goes into each outlet, (bands, outlets).
-    arrival
-        probability of each band in which it enters an outlet, (bands, outlets, bands).
-    leaves
-        probability that it leaves the pipes with the demand, (bands,).
-    obstacle
-        what holds bodies there, in a few words.
-    is_flown
-        whether bodies were flown there.
+    Attributes:
+        choice: probability that it goes into each outlet, (bands, outlets).
+        arrival: probability of each band in which it enters an outlet, (bands, outlets, bands).
+        leaves: probability that it leaves the pipes with the demand, (bands,).
+        obstacle: what holds bodies there, in a few words.
+        is_flown: whether bodies were flown there.
     """
 
     choice: FloatArray
@@ -43,16 +37,11 @@ class TransferTable:
 
     What is left of 1 in a row of ``transfer`` is the probability that the body is held there.
 
-    Attributes
-    ----------
-    transfer
-        probability of each band in which it arrives at the end, (bands, bands).
-    slowness
-        mean time that it takes, relative to that of the water, (bands,).
-    obstacle
-        what holds bodies there, in a few words.
-    gate
-        what narrows the way and lets bodies pass, such as a valve, in a few words.
+    Attributes:
+        transfer: probability of each band in which it arrives at the end, (bands, bands).
+        slowness: mean time that it takes, relative to that of the water, (bands,).
+        obstacle: what holds bodies there, in a few words.
+        gate: what narrows the way and lets bodies pass, such as a valve, in a few words.
     """
 
     transfer: FloatArray
@@ -69,18 +58,12 @@ class Routing:
     ``link * bands + band``. :func:`driftform_networks.chain.follow` solves the chain, and
     :func:`driftform_networks.walkers.walk` draws ways from it, also where the tables change with time.
 
-    Attributes
-    ----------
-    snapshot
-        the flow.
-    transfers
-        for each link of the snapshot.
-    tables
-        at the downstream end of each link of the snapshot.
-    release
-        for a body that is released at a node: bands that it enters each outlet in, (bands,).
-    retained
-        whether the body is too wide for the pipes through which demand leaves.
+    Attributes:
+        snapshot: the flow.
+        transfers: for each link of the snapshot.
+        tables: at the downstream end of each link of the snapshot.
+        release: for a body that is released at a node: bands that it enters each outlet in, (bands,).
+        retained: whether the body is too wide for the pipes through which demand leaves.
     """
 
     snapshot: Snapshot
@@ -112,11 +95,10 @@ class Routing:
     def stack_ends(self, most: int) -> tuple[IntArray, FloatArray, FloatArray]:
         """Return what bodies do at the end of each link as arrays with room for ``most`` outlets.
 
-        Returns
-        -------
-        outlets, choice, arrival
-            links of the snapshot that lead on, filled with -1, (links, most); probability of each outlet, and as the last
-            that of leaving the pipes, (links, bands, most + 1); probability of each band there, (links, bands, most, bands).
+        Returns:
+            outlets, choice, arrival: links of the snapshot that lead on, filled with -1, (links, most); probability
+                of each outlet, and as the last that of leaving the pipes, (links, bands, most + 1); probability of
+                each band there, (links, bands, most, bands).
         """
         count, bands = len(self.tables), self.bands
         outlets = np.full((count, most), -1)

@@ -20,15 +20,11 @@ def divide_bore(points: FloatArray, directions: FloatArray, shares: FloatArray) 
 
     Outlets that leave at the same side share the water there in proportion to their flows.
 
-    Parameters
-    ----------
-    points
-        to the right and upward as seen downstream, relative to the radius of the bore, (n, 2).
-    directions
-        unit vectors towards the side where each outlet leaves, to the right and upward as seen downstream;
-        zero for an outlet straight ahead, (outlets, 2).
-    shares
-        of the water, with the sum 1, (outlets,).
+    Args:
+        points: to the right and upward as seen downstream, relative to the radius of the bore, (n, 2).
+        directions: unit vectors towards the side where each outlet leaves, to the right and upward as seen
+            downstream; zero for an outlet straight ahead, (outlets, 2).
+        shares: of the water, with the sum 1, (outlets,).
     """
     sides, side = np.unique(directions.round(6), axis=0, return_inverse=True)
     together = np.asarray(np.bincount(side, shares, len(sides)), np.float64)
@@ -73,10 +69,8 @@ def smallest_share(size: float) -> float:
     Its centre is never nearer to the wall than its radius, so that it stays on the other side of a flat dividing
     surface in plug flow: [acos(1 - s) - (1 - s) sqrt(2 s - s^2)] / pi.
 
-    Parameters
-    ----------
-    size
-        radius of the sphere over that of the bore, from 0 to 1.
+    Args:
+        size: radius of the sphere over that of the bore, from 0 to 1.
 
     >>> [round(100 * smallest_share(size), 2) for size in (0.05, 0.1, 0.2, 0.3)]
     [0.67, 1.87, 5.2, 9.41]

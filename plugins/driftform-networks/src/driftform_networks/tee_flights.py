@@ -43,13 +43,11 @@ _SEED = 20261
 class TeeFlights:
     """What flights through a tee say.
 
-    Attributes
-    ----------
-    onward
-        probability of each outlet, :data:`~driftform_networks.tees.RUN` and ``BRANCH``, and of the band in it, for each band of the main,
-        (bands, 2, bands); what is left of 1 is the probability that the body is held.
-    failed
-        share of the flights that the simulator could not fly.
+    Attributes:
+        onward: probability of each outlet, :data:`~driftform_networks.tees.RUN` and ``BRANCH``, and of the band in
+            it, for each band of the main, (bands, 2, bands); what is left of 1 is the probability that the body is
+            held.
+        failed: share of the flights that the simulator could not fly.
     """
 
     onward: FloatArray
@@ -87,13 +85,10 @@ class TeeTask:
 def fly_tee(traveller: Traveller, tee: Tee, states: FloatArray | None, slope: float = 0.0) -> TeeFlights:
     """Return what flights of a body through a tee say.
 
-    Parameters
-    ----------
-    states
-        of :class:`~driftform_networks.flights.StraightFlights`, at the ends of flights through the main; ``None`` for a
-        body that is anywhere in the bore, weighted by the water that passes there.
-    slope
-        of the straight pipe of the states; the tee is level.
+    Args:
+        states: of :class:`~driftform_networks.flights.StraightFlights`, at the ends of flights through the main;
+            ``None`` for a body that is anywhere in the bore, weighted by the water that passes there.
+        slope: of the straight pipe of the states; the tee is level.
 
     Raises WorkFailedError if the simulator can fly none of them.
     """

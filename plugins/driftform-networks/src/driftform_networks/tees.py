@@ -38,20 +38,13 @@ NARROW = 0.1
 class Tee:
     """A tee or wye of these ladders.
 
-    Attributes
-    ----------
-    bore
-        of the main, m.
-    speed
-        mean speed in the main, m/s.
-    ratio
-        bore of the branch over that of the main.
-    angle_deg
-        between the branch and the run.
-    clock_deg
-        side where the branch leaves, as on a clock seen downstream: 0 at the top, 90 on the right.
-    share
-        share of the water that the branch takes.
+    Attributes:
+        bore: of the main, m.
+        speed: mean speed in the main, m/s.
+        ratio: bore of the branch over that of the main.
+        angle_deg: between the branch and the run.
+        clock_deg: side where the branch leaves, as on a clock seen downstream: 0 at the top, 90 on the right.
+        share: share of the water that the branch takes.
     """
 
     bore: float

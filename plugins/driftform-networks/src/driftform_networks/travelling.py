@@ -46,14 +46,11 @@ Progress = Callable[[int, int], None]
 class Travel:
     """How bodies travel, apart from the body.
 
-    Attributes
-    ----------
-    branch
-        side where branches leave the pipes: ``"top"``, ``"side"`` or ``"bottom"``.
-    service_bore
-        bore of service pipes, m.
-    clearance
-        opening of pumps, valves and meters over the bore, by kind or by the name of a link; others as in ``clearances.toml``.
+    Attributes:
+        branch: side where branches leave the pipes: ``"top"``, ``"side"`` or ``"bottom"``.
+        service_bore: bore of service pipes, m.
+        clearance: opening of pumps, valves and meters over the bore, by kind or by the name of a link; others as in
+            ``clearances.toml``.
     """
 
     branch: str = "side"
@@ -92,14 +89,10 @@ class Travel:
 class Traveling:
     """Routes one body through the snapshots of a network.
 
-    Parameters
-    ----------
-    traveller
-        the body.
-    travel
-        side of the branches, and the like.
-    folder
-        directory for tables; ``None`` for the user's.
+    Args:
+        traveller: the body.
+        travel: side of the branches, and the like.
+        folder: directory for tables; ``None`` for the user's.
     """
 
     def __init__(self, traveller: Traveller, travel: Travel, folder: Path | None) -> None:

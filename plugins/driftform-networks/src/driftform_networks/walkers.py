@@ -22,24 +22,18 @@ _LEAVES, _WAITS = -1, -2
 class Walks:
     """The ways of bodies through a network.
 
-    Attributes
-    ----------
-    network
-        the network.
-    release
-        node where they enter the water.
-    began
-        time of the release of each walk, s, (walks,).
-    walk, link, node
-        of each move from node to node: whose it is, the link, and the node that is reached, -1 if none is, (moves,).
-    low, high
-        least and greatest share of the link's length that the move reaches, from the link's start, (moves,).
-    reached
-        time at the end of each move, s, (moves,).
-    ends
-        how each walk ends: :data:`LEFT`, :data:`HELD_IN_LINK`, :data:`HELD_AT_NODE` or :data:`UNDER_WAY`, (walks,).
-    place
-        node, or link, where it ends, (walks,).
+    Attributes:
+        network: the network.
+        release: node where they enter the water.
+        began: time of the release of each walk, s, (walks,).
+        walk, link, node: of each move from node to node: whose it is, the link, and the node that is reached, -1 if
+            none is, (moves,).
+        low, high: least and greatest share of the link's length that the move reaches, from the link's start,
+            (moves,).
+        reached: time at the end of each move, s, (moves,).
+        ends: how each walk ends: :data:`LEFT`, :data:`HELD_IN_LINK`, :data:`HELD_AT_NODE` or :data:`UNDER_WAY`,
+            (walks,).
+        place: node, or link, where it ends, (walks,).
     """
 
     network: Network
@@ -87,16 +81,12 @@ def walk(
 ) -> Walks:
     """Return ways of bodies that are drawn from their tables.
 
-    Parameters
-    ----------
-    routings
-        tables of each hydraulic step.
-    times
-        begin of each of these steps, and the end of the last, s, (steps + 1,); infinite for flows that never change.
-    release
-        node where the bodies enter the water.
-    began
-        time at which each walk begins, s, (walks,).
+    Args:
+        routings: tables of each hydraulic step.
+        times: begin of each of these steps, and the end of the last, s, (steps + 1,); infinite for flows that never
+            change.
+        release: node where the bodies enter the water.
+        began: time at which each walk begins, s, (walks,).
     """
     walkers = _Walkers(routings, np.array(times), release, began)
     while walkers.active.any():

@@ -74,18 +74,13 @@ def _ring_integrals(dx: float, r: float, s: float) -> tuple[float, float]:
 def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -> None:
     """Compute the influence of rings on one point of the meridian; the loop is compiled to vector instructions.
 
-    Parameters
-    ----------
-    x, r
-        the point, r > 0.
-    source
-        x', r' > 0 of each ring, and the normal's components n_x, n_r times its width, (4, n).
-    count
-        number of rings.
-    out
-        receives the influence of each ring, (5, n): the single layers r' I0 n_x, r' I1 n_r and r' I1 (x' n_r - r' n_x) of
-        surge, sway and yaw, and the double layers of m = 0 and m = 1,
-        r' [n_x (x - x') J_m + n_r (r J_{m+1} - r' J_m)], with J_m the integral of cos(theta)^m / R^3.
+    Args:
+        x, r: the point, r > 0.
+        source: x', r' > 0 of each ring, and the normal's components n_x, n_r times its width, (4, n).
+        count: number of rings.
+        out: receives the influence of each ring, (5, n): the single layers r' I0 n_x, r' I1 n_r and r' I1 (x' n_r -
+            r' n_x) of surge, sway and yaw, and the double layers of m = 0 and m = 1, r' [n_x (x - x') J_m + n_r (r
+            J_{m+1} - r' J_m)], with J_m the integral of cos(theta)^m / R^3.
     """
     for k in range(count):
         s, nx, nr = source[1, k], source[2, k], source[3, k]
@@ -182,21 +177,14 @@ def assemble_equations(
     D_0 must sum to -2 pi, and the remainder is added to the diagonal. For m = 1 no such row sum exists: the potential
     whose flow is known, r cos(theta), is not a polynomial in the parameter of a panel. D_1 is not corrected.
 
-    Parameters
-    ----------
-    x, r
-        the panels' curves: polynomials in u from 0 to 1, highest power first, (panels, 4).
-    lengths
-        lengths of the panels, (panels,).
+    Args:
+        x, r: the panels' curves: polynomials in u from 0 to 1, highest power first, (panels, 4).
+        lengths: lengths of the panels, (panels,).
 
-    Returns
-    -------
-    matrices
-        2 pi - D_0 and 2 pi - D_1, (2, n, n).
-    sides
-        right-hand sides of surge (m = 0), sway, and yaw about x = 0 (m = 1), (n, 3).
-    nodes
-        x, r, n_x, n_r at the collocation points, the normal times the quadrature weight along the arc, (4, n).
+    Returns:
+        matrices: 2 pi - D_0 and 2 pi - D_1, (2, n, n).
+        sides: right-hand sides of surge (m = 0), sway, and yaw about x = 0 (m = 1), (n, 3).
+        nodes: x, r, n_x, n_r at the collocation points, the normal times the quadrature weight along the arc, (4, n).
     """
     panels = len(lengths)
     n = NODES * panels

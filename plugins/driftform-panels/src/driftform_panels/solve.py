@@ -41,21 +41,14 @@ class PanelOptions(HydrodynamicsOptions):
 class PanelSolution:
     """Added mass of a body of revolution in water of density 1, about a point of its axis.
 
-    Attributes
-    ----------
-    origin
-        x of this point, m.
-    surge
-        A11, m3.
-    sway
-        A22 = A33, m3.
-    sway_of_yaw, yaw_of_sway
-        A26 and A62, m4: the sway force of yaw and the yaw moment of sway. They are equal (Green's reciprocity) except
-        for the error of the discretisation.
-    yaw
-        A66 = A55, m5.
-    unknowns
-        number of unknowns in each of the two systems of equations.
+    Attributes:
+        origin: x of this point, m.
+        surge: A11, m3.
+        sway: A22 = A33, m3.
+        sway_of_yaw, yaw_of_sway: A26 and A62, m4: the sway force of yaw and the yaw moment of sway. They are equal
+            (Green's reciprocity) except for the error of the discretisation.
+        yaw: A66 = A55, m5.
+        unknowns: number of unknowns in each of the two systems of equations.
     """
 
     origin: float
@@ -94,15 +87,11 @@ def solve(
 ) -> PanelSolution:
     """Compute the added mass of a body of revolution in unbounded potential flow.
 
-    Parameters
-    ----------
-    contour
-        x and r of the meridian, m, (n, 2), from the aft axis point to the fore axis point. It may fold back along x,
-        like that of a cup, but must not cross or touch itself.
-    options
-        resolution of the contour.
-    origin
-        x (m) of the point of the axis that the result refers to; ``None`` for the centroid of the volume.
+    Args:
+        contour: x and r of the meridian, m, (n, 2), from the aft axis point to the fore axis point. It may fold back
+            along x, like that of a cup, but must not cross or touch itself.
+        options: resolution of the contour.
+        origin: x (m) of the point of the axis that the result refers to; ``None`` for the centroid of the volume.
 
     Raises ValueError if the contour does not run from axis to axis, touches itself, or has a wall that is too thin
     for its panels.

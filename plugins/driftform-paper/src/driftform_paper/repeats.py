@@ -27,19 +27,14 @@ GENERATION = 10
 class Search:
     """What the repeats of one strategy came to.
 
-    Attributes
-    ----------
-    strategy
-        its name.
-    fitness
-        the best fitness (%) after each flight of a target's own budget, (repeats, targets, flights).
-    best
-        the genome of the best flight for each target over all repeats, with the repeat's seed and the evaluation.
-    shared
-        the best fitness for each target over all flights of a repeat, also those of other targets,
-        (repeats, targets).
-    failed
-        flights that failed.
+    Attributes:
+        strategy: its name.
+        fitness: the best fitness (%) after each flight of a target's own budget, (repeats, targets, flights).
+        best: the genome of the best flight for each target over all repeats, with the repeat's seed and the
+            evaluation.
+        shared: the best fitness for each target over all flights of a repeat, also those of other targets, (repeats,
+            targets).
+        failed: flights that failed.
     """
 
     strategy: str

@@ -27,11 +27,9 @@ class SymbolEmitter(EmitterBase):
     A solution is a genome itself, in an archive with ``solution_dim=()`` and ``solution_dtype=object``. Symbols are not
     converted to numbers, so genomes can have any length and alphabet.
 
-    Attributes
-    ----------
-    parents
-        for each of the solutions last asked for, the evaluations of its parents. The archive must have a field
-        ``evaluation``.
+    Attributes:
+        parents: for each of the solutions last asked for, the evaluations of its parents. The archive must have a
+            field ``evaluation``.
     """
 
     def __init__(

@@ -40,24 +40,15 @@ MAX_PLUME_EXPONENT = 25.0
 class Plume:
     """The plume of a leak.
 
-    Attributes
-    ----------
-    leak
-        point of the wall, world frame, m, (3,).
-    axis
-        unit vector downstream, world frame, (3,).
-    outward
-        unit vector across the bore, from its axis towards the leak, world frame, (3,).
-    radius
-        radius of the bore, m.
-    length
-        distance from the leak to the downstream end of the pipe, m.
-    speed
-        mean speed of the water, m/s.
-    diffusivity
-        turbulent diffusivity across the bore, m2/s.
-    rate
-        mass flow that enters, kg/s.
+    Attributes:
+        leak: point of the wall, world frame, m, (3,).
+        axis: unit vector downstream, world frame, (3,).
+        outward: unit vector across the bore, from its axis towards the leak, world frame, (3,).
+        radius: radius of the bore, m.
+        length: distance from the leak to the downstream end of the pipe, m.
+        speed: mean speed of the water, m/s.
+        diffusivity: turbulent diffusivity across the bore, m2/s.
+        rate: mass flow that enters, kg/s.
     """
 
     leak: FloatArray
@@ -92,12 +83,9 @@ class Plume:
 def relative_concentration(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
     """Return the concentration relative to that of an even mixture, for a source on the rim of a unit disc, (n,).
 
-    Parameters
-    ----------
-    tau
-        dimensionless time K x / (U R^2) since the release, (n,); 0 before it.
-    r, phi
-        polar coordinates, r up to 1, phi (rad) from the source, (n,).
+    Args:
+        tau: dimensionless time K x / (U R^2) since the release, (n,); 0 before it.
+        r, phi: polar coordinates, r up to 1, phi (rad) from the source, (n,).
     """
     found = np.zeros(np.shape(tau))
     square = 1 + r * r - 2 * r * np.cos(phi)

@@ -11,12 +11,9 @@ from typing import Protocol
 class Bus(Protocol):
     """A connection to ROS, whose callbacks run in threads of its own.
 
-    Attributes
-    ----------
-    address
-        of the master, or what else names the network.
-    has_clock
-        whether the flight publishes the time of ROS.
+    Attributes:
+        address: of the master, or what else names the network.
+        has_clock: whether the flight publishes the time of ROS.
     """
 
     address: str

@@ -56,18 +56,12 @@ class Release:
 class LiveNode:
     """Flies one agent at a time.
 
-    Parameters
-    ----------
-    bus
-        connection to ROS.
-    open_other
-        opens an agent by its name or genome.
-    options
-        namespace, sensors, and the time of the first release.
-    interval
-        between two messages of a topic, in the time of the flight, s.
-    rate
-        seconds of flight in each second; 0 for as many as it can.
+    Args:
+        bus: connection to ROS.
+        open_other: opens an agent by its name or genome.
+        options: namespace, sensors, and the time of the first release.
+        interval: between two messages of a topic, in the time of the flight, s.
+        rate: seconds of flight in each second; 0 for as many as it can.
     """
 
     def __init__(
@@ -88,10 +82,8 @@ class LiveNode:
     def run(self, design: "Design", once: bool) -> None:
         """Fly a design, and after its flight what ``release`` asks for; with ``once`` return after the flight.
 
-        Raises
-        ------
-        WorkFailedError
-            if ROS does not answer any more; with ``once`` also if the flight fails.
+        Raises:
+            WorkFailedError: if ROS does not answer any more; with ``once`` also if the flight fails.
         """
         name = self._options.namespace
         self._rehearse(design)

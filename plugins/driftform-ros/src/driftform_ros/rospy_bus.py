@@ -33,10 +33,8 @@ def find_rospy() -> None:
 
     The system's packages go to the end of the path: before ours they would replace NumPy.
 
-    Raises
-    ------
-    WorkFailedError
-        if there is none.
+    Raises:
+        WorkFailedError: if there is none.
     """
     for folder in (str(path) for pattern in SYSTEM for path in sorted(Path("/").glob(pattern))):
         if folder not in sys.path:

@@ -29,10 +29,8 @@ def alpha_0(slenderness: float) -> float:
     * near the sphere the series of the prolate form in q = 1 - s^2, which continues into q < 0:
       2/3 - 4 sum q^n / ((2n + 1)(2n + 3)), n = 1, 2, ...
 
-    Parameters
-    ----------
-    slenderness
-        largest diameter over length, d/L > 0.
+    Args:
+        slenderness: largest diameter over length, d/L > 0.
 
     Raises ValueError if ``slenderness`` is not positive and finite.
     """

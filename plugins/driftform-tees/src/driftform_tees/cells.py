@@ -69,18 +69,13 @@ def cut_cell(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the points of integration in the water of a cell, and those on its wall.
 
-    Parameters
-    ----------
-    corner, width
-        of the cell.
-    parts
-        smaller cells along each edge.
-    nodes, weights
-        of Gauss's rule on 0 to 1.
+    Args:
+        corner, width: of the cell.
+        parts: smaller cells along each edge.
+        nodes, weights: of Gauss's rule on 0 to 1.
 
-    Returns
-    -------
-    rows of point and weight, (n, 4), and rows of point, normal and weight, (m, 7).
+    Returns:
+        rows of point and weight, (n, 4), and rows of point, normal and weight, (m, 7).:
     """
     count = len(nodes)
     inner = np.empty((parts**3 * count**3 * PIECES, 4))

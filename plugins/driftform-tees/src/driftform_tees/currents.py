@@ -49,12 +49,9 @@ def sample_current(scenario: Scenario, spacing: float | None = None) -> grid_fil
     so that interpolation is good up to the wall. The others have none, NaN. Gusts and the acceleration of a uniform current are
     left out.
 
-    Parameters
-    ----------
-    scenario
-        with a pipe.
-    spacing
-        of the nodes, m; ``None`` for that of :func:`usual_spacing`.
+    Args:
+        scenario: with a pipe.
+        spacing: of the nodes, m; ``None`` for that of :func:`usual_spacing`.
 
     Raises InputError in open water, if the spacing is too large for the narrowest bore, or too small for a file.
     """
@@ -154,24 +151,16 @@ def export_flow(
 
     The file is for Gazebo, and for ``flow.kind = "grid"``.
 
-    Parameters
-    ----------
-    study
-        from :func:`load_study`.
-    path
-        of the file; an older one is replaced.
-    spacing
-        of the nodes, m; ``None`` for a twentieth of the narrowest bore, or more in a long pipe.
+    Args:
+        study: from :func:`load_study`.
+        path: of the file; an older one is replaced.
+        spacing: of the nodes, m; ``None`` for a twentieth of the narrowest bore, or more in a long pipe.
 
-    Raises
-    ------
-    InputError
-        in open water, or if the spacing does not suit the pipe.
+    Raises:
+        InputError: in open water, or if the spacing does not suit the pipe.
 
-    Warns
-    -----
-    UserWarning
-        if gusts, or the acceleration of a current, are left out.
+    Warns:
+        UserWarning: if gusts, or the acceleration of a current, are left out.
     """
     grid = sample_current(study.scenario, spacing)
     for warning in warn_of_flow(study.scenario):

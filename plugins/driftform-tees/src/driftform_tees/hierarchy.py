@@ -26,18 +26,12 @@ IntArray = NDArray[np.int64]
 class Level:
     """One grid.
 
-    Attributes
-    ----------
-    width
-        of a cell.
-    low
-        corner of the box of cells, in cells from the origin, (3,).
-    region
-        cells of the box that belong to the region and touch the water, (nx, ny, nz).
-    leaves
-        cells of the region that are not refined.
-    active
-        functions of the box that are degrees of freedom, (nx + 3, ny + 3, nz + 3).
+    Attributes:
+        width: of a cell.
+        low: corner of the box of cells, in cells from the origin, (3,).
+        region: cells of the box that belong to the region and touch the water, (nx, ny, nz).
+        leaves: cells of the region that are not refined.
+        active: functions of the box that are degrees of freedom, (nx + 3, ny + 3, nz + 3).
     """
 
     width: float
@@ -72,12 +66,10 @@ def build_levels(
 ) -> list[Level]:
     """Return the levels of a box of cells, the coarsest first.
 
-    Parameters
-    ----------
-    width, low, shape
-        of the coarsest grid: see :class:`Level`.
-    touches, refine
-        return whether cells with these centres (n, 3) and this width touch the water, and whether they are too wide.
+    Args:
+        width, low, shape: of the coarsest grid: see :class:`Level`.
+        touches, refine: return whether cells with these centres (n, 3) and this width touch the water, and whether
+            they are too wide.
     """
     levels: list[Level] = []
     region = np.ones(shape, dtype=bool)

@@ -63,13 +63,11 @@ def _pack_levels(
 ) -> tee_store.TeePotentials:
     """Return the potentials of a hierarchical spline.
 
-    Parameters
-    ----------
-    levels
-        of each level, the coarsest first: width of a cell, the cell with which its box begins along x, y and z (0
-        along y), and the coefficients of the two flows, (nx, ny, nz), NaN where no cell of the region needs them.
-    leakage
-        see :class:`driftform.water.tee_store.TeePotentials`.
+    Args:
+        levels: of each level, the coarsest first: width of a cell, the cell with which its box begins along x, y and
+            z (0 along y), and the coefficients of the two flows, (nx, ny, nz), NaN where no cell of the region needs
+            them.
+        leakage: see :class:`driftform.water.tee_store.TeePotentials`.
     """
     head = np.zeros(tee_store.HEAD + tee_store.LEVEL_SIZE * len(levels))
     head[0], place = len(levels), len(head)

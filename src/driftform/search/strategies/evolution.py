@@ -95,12 +95,9 @@ class _FlightRecord:
 class _Family:
     """The latest flights of descendants of one random genome, and their early positions as one array, because all are compared.
 
-    Attributes
-    ----------
-    members
-        with an early position, oldest first.
-    early
-        position of each, m, (n, 3).
+    Attributes:
+        members: with an early position, oldest first.
+        early: position of each, m, (n, 3).
     """
 
     def __init__(self) -> None:
@@ -126,10 +123,8 @@ class _Request:
 class _Displacements:
     """How far each change last moved an early path, m. They are kept as one array, because a long search knows thousands.
 
-    Attributes
-    ----------
-    changes
-        by their numbers.
+    Attributes:
+        changes: by their numbers.
     """
 
     def __init__(self) -> None:

@@ -67,20 +67,13 @@ class TunedOptions(Table):
 class Shape:
     """A shape, and how its flights passed the targets.
 
-    Attributes
-    ----------
-    genome
-        untuned.
-    bounds
-        least and greatest tuning.
-    neutral, rate
-        tuning without net weight, and net weight (kg) for each unit of tuning above that.
-    size
-        length times greatest diameter, m2.
-    points
-        of each flight the root of its net weight, and its height above each target, m, (targets,).
-    tried
-        targets that it was tuned for.
+    Attributes:
+        genome: untuned.
+        bounds: least and greatest tuning.
+        neutral, rate: tuning without net weight, and net weight (kg) for each unit of tuning above that.
+        size: length times greatest diameter, m2.
+        points: of each flight the root of its net weight, and its height above each target, m, (targets,).
+        tried: targets that it was tuned for.
     """
 
     genome: Genome

@@ -18,14 +18,10 @@ _MAX_SLENDERNESS = 1e4
 class Ellipsoid:
     """A spheroid about the body's axis.
 
-    Attributes
-    ----------
-    along, across
-        half axes, m.
-    x
-        position of its centre along the axis, relative to the centre of gravity, m.
-    blunt, slender, angular
-        MuJoCo's drag coefficients.
+    Attributes:
+        along, across: half axes, m.
+        x: position of its centre along the axis, relative to the centre of gravity, m.
+        blunt, slender, angular: MuJoCo's drag coefficients.
     """
 
     along: float

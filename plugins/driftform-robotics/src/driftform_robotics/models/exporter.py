@@ -65,16 +65,11 @@ class ModelOptions(WaterOptions):
 class Model:
     """An agent as all formats write it.
 
-    Attributes
-    ----------
-    job
-        the agent and the scenario that it is meant for.
-    title
-        the agent's name, valid in every format.
-    link
-        the rigid body in water, at its release.
-    pieces
-        the convex pieces of the hull.
+    Attributes:
+        job: the agent and the scenario that it is meant for.
+        title: the agent's name, valid in every format.
+        link: the rigid body in water, at its release.
+        pieces: the convex pieces of the hull.
     """
 
     job: ExportJob

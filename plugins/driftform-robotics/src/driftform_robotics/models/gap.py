@@ -40,21 +40,15 @@ _NONE = np.zeros((6, 6))
 class Reader:
     """How a program moves a link.
 
-    Attributes
-    ----------
-    name
-        of the program.
-    added, momentum
-        added mass as a mass, and as a source of Coriolis forces, (6, 6).
-    linear, quadratic
-        damping, (6, 6).
-    smoothing
-        0 if the program solves the added mass together with the mass. Otherwise it multiplies the added mass by the
-        acceleration of the previous step, and this is the weight of the newest acceleration in that.
-    density
-        of the water that lifts the link, kg/m3.
-    turning
-        the current (m/s, world frame, (3,)) in which the program lacks -M_A (w x u) on a link that rotates at w.
+    Attributes:
+        name: of the program.
+        added, momentum: added mass as a mass, and as a source of Coriolis forces, (6, 6).
+        linear, quadratic: damping, (6, 6).
+        smoothing: 0 if the program solves the added mass together with the mass. Otherwise it multiplies the added
+            mass by the acceleration of the previous step, and this is the weight of the newest acceleration in that.
+        density: of the water that lifts the link, kg/m3.
+        turning: the current (m/s, world frame, (3,)) in which the program lacks -M_A (w x u) on a link that rotates
+            at w.
     """
 
     name: str
@@ -71,16 +65,12 @@ class Reader:
 class Gap:
     """How far two paths are apart, and the step of the one.
 
-    Attributes
-    ----------
-    name
-        of the program.
-    step
-        that was given or chosen, s.
-    distances
-        at those of :data:`TIMES` to which driftform's flight lasts, m; not finite where the program's path diverges.
-    is_coarse
-        whether none of :data:`STEPS` is short enough.
+    Attributes:
+        name: of the program.
+        step: that was given or chosen, s.
+        distances: at those of :data:`TIMES` to which driftform's flight lasts, m; not finite where the program's path
+            diverges.
+        is_coarse: whether none of :data:`STEPS` is short enough.
     """
 
     name: str

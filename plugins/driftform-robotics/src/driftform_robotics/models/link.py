@@ -17,24 +17,17 @@ from driftform_robotics.models.meshes import folds_back
 class Link:
     """A rigid body in water, about its centre of gravity.
 
-    Attributes
-    ----------
-    mass, inertia
-        kg; kg m2, (3, 3).
-    volume, buoyancy
-        displaced volume, m3; the centre of buoyancy, m, (3,).
-    core
-        centre of the core, m, (3,).
-    added_mass, linear_damping, quadratic_damping
-        (6, 6), positive if they resist motion, see :class:`driftform.types.Coefficients`.
-    added_mass_ratio
-        largest eigenvalue of M_RB^-1 M_A.
-    drag_speed
-        speed at which drag by strips was converted to quadratic damping, m/s; 0 without drag by strips.
-    position, quaternion
-        position of the centre of gravity at the release, m, (3,); attitude, body to world, (4,).
-    velocity
-        velocity at the release, world frame, m/s, (3,).
+    Attributes:
+        mass, inertia: kg; kg m2, (3, 3).
+        volume, buoyancy: displaced volume, m3; the centre of buoyancy, m, (3,).
+        core: centre of the core, m, (3,).
+        added_mass, linear_damping, quadratic_damping: (6, 6), positive if they resist motion, see
+            :class:`driftform.types.Coefficients`.
+        added_mass_ratio: largest eigenvalue of M_RB^-1 M_A.
+        drag_speed: speed at which drag by strips was converted to quadratic damping, m/s; 0 without drag by strips.
+        position, quaternion: position of the centre of gravity at the release, m, (3,); attitude, body to world,
+            (4,).
+        velocity: velocity at the release, world frame, m/s, (3,).
     """
 
     mass: float

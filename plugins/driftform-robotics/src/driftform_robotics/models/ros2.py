@@ -26,22 +26,15 @@ def make_package(
 ) -> dict[str, str]:
     """Return the files that make a folder a ROS 2 package.
 
-    Parameters
-    ----------
-    package
-        name, in lower-case letters, digits and underscores.
-    description
-        one sentence.
-    others
-        paths of the other files in the folder: shell scripts are installed as programs, the others to be shared.
-    launch
-        path of the launch file's template, without its copyright notice; a README is beside it.
-    depends
-        packages that the launch file starts.
-    configuration
-        texts of further files by their paths.
-    values
-        of the two templates.
+    Args:
+        package: name, in lower-case letters, digits and underscores.
+        description: one sentence.
+        others: paths of the other files in the folder: shell scripts are installed as programs, the others to be
+            shared.
+        launch: path of the launch file's template, without its copyright notice; a README is beside it.
+        depends: packages that the launch file starts.
+        configuration: texts of further files by their paths.
+        values: of the two templates.
     """
     others = list(others)
     values = {"package": package, "others": others, **values}

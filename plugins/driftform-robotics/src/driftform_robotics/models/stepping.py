@@ -28,29 +28,19 @@ def fill_path(
 ) -> None:
     """Fill in the displacement of the centre of gravity relative to the water.
 
-    Parameters
-    ----------
-    step, every
-        time step, s; steps between two points of the path.
-    R, nu
-        attitude (body to world, (3, 3)) and velocities (body axes, (6,)) at the release; both change.
-    inverse
-        of the mass matrix by which the program divides, (6, 6).
-    momentum
-        matrix of the momenta whose change of direction are Coriolis forces, (6, 6).
-    damping
-        linear and quadratic damping, (2, 6, 6).
-    added
-        added mass that the program multiplies by the acceleration of the previous step, (6, 6).
-    lacking
-        added mass whose force -M_A (w x u) the program lacks in a current u on a body that rotates at w, (6, 6).
-    numbers
-        weight less buoyancy, and buoyancy (N); centre of buoyancy (m, body axes); u (m/s, world frame); weight of the
-        newest acceleration.
-    room
-        work space, (5, 6); its third row is the smoothed acceleration.
-    path
-        to be filled in, m, (n, 3).
+    Args:
+        step, every: time step, s; steps between two points of the path.
+        R, nu: attitude (body to world, (3, 3)) and velocities (body axes, (6,)) at the release; both change.
+        inverse: of the mass matrix by which the program divides, (6, 6).
+        momentum: matrix of the momenta whose change of direction are Coriolis forces, (6, 6).
+        damping: linear and quadratic damping, (2, 6, 6).
+        added: added mass that the program multiplies by the acceleration of the previous step, (6, 6).
+        lacking: added mass whose force -M_A (w x u) the program lacks in a current u on a body that rotates at w, (6,
+            6).
+        numbers: weight less buoyancy, and buoyancy (N); centre of buoyancy (m, body axes); u (m/s, world frame);
+            weight of the newest acceleration.
+        room: work space, (5, 6); its third row is the smoothed acceleration.
+        path: to be filled in, m, (n, 3).
     """
     weight, lift, smoothing = numbers[0], numbers[1], numbers[8]
     x, y, z = 0.0, 0.0, 0.0

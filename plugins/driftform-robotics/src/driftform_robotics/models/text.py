@@ -23,10 +23,8 @@ _RESERVED = ("pipe", "targets", "world")
 def render(template: str, **values: Any) -> str:
     """Return a file from a template of this package, by its path; XML is laid out anew.
 
-    Raises
-    ------
-    xml.etree.ElementTree.ParseError
-        if the template is XML, and what it makes is not.
+    Raises:
+        xml.etree.ElementTree.ParseError: if the template is XML, and what it makes is not.
     """
     text = _make_environment().get_template(template).render(**values)
     if not _is_xml(template):

@@ -28,12 +28,9 @@ _WELD = 1e-7
 class Patch:
     """A piece of the bore as a grid of points.
 
-    Attributes
-    ----------
-    points, normals
-        local frame of the part, m, and unit vectors into the wall, (n, m, 3).
-    ends
-        by the row of points that lies at an opening, 0 or -1, the direction out of the part there, (3,).
+    Attributes:
+        points, normals: local frame of the part, m, and unit vectors into the wall, (n, m, 3).
+        ends: by the row of points that lies at an opening, 0 or -1, the direction out of the part there, (3,).
     """
 
     points: FloatArray
