@@ -33,6 +33,9 @@ SETTLE = 0.5
 CURRENT = "geometry_msgs/TwistStamped"
 """Kind of the messages that say which current acts since when."""
 
+REHEARSAL = 1e-3
+"""Steps before time begins, s."""
+
 FASTEST = 100.0
 """Fastest current, m/s, as steps take it."""
 
@@ -111,8 +114,11 @@ class LiveNode:
         raise WorkFailedError(f"roscore at {self._bus.address} does not answer any more")
 
     def _rehearse(self, design: "Design") -> None:
-        """Fly a step and make its messages, so that all is compiled, and all topics are known, when time begins."""
-        flown = design.fly().step(self._interval)
+        """Fly two steps and make their messages: all is compiled, and all topics are known, when time begins."""
+        flight = design.fly()
+        flight.step(REHEARSAL)
+        # A current across takes the flight out of its plane, which other kernels fly.
+        flown = flight.step(REHEARSAL, (design.scenario.current() + [0.0, 1e-3, 0.0]).tolist())
         self._bus.advertise(f"/{self._options.namespace}/current", CURRENT, latched=True)
         for topic in self._list_topics(FlightTopics(design.export_job(), flown, self._options)):
             list(topic.messages())
