@@ -659,6 +659,7 @@ def test_every_field_forgives_what_is_typed_and_can_be_undone(page, finished, sc
     page.open(finished.address)
     page.set("Start from", scenario)
     page.set("Core", "custom")
+    page.set("Material", "custom")
     page.set("Printer", "Own")
     page.set("Kind", "Other")
     page.find("#add-target").click()

@@ -25,6 +25,7 @@ from driftform.errors import DriftformError, InputError, describe_error
 from driftform.figures import scene
 from driftform.water import Pipe, Scenario, Segment, pipe_parts
 from driftform_frusta.cores import CORES, CUSTOM
+from driftform_frusta.materials import MATERIALS
 from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
 from driftform_studio.folder import DATABASE, RunsFolder
 from driftform_studio.guard import check_values
@@ -97,6 +98,7 @@ class Studio:
             "flows": {kind: _list_fields(rows) for kind, rows in Scenario.describe_flows().items()},
             "parts": {kind: _list_fields(rows) for kind, rows in Pipe.describe_parts().items()},
             "tables": {name: _list_fields(rows) for name, rows in Scenario.describe_tables().items()},
+            "materials": {name: material.density for name, material in MATERIALS.items()},
             "cores": [{"name": name, "radius": c.radius, "mass": c.mass} for name, c in CORES.items()],
         }
 

@@ -219,7 +219,12 @@ export class Fields {
         this.renew();
       }, { keys: "builder.core builder", wide: true, title: "the heavy ball inside, or what the agent carries" }),
       ...own,
-      number("Density of the print", "hull_density", builder.hull_density, 1, { low: 100, high: 10000 }, "kg/m³", "of the printed material: ABS has 1050"),
+      makeSelect("Material", [...Object.entries(this.begin.materials).map(([name, density]) => [name, `${name} (${density} kg/m³)`]), ["custom", "Other"]], builder.material, (name) => {
+        design.set("builder", "material", name);
+        design.set("builder", "hull_density", name === "custom" ? builder.hull_density : null);
+        this.renew();
+      }, { keys: "builder.material", wide: true }),
+      ...(builder.material === "custom" ? [number("Density of the print", "hull_density", builder.hull_density, 1, { low: 100, high: 10000 }, "kg/m³", "of the printed material: ABS has 1050")] : []),
       number("Wall", "wall", builder.wall, 1000, { low: 0.4, high: 50 }, "mm", "thickness of the printed wall"),
       makeSelect("Printer", [["usual", "Usual bed, 250 x 210 x 210 mm"], ...Object.entries(PRINTERS).map(([name, size]) => [name, `${name}: ${size.map((v) => millimetres(v)).join(" x ")} mm`]), ["Own", "Own"]], printer, (name) => {
         setBed(name === "usual" ? USUAL_BED : PRINTERS[name] ?? [0.3, 0.3, 0.3]);
