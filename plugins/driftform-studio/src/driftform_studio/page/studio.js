@@ -194,6 +194,7 @@ find("example-targets").addEventListener("click", () => {
   change(true);
 });
 find("start").addEventListener("click", async () => {
+  if (!fields.targets.askForOne()) return;
   const button = find("start");
   button.disabled = true;
   find("start-wait").hidden = false;
@@ -201,10 +202,7 @@ find("start").addEventListener("click", async () => {
     const { run: name } = await ask("api/runs", { draft: design.document(), name: design.title });
     await openRun(name);
   } catch (error) {
-    if (error instanceof Refused) {
-      const errors = error.errors.map((line) => ({ line, key: /\[targets\]/.test(line) ? "targets" : "" }));
-      showProblems(fields.showErrors(errors).map(({ line }) => ({ line, wrong: true })));
-    } else report(error);
+    report(error);
   }
   find("start-wait").hidden = true;
   if (!run) button.disabled = false;

@@ -1,5 +1,5 @@
 // The targets of a design, and its release: each a place in the pipe by name, coordinates, or an outlet.
-import { makeNumber, makeSelect, makeText, recall, remember } from "./controls.js";
+import { makeNumber, makeSelect, makeText, recall, remember, sayFault } from "./controls.js";
 import { same } from "./design.js";
 import { describePlace, placeOfPoint, pointFromInlet, pointOfPlace } from "./places.js";
 import { find, make, round } from "./parts.js";
@@ -38,6 +38,13 @@ export class Targets {
     return place ? describePlace(place) : `x ${target[0]}, y ${target[1]}, z ${target[2]} m`;
   }
 
+  // Whether there is a target; asks for one if there is none.
+  askForOne() {
+    const isEmpty = this.list.length === 0;
+    sayFault(find("targets-error"), "own", ...(isEmpty ? ["Add a target: click in the pipe where the agent should pass."] : []));
+    return !isEmpty;
+  }
+
   // Shows a row for each target; only what changed is made anew, so that a field keeps its cursor.
   show(anew = false) {
     const box = find("targets");
@@ -50,6 +57,7 @@ export class Targets {
       box.replaceChildren(...this.list.map((entry, number) => this.makeRow(...kind(entry), number)));
       recall(before);
     }
+    if (this.list.length) this.askForOne();
     for (const row of box.querySelectorAll(".target")) {
       const { name } = row.dataset;
       row.dataset.point = this.pointOf(name)?.map((v) => round(v, 1e-4)).join(",") ?? "";

@@ -18,7 +18,6 @@ const KEY = new RegExp(`\\b((?:${TABLES})(?:\\.[\\w-]+(?:\\[\\d+\\])?)+)(?: = ('
 // Sentences that speak of files and commands, and what the page has in their place.
 const SENTENCES = [
   [/^[\w. -]*\.toml(:\d+)?: /, ""],
-  [/^has no \[targets\].*/, "Add a target: click in the pipe where the agent should pass."],
   [/and evolve for (the measured value|that density) with --set ([\w.]+)/, "and search again with it ($2)"],
   [/'driftform trim' corrects its mass with ballast/, "“Weigh and trim” finds the ballast that corrects it"],
   [/film some drops, and run 'driftform calibrate'/, "film some drops, and fit the model to them"],
