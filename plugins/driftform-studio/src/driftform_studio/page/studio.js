@@ -84,10 +84,8 @@ const check = latest(async () => {
   offline(false);
   if (run) return;
   showCommands(answer.text);
-  const others = fields.showErrors(answer.errors);
   mayStart = answer.errors.length === 0;
   showHeld();
-  showProblems(others.map(({ line }) => ({ line, wrong: true })));
   checked = answer.errors.length ? null : { ...answer, document: asked };
   if (answer.outline) {
     fields.targets.showPipe(answer.outline);
@@ -96,6 +94,8 @@ const check = latest(async () => {
     offerViews();
     find("views").dataset.drawn = "";
   }
+  // After the rows of targets, which may have been made anew.
+  showProblems(fields.showErrors(answer.errors).map(({ line }) => ({ line, wrong: true })));
   if (!checked) return;
   fields.flights.querySelector("input").placeholder = answer.evaluations;
   examineSoon();
