@@ -9,6 +9,7 @@ from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
 from driftform.types import FloatArray
+from driftform.util import progress
 from driftform.water.tee_wall import INLET, Junction
 from driftform_tees import solve
 from driftform_tees.cells import cut_cell, gradient_rows, spline_values, value_rows
@@ -128,3 +129,17 @@ def test_the_linear_system_of_a_chain_of_resistors_has_the_voltages_of_ohm() -> 
     assert np.diff(found[:, 0]) == pytest.approx(ohms, rel=1e-6)
     within = (np.arange(30) >= 10) & (np.arange(30) < 20)
     assert np.diff(found[:, 1]) == pytest.approx(2.0 * ohms * within, abs=1e-6)
+
+
+@pytest.mark.long
+def test_progress_of_a_tee_grows_to_the_whole_and_changes_nothing(monkeypatch):
+    class Coarse(Junction):
+        finest = 0.2
+
+    tee, shown, found = Coarse(1.0, math.pi / 2, 0.2), [], []
+    for cells in (7, 10_000):
+        monkeypatch.setattr(solve, "CUT_CELLS", cells)
+        with progress.show_progress(lambda what, done, total: shown.append((what, done, total))):
+            found.append(solve.solve_tee(tee))
+    assert shown == [("% of the flow in the tee", done, 100) for done in range(1, 101)] * 2
+    np.testing.assert_array_equal(found[0].through, found[1].through)

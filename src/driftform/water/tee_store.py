@@ -123,9 +123,7 @@ def _compute(junction: Junction) -> TeePotentials:
         raise InputError(
             f"the flow in a tee with {shape} is not stored; to solve it, run: pip install driftform-tees"
         )
-    print(
-        f"computing the ideal flow in a tee ({shape}, about two minutes, once)", file=sys.stderr, flush=True
-    )
+    print(f"computing the ideal flow in a tee ({shape}, some minutes, once)", file=sys.stderr, flush=True)
     solved: TeePotentials = solvers[0].load()(junction)
     return solved
 

@@ -6,13 +6,14 @@ the normal velocity, which the solution satisfies exactly, reduces the leakage t
 Stenberg 1995 use such terms for other conditions). Unknowns are even in y.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array
 
 from driftform.types import FloatArray
-from driftform.util import allocating
+from driftform.util import allocating, progress
 from driftform.water import tee_store, tee_wall
 from driftform_tees.cells import cut_stiffness, gradient_rows, value_rows
 from driftform_tees.hierarchy import BoolArray, IntArray, Level, build_levels, coefficient_matrices
@@ -30,17 +31,45 @@ OUTSIDE = 1e-6
 TOLERANCE = 1e-8
 """Relative residual at which the conjugate gradients stop."""
 
+ASSEMBLY = 0.5
+"""Share of the time that the matrix takes; the conjugate gradients take the rest."""
+
+CUT_CELLS = 500
+"""Cells at the wall between two looks at the progress."""
+
+ShowShare: TypeAlias = Callable[[float], None]
+"""Takes the share of the work that is done."""
+
 
 def solve_tee(junction: tee_wall.Junction) -> tee_store.TeePotentials:
-    """Compute the two flows in a tee, as driftform stores them; this takes a minute or so."""
+    """Compute the two flows in a tee, as driftform stores them, in some minutes; progress is shown in percent."""
+    with progress.count_progress("% of the flow in the tee") as show:
+        done = 0
+
+        def show_share(share: float) -> None:
+            nonlocal done
+            while done < min(100, int(100 * share)):
+                done += 1
+                show(done, 100)
+
+        solved = _solve_tee(junction, show_share)
+        show_share(1.0)
+    return solved
+
+
+def _solve_tee(junction: tee_wall.Junction, show: ShowShare) -> tee_store.TeePotentials:
     wall = junction.array()
     levels = make_levels(junction)
     matrices, starts = coefficient_matrices(levels)
     mirror = _mirror_matrix(levels, starts)
     maps = [csr_array(matrix @ mirror) for matrix in matrices]
-    stiffness, walls = _assemble(levels, maps, wall)
+    stiffness, walls = _assemble(levels, maps, wall, lambda share: show(ASSEMBLY * share))
     inlet, outlet, end = (_load(points, levels, maps) for points in _end_points(wall))
-    found = solve_system(stiffness, np.stack([outlet - inlet, end - inlet], axis=1))
+    found = solve_system(
+        stiffness,
+        np.stack([outlet - inlet, end - inlet], axis=1),
+        lambda share: show(ASSEMBLY + (1 - ASSEMBLY) * share),
+    )
     flows = [
         [np.asarray(P @ x).reshape(level.active.shape) for level, P in zip(levels, maps, strict=True)]
         for x in found.T
@@ -146,20 +175,23 @@ def _distances_from_ball(points: FloatArray, wall: FloatArray) -> FloatArray:
 
 
 def _assemble(
-    levels: Sequence[Level], maps: Sequence[csr_array], wall: FloatArray
+    levels: Sequence[Level], maps: Sequence[csr_array], wall: FloatArray, show: ShowShare
 ) -> tuple[csr_array, list[FloatArray]]:
     """Return the matrix of the system, and for each level the points on the wall with normals and weights, (m, 7)."""
     reference = _whole_stiffness()
     matrix, walls = None, []
     nodes, weights = _gauss(4)
-    for level, P in zip(levels, maps, strict=True):
-        cells = np.argwhere(level.leaves)
-        cells = cells[cells[:, 1] + level.low[1] >= 0]
-        corners = (cells + level.low) * level.width
-        cut = _water_levels(corners + level.width / 2, wall) > -1.1 * level.width
+    laid = [_lay_cells(level, wall) for level in levels]
+    done, count = 0, sum(int(cut.sum()) for _, _, cut in laid)
+    for level, P, (cells, corners, cut) in zip(levels, maps, laid, strict=True):
         entries = np.empty((len(cells), 64, 64))
         entries[~cut] = level.width * reference
-        found, volumes, points = cut_stiffness(corners[cut], level.width, wall, 1, nodes, weights, PENALTY)
+        parts = []
+        for some in np.array_split(corners[cut], 1 + int(cut.sum()) // CUT_CELLS):
+            parts.append(cut_stiffness(some, level.width, wall, 1, nodes, weights, PENALTY))
+            done += len(some)
+            show(done / count)
+        found, volumes, points = (np.concatenate(part) for part in zip(*parts, strict=True))
         dry = np.clip(1 - volumes / level.width**3, 0, 1)
         entries[cut] = found + OUTSIDE * level.width * dry[:, None, None] * reference
         walls.append(points)
@@ -171,6 +203,14 @@ def _assemble(
         part = P.T @ own @ P
         matrix = part if matrix is None else matrix + part
     return csr_array(matrix), walls
+
+
+def _lay_cells(level: Level, wall: FloatArray) -> tuple[IntArray, FloatArray, BoolArray]:
+    """Return the cells with y >= 0, their corners, and which of them the wall may cut."""
+    cells = np.argwhere(level.leaves)
+    cells = cells[cells[:, 1] + level.low[1] >= 0]
+    corners = (cells + level.low) * level.width
+    return cells, corners, _water_levels(corners + level.width / 2, wall) > -1.1 * level.width
 
 
 def _gauss(count: int) -> tuple[FloatArray, FloatArray]:
@@ -246,7 +286,7 @@ def _load(points: FloatArray, levels: Sequence[Level], maps: Sequence[csr_array]
     return np.asarray(total * (np.pi / 2) / total.sum())
 
 
-def solve_system(matrix: csr_array, loads: FloatArray) -> FloatArray:
+def solve_system(matrix: csr_array, loads: FloatArray, show: ShowShare = lambda share: None) -> FloatArray:
     """Return the solutions of a positive semidefinite system for several loads (n, k), by conjugate gradients.
 
     The preconditioner is the diagonal. The potentials are determined up to a constant.
@@ -256,7 +296,7 @@ def solve_system(matrix: csr_array, loads: FloatArray) -> FloatArray:
     r = scaling[:, None] * loads
     x, p = np.zeros_like(r), r.copy()
     square = (r * r).sum(axis=0)
-    goal = TOLERANCE**2 * square
+    first, goal = square, TOLERANCE**2 * square
     for _ in range(20_000):
         q = A @ p
         step = square / (p * q).sum(axis=0)
@@ -265,6 +305,8 @@ def solve_system(matrix: csr_array, loads: FloatArray) -> FloatArray:
         new = (r * r).sum(axis=0)
         if (new < goal).all():
             return np.asarray(scaling[:, None] * x)
+        # The logarithm of the residual falls about evenly.
+        show(float((np.log(new / first) / np.log(goal / first)).min()))
         p = r + new / square * p
         square = new
     raise ArithmeticError("the conjugate gradients did not converge")
