@@ -118,7 +118,7 @@ class LiveNode:
         flight = design.fly()
         flight.step(REHEARSAL)
         # A current across takes the flight out of its plane, which other kernels fly.
-        flown = flight.step(REHEARSAL, (design.scenario.current() + [0.0, 1e-3, 0.0]).tolist())
+        flown = flight.step(REHEARSAL, np.add(design.scenario.current(), [0.0, 1e-3, 0.0]).tolist())
         self._bus.advertise(f"/{self._options.namespace}/current", CURRENT, latched=True)
         for topic in self._list_topics(FlightTopics(design.export_job(), flown, self._options)):
             list(topic.messages())
