@@ -7,11 +7,12 @@ is tilted, its scale is a little wrong, its frames do not begin at the release, 
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform import Pipeline
 from driftform.types import FloatArray, Morphology
 from driftform.water import Factors
-from driftform_calibration.bench import Bench, ReleaseError
+from driftform_calibration.bench import Bench, Path, ReleaseError
 from driftform_calibration.camera import Camera, see_points, view_matrix
 from driftform_calibration.problem import RELEASE_ANGLE, RELEASE_RISE, RELEASE_SPEED, Filmed
 from driftform_calibration.tracks import Marker, Track, check_track
@@ -31,6 +32,12 @@ class Filming:
         scale: relative.
         tilt: of the camera, rad.
         release: 1 for releases as by hand, 0 for exact ones.
+        look_down: most angle by which the camera looks down or up, rad.
+        distance: least and most distance of the camera, m.
+        barrel: share by which the lens draws the corner of a picture of 16 : 9 inward, which the track fills to nine
+            tenths.
+        lost: share of the frames that are lost, while those that are left are numbered without a gap; negative for
+            regular ones.
     """
 
     fps: float = 60.0
@@ -39,6 +46,10 @@ class Filming:
     scale: float = 0.005
     tilt: float = float(np.deg2rad(3.0))
     release: float = 1.0
+    look_down: float = 0.0
+    distance: tuple[float, float] = (2.0, 5.0)
+    barrel: float = 0.0
+    lost: float = 0.0
 
 
 def place_drop(pipeline: Pipeline, morphology: Morphology, pitch_deg: float, depth: float = 1.0) -> Bench:
@@ -80,13 +91,49 @@ def film_flight(
         rng.uniform(0.0, 1 / how.fps),
         rng.normal(0.0, how.scale),
         rng.normal(0.0, how.tilt),
-        0.0,
-        (rng.normal(0.0, 0.3), rng.normal(0.0, 0.3)),
+        offset=(rng.normal(0.0, 0.3), rng.normal(0.0, 0.3)),
     )
     blank = Track(name, t, (Marker(0.0, np.zeros((len(t), 2))),), np.full(len(t), np.nan))
-    [seen], _ = see_points(path, blank, view_matrix(blank, "side"), camera)
+    [seen], _ = see_points(
+        _look_down(path, how, rng) if how.look_down else path, blank, view_matrix(blank, "side"), camera
+    )
+    if how.barrel:
+        seen = _bend(seen, how.barrel, rng)
     noisy: FloatArray = seen + rng.normal(0.0, how.noise, seen.shape)
+    if how.lost:
+        kept = _keep_frames(len(t), how.lost, rng)
+        noisy, blank = noisy[kept], replace(blank, t=t[: len(kept)], angle=blank.angle[kept])
     return Filmed(bench, check_track(name, replace(blank, markers=(Marker(0.0, noisy),))))
+
+
+def _look_down(path: Path, how: Filming, rng: np.random.Generator) -> Path:
+    """Return a flight as a pinhole at a distance D sees it that looks down by p at the release, in the plane y = 0.
+
+    Points X from the release, of depth D + X.f along the view f, appear at D (X.r, X.u) / (D + X.f). The scale is that of
+    a ruler which hangs upright at the release: heights are divided by cos p.
+    """
+    down, distance = rng.uniform(-how.look_down, how.look_down), rng.uniform(*how.distance)
+    off = path.position - path.position[0]
+    depth = distance + off[:, 1] * np.cos(down) - off[:, 2] * np.sin(down)
+    up = off[:, 1] * np.sin(down) + off[:, 2] * np.cos(down)
+    seen = np.column_stack([off[:, 0], np.zeros(len(off)), up]) * (distance / depth)[:, None] / np.cos(down)
+    return replace(path, position=path.position[0] + seen, velocity=np.gradient(seen, path.t, axis=0))
+
+
+def _bend(seen: FloatArray, barrel: float, rng: np.random.Generator) -> FloatArray:
+    half = np.ptp(seen, axis=0) / 2 / 0.9
+    height = max(half[1], half[0] * 9 / 16)
+    middle = seen.min(axis=0) + np.ptp(seen, axis=0) / 2 + rng.uniform(-0.1, 0.1, 2) * height
+    off = (seen - middle) / (height * np.hypot(1.0, 16 / 9))
+    bent: FloatArray = middle + (seen - middle) * (1 - barrel * (off**2).sum(axis=1, keepdims=True))
+    return bent
+
+
+def _keep_frames(count: int, lost: float, rng: np.random.Generator) -> npt.NDArray[np.intp]:
+    if lost < 0:
+        period = round(-1 / lost)
+        return np.flatnonzero((np.arange(count) + rng.integers(period)) % period != 0)
+    return np.flatnonzero(rng.uniform(size=count) >= lost)
 
 
 def _release_by_hand(rng: np.random.Generator, share: float) -> ReleaseError:

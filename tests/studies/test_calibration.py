@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_films import draw_world, film_flight, place_drop
+from made_films import Filming, draw_world, film_flight, place_drop
 
 import driftform as df
 from driftform.design.design import Design
@@ -113,6 +113,33 @@ def test_intervals_hold_the_truth(
         if count >= ENOUGH:
             assert 0.85 <= share <= 0.95, f"{name}: {share:.2f} of {count}"
     assert max(seconds) < 20
+
+
+@pytest.mark.parametrize(
+    ("what", "filming"),
+    [
+        ("looks down or up by 8 degrees at most", Filming(look_down=float(np.deg2rad(8.0)))),
+        ("has a lens with a barrel of 3 %", Filming(barrel=0.03)),
+    ],
+)
+def test_no_factor_is_known_outside_its_interval_where_a_camera(what: str, filming: Filming) -> None:
+    """Each factor by itself, in 100 trials; ``COUNT`` shortens it."""
+    pipeline = load_study("tank", run={"seed": 0}).make_pipeline()
+    falling = Factors.names[:4]
+    outside: Counter[str] = Counter()
+    count = min(TRIALS, 100)
+    for number in range(count):
+        rng = np.random.default_rng((SEED, 2000 + number))
+        morphology = pipeline.express(pipeline.grammar.random(rng))
+        benches = [place_drop(pipeline, morphology, pitch) for pitch in PITCHES_DEG]
+        world = draw_world(benches[0], rng)
+        fit = fit_factors([film_flight(bench, world, rng, filming) for bench in benches], falling)
+        for name in falling:
+            found = fit.estimates[name]
+            if found.low is not None and found.high is not None:
+                outside[name] += not found.low <= getattr(world, name) <= found.high
+    print(what, dict(outside), "of", count)
+    assert max(outside.values()) <= 0.1 * count + 2 * np.sqrt(0.09 * count)
 
 
 def evolve(folder: Path, name: str, calibration: Calibration) -> list[Design]:

@@ -40,9 +40,10 @@ def fit(noisy: list[Filmed]) -> Fit:
 
 @pytest.mark.parametrize("name", [*FALLING, "restitution"])
 def test_exact_films_show_the_factors_of_their_world(exact: Fit, name: str) -> None:
+    """As closely as a camera allows that may look down, and whose lens may bend: these are fitted, too."""
     found = exact.estimates[name]
     assert found.known
-    assert found.value == pytest.approx(getattr(WORLD, name), rel=0.01 if name in FALLING else 0.05)
+    assert found.value == pytest.approx(getattr(WORLD, name), rel=0.025 if name in FALLING else 0.05)
     assert exact.residual < 2e-4
     assert exact.before > 0.01
 
@@ -94,15 +95,19 @@ def test_a_track_that_fits_far_worse_than_the_others_is_named(noisy: list[Filmed
     assert not any("times as far" in note for note in fit_factors(noisy).notes)
 
 
-def test_heights_alone_show_the_drag_of_a_level_fall(film: Film) -> None:
+def test_heights_alone_show_the_drag_of_a_level_fall_or_name_why_not(film: Film) -> None:
     films = []
     for level in film(replace(Factors(), cross_drag=1.3), EXACT, (0.0, 0.0), 2.0):
         [marker] = level.track.markers
         points = np.column_stack([np.full(len(level.track.t), np.nan), marker.points[:, 1]])
         films.append(replace(level, track=replace(level.track, markers=(replace(marker, points=points),))))
     found = fit_factors(films, ["cross_drag"]).estimates["cross_drag"]
-    assert found.known and found.low is not None and found.high is not None
-    assert found.low < 1.3 < found.high
+    # Another pitch and another push at the release show the same heights with another drag.
+    if found.known:
+        assert found.low is not None and found.high is not None
+        assert found.low < 1.3 < found.high
+    else:
+        assert "of its release or camera" in found.reason
 
 
 def test_what_films_cannot_show_is_named_and_left_at_1(film: Film) -> None:

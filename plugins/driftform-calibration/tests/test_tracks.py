@@ -65,6 +65,34 @@ def test_rows_that_were_exported_twice_count_once():
     assert found.notes == ("40 rows with the time of another left out",)
 
 
+@pytest.mark.parametrize(("period", "lost"), [(5, 1), (10, 1), (9, 2)])
+def test_frames_that_were_lost_in_a_rhythm_get_their_time_back(period, lost):
+    t, points = fall(150, 60.0)
+    noisy = points + np.random.default_rng(period).normal(0, 0.001, points.shape)
+    kept = np.flatnonzero(np.arange(len(t)) % (period + lost) < period)
+    found = check_track("film.csv", track_of(t[: len(kept)], noisy[kept]))
+    assert found.t == pytest.approx(t[kept])
+    assert found.notes == (
+        f"after every {period} frames {lost} of them missing, by regular jumps of the points: times were corrected",
+    )
+
+
+def test_noise_is_no_rhythm():
+    t, points = fall(150, 60.0)
+    for seed in range(40):
+        noisy = points + np.random.default_rng(seed).normal(0, 0.003, points.shape)
+        assert np.array_equal(check_track("film.csv", track_of(t, noisy)).t, t)
+
+
+def test_a_bounce_is_no_lost_frame():
+    t = np.arange(150) / 60.0
+    for height in (0.2, 0.5, 0.9):
+        fallen = np.sqrt(height / 2.0)
+        up = np.where(t < fallen, height - 2.0 * t**2, 1.5 * (t - fallen) - 2.0 * (t - fallen) ** 2)
+        points = np.column_stack([0.05 * t, np.abs(up)])
+        assert np.array_equal(check_track("film.csv", track_of(t, points)).t, t)
+
+
 def test_two_objects_in_one_track_are_refused():
     t, points = fall()
     other = points + np.array([0.3, 0.0])

@@ -36,6 +36,10 @@ def calibrate(
     scale_error: Annotated[
         float, typer.Option(metavar="SHARE", help="Standard deviation of the film's scale, relative to it.")
     ] = 0.005,
+    distance: Annotated[
+        float,
+        typer.Option(metavar="M", help="Distance of the camera, m; the nearer, the less do films show."),
+    ] = 2.5,
     fps: Annotated[
         float | None,
         typer.Option(metavar="N", help="Frames for each second, if the file has frames and no times."),
@@ -99,6 +103,7 @@ def calibrate(
         reading=reading,
         view=view,
         scale_error=scale_error,
+        distance=distance,
         fit=fit or (),
         printed_mass=printed_mass,
     )

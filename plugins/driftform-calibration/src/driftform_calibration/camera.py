@@ -18,14 +18,19 @@ VIEWS = {
 
 @dataclass(frozen=True)
 class Camera:
-    """How a film's coordinates differ from those of the world: a picture from far away, to scale.
+    """How a film's coordinates differ from those of the world.
 
     Attributes:
         delay: time of the release in the film, s.
         scale: logarithm of the film's lengths over those of the world.
         tilt: turn of the picture, counterclockwise, rad; a track in space has none.
         aspect: logarithm of the width of the picture over that without distortion: the agent moves a little towards
-            the camera, or the camera looks a little down.
+            the camera, or the camera looks a little down, which shortens heights.
+        keystone: shrinking of the picture with the depth below the release, 1/m: a camera at the distance D that
+            looks down by the angle p sees what is lower from farther away, and has sin(p) / D (a pinhole, to first
+            order in the angle).
+        barrel: share by which the lens draws the ends of the track towards its middle; it grows with the square of
+            the distance (Brown 1966, Photogrammetric Engineering 32(3), first radial term).
         offset: film coordinates of the world's origin, m, (2,) or (3,).
     """
 
@@ -33,6 +38,8 @@ class Camera:
     scale: float = 0.0
     tilt: float = 0.0
     aspect: float = 0.0
+    keystone: float = 0.0
+    barrel: float = 0.0
     offset: tuple[float, ...] = (0.0, 0.0)
 
 
@@ -49,7 +56,20 @@ def see_points(path: Path, track: Track, view: FloatArray, camera: Camera) -> tu
     if len(view) == 2:
         c, s = np.cos(camera.tilt), np.sin(camera.tilt)
         turn = np.array([[c, -s], [s, c]]) @ turn
-    seen = np.array([(core + marker.x * axis) @ turn.T for marker in track.markers])
-    points = np.exp(camera.scale) * seen + np.array(camera.offset)
+    start = path.position[0]
+    seen = np.array([(core + marker.x * axis - start) for marker in track.markers])
+    if camera.keystone:
+        seen = seen / (1 - camera.keystone * (seen @ view[1]))[..., None]
+    points = (start + seen) @ turn.T
+    if camera.barrel:
+        points = bend_points(points, camera.barrel)
+    points = np.exp(camera.scale) * points + np.array(camera.offset)
     right, up = (axis @ turn.T).T[:2] if len(view) == 2 else (axis[:, 0], axis[:, 2])
     return points, np.arctan2(up, right)
+
+
+def bend_points(points: FloatArray, barrel: float) -> FloatArray:
+    """Return points of a picture, (markers, n, d), drawn towards their middle by the share ``barrel`` of the farthest."""
+    off = points - points.mean(axis=(0, 1))
+    square = (off**2).sum(axis=-1, keepdims=True)
+    return np.asarray(points - barrel * square / max(float(square.max()), 1e-12) * off)

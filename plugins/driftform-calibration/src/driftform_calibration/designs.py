@@ -10,6 +10,7 @@ from driftform_calibration.bench import Bench
 from driftform_calibration.experiment import Tank, plan_drops
 from driftform_calibration.films import choose_factors, film_track, find_scenario, weigh_prior
 from driftform_calibration.fit import fit_factors
+from driftform_calibration.problem import DISTANCE
 from driftform_calibration.protocol import DropPlan
 from driftform_calibration.result import CalibrationResult
 from driftform_calibration.tracks import Reading
@@ -27,6 +28,7 @@ def calibrate_design(
     reading: Reading | None = None,
     view: str = "side",
     scale_error: float = 0.005,
+    distance: float = DISTANCE,
     fit: Sequence[str] = (),
     printed_mass: float | None = None,
 ) -> CalibrationResult:
@@ -40,6 +42,7 @@ def calibrate_design(
         reading: units, frames and points of the tracks; ``None`` for metres and seconds.
         view: of the camera: ``"side"``, ``"top"`` or ``"front"``; tracks with x, y and z have none.
         scale_error: standard deviation of a film's scale, relative to it.
+        distance: of the camera, m: the nearer, the more do heights bend if it looks down.
         fit: names of the factors to fit; empty for all.
         printed_mass: what the agent weighs with its core, kg, by scales; ``None`` if it was not weighed.
 
@@ -56,7 +59,7 @@ def calibrate_design(
         there = design.under(*settings, scenario=chosen, use=use)
         assert there.agent.morphology is not None
         bench = Bench.of(there.pipeline, there.agent.morphology)
-        films.append(film_track(path, bench, reading or Reading(), view, scale_error))
+        films.append(film_track(path, bench, reading or Reading(), view, scale_error, distance))
         scenarios.append(chosen or "")
     found = fit_factors(films, names, weigh_prior(films[0].bench, printed_mass))
     return CalibrationResult(design.name, found, design.stored, scenarios)

@@ -53,13 +53,9 @@ def ruler_svg(length_mm: int = 150) -> str:
     width, height = length_mm + 20.0, 26.0
     px = svg.PX_PER_MM
     root = svg.start_document(width * px, height * px, "Ruler", f"A ruler of {length_mm} mm.", "mm")
-    for mm in range(0, length_mm + 1, 5):
-        x, tall = (10 + mm) * px, (10 if mm % 50 == 0 else 6 if mm % 10 == 0 else 3) * px
-        svg.add(root, "line", x1=x, y1=4 * px, x2=x, y2=4 * px + tall, stroke=style.INK, stroke_width=1.2)
-        if mm % 50 == 0:
-            layout.write(root, x, 19 * px, f"{mm}", 14, style.INK, "middle")
-    ends = [(10 * px, 4 * px), ((10 + length_mm) * px, 4 * px)]
-    svg.add_line(root, svg.path_data(ends), style.INK, 1.6)
-    note = f"{length_mm} mm from 0 to {length_mm}, if it was printed at 100 %"
-    layout.write(root, 10 * px, 24.5 * px, note, 11, style.MUTED)
+    ticks = [
+        ((10 + mm) * px, (10 if mm % 50 == 0 else 6 if mm % 10 == 0 else 3) * px, "" if mm % 50 else f"{mm}")
+        for mm in range(0, length_mm + 1, 5)
+    ]
+    svg.draw_template(root, __package__, "ruler", ticks=ticks, top=4 * px, length=length_mm)
     return svg.render(root)

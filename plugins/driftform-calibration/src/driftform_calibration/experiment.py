@@ -8,6 +8,7 @@ Drops are chosen one after the other; the gain is submodular, so that the choice
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -33,6 +34,9 @@ BALLASTS = (0.0, 0.3, 1.0)
 
 SINKING = (1.3, 2.0)
 """The same for an agent that floats: enough to make it sink."""
+
+CAMERA = 8.0
+"""Distance of the camera over the length of the tank's picture: nearer, perspective bends the paths."""
 
 MARGIN = 0.02
 """Water that is left around the agent at the release, m."""
@@ -187,14 +191,13 @@ def _examine(
     t = np.arange(0.0, duration, 1 / fps)
     if len(t) < FEWEST_FRAMES:
         return None
-    information = _inform(bench, names, t, noise, has_contact=path.contact < duration)
+    inform = partial(_inform, bench, names, noise, CAMERA * tank.length)
+    information = inform(t, has_contact=path.contact < duration)
     if path.contact < duration:
         # A fit takes drag and weight from free flight alone.
         free = np.array([name not in CONTACT for name in names])
         before = t[t < path.contact]
-        falling = (
-            _inform(bench, names, before, noise, has_contact=False) if len(before) >= FEWEST_FRAMES else 0.0
-        )
+        falling = inform(before, has_contact=False) if len(before) >= FEWEST_FRAMES else 0.0
         information = np.where(
             np.outer(free, free), falling, np.where(np.outer(~free, ~free), information, 0.0)
         )
@@ -204,9 +207,12 @@ def _examine(
     return Drop(*start, duration, end, 0.0, points[:, [0, 2]], bench.scenario), information
 
 
-def _inform(bench: Bench, names: Sequence[str], t: FloatArray, noise: float, has_contact: bool) -> FloatArray:
+def _inform(
+    bench: Bench, names: Sequence[str], noise: float, distance: float, t: FloatArray, has_contact: bool
+) -> FloatArray:
     """Return what a film with frames at ``t`` (s) tells about the factors, (factors, factors), besides its own unknowns."""
-    problem = Problem([Filmed(bench, _blank(t))], names, [noise], has_contact=has_contact)
+    film = Filmed(bench, _blank(t), distance=distance)
+    problem = Problem([film], names, [noise], has_contact=has_contact)
     jacobian, count = problem.jacobian(problem.start), len(names)
     whole = jacobian.T @ jacobian
     # What is known of the factors before counts once, not with each film.

@@ -30,7 +30,9 @@ def find_scenario(track: Path) -> str | None:
     return str(beside) if beside != track and beside.is_file() else None
 
 
-def film_track(path: Path, bench: Bench, reading: Reading, view: str, scale_error: float) -> Filmed:
+def film_track(
+    path: Path, bench: Bench, reading: Reading, view: str, scale_error: float, distance: float
+) -> Filmed:
     """Read the track of a flight in the scenario of its bench.
 
     Raises:
@@ -40,7 +42,9 @@ def film_track(path: Path, bench: Bench, reading: Reading, view: str, scale_erro
         raise InputError(f"--view {view}: unknown view{did_you_mean(view, VIEWS)}; take {', '.join(VIEWS)}")
     if not 0 <= scale_error <= 0.2:
         raise InputError(f"--scale-error {scale_error:g}: should be from 0 to 0.2")
-    film = Filmed(bench, read_track(path, bench.body, reading), view, scale_error)
+    if not 0.1 <= distance <= 1000:
+        raise InputError(f"--distance {distance:g}: should be from 0.1 to 1000 m")
+    film = Filmed(bench, read_track(path, bench.body, reading), view, scale_error, distance)
     _check_motion(str(path), film)
     return film
 

@@ -70,6 +70,15 @@ FAR = 5.0
 WORSE = 3.0
 """Noise of a track over that of the others from which it is doubtful that it is of the same agent, or well fitted."""
 
+FILM_NOISE = 2e-3, 1e-4
+"""Noise of a film whose points are smoother than any camera sees them: over the span of its track, and m."""
+
+TOO_FAR = 5.0
+"""Distance of a track from the calibrated flight over the noise of its points from which no factor is known."""
+
+FARTHEST = 4.0
+"""Standard deviations of a release or a camera from what is expected from which no factor is known."""
+
 NEGLIGIBLE = 0.05
 """Correlation that is not worth stating."""
 
@@ -175,7 +184,7 @@ def _solve(
 
     If there is too little free flight, both are the fit to flights with contact.
     """
-    noise = [max(estimate_noise(film.track), LEAST_NOISE * film.track.span) for film in films]
+    noise = [_measure_noise(film) for film in films]
     plain = [name for name in wanted if name not in CONTACT]
     whole = Problem(films, plain, noise, priors)
     x = place_releases(whole, whole.start)
@@ -195,6 +204,35 @@ def _solve(
     starts = _list_contacts(problem, problem.take_over(whole, x))
     touching = merge_solutions([solve_problem(problem, start) for start in starts])
     return free or touching, touching, notes
+
+
+def _measure_noise(film: Filmed) -> float:
+    return max(estimate_noise(film.track), LEAST_NOISE * film.track.span)
+
+
+def _find_misfit(solution: Solution) -> str:
+    """Return why no factor is known, if a track lies far off the flight that fits it best; else nothing."""
+    share, least = FILM_NOISE
+    ratios = [
+        noise / max(_measure_noise(film), share * film.track.span, least)
+        for noise, film in zip(solution.problem.noise, solution.problem.films, strict=True)
+    ]
+    worst = int(np.argmax(ratios))
+    if ratios[worst] < TOO_FAR:
+        away = [
+            (abs(value - p.start) / p.prior, p.owner, p.name)
+            for p, value in zip(solution.problem.parameters, solution.x, strict=True)
+            if p.owner >= 0 and np.isfinite(p.prior)
+        ]
+        deviations, owner, name = max(away, default=(0.0, 0, ""))
+        if deviations < FARTHEST:
+            return ""
+        track = solution.problem.films[owner].track.name
+        return f"{track} fits only with '{name}' of its release or camera {deviations:.0f} standard deviations off"
+    return (
+        f"{solution.problem.films[worst].track.name} lies {ratios[worst]:.0f} times its noise off every flight of the model, as "
+        "when frames are lost or a lens bends the picture"
+    )
 
 
 def _find_absurd(*solutions: Solution | None) -> dict[str, str]:
@@ -361,6 +399,8 @@ def _estimate(
 ) -> dict[str, FactorEstimate]:
     """Return what is known of the factors ``names``; ``reasons`` are why some cannot be."""
     problem = solution.problem
+    if misfit := _find_misfit(solution):
+        return {name: FactorEstimate(reason=reasons.get(name, misfit)) for name in names}
     known, judged, deviation = _judge(solution, names)
     own = np.sqrt(np.diag(solution.covariance))
     correlation = solution.covariance / np.outer(own, own)

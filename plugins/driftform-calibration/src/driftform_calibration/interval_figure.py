@@ -16,8 +16,8 @@ def intervals_svg(
     """
     count = len(intervals) + len(unknown)
     width, height = 560.0, 92 + ROW * count
-    values = "; ".join(f"{name}: {value:.3g}" for name, (value, _, _) in intervals.items())
-    root = svg.start_document(width, height, title, values)
+    described = "; ".join(f"{name}: {value:.3g}" for name, (value, _, _) in intervals.items())
+    root = svg.start_document(width, height, title, described)
     heading = layout.shorten(title, 14, width - 2 * layout.MARGIN, bold=True)
     layout.write(root, layout.MARGIN, 24, heading, 14, bold=True)
     note = "factor on the model, with its 90 % interval; 1 is the model as it was"
@@ -30,21 +30,17 @@ def intervals_svg(
     def x_of(value: float) -> float:
         return float(left + (value - low) / (high - low) * (right - left))
 
-    bottom = top + ROW * count
-    for value in layout.tick_values(low, high, layout.floor_to_nice_number((high - low) / 4)):
-        svg.add_segment(root, x_of(value), top, x_of(value), bottom, style.GRID)
-        layout.write(root, x_of(value), bottom + 16, f"{value:g}", 11, style.MUTED, "middle")
-    svg.add_segment(root, x_of(1), top, x_of(1), bottom, style.MUTED, 1.4)
-    for number, name in enumerate([*intervals, *unknown]):
-        y = top + ROW * (number + 0.5)
-        ink = style.INK if name in intervals else style.MUTED
-        layout.write(root, left - 14, y + 4, name.replace("_", " "), 12, ink, "end")
-        if name not in intervals:
-            layout.write(root, x_of(1) + 8, y + 4, "not known, left at 1", 11, style.MUTED, halo=True)
-            continue
-        value, least, most = intervals[name]
-        pale = style.tint(style.BLUE, 0.55)
-        svg.add_segment(root, x_of(least), y, x_of(most), y, pale, 7, class_="interval")
-        svg.add_circle(root, x_of(value), y, 4.5, style.BLUE, class_="value")
-        layout.write(root, width - layout.MARGIN, y + 4, f"{value:.3g}", 12, style.INK, "end")
+    rows = [
+        {
+            "name": name.replace("_", " "),
+            "y": top + ROW * (number + 0.5),
+            "interval": [x_of(value) for value in intervals[name]] if name in intervals else None,
+            "value": f"{intervals[name][0]:.3g}" if name in intervals else "",
+        }
+        for number, name in enumerate([*intervals, *unknown])
+    ]
+    values = layout.tick_values(low, high, layout.floor_to_nice_number((high - low) / 4))
+    ticks = [(x_of(value), f"{value:g}") for value in values]
+    sides = {"left": left, "bottom": top + ROW * count, "one": x_of(1), "edge": width - layout.MARGIN}
+    svg.draw_template(root, __package__, "intervals", rows=rows, ticks=ticks, **sides)
     return svg.render(root)

@@ -31,11 +31,20 @@ TILT = np.deg2rad(5.0)
 RELEASE_ANGLE = float(np.deg2rad(3.0))
 """Standard deviation of pitch and yaw of a release by hand, rad."""
 
-ASPECT = 0.002
-"""Standard deviation of the width of a picture over its height: 4 degrees towards the camera, or of its own pitch."""
+LOOK_DOWN = np.deg2rad(8.0)
+"""Most by which a camera looks down or up, rad; any angle up to it is as likely."""
 
-NARROWER = -0.5 * RELEASE_ANGLE**2
-"""Its expected logarithm: an agent that moves towards the camera or away always looks slower."""
+ASPECT = float(np.hypot(0.002, LOOK_DOWN**2 / np.sqrt(45)))
+"""Standard deviation of the width of a picture over its height: 4 degrees towards the camera, and its own pitch."""
+
+NARROWER = float(LOOK_DOWN**2 / 6 - 0.5 * RELEASE_ANGLE**2)
+"""Its expected logarithm: heights look shorter from above, an agent that moves towards the camera or away looks slower."""
+
+DISTANCE = 2.5
+"""Distance of a camera of which nobody says it, m."""
+
+BARREL = 0.01
+"""Standard deviation of what a lens bends at the ends of a track: 3 % at the corner of a wide picture that it fills."""
 
 RELEASE_SPEED = 0.005
 """Standard deviation of the speed of a release from rest, in each direction, m/s."""
@@ -60,13 +69,14 @@ _ROUGH = 0.02
 class Filmed:
     """One film: the agent in the scenario of its release, the track, and the view of the camera.
 
-    ``scale_error`` is the standard deviation of the film's scale, relative to it.
+    ``scale_error`` is the standard deviation of the film's scale, relative to it; ``distance`` (m) is that of the camera.
     """
 
     bench: Bench
     track: Track
     view: str = "side"
     scale_error: float = 0.005
+    distance: float = DISTANCE
 
     def cut(self, end: float) -> "Filmed":
         """Return the film up to the time ``end``, s."""
@@ -203,7 +213,10 @@ class Problem:
         """Return the camera of a track."""
         v = self._values(x, number)
         offset = tuple(v.get(f"offset {axis}", 0.0) for axis in range(len(self.films[number].axes)))
-        return Camera(v["delay"], v.get("scale", 0.0), v.get("tilt", 0.0), v.get("aspect", 0.0), offset)
+        scale, tilt, aspect, keystone, barrel = (
+            v.get(name, 0.0) for name in ("scale", "tilt", "aspect", "keystone", "barrel")
+        )
+        return Camera(v["delay"], scale, tilt, aspect, keystone, barrel, offset)
 
     def _values(self, x: FloatArray, number: int) -> dict[str, float]:
         return {p.name: float(v) for p, v in zip(self.parameters, x, strict=True) if p.owner == number}
@@ -280,7 +293,7 @@ class Problem:
                 moved = x.copy()
                 moved[j] += step
                 out[:, j] = (self._weigh(number, *self.see(moved, number)) - base) / step
-            elif p.name in ("delay", "aspect"):
+            elif p.name in ("delay", "aspect", "keystone", "barrel"):
                 # The flight is the same: its end, which follows the delay, is not seen.
                 moved = x.copy()
                 moved[j] += 1e-5
@@ -347,6 +360,9 @@ def _list_camera(number: int, film: Filmed) -> list[Parameter]:
     if len(film.axes) == 2 and film.seen_axes.all():
         found.append(Parameter(number, "tilt", 0.0, -6 * TILT, 6 * TILT, float(TILT)))
         found.append(Parameter(number, "aspect", NARROWER, -6 * ASPECT, 6 * ASPECT, ASPECT))
+        width = float(LOOK_DOWN / np.sqrt(3) / film.distance)
+        found.append(Parameter(number, "keystone", 0.0, -3 * width, 3 * width, width))
+        found.append(Parameter(number, "barrel", 0.0, -6 * BARREL, 6 * BARREL, BARREL))
     found += [
         Parameter(number, f"offset {axis}", 0.0, -np.inf, np.inf, np.inf)
         for axis in np.flatnonzero(film.seen_axes)

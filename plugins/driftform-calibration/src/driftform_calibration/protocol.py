@@ -5,19 +5,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from driftform.figures import section_svg
+from driftform.figures import section_svg, svg
 from driftform.types import Agent
 from driftform.util import files, notebook
 from driftform_calibration.drop_figure import DropPicture, drop_svg, ruler_svg
-from driftform_calibration.experiment import Drop, Plan, Tank
-from driftform_calibration.page import make_page
+from driftform_calibration.experiment import CAMERA, Drop, Plan, Tank
 from driftform_calibration.problem import shown_name
 
 TABLES = ("pipe", "flow", "gusts", "fluid", "release", "contact", "flight", "robustness")
 """Tables of a drop's study file; its plugins are those of the study that it was planned in."""
-
-DISTANCE = 8.0
-"""Distance of the camera over the length of the tank's picture: nearer, perspective bends the paths."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -115,7 +111,6 @@ class DropPlan:
             for number, drop in enumerate(self.drops, start=1)
         ]
         heads = ("drop", "pitch", "core below the surface", "ballast", "film", "tells")
-        ballasts = any(drop.ballast for drop in self.drops)
         expected = [
             (name.replace("_", " "), f"{100 * half:.0f} %", _describe_known(name, known))
             for name, (half, known) in self._expected().items()
@@ -123,44 +118,25 @@ class DropPlan:
         expected += [
             (shown_name(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()
         ]
-        size = self.tank
-        steps = [
-            f"Weigh the print with its core: simulated {mass:.2f} g, measured <span class=blank></span> g. "
-            "Dry it first, and look for bubbles in the water.",
-            f"Fill the tank {1000 * size.depth:.0f} mm deep. Water: {self.drops[0].scenario.fluid.density:.1f} kg/m3 in the "
-            "plan; measured temperature <span class=blank></span>. Let it come to rest for some minutes before each drop.",
-            "Print the ruler below at 100 %, and hang it upright where the agent will fall, not on the glass. "
-            "Film it before the first drop, and measure its pixels: metres of a pixel are the --scale of calibrate.",
-            f"Place the camera level, at half the depth, at least {DISTANCE * size.length:.1f} m away "
-            "(zoom in), so that perspective does not bend the paths. Fix focus and exposure; a short exposure; all frames.",
-            "Hold the agent at rest in the attitude of the drop, its axis in the plane of the picture, and let go without a "
-            "push: a thread that is cut, or tongs that open. The film may begin before.",
-        ]
-        if ballasts:
-            steps.append(
-                "Ballast: a sinker of lead on a strip of tape around the core's equator. Weigh it with its tape: "
-                "<span class=blank></span> g, and write that into <code>ballast</code> (kg) of the drop's study file."
-            )
-        steps.append(
-            "Track the core's place on the hull (the orange dot), not the middle of the silhouette; cut the track where the "
-            "agent breaks the surface or leaves the picture."
-        )
-        tracks = " ".join(f"drop-{n}.csv" for n in range(1, len(self.drops) + 1))
-        pictures = "".join(
-            drop_svg(self._picture(numbers), self.agent.body, size.length, size.depth)
+        pictures = [
+            drop_svg(self._picture(numbers), self.agent.body, self.tank.length, self.tank.depth)
             for numbers in self._group_drops()
-        )
-        return make_page(
-            f"Drops of {self.name}",
-            f"<p>Tank {1000 * size.length:.0f} x {1000 * size.width:.0f} mm, water {1000 * size.depth:.0f} mm deep.</p>"
-            f"<h2>Releases</h2>{notebook.show_table(heads, rows)}<div class=drops>{pictures}</div>"
-            f"<h2>What to do</h2><ol>{''.join(f'<li>{step}</li>' for step in steps)}</ol>"
-            f"<p>Save the tracks beside the study files as <code>{tracks}</code>, then:</p>"
-            f"<p><code>driftform calibrate AGENT {tracks} --printed-mass KG</code></p>"
-            f"<h2>What the films are expected to show</h2>"
-            f"{notebook.show_table(('factor', 'half of the 90 % interval', 'known'), expected)}"
-            f"<h2>Ruler</h2><div class=ruler>{ruler_svg()}</div>"
-            f"<h2>The agent</h2><div class=agent>{section_svg(self.agent, self.name)}</div>",
+        ]
+        return svg.fill_template(
+            __package__,
+            "protocol.html",
+            title=f"Drops of {self.name}",
+            tank=self.tank,
+            mass=mass,
+            density=self.drops[0].scenario.fluid.density,
+            distance=CAMERA * self.tank.length,
+            ballasts=any(drop.ballast for drop in self.drops),
+            releases=notebook.show_table(heads, rows),
+            pictures="".join(pictures),
+            tracks=" ".join(f"drop-{n}.csv" for n in range(1, len(self.drops) + 1)),
+            expected=notebook.show_table(("factor", "half of the 90 % interval", "known"), expected),
+            ruler=ruler_svg(),
+            section=section_svg(self.agent, self.name),
         )
 
     def _group_drops(self) -> list[list[int]]:

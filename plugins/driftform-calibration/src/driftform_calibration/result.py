@@ -3,20 +3,19 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from driftform import StoredAgent
+from driftform.figures import svg
 from driftform.types import FloatArray
 from driftform.util import files, notebook
 from driftform.water import Calibration
 from driftform_calibration.camera import see_points
 from driftform_calibration.fit import FactorEstimate, Fit
 from driftform_calibration.interval_figure import intervals_svg
-from driftform_calibration.page import make_page
 from driftform_calibration.track_figure import TrackPanel, tracks_svg
 
 SHOWN = ("axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", "friction")
@@ -137,15 +136,16 @@ class CalibrationResult:
 
     def html(self) -> str:
         """Return a page with the factors, the films against the flights, and what was found on the way."""
-        notes = "".join(f"<li>{escape(note)}</li>" for note in self.notes)
-        return make_page(
-            f"Calibration of {self.name}",
-            f"<p>Root mean square distance of films and flights: {1000 * self.fit.before:.1f} mm before, "
-            f"{1000 * self.residual:.1f} mm after.</p>"
-            f"<h2>Factors</h2>{notebook.show_table(*self.tabulate())}{self.factors_svg()}"
-            f"<h2>Films and flights</h2>{self.tracks_svg()}"
-            + (f"<h2>Notes</h2><ul>{notes}</ul>" if notes else "")
-            + f"<h2>For any study</h2><pre>{escape(self.toml())}</pre>",
+        return svg.fill_template(
+            __package__,
+            "result.html",
+            title=f"Calibration of {self.name}",
+            before=self.fit.before,
+            after=self.residual,
+            factors=notebook.show_table(*self.tabulate()) + self.factors_svg(),
+            films=self.tracks_svg(),
+            notes=self.notes,
+            toml=self.toml(),
         )
 
     def tracks_svg(self) -> str:

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from xml.etree import ElementTree as ET
+from typing import Any
 
 import numpy as np
 
-from driftform.figures import layout, plot, style, svg
+from driftform.figures import layout, plot, svg
 from driftform.types import FloatArray
 
 LEFT, TOP, TALLEST, LOWEST, GAP = 62.0, 138.0, 300.0, 150.0, 88.0
@@ -51,22 +51,26 @@ def tracks_svg(panels: Sequence[TrackPanel], title: str, subtitle: str) -> str:
         boxes.append(box)
         top = max(box.bottom, top + LOWEST) + GAP
     root = layout.start_page(top - GAP + 56, title, subtitle, f"{subtitle} A row for each track.")
-    _draw_legend(root)
+    svg.draw_template(root, __package__, "tracks", legend=True)
     for panel, box in zip(panels, boxes, strict=True):
         layout.write(root, LEFT, box.top - 26, layout.shorten(panel.name, 12, 300, bold=True), 12, bold=True)
-        if _is_flat(panel):
-            _draw_paths(root, panel, _fit_window(panel, box.top))
-        else:
-            _draw_heights(root, panel, box)
-        right = layout.Box(
-            MIDDLE + 50, box.top, layout.WIDTH - layout.MARGIN, max(box.bottom, box.top + LOWEST)
-        )
+        edge, bottom = layout.WIDTH - layout.MARGIN, max(box.bottom, box.top + LOWEST)
         most = float(np.nanmax([*panel.off_before, *panel.off_after], initial=1e-6)) * 1050
-        chart = _Chart(right, (float(panel.t[0]), float(panel.t[-1])), (0.0, most))
-        chart.draw_axes(root, "distance of model and film (mm)")
-        for off, line in ((panel.off_before, BEFORE), (panel.off_after, AFTER)):
-            seen = np.isfinite(off)
-            chart.draw_line(root, panel.t[seen], 1000 * off[seen], "distance", line)
+        chart = _Chart(layout.Box(MIDDLE + 50, box.top, edge, bottom), (panel.t[0], panel.t[-1]), (0.0, most))
+        lines = [
+            svg.path_data(chart.place(panel.t[np.isfinite(off)], 1000 * off[np.isfinite(off)]))
+            for off in (panel.off_before, panel.off_after)
+        ]
+        if _is_flat(panel):
+            window = _fit_window(panel, box.top)
+            plot.draw_axes(root, window, ("right", "up"))
+            paths = [window.path_data(path) for path in (panel.before, panel.after)]
+            points = window.to_page(panel.seen[np.isfinite(panel.seen).all(axis=1)])
+            drawn: dict[str, Any] = {"heights": None, "paths": paths, "seen": points}
+        else:
+            drawn = _plot_heights(panel, box)
+        distances = {**chart.plot_axes("distance of model and film (mm)"), "lines": lines}
+        svg.draw_template(root, __package__, "tracks", legend=False, **drawn, distances=distances)
     return svg.render(root)
 
 
@@ -80,41 +84,20 @@ def _fit_window(panel: TrackPanel, top: float) -> plot.Window:
     return plot.Window.around((0, 1), shown, LEFT, top, MIDDLE - LEFT - 20, TALLEST, 10)
 
 
-def _draw_paths(root: ET.Element, panel: TrackPanel, window: plot.Window) -> None:
-    plot.draw_axes(root, window, ("right", "up"))
-    for path, name, line in ((panel.before, "before", BEFORE), (panel.after, "after", AFTER)):
-        line.draw(root, window.path_data(path), name)
-    for x, y in window.to_page(panel.seen[np.isfinite(panel.seen).all(axis=1)]):
-        svg.add_circle(root, x, y, 1.8, style.INK, class_="seen")
-
-
-def _draw_heights(root: ET.Element, panel: TrackPanel, box: layout.Box) -> None:
+def _plot_heights(panel: TrackPanel, box: layout.Box) -> dict[str, Any]:
+    """Return what the template draws of the one coordinate that was measured, over time."""
     column = int(np.isfinite(panel.seen).any(axis=0).argmax())
     values = 1000 * np.concatenate([panel.seen[:, column], panel.before[:, column], panel.after[:, column]])
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     room = 0.04 * max(high - low, 1e-6)
     ends = (float(min(panel.t[0], panel.t_path[0])), float(max(panel.t[-1], panel.t_path[-1])))
     chart = _Chart(box, ends, (low - room, high + room))
-    chart.draw_axes(root, ("right (mm)", "up (mm)")[column])
-    for path, name, line in ((panel.before, "before", BEFORE), (panel.after, "after", AFTER)):
-        chart.draw_line(root, panel.t_path, 1000 * path[:, column], name, line)
+    paths = [
+        svg.path_data(chart.place(panel.t_path, 1000 * p[:, column])) for p in (panel.before, panel.after)
+    ]
     seen = np.isfinite(panel.seen[:, column])
-    for x, y in chart.place(panel.t[seen], 1000 * panel.seen[seen, column]):
-        svg.add_circle(root, x, y, 1.8, style.INK, class_="seen")
-
-
-@dataclass(frozen=True)
-class _Line:
-    colour: str
-    width: float
-    dashes: str
-
-    def draw(self, root: ET.Element, data: str, name: str) -> None:
-        svg.add_line(root, data, self.colour, self.width, name, stroke_dasharray=self.dashes)
-
-
-BEFORE = _Line(style.tint(style.VERMILLION, 0.8), 1.6, "5 3")
-AFTER = _Line(style.BLUE, 2.0, "none")
+    points = chart.place(panel.t[seen], 1000 * panel.seen[seen, column])
+    return {"heights": chart.plot_axes(("right (mm)", "up (mm)")[column]), "paths": paths, "seen": points}
 
 
 @dataclass(frozen=True)
@@ -132,36 +115,25 @@ class _Chart:
         y = box.bottom - (box.bottom - box.top) * (np.asarray(values) - low) / max(high - low, 1e-12)
         return np.column_stack([x, y])
 
-    def draw_axes(self, root: ET.Element, label: str) -> None:
-        (start, end), (low, high), box = self.times, self.range, self.box
+    def plot_axes(self, label: str) -> dict[str, Any]:
+        """Return what the template draws of the axes: ticks with their values."""
+        (start, end), (low, high) = self.times, self.range
         step = layout.floor_to_nice_number(max(high - low, 1e-9) / 3)
-        for value in layout.tick_values(low, high, step):
-            y = self.place(np.array([start]), np.array([value]))[0, 1]
-            svg.add(root, "line", x1=box.left - 4, y1=y, x2=box.right, y2=y, stroke=style.GRID)
-            text = layout.format_signed(value, _count_digits(step))
-            layout.write(root, box.left - 8, y + 4, text, 11, style.MUTED, "end")
-        step = layout.floor_to_nice_number(max(end - start, 1e-9) / 4)
-        for value in layout.tick_values(start, end, step):
-            x = self.place(np.array([value]), np.array([low]))[0, 0]
-            svg.add(root, "line", x1=x, y1=box.bottom, x2=x, y2=box.bottom + 4, stroke=style.MUTED)
-            text = layout.format_signed(value, _count_digits(step))
-            layout.write(root, x, box.bottom + 17, text, 11, style.MUTED, "middle")
-        layout.write(root, box.right, box.bottom + 32, "t (s)", 11, style.MUTED, "end")
-        layout.write(root, box.left - 8, box.top - 10, label, 11, style.MUTED)
+        rises = layout.tick_values(low, high, step)
+        later = layout.floor_to_nice_number(max(end - start, 1e-9) / 4)
+        ticks = layout.tick_values(start, end, later)
+        return {
+            "box": self.box,
+            "label": label,
+            "rises": self._label(self.place(np.full(len(rises), start), rises)[:, 1], rises, step),
+            "ticks": self._label(self.place(ticks, np.full(len(ticks), low))[:, 0], ticks, later),
+        }
 
-    def draw_line(self, root: ET.Element, t: FloatArray, values: FloatArray, name: str, line: _Line) -> None:
-        line.draw(root, svg.path_data(self.place(t, values)), name)
+    @staticmethod
+    def _label(places: FloatArray, values: FloatArray, step: float) -> list[tuple[float, str]]:
+        texts = [layout.format_signed(value, _count_digits(step)) for value in values]
+        return list(zip(places.tolist(), texts, strict=True))
 
 
 def _count_digits(step: float) -> int:
     return max(0, -int(np.floor(np.log10(step) + 1e-9)))
-
-
-def _draw_legend(root: ET.Element) -> None:
-    y = 82.0
-    for x, line, text in ((22.0, BEFORE, "model before"), (180.0, AFTER, "calibrated")):
-        ends = svg.path_data([(x, y - 4), (x + 26, y - 4)])
-        svg.add_line(root, ends, line.colour, 2, stroke_dasharray=line.dashes)
-        layout.write(root, x + 32, y, text, 12, style.INK)
-    svg.add(root, "circle", cx=324, cy=y - 4, r=2.5, fill=style.INK)
-    layout.write(root, 334, y, "film", 12, style.INK)

@@ -29,6 +29,9 @@ SMALLEST_JUMP = 0.03
 SCATTER = 0.05
 """Noise of a track over its span that no camera has."""
 
+CLEAR_JUMPS = 5.0
+"""Mean of regular jumps over its standard error from which frames are missing there: some 200 rhythms are tried."""
+
 LIKELY = 0.6
 """Least likelihood of a point, as DeepLabCut states it."""
 
@@ -165,6 +168,7 @@ def check_track(label: str, track: Track) -> Track:
         )
     for k in np.flatnonzero(np.diff(track.t) > GAP * usual)[:3]:
         notes.append(f"nothing was seen from t = {track.t[k]:.3f} to {track.t[k + 1]:.3f} s")
+    track = _mend_lost_frames(track, notes)
     _check_jumps(label, track, notes)
     if not track.span > 0:
         raise InputError(f"{label}: its points do not move")
@@ -230,6 +234,55 @@ def _merge_doubles(label: str, track: Track, notes: list[str]) -> Track:
         )
     notes.append(f"{len(double)} rows with the time of another left out")
     return _pick_rows(track, np.delete(np.arange(len(track.t)), double + 1))
+
+
+def _mend_lost_frames(track: Track, notes: list[str]) -> Track:
+    """Return a track with the times of frames that were lost in a rhythm and numbered without a gap, if there are such.
+
+    Between the frames beside a lost one the agent moves twice as far as before and after. The steps along the path, over
+    their smoothed length (a moving parabola, Savitzky and Golay 1964), are averaged at each phase of each rhythm.
+    """
+    half, steps = 10, np.diff(track.t)
+    points = track.markers[0].points[:, np.isfinite(track.markers[0].points).all(axis=0)]
+    if len(steps) < 4 * half or not points.size or np.ptp(steps) > 0.1 * np.median(steps):
+        return track
+    kernel = np.linalg.pinv(np.vander(np.arange(-half, half + 1), 3))[-1]
+
+    def measure(moves: FloatArray) -> tuple[FloatArray, FloatArray]:
+        smooth = np.column_stack([np.convolve(column, kernel, "valid") for column in moves.T])
+        weight = (smooth**2).sum(axis=1)
+        return (moves[half:-half] * smooth).sum(axis=1) / np.maximum(weight, 1e-300) - 1.0, weight
+
+    excess, weight = measure(np.diff(points, axis=0))
+    scatter = 1.4826 * float(np.median(np.abs(excess - np.median(excess)) * np.sqrt(weight)))
+    best = (0.0, 4, 0, 0.0)
+    for period in range(4, min(20, len(excess) // 3) + 1):
+        phases = np.arange(half, half + len(excess)) % period
+        for phase in range(period):
+            jump = _compare(excess, weight, phases == phase)
+            clear = jump * np.sqrt(weight[phases == phase].sum()) / max(scatter, 1e-12)
+            best = max(best, (float(clear), period, phase, jump))
+    clear, period, phase, jump = best
+    inside = np.arange(len(steps)) % period == phase
+    for lost in (1, 2, 3):
+        expected = _compare(*measure(1.0 + lost * inside[:, None]), inside[half:-half])
+        # A bounce is one jump: half of the steps at this phase must be as long.
+        usual = float(np.median(excess[inside[half:-half]]) - np.median(excess[~inside[half:-half]]))
+        if clear > CLEAR_JUMPS and max(abs(jump / expected - 1), abs(usual / expected - 1)) < 0.3:
+            notes.append(
+                f"after every {period} frames {lost} of them missing, by regular jumps of the points: times were corrected"
+            )
+            shifts = np.cumsum(inside) * lost * float(np.median(steps))
+            return replace(track, t=track.t + np.concatenate([[0.0], shifts]))
+    return track
+
+
+def _compare(values: FloatArray, weight: FloatArray, inside: npt.NDArray[np.bool_]) -> float:
+    """Return the weighted mean of some values less that of the others."""
+    return float(
+        np.average(values[inside], weights=weight[inside])
+        - np.average(values[~inside], weights=weight[~inside])
+    )
 
 
 def _check_jumps(label: str, track: Track, notes: list[str]) -> None:
