@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from closed_forms import Libration
 from scipy.integrate import DOP853 as SCIPY_DOP853
 from scipy.integrate import RK45 as SCIPY_RK45
 from scipy.stats import binom
@@ -19,7 +20,7 @@ from driftform.motion.integrator import (
 from driftform.motion.model import flight_model
 from driftform.motion.tableaus import DOP853, DOPRI5
 from driftform.study import load_study
-from driftform.testing.agents import Libration, Spheroid, tumbling_agent
+from driftform.testing.agents import Spheroid, tumbling_agent
 from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.flow import UniformFlow
 from driftform.water.scenario import FlightLimits, Release

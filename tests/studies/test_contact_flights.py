@@ -5,10 +5,11 @@ from itertools import repeat
 
 import numpy as np
 import pytest
+from closed_forms import wall_depths
 
 from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
-from driftform.testing.simulator import largest_distance, wall_depths
+from driftform.testing.simulator import largest_distance
 from driftform.types import FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 

@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from closed_forms import wall_depths
 
 from driftform.agent.slices import slice_solid
 from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
-from driftform.testing.simulator import largest_distance, wall_depths
+from driftform.testing.simulator import largest_distance
 from driftform.types import Agent, Drag, End, Trajectory
 from driftform.water import Scenario
 from driftform.water.scenario import evaluation_seed

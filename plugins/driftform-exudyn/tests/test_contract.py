@@ -1,8 +1,9 @@
-from driftform.testing import SimulatorContract
+from closed_forms import ClosedForms
+
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
 
 
-class TestExudyn(SimulatorContract):
+class TestExudyn(ClosedForms):
     # Attained: energy and impulse of free motions to 2.5e-6, the libration to 1.2e-3 of its speeds.
     # The first flight in a bend compiles the forces there.
     time_limit = 300.0
@@ -11,7 +12,7 @@ class TestExudyn(SimulatorContract):
         return ExudynSimulator(ExudynOptions())
 
 
-class TestExudynWithATightTolerance(SimulatorContract):
+class TestExudynWithATightTolerance(ClosedForms):
     # Attained: 2.4e-9, and 2.4e-7.
     drift = 1e-8
     accuracy = 1e-6

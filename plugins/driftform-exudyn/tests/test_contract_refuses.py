@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from closed_forms import ClosedForms
 
 from driftform.interfaces import Simulator
-from driftform.testing import SimulatorContract
 from driftform.types import Agent, Coefficients, End, Trajectory
 from driftform.water import Scenario
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
@@ -153,7 +153,7 @@ class Faulty(Simulator):
         return self.flight(agent, scenario)
 
 
-class Contract(SimulatorContract):
+class Contract(ClosedForms):
     def __init__(self, flight: Flight) -> None:
         self.flight = flight
 
@@ -190,7 +190,7 @@ class MixingUpTheBatch(ExudynSimulator):
     ],
 )
 def test_a_simulator_that_screens_wrongly_is_refused(fault, test):
-    class Screening(SimulatorContract):
+    class Screening(ClosedForms):
         def __init__(self, simulator):
             self.simulator = simulator
 
@@ -200,3 +200,21 @@ def test_a_simulator_that_screens_wrongly_is_refused(fault, test):
     getattr(Screening(ExudynSimulator), test)()
     with pytest.raises(AssertionError):
         getattr(Screening(fault), test)()
+
+
+@pytest.mark.parametrize(
+    ("fault", "what"),
+    [
+        (without_added_mass, "fall"),
+        (with_coefficients_about_the_origin, "tumbling"),
+        (without_damping, "fall with drag"),
+        (without_buoyancy_at_its_centre, "tumbling with weight"),
+        (with_quaternions_the_other_way, "tumbling"),
+        (released_at_rest, "tumbling with damping"),
+        (with_a_coarse_integrator, "libration"),
+    ],
+)
+def test_a_faulty_simulator_flies_another_motion(fault, what):
+    Contract(sound).test_a_motion_is_that_of_driftforms_own_integrator(what)
+    with pytest.raises(AssertionError):
+        Contract(fault).test_a_motion_is_that_of_driftforms_own_integrator(what)

@@ -1,18 +1,19 @@
 """The native backend keeps every promise of a simulator, alone and in threads."""
 
+from closed_forms import ClosedForms
+
 from driftform.motion.integrator import Accuracy
-from driftform.testing import SimulatorContract
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
 
-class TestNative(SimulatorContract):
+class TestNative(ClosedForms):
     drift = 3e-5
 
     def plugin(self):
         return NativeSimulator(NativeOptions())
 
 
-class TestNativeWithATightTolerance(SimulatorContract):
+class TestNativeWithATightTolerance(ClosedForms):
     drift = 3e-7
     accuracy = 1e-6
     agreement = 1e-6
@@ -21,7 +22,7 @@ class TestNativeWithATightTolerance(SimulatorContract):
         return NativeSimulator(NativeOptions(tolerance=1e-9, max_step=0.005))
 
 
-class TestNativeInThreads(SimulatorContract):
+class TestNativeInThreads(ClosedForms):
     drift = 3e-5
 
     def plugin(self):

@@ -8,13 +8,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import ellipj, ellipk
 
-from driftform.motion.inertia import added_mass_at, rigid_body_mass
 from driftform.testing.bodies import spheroid_body
-from driftform.types import Agent, Coefficients, End, FloatArray, MassProperties, Trajectory
-from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Pipe, Scenario, Segment
+from driftform.types import Agent, Coefficients, End, MassProperties, Trajectory
+from driftform.water import Pipe, Segment
 
 DENSITY = 1024.0
 """Density of the water, kg/m3."""
@@ -94,12 +91,6 @@ class Spheroid:
         turning = d * d * (beta - alpha) / (s * (2 * d - s * (beta - alpha)))
         return alpha / (2 - alpha), beta / (2 - beta), turning
 
-    @property
-    def total(self) -> tuple[float, float, float]:
-        """Mass with added mass along and across the axis (kg), and the same of the inertia (kg m2)."""
-        k1, k2, turning = self.factors
-        return (1 + k1) * self.mass, (1 + k2) * self.mass, (1 + turning) * self.inertia
-
     def agent(self) -> Agent:
         """Return the agent, with its origin at the centre."""
         k1, k2, turning = self.factors
@@ -109,41 +100,6 @@ class Spheroid:
             spheroid_body(self.a, self.b, edges=24),
             MassProperties(m, np.zeros(3), inertia, self.volume, np.zeros(3)),
             Coefficients(np.diag([k1 * m, k2 * m, k2 * m, 0.0, added, added])),
-        )
-
-    def munk_moment(self, speed: float, angle: float) -> float:
-        """Return the destabilising moment (N m) of motion at ``speed`` (m/s) and ``angle`` (rad) to the axis."""
-        k1, k2, _ = self.factors
-        return 0.5 * (k2 - k1) * self.mass * speed**2 * math.sin(2 * angle)
-
-
-class Libration:
-    """Planar motion of a spheroid in still water that starts with surge ``u`` and sway ``v`` (m/s) and no yaw rate.
-
-    The impulse (M11 u, M22 v) = P (cos psi, sin psi) has constant length and direction in the world, so that
-    psi' = -r. With chi = psi - pi/2 and sigma^2 = P^2 (M22 - M11) / (I M11 M22) the motion is the pendulum
-    chi'^2 = sigma^2 (k^2 - sin^2 chi), k the sine of the amplitude, solved by sin chi = -k cd(sigma t | k^2).
-    Its period is four quarter periods of the pendulum, s; its greatest yaw rate is sigma k, rad/s.
-    """
-
-    def __init__(self, spheroid: Spheroid, u: float, v: float) -> None:
-        self._along, self._across, turning = spheroid.total
-        self._impulse = math.hypot(self._along * u, self._across * v)
-        self._start = math.atan2(self._across * v, self._along * u)
-        self._k, self._rest = math.cos(self._start), math.sin(self._start)
-        inverse = (self._across - self._along) / (turning * self._along * self._across)
-        self._sigma = self._impulse * math.sqrt(inverse)
-        self.period = 4 * float(ellipk(self._k**2)) / self._sigma
-        self.max_yaw_rate = self._sigma * self._k
-
-    def motion_at(self, t: FloatArray) -> FloatArray:
-        """Return surge, sway (m/s), yaw rate (rad/s) and heading (rad, 0 at the start) at the times (s, (n,)), (n, 4)."""
-        sn, cn, dn, _ = ellipj(self._sigma * t, self._k**2)
-        sine, cosine = -self._k * cn / dn, self._rest / dn
-        surge, sway = -self._impulse * sine / self._along, self._impulse * cosine / self._across
-        yaw_rate = -self._sigma * self._k * self._rest * sn / dn
-        return np.column_stack(
-            [surge, sway, yaw_rate, self._start - (np.arctan2(sine, cosine) + math.pi / 2)]
         )
 
 
@@ -169,29 +125,3 @@ def tumbling_agent(*, damped: bool = False) -> Agent:
             quadratic_damping=damped * np.diag([0.1, 0.5, 0.5, 0.0, 1e-5, 1e-5]),
         ),
     )
-
-
-def invariants(
-    agent: Agent, scenario: Scenario, trajectory: Trajectory
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return energies and impulses along a flight in a uniform current, seen from the water.
-
-    These are the kinetic energy of body and water, and the same plus the potential energy of weight and buoyancy, J,
-    (k,); the impulse in the world frame, N s, and the angular impulse about a point that moves with the water, N m s,
-    (k, 3).
-    """
-    matrix = rigid_body_mass(agent.mass) + added_mass_at(agent.coefficients, np.zeros(3))
-    R = matrix_from_quaternion(trajectory.quaternion)
-    current = scenario.current()
-    nu = trajectory.velocity.copy()
-    nu[:, :3] -= np.einsum("kji,j->ki", R, current)
-    momentum = nu @ matrix
-    place = trajectory.position - trajectory.t[:, None] * current
-    impulse = np.einsum("kij,kj->ki", R, momentum[:, :3])
-    turning = np.einsum("kij,kj->ki", R, momentum[:, 3:]) + np.cross(place, impulse)
-    fluid, mass = scenario.fluid, agent.mass
-    weight, buoyancy = mass.mass * fluid.gravity, fluid.density * mass.volume * fluid.gravity
-    up = R[:, 2]
-    potential = weight * (place[:, 2] + up @ mass.cog) - buoyancy * (place[:, 2] + up @ mass.cob)
-    kinetic = 0.5 * (nu * momentum).sum(axis=1)
-    return kinetic, kinetic + potential, impulse, turning

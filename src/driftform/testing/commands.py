@@ -57,18 +57,12 @@ class CommandsContract(Contract):
                 assert getattr(parameter, "help", "text"), f"{name} {parameter.name}"
 
     def test_a_call_that_works_exits_with_0(self) -> None:
-        """Each call of ``works`` prints something, and exits with 0."""
+        """Each call of ``works`` prints something and exits with 0; with ``--json`` stdout is one JSON document."""
         assert self.works, "name at least one call that works"
         for words in self.works:
-            done = self.call(*words)
-            assert done.exit_code == 0, done.output
-            assert done.stdout.strip()
-
-    def test_with_json_stdout_is_one_document(self) -> None:
-        """Each call of ``works`` takes ``--json``, and then prints one JSON document."""
-        for words in self.works:
-            done = self.call(*words, "--json")
-            assert done.exit_code == 0, done.output
+            for done in (self.call(*words), self.call(*words, "--json")):
+                assert done.exit_code == 0, done.output
+                assert done.stdout.strip()
             assert isinstance(json.loads(done.stdout), dict)
 
     def test_wrong_input_is_one_line_and_exits_with_2(self) -> None:

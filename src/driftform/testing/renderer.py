@@ -148,12 +148,9 @@ class RendererContract(SeamContract[Renderer[Any]]):
         """A renderer that was sent to another process makes the same frames."""
         np.testing.assert_array_equal(self.frames(tmp_path), self.frames(tmp_path, renderer=self.copy()))
 
-    def test_a_flight_of_one_sample_is_a_film_too(self, tmp_path: Path) -> None:
-        """A flight that ended at its release has one sample; the film shows it there."""
+    def test_a_flight_of_one_sample_and_open_water_are_filmed_too(self, tmp_path: Path) -> None:
+        """A flight that ended at its release has one sample, and a scenario needs neither pipe nor targets."""
         assert len(self.frames(tmp_path, trajectory=first_sample(drifting_trajectory()))) >= 1
-
-    def test_open_water_is_filmed_too(self, tmp_path: Path) -> None:
-        """A scenario needs neither pipe nor targets."""
         assert len(self.frames(tmp_path, scenario=Scenario())) > 1
 
     def test_progress_is_reported_frame_by_frame(self, tmp_path: Path) -> None:

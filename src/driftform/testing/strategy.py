@@ -111,14 +111,10 @@ class StrategyContract(Contract):
         """A batch has at least one candidate, so that the run ends, and at most the remaining number of evaluations."""
         self.ask(self.start(), limit)
 
-    @pytest.mark.parametrize("budget", [1, 13, 100])
-    def test_a_budget_is_spent_exactly(self, budget: int) -> None:
-        """This holds also if the budget ends in the middle of a batch."""
-        assert len(self.play(self.start(), budget)) == budget
-
-    def test_a_budget_may_be_handed_out_in_small_pieces(self) -> None:
-        """The strategy works with limits of one to three candidates at a time."""
-        self.play(self.start(), 60, limits=(1, 2, 3))
+    @pytest.mark.parametrize(("budget", "limit"), [(1, 1000), (13, 1000), (100, 1000), (60, 3), (240, 40)])
+    def test_a_budget_is_spent_exactly(self, budget: int, limit: int) -> None:
+        """This holds also if it ends in a batch, or is handed out in pieces; parents are evaluations that ``tell`` received."""
+        assert len(self.play(self.start(), budget, limits=(limit, max(1, limit // 2)))) == budget
 
     def test_candidates_are_genomes_of_the_grammar(self) -> None:
         """All candidates can be expressed."""
@@ -126,10 +122,6 @@ class StrategyContract(Contract):
         for candidate in self.play(self.start(), 100):
             assert candidate.genome.grammar == grammar.name
             grammar.express(candidate.genome)
-
-    def test_parents_are_earlier_evaluations(self) -> None:
-        """``Candidate.parents`` are indices of evaluations that ``tell`` received before the candidate was asked for."""
-        self.play(self.start(), 240, limits=(40,))
 
     def test_the_same_seed_asks_for_the_same_candidates(self) -> None:
         """All randomness comes from ``space.rng``."""
