@@ -175,6 +175,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """The JSON document of every command."""
     folder = tmp_path_factory.mktemp("cli")
     run, here = str(folder / "run"), str(folder)
+    (folder / "hull.csv").write_text("x_mm,r_mm\n0,0\n12,12\n50,12\n60,0\n", encoding="utf-8")
     lines = {
         "evolve": [
             "evolve",
@@ -204,6 +205,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         ],
         "export-flight": ["export-flight", WORD, "--simulator", "native", "--out", f"{here}/samples"],
         "export-flow": ["export-flow", "paper", "--spacing", "0.4", "--out", f"{here}/currents.csv"],
+        "body": ["body", f"{here}/hull.csv", "--mass", "0.02", "--cog", "0.03", "--out", f"{here}/hull.json"],
         "check": ["check", WORD, "--no-programs"],
         "trim": ["trim", WORD, "--printed-mass", "0.0345", "--simulator", "native"],
         "report": ["report", str(run)],

@@ -60,17 +60,23 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
     weight = "floats" if net > 0 else "sinks" if net < 0 else "hovers"
     modules = facts["modules"]
     aft = sum(m["side"] == "aft" for m in modules)
+    # A body of one's own has neither modules nor a core.
+    origin, parts = "volume's", []
+    if modules or facts["core_mass"] > 0:
+        origin, parts = "core's", ["hull", "core", *(["ballast"] if facts["ballast_mass"] else [])]
     rows = [
-        ("modules", f"{len(modules)} ({aft} aft, {len(modules) - aft} fore of the core)"),
+        *(
+            [("modules", f"{len(modules)} ({aft} aft, {len(modules) - aft} fore of the core)")]
+            if parts
+            else []
+        ),
         ("length", f"{1000 * facts['length']:.2f} mm"),
         ("largest diameter", f"{1000 * facts['max_diameter']:.2f} mm"),
         ("mass", f"{1000 * facts['mass']:.3f} g"),
-        ("  of it hull", f"{1000 * facts['hull_mass']:.3f} g"),
-        ("  of it core", f"{1000 * facts['core_mass']:.3f} g"),
-        *([("  of it ballast", f"{1000 * facts['ballast_mass']:.3f} g")] if facts["ballast_mass"] else []),
+        *((f"  of it {part}", f"{1000 * facts[f'{part}_mass']:.3f} g") for part in parts),
         ("displaced volume", f"{1e6 * facts['volume']:.3f} cm3"),
         ("net buoyancy", f"{net:+.4f} N (it {weight})"),
-        ("centre of gravity", f"x {1000 * facts['cog'][0]:+.3f} mm from the core's centre"),
+        ("centre of gravity", f"x {1000 * facts['cog'][0]:+.3f} mm from the {origin} centre"),
         ("centre of buoyancy", f"x {1000 * facts['cob'][0]:+.3f} mm"),
         (
             "inertia about the COG",

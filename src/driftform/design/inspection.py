@@ -163,7 +163,7 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
     """What a user must know; ``heaving`` is the mass, kg, that heave has to move, with that of the water."""
     body, mass = agent.body, agent.mass
     warnings = []
-    core_density = body.core.mass / (4 / 3 * math.pi * body.core.radius**3)
+    core_density = body.core.mass / (4 / 3 * math.pi * body.core.radius**3) if body.core.mass else 0.0
     if core_density > LEAD:
         warnings.append(f"the core is denser than lead: {core_density:.0f} kg/m3")
     net = mass.net_buoyancy(scenario.fluid)
@@ -179,7 +179,7 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
             f"added mass up to {lambda_max:.1f} times its own: simulators that take it from the step before, "
             f"smoothed, diverge beyond {LARGEST_LAGGED_RATIO:.2f}"
         )
-    if body.length > BED or body.max_diameter > BED:
+    if body.wall and (body.length > BED or body.max_diameter > BED):
         warnings.append(
             f"{1000 * body.length:.0f} mm long and {1000 * body.max_diameter:.0f} mm wide: "
             f"larger than the bed of a common printer ({1000 * BED:.0f} mm)"

@@ -130,7 +130,8 @@ def _describe_agent(agent: Agent) -> str:
     modules = (
         max(len(agent.body.joints) - 1, 0) if agent.morphology is None else len(agent.morphology.modules)
     )
-    count = {0: "Bare core", 1: "1 module"}.get(modules, f"{modules} modules")
+    bare = "Bare core" if agent.body.core.radius > 0 else "No modules"
+    count = {0: bare, 1: "1 module"}.get(modules, f"{modules} modules")
     density = f", mean density {mass.mass / mass.volume:.0f} kg/m³" if mass.volume > 0 else ""
     return f"{count}, {1000 * mass.mass:.1f} g, displaces {1e6 * mass.volume:.1f} cm³{density}"
 
@@ -141,7 +142,7 @@ def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]
     block = [
         ("mass", f"{1000 * mass.mass:.1f} g"),
         ("hull", f"{1000 * hull_mass(body):.1f} g of {body.hull_density:.0f} kg/m³"),
-        ("core", f"{1000 * body.core.mass:.1f} g"),
+        *([("core", f"{1000 * body.core.mass:.1f} g")] if body.core.radius > 0 else []),
         *(
             [("ballast", f"{1000 * body.ballast.volume * body.ballast_density:.2f} g")]
             if body.ballast.volume
@@ -234,7 +235,8 @@ def _plot_callouts(body: Body, place: Placement) -> dict[str, Any]:
     bottom = place.y + body.max_diameter / 2 * place.px_per_m
     left, right = (place.x + place.px_per_m * float(x) for x in body.outer[[0, -1], 0])
     wall = _find_wall_spot(body, place)
-    labels = [("core", place.x, f"core Ø {_format_number(2000 * body.core.radius)} mm")]
+    core = f"core Ø {_format_number(2000 * body.core.radius)} mm"
+    labels = [("core", place.x, core)] if body.core.radius > 0 else []
     if wall is not None:
         labels.append(("wall", float(wall[0][0]), f"wall {_format_number(1000 * body.wall)} mm"))
     labels.sort(key=lambda label: label[1])

@@ -16,7 +16,17 @@ import numpy as np
 from pydantic import ValidationError
 
 from driftform.errors import DriftformError, InputError, did_you_mean
-from driftform.interfaces import SEAMS, Checker, Exporter, PrintJob, Recorder, Renderer, SearchSpace, Strategy
+from driftform.interfaces import (
+    SEAMS,
+    Checker,
+    Exporter,
+    Grammar,
+    PrintJob,
+    Recorder,
+    Renderer,
+    SearchSpace,
+    Strategy,
+)
 from driftform.options import MAX_SEED, Table, option
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
@@ -153,11 +163,17 @@ class Study:
         """Refuse a study that cannot be searched, before anything is written.
 
         Raises:
-            InputError: if it has no targets, with the line to add, or if its strategy does not accept it.
+            InputError: if it has no targets, with the line to add, if its grammar has nothing to vary, or if its strategy
+                does not accept it.
         """
         if not self.scenario.targets:
             raise InputError(
                 f"{self.name}: has no [targets]; add at least one, such as leak = [4.0, 0.0, -0.9]"
+            )
+        grammar: Grammar[Any] = self.make_plugin("grammar")
+        if not grammar.random(np.random.default_rng(0)).symbols:
+            raise InputError(
+                f"{self.name}: grammar '{grammar.name}' has one genome, without symbols: nothing can evolve; choose another"
             )
         self.make_strategy()
 

@@ -177,7 +177,9 @@ def disturb_body(condition: Condition, body: Body) -> Body:
     weighed print has the mass of the design, but for what is ``left``, which lies beside the core.
     """
     if condition.specimen is Specimen.WEIGHED:
-        return replace(body, core=replace(body.core, mass=max(0.0, body.core.mass + condition.left)))
+        # A body of one's own has no core, and may lack ballast.
+        left = max(condition.left, -body.core.mass or condition.left)
+        return replace(body, core=replace(body.core, mass=body.core.mass + left))
     thicker = max(0.0, 1 + condition.wall / body.wall) if body.wall else 1.0
     return replace(body, hull_density=body.hull_density * condition.mass * thicker)
 

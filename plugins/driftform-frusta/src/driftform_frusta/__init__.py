@@ -5,15 +5,34 @@ from typing import TYPE_CHECKING, Any
 from driftform import hookimpl
 
 if TYPE_CHECKING:
-    from driftform.interfaces import Exporter, PhenotypeBuilder
+    import typer
+
+    from driftform.interfaces import Exporter, Grammar, PhenotypeBuilder
 
 
 @hookimpl
-def driftform_builder() -> "type[PhenotypeBuilder[Any]]":
-    """A chain of conical frustums around the core."""
+def driftform_builder() -> "list[type[PhenotypeBuilder[Any]]]":
+    """A chain of conical frustums around the core, and a body by its profile."""
     from driftform_frusta.builder import FrustaBuilder
+    from driftform_frusta.own.builder import ProfileBuilder
 
-    return FrustaBuilder
+    return [FrustaBuilder, ProfileBuilder]
+
+
+@hookimpl
+def driftform_grammar() -> "type[Grammar[Any]]":
+    """The one genome of a body by its profile."""
+    from driftform_frusta.own.builder import FixedGrammar
+
+    return FixedGrammar
+
+
+@hookimpl
+def driftform_commands(app: "typer.Typer") -> None:
+    """Add ``driftform body``."""
+    from driftform_frusta.own.command import body
+
+    app.command("body")(body)
 
 
 @hookimpl

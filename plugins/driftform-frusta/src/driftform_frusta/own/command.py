@@ -1,0 +1,87 @@
+"""``driftform body``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from driftform.cli import options
+
+
+def body(
+    profile: Annotated[
+        Path,
+        typer.Argument(
+            metavar="PROFILE",
+            help="A CSV file with the columns x_mm,r_mm or x_m,r_m, x from the nose; or STL, OBJ, PLY, GLB or STEP of a "
+            "closed solid of revolution.",
+        ),
+    ],
+    mass: Annotated[float, typer.Option(metavar="KG", help="Mass of the whole body.")],
+    cog: Annotated[float, typer.Option(metavar="M", help="Distance of the centre of gravity from the nose.")],
+    inertia: Annotated[
+        tuple[float, float] | None,
+        typer.Option(
+            metavar="AXIAL TRANSVERSE",
+            help="Moments of inertia about the centre of gravity, kg m2; by default those of even density.",
+        ),
+    ] = None,
+    unit: Annotated[
+        str | None,
+        typer.Option(metavar="UNIT", help="Unit of a mesh: mm, cm, m or in; by default mm, and m for GLB."),
+    ] = None,
+    flip: Annotated[bool, typer.Option("--flip", help="Take the other end as the nose.")] = False,
+    scenario: options.ScenarioOption = None,
+    settings: options.Settings = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Agent to write; by default NAME.json.")
+    ] = None,
+    json: options.Json = False,
+) -> None:
+    """Make an agent of a body of one's own, by its profile, mass and centre of gravity; all commands take it."""
+    from driftform import Design, StoredAgent, load_study
+    from driftform.cli import output
+    from driftform.types import Genome
+    from driftform.util import files
+    from driftform_frusta.own.profile import read_profile
+
+    file, shape = out or Path(f"{profile.stem}.json"), read_profile(profile, unit, flip)
+    made = {"use": "profile", "profile": shape.points.round(9).tolist(), "mass": mass, "cog": cog}
+    made |= {"inertia": list(inertia)} if inertia else {}
+    water = load_study(scenario, settings or ()).environment()
+    stored = StoredAgent(
+        file.stem, Genome("fixed", ()), {**water, "grammar": {"use": "fixed"}, "builder": made}, {}
+    )
+    design = Design.build(stored, str(file)).under()
+    files.make_directory(file.parent, "--out")
+    design.stored.write(file)
+    added = design.coefficients.added_mass
+    displaced = design.scenario.fluid.density * design.mass.volume
+    cob = float(design.agent.body.outer[-1, 0] - design.mass.cob[0])
+    facts = {
+        "agent": str(file),
+        "length": shape.length,
+        "max_diameter": design.max_diameter,
+        "deviation": shape.deviation,
+        "axis": shape.axis,
+        "mass": design.mass.mass,
+        "displaced": displaced,
+        "net_buoyancy": design.net_buoyancy,
+        "cog": cog,
+        "cob": cob,
+        "added_mass": [float(added[i, i]) for i in (0, 1, 4)],
+        "hydrodynamics": design.pipeline.hydrodynamics.name,
+    }
+    if json:
+        output.print_json(facts)
+        return
+    print(f"{profile}: {1000 * shape.length:.1f} mm long, {1000 * design.max_diameter:.1f} mm in diameter")
+    if shape.axis is not None:
+        print(f"axis:      ({', '.join(f'{c:.4f}' for c in shape.axis)}) in the file, from tail to nose")
+        print(f"deviation: {100 * shape.deviation:.2f} % of the diameter from a solid of revolution")
+    print(f"mass:      {mass:g} kg, displaces {displaced:.5g} kg: {design.net_buoyancy:+.4g} N")
+    print(f"centres:   of gravity {1000 * cog:.1f} mm from the nose, of buoyancy {1000 * cob:.1f} mm")
+    print(
+        f"added:     {added[0, 0]:.4g} kg along the axis, {added[1, 1]:.4g} kg across it, by {facts['hydrodynamics']}"
+    )
+    print(f"agent:     {file}; driftform inspect {file}")

@@ -1,0 +1,258 @@
+"""Bodies of one's own: read from profiles and meshes of other programs, they are agents like any other."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+from solids import remus_body
+
+from driftform import load_study, open_agent
+from driftform.agent import mass_properties, solid_of_revolution
+from driftform.errors import InputError
+from driftform.motion.inertia import added_mass_at
+from driftform.testing.bodies import spheroid_body
+from driftform.types import Morphology
+from driftform.water import Fluid
+from driftform_frusta.exporters.step import StepExporter
+from driftform_frusta.exporters.stl import StlExporter
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.own.builder import ProfileBuilder, ProfileOptions, place_profile
+from driftform_frusta.own.profile import read_profile
+from driftform_panels.coefficients import PanelMethod
+from driftform_panels.solve import PanelOptions
+
+SLOPED = Rotation.from_euler("xyz", [37, -52, 11], degrees=True).as_matrix()
+
+
+def write_csv(path, outer, unit="m"):
+    scale = {"m": 1, "mm": 1000}[unit]
+    rows = [f"{scale * (outer[-1, 0] - x):.9g},{scale * r:.9g}" for x, r in outer[::-1]]
+    path.write_text("\n".join([f"x_{unit},r_{unit}", *rows]) + "\n")
+    return path
+
+
+def added_mass_of(outer):
+    """Added mass along and across the axis, and of a turn, about the centre of the volume."""
+    body = replace(spheroid_body(1, 1), outer=outer)
+    coefficients = PanelMethod(PanelOptions()).coefficients(body, Fluid(density=1000.0))
+    centre = np.array([solid_of_revolution(outer).centroid, 0.0, 0.0])
+    return np.diag(added_mass_at(coefficients, centre))[[0, 1, 5]]
+
+
+def tube(bend, radius=12.0, length=100.0, rings=13, around=32):
+    """A tube along a circle that turns by ``bend``, rad, closed by flat ends; mm."""
+    R = length / bend
+    turn = np.linspace(0, 2 * np.pi, around, endpoint=False)
+    vertices = []
+    for a in np.linspace(0, bend, rings):
+        middle = [R * np.sin(a), R * (1 - np.cos(a)), 0]
+        across = np.array([-np.sin(a), np.cos(a), 0])
+        vertices.append(
+            middle + radius * (np.outer(np.cos(turn), across) + np.outer(np.sin(turn), [0, 0, 1]))
+        )
+    ends = [vertices[0].mean(axis=0), vertices[-1].mean(axis=0)]
+    k, n = np.arange(around), rings * around
+    after = (k + 1) % around
+    faces = [np.column_stack([np.full(around, n), k, after])]
+    for i in range(0, n - around, around):
+        faces += [np.column_stack([i + k, i + around + k, i + after])]
+        faces += [np.column_stack([i + after, i + around + k, i + around + after])]
+    faces.append(np.column_stack([np.full(around, n + 1), n - around + after, n - around + k]))
+    mesh = trimesh.Trimesh(np.concatenate([*vertices, ends]), np.concatenate(faces)[:, ::-1], process=False)
+    assert mesh.is_watertight and mesh.volume > 0
+    return mesh
+
+
+@pytest.fixture(scope="module")
+def agents():
+    pipeline = load_study("paper", run={"seed": 0}).make_pipeline()
+    rng = np.random.default_rng(5)
+    return [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(3)]
+
+
+@pytest.mark.parametrize("unit", ["m", "mm"])
+def test_remus_has_the_added_mass_that_panels_find(unit, tmp_path):
+    outer = remus_body(edges=400).outer
+    profile = read_profile(write_csv(tmp_path / "remus.csv", outer, unit))
+    assert profile.length == pytest.approx(1.3327, abs=1e-4)
+    assert added_mass_of(place_profile(profile.points)) == pytest.approx(added_mass_of(outer), rel=1e-3)
+
+
+def test_suboff_has_the_added_mass_that_panels_find(tmp_path):
+    station = np.array(
+        [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 1, 2, 3, 4, 7.7143, 15.1429, 16, 17, 18, 19, 20, 20.4167]
+    )
+    radius = np.ones(len(station))
+    radius[:12] = [
+        0,
+        0.29058,
+        0.39396,
+        0.466,
+        0.52147,
+        0.56627,
+        0.60352,
+        0.63514,
+        0.70744,
+        0.84713,
+        0.94066,
+        0.99282,
+    ]
+    radius[14:] = [0.97598, 0.8191, 0.55025, 0.26835, 0.11724, 0]
+    outer = np.column_stack([-station * 0.21336, radius * 0.254])[::-1]
+    profile = read_profile(write_csv(tmp_path / "suboff.csv", outer, "mm"))
+    assert added_mass_of(place_profile(profile.points)) == pytest.approx(added_mass_of(outer), rel=1e-3)
+
+
+def test_a_tilted_and_scaled_stl_has_the_coefficients_of_its_agent(agents, specimen_of, tmp_path):
+    for number, agent in enumerate(agents):
+        path = tmp_path / f"{number}.stl"
+        StlExporter(PartOptions()).write(specimen_of(agent.body), path)
+        mesh = trimesh.load(path)
+        mesh.vertices = 2.5 * mesh.vertices @ SLOPED.T + [300, -20, 7]
+        mesh.export(path)
+        profile = read_profile(path)
+        assert abs(profile.axis @ SLOPED[:, 2]) == pytest.approx(1, abs=1e-9)
+        assert profile.deviation < 2e-3
+        found, expected = added_mass_of(place_profile(profile.points)), added_mass_of(2.5 * agent.body.outer)
+        assert found == pytest.approx(expected, rel=5e-3)
+
+
+@pytest.mark.peers
+def test_a_step_file_has_the_coefficients_of_its_agent(agents, specimen_of, tmp_path):
+    path = tmp_path / "agent.step"
+    StepExporter(PartOptions()).write(specimen_of(agents[0].body), path)
+    found = added_mass_of(place_profile(read_profile(path).points))
+    assert found == pytest.approx(added_mass_of(agents[0].body.outer), rel=5e-3)
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".glb"])
+def test_each_format_gives_the_same_profile(suffix, tmp_path):
+    mesh = trimesh.creation.capsule(height=35.0, radius=12.5, count=(64, 64))
+    mesh.apply_scale(1e-3 if suffix == ".glb" else 1.0)
+    mesh.export(tmp_path / f"capsule{suffix}")
+    profile = read_profile(tmp_path / f"capsule{suffix}")
+    assert (profile.length, 2 * profile.points[:, 1].max()) == pytest.approx((0.06, 0.025), rel=2e-3)
+    volume = np.pi * 0.0125**2 * (0.035 + 4 / 3 * 0.0125)
+    assert solid_of_revolution(place_profile(profile.points)).volume == pytest.approx(volume, rel=5e-3)
+
+
+@pytest.mark.parametrize("height", [17.0, 1.0, 300.0])
+def test_the_axis_is_found_also_where_moments_of_inertia_are_alike(height, tmp_path):
+    mesh = trimesh.creation.cylinder(radius=10.0, height=height, sections=64)
+    mesh.vertices = mesh.vertices @ SLOPED.T
+    mesh.export(tmp_path / "cylinder.stl")
+    profile = read_profile(tmp_path / "cylinder.stl")
+    assert np.abs(profile.axis @ SLOPED[:, 2]) == pytest.approx(1, abs=1e-6)
+    assert profile.points == pytest.approx(
+        np.array([(0, 0), (0, 0.01), (height / 1000, 0.01), (height / 1000, 0)]), abs=2e-5
+    )
+
+
+@pytest.mark.parametrize(
+    ("mesh", "least", "most"),
+    [
+        # In a cube the corners lie a / sqrt 2 from the axis; the circle of its section has a radius of a / sqrt pi.
+        (lambda: trimesh.creation.box((40, 40, 40)), 12.6, 12.8),
+        (lambda: trimesh.creation.cylinder(radius=10, height=50, sections=6), 3, 10),
+        (lambda: tube(1.0), 15, 40),
+        (lambda: trimesh.creation.annulus(r_min=8, r_max=10, height=50), 20, 60),
+    ],
+    ids=["cube", "hexagon", "bent tube", "open tube"],
+)
+def test_what_is_no_solid_of_revolution_is_refused_with_the_number(mesh, least, most, tmp_path):
+    mesh().export(tmp_path / "part.stl")
+    with pytest.raises(
+        InputError, match=r"part\.stl: is not a solid of revolution: .* (\d+\.\d) %"
+    ) as refusal:
+        read_profile(tmp_path / "part.stl")
+    assert least < float(str(refusal.value).partition("deviates by ")[2].partition(" %")[0]) < most
+
+
+def test_a_tube_that_is_hardly_bent_is_taken_with_its_deviation(tmp_path):
+    bend, length, radius = 0.02, 100.0, 12.0
+    tube(bend, radius, length).export(tmp_path / "tube.stl")
+    # The middle of an arc lies L bend / 8 from its chord, the ends on it, and the axis between both.
+    assert 0.3 < read_profile(tmp_path / "tube.stl").deviation * 2 * radius / (length * bend / 8) < 2
+
+
+def test_cavities_are_inside_and_two_solids_are_refused(tmp_path):
+    ball = trimesh.creation.icosphere(3, radius=10.0)
+    hollow = trimesh.util.concatenate([ball, trimesh.creation.icosphere(3, radius=8.0)])
+    hollow.faces[len(ball.faces) :] = hollow.faces[len(ball.faces) :, ::-1]
+    hollow.export(tmp_path / "hollow.stl")
+    assert read_profile(tmp_path / "hollow.stl").points[:, 1].max() == pytest.approx(0.01, rel=1e-2)
+    trimesh.util.concatenate([ball, ball.copy().apply_translation([30, 0, 0])]).export(tmp_path / "two.stl")
+    with pytest.raises(InputError, match="several solids"):
+        read_profile(tmp_path / "two.stl")
+
+
+def test_mass_centre_and_inertia_are_those_that_were_given():
+    points = ((0.0, 0.0), (0.0, 0.01), (0.1, 0.02), (0.15, 0.0))
+    values = {"profile": points, "mass": 0.2, "cog": 0.06}
+    for inertia in (None, (2e-5, 3e-4)):
+        body = ProfileBuilder(ProfileOptions(**values, inertia=inertia)).build(Morphology())
+        found = mass_properties(body)
+        solid = solid_of_revolution(body.outer)
+        even = 0.2 / solid.volume * np.array([solid.polar, solid.transverse])
+        assert found.mass == pytest.approx(0.2)
+        assert body.outer[-1, 0] - found.cog[0] == pytest.approx(0.06)
+        assert found.cob == pytest.approx(np.zeros(3), abs=1e-12)
+        assert np.diag(found.inertia)[:2] == pytest.approx(inertia or even)
+
+
+BAD_FILES = {
+    "x_mm,r_cm\n0,0\n1,1\n": "its first line is 'x_mm,r_cm'; it must name the columns x_mm,r_mm or x_m,r_m",
+    "x_m,r_m\n0,0\nnose,1\n": "line 3 has no two numbers: 'nose,1'",
+    "x_m,r_m\n0,0\n.1,-1\n": "line 3: x must be a number, and the radius a number from 0",
+    "x_m,r_m\n0,.1\n.2,.1\n.1,.1\n": "line 4: x falls to .1",
+    "x_m,r_m\n0,0\n1,0\n": "it needs at least two points at different x, and a radius above 0",
+    "x_m,r_m\n0,0\n1,1\n2,0\n3,1\n": "the radius is 0 between nose and tail",
+    "x_m,r_m\n0,1\n1000,1\n": "is 1000 m long; a body has 0.001 to 100 m: check x_mm and x_m",
+    "": "its first line is ''",
+}
+
+
+@pytest.mark.parametrize("text", BAD_FILES)
+def test_a_profile_that_is_wrong_is_refused_in_one_line(text, refused, tmp_path):
+    Path("p.csv").write_text(text)
+    assert f"error: p.csv: {BAD_FILES[text]}" in refused("body", "p.csv", "--mass", 1, "--cog", 0.1)
+
+
+def test_wrong_options_and_files_are_refused_in_one_line(refused):
+    Path("p.csv").write_text("x_m;r_m\n0;0,1\n1;0,1\n")
+    Path("p.stl").write_bytes(b"\xff\0" * 100)
+    Path("p.doc").write_text("")
+    given = ("body", "p.csv", "--mass", 1)
+    assert "cog is 3 m from the nose, and the body 1 m long" in refused(*given, "--cog", 3)
+    assert "mass" in refused("body", "p.csv", "--mass", -1, "--cog", 0.1)
+    assert "is not possible: about the axis at most 0.01" in refused(*given, "--cog", 0.1, "--inertia", 5, 5)
+    assert "--unit ft: is not one of mm, cm, m, in" in refused(*given, "--cog", 0.1, "--unit", "ft")
+    assert "p.stl: cannot be read as STL" in refused("body", "p.stl", "--mass", 1, "--cog", 0.1)
+    assert "p.doc: '.doc' is no format of a profile" in refused("body", "p.doc", "--mass", 1, "--cog", 0.1)
+    assert "none.stl: no such file" in refused("body", "none.stl", "--mass", 1, "--cog", 0.1)
+    assert "has one genome, without symbols" in refused("evolve", "--set", "grammar.use=fixed")
+
+
+def test_the_agent_is_one_for_other_commands(call, tmp_path):
+    write_csv(Path("capsule.csv"), spheroid_body(0.03, 0.0125).outer, "mm")
+    made = call("body", "capsule.csv", "--mass", 0.02, "--cog", 0.028, "--json")
+    assert made.exit_code == 0, made.stderr
+    facts = json.loads(made.stdout)
+    assert (facts["length"], facts["cob"]) == pytest.approx((0.06, 0.03), rel=1e-3)
+    shown = call("inspect", "capsule.json")
+    assert (
+        shown.exit_code == 0
+        and "modules" not in shown.stdout
+        and "2.000 mm from the volume's" in shown.stdout
+    )
+    design = open_agent("capsule.json").under("flight.horizon=1.0", use={"simulator": "native"})
+    assert len(design.disturb(2).offsets) == 2
+    assert json.loads(call("export", "capsule.json", "--format", "stl,svg,scad", "--json").stdout)
+    turned = call(
+        "body", "capsule.csv", "--mass", 0.02, "--cog", 0.028, "--flip", "--out", "back.json", "--json"
+    )
+    assert json.loads(turned.stdout)["added_mass"] == pytest.approx(facts["added_mass"], rel=1e-3)
