@@ -12,7 +12,7 @@ import numpy as np
 from driftform.agent import mass_properties, solid_of_revolution
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
-from driftform.plugins.faults import describe_fault
+from driftform.plugins import faults
 from driftform.plugins.seams import (
     require_body,
     require_coefficients,
@@ -146,7 +146,7 @@ class Pipeline:
         try:
             body = self.build(self.express(genome))
         except Exception as error:
-            return describe_fault(error)
+            return faults.describe_fault(error)
         return find_misfit(body, self.scenario) or body
 
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
@@ -167,7 +167,7 @@ class Pipeline:
         try:
             return self.fly(agents)
         except (ArithmeticError, RuntimeError) as error:
-            raise WorkFailedError(f"{name}: cannot be flown: {describe_fault(error)}") from None
+            raise WorkFailedError(f"{name}: cannot be flown: {faults.describe_fault(error)}") from None
 
     def score(self, trajectory: Trajectory, agent: Agent, scenario: Scenario | None = None) -> FloatArray:
         """Trajectory -> fitness (%) for each target, (targets,), in the pipeline's scenario or in another."""
@@ -223,8 +223,8 @@ class Pipeline:
         for index, genome in enumerate(genomes):
             try:
                 agent = self.make_agent(genome, conditions[index])
-            except (Exception, SystemExit) as error:
-                outcomes[index] = Evaluation.failed(genome, targets, describe_fault(error))
+            except faults.CAUGHT as error:
+                outcomes[index] = Evaluation.failed(genome, targets, faults.describe_fault(error))
                 continue
             if conditions[index] is not None:
                 scenarios[index] = ease_release(agent.body, self.scenario, scenarios[index])
@@ -259,9 +259,9 @@ class Pipeline:
             return []
         try:
             return list(self._fly_or_screen(agents, scenarios, thresholds, screened))
-        except (Exception, SystemExit) as error:
+        except faults.CAUGHT as error:
             if len(agents) == 1:
-                return [describe_fault(error)]
+                return [faults.describe_fault(error)]
             return [
                 flight
                 for agent, scenario, threshold in zip(agents, scenarios, thresholds, strict=True)
@@ -284,7 +284,7 @@ class Pipeline:
                 return True
             try:
                 fitness = self.score(trajectory, agent)
-            except (Exception, SystemExit):
+            except faults.CAUGHT:
                 # The same error in the score of the checked flight is the failure of the evaluation.
                 return True
             screened[agent] = ScoredFlight(trajectory, fitness)
@@ -315,5 +315,5 @@ class Pipeline:
             return Evaluation(genome, screened.fitness, trajectory)
         try:
             return Evaluation(genome, self.score(trajectory, agent), trajectory)
-        except (Exception, SystemExit) as error:
-            return Evaluation.failed(genome, targets, describe_fault(error))
+        except faults.CAUGHT as error:
+            return Evaluation.failed(genome, targets, faults.describe_fault(error))

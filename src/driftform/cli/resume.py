@@ -24,12 +24,16 @@ def resume(
 
     With a larger budget a complete run continues too: the result is that of a run that had it from the start.
     """
-    from driftform.cli.running import advance_run
+    from driftform.cli.running import advance_run, show_results
     from driftform.runs.run import Run
-    from driftform.search.executors import open_executor
 
-    with (
-        Run.resume(run, evaluations) as resumed,
-        open_executor(resumed.study, executor, scheduler, workers) as place,
-    ):
-        advance_run(resumed, place, json)
+    with Run.resume(run, evaluations) as resumed:
+        from driftform.search.advance import find_ended
+
+        if (ended := find_ended(resumed)) is not None:
+            show_results(resumed, ended, json)
+            return
+        from driftform.search.executors import open_executor
+
+        with open_executor(resumed.study, executor, scheduler, workers) as place:
+            advance_run(resumed, place, json)

@@ -1,6 +1,7 @@
 """What ``evolve`` and ``resume`` share: advance a run, and print what it found."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING
@@ -17,9 +18,6 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
     """Advance a run to the end of its budget and print its results; say how to resume it if it is interrupted."""
     import time
 
-    from driftform.cli.output import print_json
-    from driftform.errors import WorkFailedError
-
     started = time.perf_counter()
     try:
         # The run is there already: an interruption of these imports names the line that resumes it, too.
@@ -28,13 +26,29 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
         from driftform.search.jobs import WorkersLostError
 
         progress = Progress(run)
-        results = search(run, executor, progress)
-    except KeyboardInterrupt:
+        with stop_at_signals():
+            results = search(run, executor, progress)
+    except KeyboardInterrupt as stop:
         typer.echo(_describe_stop(run), err=True)
-        raise typer.Exit(130) from None
+        raise typer.Exit(stop.args[0] if stop.args else 130) from None
     except WorkersLostError as error:
         raise WorkersLostError(f"{error}; {_describe_stop(run)}") from None
-    seconds = time.perf_counter() - started
+    show_results(run, results, json, time.perf_counter() - started, [*warnings, *progress.warnings])
+
+
+def show_results(
+    run: "Run", results: "list[Best]", json: bool, seconds: float = 0.0, warnings: Sequence[str] = ()
+) -> None:
+    """Print what a run has found, in words or as JSON.
+
+    Raises
+    ------
+    WorkFailedError
+        if a file could not be written.
+    """
+    from driftform.cli.output import print_json
+    from driftform.errors import WorkFailedError
+
     overview, reach = (run.path / "figures" / f"{name}.svg" for name in ("overview", "reach"))
     if json:
         evaluations, failed = run.count()
@@ -60,7 +74,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
                     }
                     for best in results
                 },
-                "warnings": [*warnings, *progress.warnings],
+                "warnings": list(warnings),
                 "overview": str(overview),
                 "reach": str(reach),
             }
@@ -70,6 +84,26 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
     problems = [problem for best in results for problem in best.problems]
     if problems:
         raise WorkFailedError(*problems)
+
+
+@contextmanager
+def stop_at_signals() -> Iterator[None]:
+    """Let the signals by which batch systems and terminals end a program do what Ctrl-C does."""
+    import signal
+
+    def stop(number: int, _: object) -> None:
+        raise KeyboardInterrupt(128 + number)
+
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    # One that is ignored, as under nohup, stays so.
+    caught = [number for name in names if signal.getsignal(number := getattr(signal, name)) is signal.SIG_DFL]
+    for number in caught:
+        signal.signal(number, stop)
+    try:
+        yield
+    finally:
+        for number in caught:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def _describe_stop(run: "Run") -> str:

@@ -8,6 +8,9 @@ from typing import Any
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.interfaces import SEAMS, Plugin
 
+CAUGHT: tuple[type[BaseException], ...] = (Exception, SystemExit)
+"""What a plugin may raise at the cost of its genome alone; in a worker that is anything, because nobody interrupts it."""
+
 
 def name_plugin(plugin: Plugin[Any]) -> str:
     """Return seam and name of a plugin, such as ``simulator 'native'``."""

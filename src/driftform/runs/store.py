@@ -3,12 +3,13 @@
 The file holds data only: numbers, text, and trajectories as compressed float32 arrays. Opening one never runs code.
 """
 
+import hashlib
 import json
 import re
 import sqlite3
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -281,6 +282,36 @@ class Store:
                 )
         except sqlite3.Error as error:
             raise WorkFailedError(f"{self._path}: the study cannot be written: {error}") from None
+
+    def compute_digest(self) -> str:
+        """Return a digest of all that is stored except the samples of flights, of which only the size counts."""
+        columns = "id, generation, population, parents, grammar, symbols, tuning, seed, failure, ended, duration, contact"
+        digest = hashlib.sha256()
+        with self._reading():
+            for query in (
+                "SELECT value FROM meta WHERE key = 'study'",
+                f"SELECT {columns}, energy_drift, error, length(trajectory) FROM evaluation ORDER BY id",
+                "SELECT * FROM score ORDER BY target, evaluation",
+                "SELECT * FROM disturbed ORDER BY target, evaluation, condition",
+            ):
+                rows = self._connection.execute(query)
+                while some := rows.fetchmany(1000):
+                    digest.update(repr(some).encode())
+        return digest.hexdigest()
+
+    def mark_ended(self, facts: Mapping[str, Any]) -> None:
+        """Store that the run has ended as it is now, with facts about that."""
+        ended = json.dumps({**facts, "digest": self.compute_digest()})
+        with suppress(sqlite3.Error), self._writing():
+            self._connection.execute("INSERT OR REPLACE INTO meta VALUES ('ended', ?)", (ended,))
+
+    def read_ended(self) -> dict[str, Any]:
+        """Return the facts of the end if nothing has changed since, otherwise nothing."""
+        with self._reading():
+            row = self._connection.execute("SELECT value FROM meta WHERE key = 'ended'").fetchone()
+            found = json.loads(row[0]) if row is not None else {}
+        is_same = isinstance(found, dict) and found.get("digest") == self.compute_digest()
+        return found if is_same else {}
 
     def check_place(self) -> None:
         """Refuse to go on if the file is no longer where it was opened: SQLite would write to it, wherever it is.

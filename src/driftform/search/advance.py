@@ -8,11 +8,13 @@ from driftform.errors import DriftformError, InputError
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.run import Run
 from driftform.runs.store import Record, Store
+from driftform.search.cluster import find_versions
 from driftform.search.finalists import find_best_agent, fly_finalists
 from driftform.search.jobs import Executor
 from driftform.search.loop import run_search
 from driftform.search.outlook import Outlook
 from driftform.search.results import Best, write_results
+from driftform.util.files import is_file
 from driftform.water.flow import GridFlow
 
 
@@ -55,16 +57,52 @@ def advance_run(run: Run, executor: Executor, observer: Observer | None = None) 
         WorkFailedError: if every evaluation failed.
     """
     observer = observer or Observer()
+    if (ended := find_ended(run)) is not None:
+        return ended
     with run.write() as store:
         _search(run, store, executor, observer)
         with observer.open_finalists() as progress:
             fly_finalists(run.study, store, executor, progress)
         store.check_place()
         try:
-            return write_results(Run(run.path, run.study), executor)
+            found = write_results(Run(run.path, run.study), executor)
         except DriftformError:
             store.check_place()
             raise
+        if not any(best.problems for best in found):
+            files = {
+                best.target: [path.relative_to(run.path).as_posix() for path in best.files] for best in found
+            }
+            results = {best.target: best.result for best in found}
+            store.mark_ended(
+                {"versions": find_versions(run.study.document), "files": files, "results": results}
+            )
+        return found
+
+
+def find_ended(run: Run) -> list[Best] | None:
+    """Return the best agents of a run that has ended and was not changed since, ``None`` for any other.
+
+    What was stored, the versions of all that affects it, and the files of the agents are compared with those of the end.
+    """
+    with run.read() as store:
+        ended = store.read_ended()
+    if ended.get("versions") != find_versions(run.study.document):
+        return None
+    found = []
+    for target, result in ended["results"].items():
+        files = tuple(run.path / name for name in ended["files"][target])
+        pictures = [run.path / "figures" / f"{name}.svg" for name in ("overview", "reach")]
+        if not all(map(is_file, (*files, *pictures))):
+            return None
+        try:
+            written = StoredAgent.read(files[0])
+        except InputError:
+            return None
+        if written.result != result:
+            return None
+        found.append(Best(target, result, files[0], files))
+    return found
 
 
 def _search(run: Run, store: Store, executor: Executor, observer: Observer) -> None:

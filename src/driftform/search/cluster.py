@@ -5,9 +5,11 @@ The cluster stores nothing of a run. Every task carries the study, in two kiloby
 
 import asyncio
 import faulthandler
+import hashlib
 import json
 import logging
 import os
+import secrets
 import signal
 import sys
 import threading
@@ -16,7 +18,7 @@ import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import closing, contextmanager, suppress
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,12 +26,14 @@ from typing import TYPE_CHECKING, Any
 from driftform import __version__
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
 from driftform.pipeline import Pipeline
+from driftform.plugins import faults
 from driftform.plugins.registry import registry
 from driftform.search.jobs import Job, Outcome, T, WorkersLostError, evaluate_batch
 from driftform.search.local import LocalProcesses
 from driftform.search.pool import POLL_S, Cause, Death, PoolExecutor, WorkerGroup
 from driftform.search.worker import hold_back_interrupts
 from driftform.study import SELECTED, Document, load_study
+from driftform.util.files import keep_directory
 from driftform.util.preparation import observe_preparation
 
 if TYPE_CHECKING:
@@ -146,7 +150,10 @@ class _Workers(WorkerGroup):
         self._client, self._cluster, self._where = client, cluster, where
         self._tasks = client.get_executor(pure=False)
         self._count = len(client.nthreads())
-        self._polled_at = self._seen_at = self._submitted_at = time.monotonic()
+        self._polled_at = self._seen_at = time.monotonic()
+        self._begun_at: float | None = None
+        self._topic = f"driftform-{secrets.token_hex(8)}"
+        client.subscribe_topic(self._topic, self._note_begun)
         self._has_printed = False
 
     @property
@@ -155,11 +162,14 @@ class _Workers(WorkerGroup):
         return max(1, self._count)
 
     def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
-        self._submitted_at = time.monotonic()
+        self._begun_at = None
         future: Future[list[Outcome]] = self._tasks.submit(
-            _work, self._study, self._versions, batch, self.timeout
+            _work, self._study, self._versions, batch, self.timeout, self._topic
         )
         return future
+
+    def _note_begun(self, _: object) -> None:
+        self._begun_at = time.monotonic()
 
     def find_error(self, future: "Future[list[Outcome]]") -> BaseException | None:
         from distributed.scheduler import KilledWorker
@@ -178,9 +188,9 @@ class _Workers(WorkerGroup):
         from distributed.scheduler import KilledWorker
 
         if not isinstance(error, KilledWorker):
-            return None
+            return super().find_death(error)
         # Dask does not say why a worker died; one that took too long ended itself then.
-        is_overdue = time.monotonic() - self._submitted_at >= self.timeout
+        is_overdue = self._begun_at is not None and time.monotonic() - self._begun_at >= self.timeout
         return Death(Cause.TIMEOUT if is_overdue else Cause.KILL, count=error.allowed_failures + 1)
 
     def poll(self) -> None:
@@ -234,13 +244,28 @@ class _Workers(WorkerGroup):
 
 
 def find_versions(document: Mapping[str, Any]) -> dict[str, str]:
-    """Return the versions of all that affects the outcome of an evaluation: driftform, the study's plugins, numerics."""
+    """Return the versions of all that affects the outcome of an evaluation: driftform, the study's plugins, numerics.
+
+    Of driftform and the plugins it has the digests of their sources too, which may differ within a version.
+    """
     found = {"driftform": __version__} | {name: metadata.version(name) for name in PACKAGES}
+    modules = {"driftform": "driftform"}
     for seam in SELECTED:
         if seam != "strategy":
-            rows = [row for row in registry().seam(seam) if row.name == document[seam]["use"]]
-            found |= {row.distribution: row.version for row in rows if row.available}
-    return found
+            for row in registry().seam(seam):
+                if row.name == document[seam]["use"] and row.cls is not None:
+                    found[row.distribution] = row.version
+                    modules[row.distribution] = row.cls.__module__.partition(".")[0]
+    return found | {f"sources of {name}": _hash_sources(module) for name, module in modules.items()}
+
+
+@cache
+def _hash_sources(module: str) -> str:
+    """Return a digest of the Python files of a package that is imported, or of a module."""
+    digest, file = hashlib.sha256(), Path(str(sys.modules[module].__file__))
+    for source in sorted(file.parent.rglob("*.py")) if file.name == "__init__.py" else [file]:
+        digest.update(source.relative_to(file.parent).as_posix().encode() + source.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def _import_distributed(option: str) -> Any:
@@ -285,11 +310,21 @@ _one_at_a_time = threading.Lock()
 """A worker may have many threads, and a simulator need not be thread-safe."""
 
 
-def _work(study: bytes, expected: Mapping[str, str], batch: Sequence[Job], timeout: float) -> list[Outcome]:
-    with _one_at_a_time:
+def _work(
+    study: bytes, expected: Mapping[str, str], batch: Sequence[Job], timeout: float, topic: str
+) -> list[Outcome]:
+    from distributed import get_worker
+
+    with _one_at_a_time, keep_directory():
         pipeline = _load_pipeline(study, tuple(expected.items()))
+        get_worker().log_event(topic, "begun")
+        process, faults.CAUGHT = os.getpid(), (BaseException,)
         with _limit_time(timeout):
-            return evaluate_batch(pipeline, batch)
+            outcomes = evaluate_batch(pipeline, batch)
+        if os.getpid() != process:
+            # A plugin has made a clone of the worker. Only the original answers.
+            os._exit(1)
+        return outcomes
 
 
 @contextmanager

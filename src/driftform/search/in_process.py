@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from driftform.pipeline import Pipeline
 from driftform.search.jobs import Job, Outcome, T, evaluate_batch, task_size
+from driftform.util.files import keep_directory
 
 
 class InProcess:
@@ -19,13 +20,15 @@ class InProcess:
         waiting = jobs if isinstance(jobs, deque) else deque(jobs)
         while waiting:
             size = task_size(len(waiting), 1, self._seconds)
-            outcomes = evaluate_batch(self._pipeline, [waiting.popleft() for _ in range(size)])
+            with keep_directory():
+                outcomes = evaluate_batch(self._pipeline, [waiting.popleft() for _ in range(size)])
             self._seconds = outcomes[0][1].seconds
             yield outcomes
 
     def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
         """Call functions one after the other, and return what they return."""
-        return [function() for function in functions]
+        with keep_directory():
+            return [function() for function in functions]
 
     def close(self) -> None:
         """Do nothing: there are no workers to stop."""

@@ -8,7 +8,7 @@ from itertools import cycle
 from typing import Any
 
 from driftform.search.jobs import ATTEMPTS, FunctionDiedError, Job, Outcome, T
-from driftform.search.pool import Cause, Death, PoolExecutor, WorkerDiedError, WorkerGroup
+from driftform.search.pool import Cause, PoolExecutor, WorkerDiedError, WorkerGroup
 from driftform.search.worker import Worker, prepare, work
 
 
@@ -92,8 +92,8 @@ class _Process(WorkerGroup):
             future = self._worker.submit(function)
         return future
 
-    def find_death(self, error: BaseException) -> Death | None:
-        return error.death if isinstance(error, WorkerDiedError) else None
+    def renew(self) -> None:
+        self.close()
 
     def close(self) -> None:
         if self._worker is not None:

@@ -17,6 +17,7 @@ from driftform.search.jobs import Executor, Job, Outcome
 from driftform.search.survey import Survey, count_survey
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation
+from driftform.util.files import keep_directory
 from driftform.water.scenario import Robustness, evaluation_seed
 
 AHEAD = 1
@@ -110,7 +111,9 @@ def run_search(
             if len(batches) == 1 or count_survey(study.scenario.robustness):
                 # Nothing is flown meanwhile, or the survey reads them.
                 journal.write()
-            strategy.tell(told, survey.fly(store, executor, told, batch.candidates, batch.ordered))
+            outcomes = survey.fly(store, executor, told, batch.candidates, batch.ordered)
+            with keep_directory():
+                strategy.tell(told, outcomes)
             best.add(batch.ordered)
             batches.popleft()
             told += len(batch.candidates)
@@ -152,7 +155,8 @@ def _evaluate_forever(executor: Executor, waiting: deque[Job]) -> Iterator[Seque
 
 def _ask(study: Study, strategy: Strategy[Any], asked: int) -> _Batch:
     left, grammar = study.evaluations - asked, study.document["grammar"]["use"]
-    found, targets = strategy.ask(left), study.scenario.target_names
+    with keep_directory():
+        found, targets = strategy.ask(left), study.scenario.target_names
     candidates = require_candidates(found, left, strategy, grammar, targets, asked)
     seeds = [evaluation_seed(study.seed, index) for index in range(asked, asked + len(candidates))]
     return _Batch(asked, candidates, seeds)

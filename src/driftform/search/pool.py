@@ -116,13 +116,16 @@ class WorkerGroup(ABC):
         """Return the error of a finished task, ``None`` if it succeeded."""
         return future.exception()
 
-    @abstractmethod
     def find_death(self, error: BaseException) -> Death | None:
         """Return the death that an error of a task reports, ``None`` for any other error."""
+        return error.death if isinstance(error, WorkerDiedError) else None
 
     @abstractmethod
     def close(self) -> None:
         """Stop the workers; their running tasks are lost."""
+
+    def renew(self) -> None:  # noqa: B027 - a cluster may belong to others
+        """End the workers, because one of them answered what it was not asked."""
 
     def poll(self) -> None:  # noqa: B027 - a group may have nothing to check
         """Check the state of the workers; called at least every :data:`POLL_S`."""
@@ -166,8 +169,10 @@ class WorkerGroup(ABC):
         for future in [future for future in self._running if future.done()]:
             batch = self._running.pop(future)
             error = self.find_error(future)
+            if error is None and not is_answer(batch, future.result()):
+                self.renew()
+                error = WorkerDiedError(Death(Cause.CRASH, "it answered what it was not asked"))
             if error is None:
-                # A task returns the outcomes of its genomes in their order.
                 found += [
                     (job, evaluation) for job, (_, evaluation) in zip(batch, future.result(), strict=True)
                 ]
@@ -218,6 +223,13 @@ class WorkerGroup(ABC):
             return []
         self._deaths.clear()
         return [(job, Evaluation.failed(job.genome, self._targets, failure))]
+
+
+def is_answer(batch: Sequence[Job], outcomes: Sequence[Outcome]) -> bool:
+    """Return whether outcomes are those of the jobs, in their order."""
+    return [(index, evaluation.genome) for index, evaluation in outcomes] == [
+        (job.index, job.genome) for job in batch
+    ]
 
 
 class PoolExecutor(ABC):

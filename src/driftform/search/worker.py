@@ -22,10 +22,11 @@ from typing import TYPE_CHECKING, Any
 
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.pipeline import Pipeline
-from driftform.plugins.faults import describe_fault
+from driftform.plugins import faults
 from driftform.search.jobs import Job, Outcome, T, WorkersLostError, evaluate_batch, rehearse
 from driftform.search.pool import Cause, Death, WorkerDiedError
 from driftform.study import Document, load_study
+from driftform.util.files import keep_directory
 from driftform.util.preparation import observe_preparation
 
 if TYPE_CHECKING:
@@ -51,6 +52,8 @@ class Worker:
     def __init__(self, document: Mapping[str, Any], timeout: float) -> None:
         self._timeout = timeout
         self._tasks: deque[Future[Any]] = deque()
+        self._answered = 0
+        self._is_confused = False
         self._lock = threading.Lock()
         self._is_over = False
         # Spawned, not forked: the libraries behind the simulators keep threads and global state.
@@ -88,8 +91,15 @@ class Worker:
     def close(self) -> None:
         """End the process at once; its tasks are lost."""
         atexit.unregister(self.close)
-        self._process.kill()
+        self._kill()
         self._reader.join(END_S)
+
+    def _kill(self) -> None:
+        """End the process, and those that a plugin started in it."""
+        if hasattr(os, "killpg") and self._process.pid is not None:
+            with suppress(OSError):
+                os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.kill()
 
     def _send(self, message: object) -> None:
         # If the process has ended, the reader finds out, and answers for its tasks.
@@ -108,17 +118,22 @@ class Worker:
                         continue
                     break
                 clock.advance()
-                what, value = self._connection.recv()
+                what, number, value = self._connection.recv()
             except (EOFError, OSError):
                 break
             except Exception as error:
-                what, value = "error", WorkFailedError(f"a result cannot be read: {describe_error(error)}")
+                what, number = "error", self._answered
+                value = WorkFailedError(f"a result cannot be read: {describe_error(error)}")
             match what:
                 case "begun":
                     clock.start()
                 case "preparing":
                     clock.pause(value)
                 case _:
+                    if number != self._answered:
+                        self._is_confused = True
+                        break
+                    self._answered += 1
                     clock.stop()
                     with self._lock:
                         future = self._tasks.popleft()
@@ -130,13 +145,15 @@ class Worker:
 
     def _end(self, clock: "_Clock") -> None:
         """End the process, and report its death to whoever waits for its tasks."""
-        if not clock.is_overdue:
+        if not (clock.is_overdue or self._is_confused):
             self._process.join(TICK_S)
-        self._process.kill()
+        self._kill()
         self._process.join(END_S)
         self._connection.close()
         code = self._process.exitcode
-        if not clock.is_running:
+        if self._is_confused:
+            cause = Cause.CRASH
+        elif not clock.is_running:
             cause = Cause.START
         elif clock.is_overdue:
             cause = Cause.TIMEOUT
@@ -145,11 +162,10 @@ class Worker:
         with self._lock:
             self._is_over = True
             tasks, self._tasks = self._tasks, deque()
+        detail = "it answered what it was not asked" if self._is_confused else _describe_exit(code)
         for number, future in enumerate(tasks):
             # The second task was only waiting in the pipe.
-            future.set_exception(
-                WorkerDiedError(Death(Cause.NONE if number else cause, _describe_exit(code)))
-            )
+            future.set_exception(WorkerDiedError(Death(Cause.NONE if number else cause, detail)))
 
 
 class _Clock:
@@ -234,12 +250,18 @@ def leave_out_script() -> Iterator[None]:
 _connection: "Connection[Any, Any]"
 _document: Mapping[str, Any]
 _sending = threading.Lock()
+_answered = 0
+_process = 0
 
 
 def _serve(connection: "Connection[Any, Any]") -> None:
     """Call one function after another, and send back what it returns or raises."""
-    global _connection, _document  # noqa: PLW0603 - a worker process has one coordinator and one study
+    global _connection, _document, _process  # noqa: PLW0603 - a worker process has one coordinator and one study
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(os, "setpgrp"):
+        # What plugins start in this process ends with it.
+        os.setpgrp()
+    _process, faults.CAUGHT = os.getpid(), (BaseException,)
     threading.Thread(target=_exit_with_coordinator, daemon=True).start()
     _connection = connection
     # A coordinator that has ended needs no answer.
@@ -250,26 +272,32 @@ def _serve(connection: "Connection[Any, Any]") -> None:
 
 
 def _answer() -> None:
+    global _answered  # noqa: PLW0603 - the pipe belongs to the process
     received = _connection.recv_bytes()
     try:
-        answer = "result", ForkingPickler.loads(received)()
+        with keep_directory():
+            answer = "result", ForkingPickler.loads(received)()
     except DriftformError as error:
         answer = "error", error
     except BaseException as error:
         # Not every error can be sent, and none is sent with its traceback.
-        answer = "error", WorkFailedError(describe_fault(error))
+        answer = "error", WorkFailedError(faults.describe_fault(error))
     try:
         _report(*answer)
     except OSError:
         raise
     except Exception as error:
         _report("error", WorkFailedError(f"a result cannot be sent: {describe_error(error)}"))
+    _answered += 1
 
 
 def _report(what: str, value: object = None) -> None:
+    if os.getpid() != _process:
+        # A plugin has made a clone of this process. Only the original answers.
+        os._exit(1)
     # Several threads of a simulator may prepare something.
     with _sending:
-        _connection.send((what, value))
+        _connection.send((what, _answered, value))
 
 
 def _exit_with_coordinator() -> None:
@@ -277,6 +305,8 @@ def _exit_with_coordinator() -> None:
     parent = multiprocessing.parent_process()
     if parent is not None:
         wait_for_any([parent.sentinel])
+        if hasattr(os, "killpg"):
+            os.killpg(0, signal.SIGKILL)
         os._exit(1)
 
 

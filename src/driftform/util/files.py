@@ -7,7 +7,7 @@ import secrets
 import shutil
 import sys
 from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from driftform.errors import InputError
@@ -158,6 +158,20 @@ def check_directory(path: Path, option: str = "--out") -> Path:
     if not os.access(existing, os.W_OK | os.X_OK):
         raise InputError(f"{path}: cannot be written to; choose another {option}")
     return path
+
+
+@contextmanager
+def keep_directory() -> Iterator[None]:
+    """Return to the working directory at the end, because plugins may change it, and paths of runs may be relative."""
+    before = None
+    with suppress(OSError):
+        before = Path.cwd()
+    try:
+        yield
+    finally:
+        if before is not None:
+            with suppress(OSError):
+                os.chdir(before)
 
 
 def safe_stem(name: str) -> str:

@@ -15,6 +15,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any
 
 import numba
@@ -97,14 +98,18 @@ def announce(seconds: int) -> None:
 
     A file beside the machine code keeps the other processes of the same run silent.
     """
-    marker = BASE / "kernels.announced"
+    marker, often = BASE / "kernels.announced", "once per machine"
+    with suppress(OSError):
+        BASE.mkdir(parents=True, exist_ok=True)
+    if not os.access(BASE, os.W_OK):
+        often = f"at each start: {BASE} cannot be written to; set NUMBA_CACHE_DIR to a directory that can"
+        marker = Path(gettempdir()) / f"driftform-{getattr(os, 'getuid', os.getpid)()}.announced"
     with suppress(OSError):
         if time.time() - marker.stat().st_mtime < ANNOUNCED_S:
             return
     with suppress(OSError):
-        marker.parent.mkdir(parents=True, exist_ok=True)
         marker.touch()
     is_worker = multiprocessing.parent_process() is not None
     if not (is_worker and sys.stdout.isatty() and sys.stderr.isatty()):
-        text = f"compiling the equations of motion, about {seconds} s, once per machine"
+        text = f"compiling the equations of motion, about {seconds} s, {often}"
         print(text, file=sys.stderr, flush=True)
