@@ -233,6 +233,59 @@ def test_a_preparation_is_no_part_of_the_time_limit(jobs: list[Job], make: Make)
     assert [evaluation.failure for evaluation in outcomes.values()] == [None]
 
 
+@pytest.mark.parametrize("deed", ["interrupt", "generator"])
+def test_whatever_a_plugin_raises_costs_its_genome_alone(jobs: list[Job], make: Make, deed: str) -> None:
+    with closing(make(study_of(deed=deed))) as executor:
+        outcomes = collect(executor.evaluate(jobs[:4]))
+    assert len(outcomes) == 4
+    for evaluation in outcomes.values():
+        assert evaluation.failure is not None and evaluation.failure.startswith(
+            "simulator 'fake' failed in simulate()"
+        )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows does not clone processes")
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_a_clone_of_a_worker_answers_nothing(jobs: list[Job], make: Make) -> None:
+    with closing(make(study_of(deed="clone"))) as executor:
+        outcomes = collect(executor.evaluate(jobs))
+    assert outcomes.keys() == {job.index for job in jobs}
+    for job in jobs:
+        evaluation = outcomes[job.index]
+        assert evaluation.genome == job.genome and evaluation.failure is None
+        assert evaluation.trajectory is not None and evaluation.trajectory.position[0, 0] == 0
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
+def test_clones_of_workers_end_with_them(jobs: list[Job]) -> None:
+    with closing(LocalProcesses(study_of(deed="clone and wait").document, 1)) as executor:
+        collect(executor.evaluate(jobs[:3]))
+        [worker] = workers_of(executor)
+        clones = [p for p in Path("/proc").glob("[0-9]*") if f" {worker} {worker} " in _read_stat(p)]
+        assert len(clones) == 3
+    time.sleep(0.5)
+    assert not [p for p in clones if " Z " not in (stat := _read_stat(p)) and stat]
+
+
+def _read_stat(process: Path) -> str:
+    """State, parent, group and more of a process; nothing if it has ended."""
+    try:
+        return (process / "stat").read_text().rpartition(")")[2]
+    except OSError:
+        return ""
+
+
+def test_a_plugin_that_leaves_the_directory_moves_nobody(
+    jobs: list[Job], make: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with closing(make(study_of(deed="move"))) as executor:
+        collect(executor.evaluate(jobs[:4]))
+        assert {str(path) for path in executor.call([Path.cwd, Path.cwd])} == {str(tmp_path)}
+    collect(InProcess(study_of(deed="move").make_pipeline()).evaluate(jobs[:2]))
+    assert Path.cwd() == tmp_path
+
+
 def test_closing_in_the_middle_does_not_wait_and_leaves_no_process(jobs: list[Job]) -> None:
     executor = LocalProcesses(study_of(pause=1.5).document, 2)
     outcomes = iter(executor.evaluate(jobs))

@@ -26,9 +26,6 @@ class FakeGroup(WorkerGroup):
         self._tasks.append((Future(), batch))
         return self._tasks[-1][0]
 
-    def find_death(self, error: BaseException) -> Death | None:
-        return error.death if isinstance(error, WorkerDiedError) else None
-
     def close(self) -> None: ...
 
     def list_running(self) -> list[list[int]]:
@@ -100,6 +97,21 @@ def test_a_genome_whose_process_dies_too_often_while_alone_fails() -> None:
     group.take(waiting, 2)
     group.die()
     assert group.collect() == []
+
+
+@pytest.mark.parametrize("answer", [(1, "0"), (0, "1")], ids=["index", "genome"])
+def test_an_answer_to_what_was_not_asked_is_a_death(answer: tuple[int, str]) -> None:
+    group, waiting, renewed = FakeGroup(), numbered(1), []
+    group.renew = lambda: renewed.append(True)  # type: ignore[method-assign]
+    index, symbol = answer
+    for _ in range(ATTEMPTS + 1):
+        group.take(waiting, 1)
+        [future] = group.running
+        future.set_result([(index, Evaluation(Genome("g", (symbol,)), np.zeros(1)))])
+        found = group.collect()
+    [(job, evaluation)] = found
+    assert job.index == 0 and len(renewed) == ATTEMPTS + 1
+    assert evaluation.failure == f"its process died {ATTEMPTS} times (it answered what it was not asked)"
 
 
 def test_an_error_that_is_not_a_death_is_raised() -> None:

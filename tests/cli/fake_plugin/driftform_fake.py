@@ -114,8 +114,31 @@ def _prepare():
     return _flight(np.linspace(0.0, 1.0, 11), End.HORIZON)
 
 
+def _clone():
+    """Leave a clone of the process behind, which flies elsewhere, and answers too."""
+    is_clone = os.fork() == 0
+    return _flight(np.linspace(0.0, 1.0, 11), End.OUTLET, 0.5 if is_clone else 0.0)
+
+
+def _clone_and_wait():
+    """Leave a clone of the process behind, which waits for ever."""
+    if os.fork() == 0:
+        time.sleep(1e6)
+    return _flight(np.linspace(0.0, 1.0, 11), End.OUTLET)
+
+
+def _move():
+    os.chdir("/")
+    return _flight(np.linspace(0.0, 1.0, 11), End.OUTLET)
+
+
 DEEDS = {
     "prepare": _prepare,
+    "clone": _clone,
+    "clone and wait": _clone_and_wait,
+    "move": _move,
+    "interrupt": lambda: _raise(KeyboardInterrupt()),
+    "generator": lambda: _raise(GeneratorExit()),
     "exit": lambda: sys.exit(0),
     "die": lambda: end_process("exit"),
     "segfault": lambda: end_process("segfault"),
