@@ -6,12 +6,7 @@ offers to notebooks and scripts is imported when it is first asked for.
 """
 
 import lazy_loader
-import pluggy
 
 __version__ = "0.1.0"
 
-hookimpl = pluggy.HookimplMarker("driftform")
-"""Marks a function of a plugin module as the implementation of a hook of :mod:`driftform.plugins.hookspecs`."""
-
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-__all__ += ["hookimpl"]

@@ -20,22 +20,30 @@ Most objects, such as those of imported modules, live until the command ends. Wi
 
 def main() -> None:
     """Run the command line."""
-    from driftform.cli.app import app
-
-    gc.set_threshold(BETWEEN_SEARCHES)
     codes: list[int] = []
     # Last of what is done at the end, because it is registered first.
     atexit.register(_leave, codes)
-    for stream in (sys.stdout, sys.stderr):
-        # A name may have letters, or bytes, that the encoding of a terminal or of a pipe lacks.
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
     try:
-        app(prog_name="driftform")
+        _run()
+    except KeyboardInterrupt:
+        # While modules are imported; commands say themselves where they were interrupted.
+        print("interrupted", file=sys.stderr)
+        codes.append(130)
     except SystemExit as end:
         if isinstance(end.code, int):
             codes.append(end.code)
         raise
+
+
+def _run() -> None:
+    from driftform.cli.app import app
+
+    gc.set_threshold(BETWEEN_SEARCHES)
+    for stream in (sys.stdout, sys.stderr):
+        # A name may have letters, or bytes, that the encoding of a terminal or of a pipe lacks.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    app(prog_name="driftform")
 
 
 def _leave(codes: list[int]) -> None:

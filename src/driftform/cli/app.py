@@ -88,7 +88,8 @@ def _one_line_for_each_error() -> Iterator[None]:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(1) from None
     except OSError as error:
-        _print_errors(str(error))
+        named = error.filename is not None and error.strerror
+        _print_errors(f"{os.fsdecode(error.filename)}: {error.strerror}" if named else str(error))
         raise typer.Exit(1) from None
     except (typer.Exit, typer.Abort):
         raise

@@ -5,10 +5,15 @@ from dataclasses import dataclass
 from importlib import metadata
 from typing import Any
 
+import pluggy
+
 from driftform.errors import describe_error
 
 GROUP = "driftform"
 """The group of entry points; the name of each hook begins with it."""
+
+hookimpl = pluggy.HookimplMarker(GROUP)
+"""Marks a function of a plugin module as the implementation of a hook of :mod:`driftform.plugins.hookspecs`."""
 
 
 @dataclass(frozen=True)
