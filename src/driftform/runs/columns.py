@@ -1,7 +1,9 @@
 """The columns of tables: the evaluations of a run, and the samples of their trajectories."""
 
+import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy.typing as npt
@@ -20,33 +22,14 @@ class Column:
     meaning: str
 
 
-_OUTCOME = (
-    Column("evaluation", "integer", "", "index in the run, from 0"),
-    Column("generation", "integer", "", "counted from 0"),
-    Column("population", "text", "", "target that its population works for; empty where it works for all"),
-    Column("parents", "integers", "", "evaluations that it descends from; none for a random genome"),
-    Column("genome", "text", "", "the genome in one line"),
-    Column("tuning", "float", "", "of the body, such as the mass of ballast (kg); 0 for none"),
-    Column("failure", "text", "", "what went wrong; none for a sound evaluation"),
-    Column("end", "text", "", "why the flight ended"),
-    Column("duration", "float", "s", "of the flight"),
-    Column("contact", "float", "s", "when a wall was first touched; none where none was"),
-    Column(
-        "energy_drift", "float", "", "relative, up to the first contact; none where nothing conserves energy"
-    ),
-    Column("error", "float", "m", "estimated, of the position; none where the flight was not checked"),
-    Column("seconds", "float", "s", "that the evaluation took"),
-    Column("seed", "integer", "", "of what was random about the evaluation, such as its gusts"),
-)
+def _read_columns(table: str) -> tuple[Column, ...]:
+    with Path(__file__).with_name("columns.csv").open(encoding="utf-8", newline="") as file:
+        return tuple(Column(*row[1:]) for row in csv.reader(file) if row[0] == table)  # type: ignore[arg-type]
 
-BODY_COLUMNS = (
-    Column("modules", "integer", "", "how many there are"),
-    Column("length", "float", "m", "overall, along the axis"),
-    Column("max_diameter", "float", "m", "largest outer diameter"),
-    Column("mass", "float", "kg", "hull and core"),
-    Column("volume", "float", "m3", "displaced"),
-    Column("net_buoyancy", "float", "N", "buoyancy of the submerged body less its weight, up positive"),
-)
+
+_OUTCOME = _read_columns("outcome")
+
+BODY_COLUMNS = _read_columns("body")
 """The columns of the body of a genome."""
 
 FLIGHT_COLUMNS = (

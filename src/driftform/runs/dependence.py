@@ -1,7 +1,9 @@
 """What a miss depends on: the spread of disturbed flights, divided among the quantities that were disturbed."""
 
-from collections.abc import Callable, Sequence
+import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -19,48 +21,21 @@ class Quantity:
     Attributes:
         name: for people.
         advice: what reduces its effect.
-        read: returns its deviations under a condition: one number or several.
+        fields: of a condition: its deviations.
     """
 
     name: str
     advice: str
-    read: Callable[[Condition], tuple[float, ...]]
+    fields: tuple[str, ...]
+
+    def read(self, condition: Condition) -> FloatArray:
+        """Return its deviations under a condition, (n,)."""
+        return np.hstack([getattr(condition, name) for name in self.fields])
 
 
-QUANTITIES = (
-    Quantity(
-        "release point", "hold the agent in a guide until it is released", lambda condition: condition.across
-    ),
-    Quantity(
-        "release angle",
-        "hold the agent in a guide until it is released",
-        lambda condition: (condition.pitch, condition.yaw),
-    ),
-    Quantity(
-        "current",
-        "measure the current, and evolve for the measured value with --set flow.speed",
-        lambda condition: (condition.current,),
-    ),
-    Quantity(
-        "water density",
-        "measure temperature and salinity, and evolve for that density with --set fluid.density",
-        lambda condition: (condition.density,),
-    ),
-    Quantity(
-        "weight of the print",
-        "weigh the print: 'driftform trim' corrects its mass with ballast",
-        lambda condition: (condition.mass, condition.wall),
-    ),
-    Quantity(
-        "drag",
-        "this is the uncertainty of the drag model: film some drops, and run 'driftform calibrate'",
-        lambda condition: (condition.drag,),
-    ),
-    Quantity(
-        "calibration",
-        "film more drops: 'driftform drop' plans those that tell most",
-        lambda condition: condition.calibrated,
-    ),
+QUANTITIES = tuple(
+    Quantity(**row)
+    for row in tomllib.loads(Path(__file__).with_name("quantities.toml").read_text("utf-8"))["quantity"]
 )
 """The disturbed quantities; what none of them explains is due to gusts, and to effects that are not linear."""
 
