@@ -1,4 +1,4 @@
-"""Measures of a flight, the archive, and the emitter."""
+"""Measures of a flight, the archive, and what it breeds."""
 
 import sys
 from collections import Counter
@@ -15,8 +15,7 @@ from driftform.runs.coverage import PipeGrid
 from driftform.testing.letters import LetterGrammar
 from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform.water import Pipe, Scenario, Segment
-from driftform_ribs.emitter import SymbolEmitter, to_solutions
-from driftform_ribs.strategy import RibsOptions, RibsStrategy, make_archive, station_heights
+from driftform_ribs.strategy import RibsOptions, RibsStrategy, as_objects, make_archive, station_heights
 
 GRAMMAR = LetterGrammar(Table())
 SCENARIO = Scenario(pipe=Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),)))
@@ -110,24 +109,19 @@ def test_fitter_means_the_best_for_any_target_or_the_mean_over_all(objective, ke
 def test_the_archive_keeps_genomes_of_any_length_as_they_are():
     archive = make_archive(RibsOptions(archive="grid", cells=16, stations=(0.5, 1.0)), 1.0, 0)
     genomes = [Genome("any", ("x",)), Genome("any", ("x", "yy", "z"))]
-    archive.add(
-        to_solutions(genomes), np.ones(2), np.array([[-0.5, 0], [0.5, 0]]), evaluation=np.array([4, 7])
-    )
+    archive.add(as_objects(genomes), np.ones(2), np.array([[-0.5, 0], [0.5, 0]]), evaluation=np.array([4, 7]))
     assert sorted(archive.data("solution"), key=lambda g: len(g.symbols)) == genomes
 
 
-def test_the_emitter_begins_with_random_genomes_and_then_names_the_parents_of_each_solution():
-    archive = make_archive(RibsOptions(archive="grid", cells=16, stations=(0.5, 1.0)), 1.0, 0)
-    emitter = SymbolEmitter(
-        archive, GRAMMAR, np.random.default_rng(0), batch=40, crossover=0.5, mutation_rate=0.1
-    )
-    first = emitter.ask()
-    assert emitter.parents == [()] * 40
-    archive.add(first[:2], np.ones(2), np.array([[-0.5, 0], [0.5, 0]]), evaluation=np.array([4, 7]))
-    elites = dict(zip((4, 7), first[:2], strict=True))
-    for child, parents in zip(emitter.ask(), emitter.parents, strict=True):
-        assert set(parents) <= {4, 7} and len(parents) in (1, 2)
-        assert all(child != elites[parent] for parent in parents)
+def test_it_begins_with_random_genomes_and_then_names_the_parents_of_each():
+    search = strategy(cells=16, stations=(0.5, 1.0), random=2, batch=40, crossover=0.5, mutation_rate=0.1)
+    first = search.ask(40)
+    assert [candidate.parents for candidate in first] == [(), ()]
+    elites = [candidate.genome for candidate in first]
+    search.tell(0, [Evaluation(g, np.ones(1), rising(r)) for g, r in zip(elites, (-0.5, 0.5), strict=True)])
+    for candidate in search.ask(40):
+        assert set(candidate.parents) <= {0, 1} and len(candidate.parents) in (1, 2)
+        assert all(candidate.genome != elites[parent] for parent in candidate.parents)
 
 
 def test_open_water_is_refused_in_one_line():

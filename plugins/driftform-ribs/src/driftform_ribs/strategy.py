@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import Field
 
 from driftform.interfaces import SearchSpace, Strategy, Table, option
 from driftform.search import PipeGrid
-from driftform.types import Candidate, Evaluation, FloatArray, Trajectory
+from driftform.types import Candidate, Evaluation, FloatArray, Genome, Trajectory
 
 if TYPE_CHECKING:
     from ribs.archives import ArchiveBase
@@ -61,42 +62,36 @@ class RibsStrategy(Strategy[RibsOptions]):
     Options = RibsOptions
 
     def __init__(self, options: RibsOptions, space: SearchSpace) -> None:
-        # Imported here: every command lists the names of all strategies, and importing pyribs takes 2 s.
-        from driftform_ribs.emitter import SymbolEmitter
-
         super().__init__(options, space)
         self._cells = PipeGrid.of_scenario(space.scenario)
         length, height = self._cells.size[:2] * self._cells.shape
         self._stations = length * np.array(options.stations)
         self._archive = make_archive(options, float(height / 2), int(space.rng.integers(2**31)))
-        self._emitter = SymbolEmitter(
-            self._archive,
-            space.grammar,
-            space.rng,
-            batch=options.batch,
-            crossover=options.crossover,
-            mutation_rate=options.mutation_rate,
-        )
         self._evaluated = 0
         self._generation = 0
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return the next batch, cut at ``limit``."""
-        remaining = self.options.random - self._evaluated
-        if remaining > 0:
-            genomes = [
-                self.space.grammar.random(self.space.rng) for _ in range(min(self.options.batch, remaining))
-            ]
-            parents: list[tuple[int, ...]] = [()] * len(genomes)
-        else:
-            genomes, parents = list(self._emitter.ask()), self._emitter.parents
-        pairs = zip(genomes, parents, strict=True)
-        return [Candidate(genome, ancestors, self._generation) for genome, ancestors in pairs][:limit]
+        options, rng, grammar = self.options, self.space.rng, self.space.grammar
+        remaining = options.random - self._evaluated
+        if remaining > 0 or self._archive.empty:
+            count = min(options.batch, remaining) if remaining > 0 else options.batch
+            genomes = [grammar.random(rng) for _ in range(count)]
+            return [Candidate(genome, (), self._generation) for genome in genomes][:limit]
+        # Drawn by the search's generator and not by the archive's, so that one seed determines everything.
+        elites = self._archive.data(["solution", "evaluation"])
+        found = []
+        for pair in rng.integers(len(elites["solution"]), size=(options.batch, 2)):
+            a, b = elites["solution"][pair]
+            child, crossed = grammar.breed(
+                a, b, rng, crossover=options.crossover, mutation_rate=options.mutation_rate
+            )
+            parents = elites["evaluation"][pair if crossed else pair[:1]]
+            found.append(Candidate(child, tuple(parents.tolist()), self._generation))
+        return found[:limit]
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Add the flights to the archive."""
-        from driftform_ribs.emitter import to_solutions
-
         sound = [
             (index, evaluation, evaluation.trajectory)
             for index, evaluation in enumerate(evaluations, first)
@@ -105,7 +100,7 @@ class RibsStrategy(Strategy[RibsOptions]):
         if sound:
             score = np.max if self.options.objective == "best" else np.mean
             self._archive.add(
-                to_solutions([evaluation.genome for _, evaluation, _ in sound]),
+                as_objects([evaluation.genome for _, evaluation, _ in sound]),
                 np.array([score(evaluation.fitness) for _, evaluation, _ in sound]),
                 np.array([station_heights(self._cells, flight, self._stations) for _, _, flight in sound]),
                 evaluation=np.array([index for index, _, _ in sound]),
@@ -114,8 +109,16 @@ class RibsStrategy(Strategy[RibsOptions]):
         self._generation += 1
 
 
+def as_objects(genomes: Sequence[Genome]) -> npt.NDArray[np.object_]:
+    """Return genomes as an array of objects, (n,): so they have any length and alphabet, and are not converted."""
+    solutions = np.empty(len(genomes), dtype=object)
+    solutions[:] = genomes
+    return solutions
+
+
 def make_archive(options: RibsOptions, radius: float, seed: int) -> "ArchiveBase":
     """Return an empty archive of genomes over heights from ``-radius`` to ``radius`` (m) at every station."""
+    # Imported here: every command lists the names of all strategies, and importing pyribs takes 2 s.
     from ribs.archives import CVTArchive, GridArchive
     from threadpoolctl import threadpool_limits
 
