@@ -34,7 +34,7 @@ def test_the_headroom_of_net3_is_the_known_one(
     length = np.where(reachable, network.length, 0.0)
     _, coverage, _ = choose_greedily(trace(network, "River", walks=0).seen[None], length, size)
     assert coverage[-1] == pytest.approx(divided, abs=6e-4)
-    assert bound_steering([snapshot], [river], reachable, size) == pytest.approx(steered, abs=6e-4)
+    assert bound_steering([[snapshot]], [river], reachable, size) == pytest.approx(steered, abs=6e-4)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 5), st.integers(1, 4))

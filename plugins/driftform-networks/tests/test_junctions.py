@@ -180,8 +180,8 @@ def test_a_steered_body_sees_the_main_and_one_branch_of_a_fork_and_two_see_all(f
     network = open_network(fork_file)
     snapshot, source = take_snapshot(network), network.find_node("source")
     reachable = find_reachable(network, source, [0])
-    assert bound_steering([snapshot], [source], reachable, 1) == pytest.approx(2 / 3)
-    assert bound_steering([snapshot], [source], reachable, 2) == pytest.approx(1)
+    assert bound_steering([[snapshot]], [source], reachable, 1) == pytest.approx(2 / 3)
+    assert bound_steering([[snapshot]], [source], reachable, 2) == pytest.approx(1)
 
 
 def test_a_network_from_the_cache_is_the_one_that_was_computed(fork_file: Path, tmp_path: Path) -> None:

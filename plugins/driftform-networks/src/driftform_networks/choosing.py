@@ -28,8 +28,8 @@ def choose_greedily(
         size: number of bodies to choose.
 
     Returns:
-        chosen, coverage, bound: row of each body that is chosen, in order; the share of the length that the first 1,
-            2, ... of them see; and an upper bound on the share that any choice of so many rows sees, (size,) each.
+        chosen, coverage, bound: row of each body that is chosen, in order; the share of the length that the first 1, 2,
+            ... of them see; and an upper bound on the share that any choice of so many rows sees, (size,) each.
     """
     missed, total = np.ones(len(length)), length.sum()
     chosen, coverage = np.empty(size, np.int64), np.empty(size)
@@ -67,7 +67,7 @@ def choose_fleet(seen: FloatArray, length: FloatArray, size: int) -> tuple[IntAr
 
 
 def bound_steering(
-    snapshots: Sequence[Snapshot],
+    flows: Sequence[Sequence[Snapshot]],
     releases: Sequence[int],
     reachable: BoolArray,
     size: int,
@@ -77,38 +77,39 @@ def bound_steering(
 
     A linear program: bodies are a flow of ``size`` from the releases along the water, which may end anywhere; a link is seen
     by as much of this flow as passes it in all hours, and at most once. Whole bodies, and chance, see less. Tanks and
-    reservoirs end a way, and none leads through ``blocked`` links.
+    reservoirs end a way, and none leads through ``blocked`` links. Each body travels by one of the ``flows``; one of several
+    snapshots, which follow each other, allows every direction that any of them has.
 
-    Raises:
-        WorkFailedError: if the solver finds no solution.
+    Raises WorkFailedError if the solver finds no solution.
     """
-    network = snapshots[0].network
-    length, nodes = np.where(reachable, network.length, 0.0), len(network.nodes)
-    links, widths = len(network.links), [len(snapshot.links) for snapshot in snapshots]
+    network = flows[0][0].network
+    arcs = [_list_arcs(flow) for flow in flows]
+    length, nodes = np.where(reachable, network.worth, 0.0), len(network.nodes)
+    links, widths = len(network.links), [len(rows) for rows in arcs]
     moves = sum(widths)
     # Columns: share of each link that is seen, bodies in each link of each snapshot, bodies from each release.
-    start = len(snapshots) * len(releases)
+    start = len(flows) * len(releases)
     balance, sight = [], []
-    for snapshot, width in zip(snapshots, widths, strict=True):
+    for (link, tail, head), width in zip((rows.T for rows in arcs), widths, strict=True):
         ones, column = np.ones(width), np.arange(width)
-        leave = sparse.csr_array((ones, (snapshot.tail, column)), (nodes, width))
-        passes = ~network.stores[snapshot.head] & ~np.isin(snapshot.links, blocked)
-        enter = sparse.csr_array((ones * passes, (snapshot.head, column)), (nodes, width))
+        leave = sparse.csr_array((ones, (tail, column)), (nodes, width))
+        passes = ~network.stores[head] & ~np.isin(link, blocked)
+        enter = sparse.csr_array((ones * passes, (head, column)), (nodes, width))
         balance.append(leave - enter)
-        sight.append(sparse.csr_array((-ones, (snapshot.links, column)), (links, width)))
+        sight.append(sparse.csr_array((-ones, (link, column)), (links, width)))
     source = sparse.csr_array(
         (-np.ones(len(releases)), (releases, np.arange(len(releases)))), (nodes, len(releases))
     )
     conserved = sparse.hstack([
-        sparse.csr_array((nodes * len(snapshots), links)),
+        sparse.csr_array((nodes * len(flows), links)),
         sparse.block_diag(balance),
-        sparse.block_diag([source] * len(snapshots)),
+        sparse.block_diag([source] * len(flows)),
     ])  # fmt: skip
     seen = sparse.hstack([sparse.eye_array(links), *sight, sparse.csr_array((links, start))])
     found = linprog(
         np.concatenate([-length / length.sum(), np.zeros(moves + start)]),
         A_ub=sparse.vstack([conserved, seen]).tocsr(),
-        b_ub=np.zeros(nodes * len(snapshots) + links),
+        b_ub=np.zeros(nodes * len(flows) + links),
         A_eq=sparse.csr_array(np.concatenate([np.zeros(links + moves), np.ones(start)])[None]),
         b_eq=[float(size)],
         bounds=[(0, 1)] * links + [(0, None)] * (moves + start),
@@ -117,3 +118,9 @@ def bound_steering(
     if not found.success:
         raise WorkFailedError(f"the bound of perfect steering cannot be computed: {found.message}")
     return min(1.0, -float(found.fun))
+
+
+def _list_arcs(flow: Sequence[Snapshot]) -> IntArray:
+    """Return link, tail and head of each direction in which water flows at some time, (arcs, 3)."""
+    arcs = [np.column_stack([snapshot.links, snapshot.tail, snapshot.head]) for snapshot in flow]
+    return arcs[0] if len(arcs) == 1 else np.unique(np.concatenate(arcs), axis=0)

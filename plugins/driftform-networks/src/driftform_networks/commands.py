@@ -2,17 +2,25 @@
 
 import os
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from functools import cache
 from inspect import Parameter, Signature
 from pathlib import Path
 from types import SimpleNamespace as Given
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from driftform.cli import options
-from driftform.errors import InputError
+from driftform.errors import InputError, did_you_mean
+from driftform_networks.wording import parse_hours, parse_time, read_names, split_names
+
+if TYPE_CHECKING:
+    from driftform_networks.bodies import Traveller
+    from driftform_networks.network import Network
+    from driftform_networks.results import Outputs, Sights
 
 _SHARED = {"settings": options.Settings, "workers": options.Workers, "json": options.Json}
 _TYPES: dict[str, Any] = {
@@ -74,116 +82,197 @@ def declare(*names: str) -> Callable[[Callable[[Given], None]], Callable[[Given]
     return add
 
 
-WATER = ("at", "unsteady", "walks", "seed")
+CHANGES = ("close", "open", "set_valve")
+WATER = ("unsteady", "within", "walks", "seed")
 BODY = ("branch", "service_bore", "clearance", "scenario", "settings", "workers")
-FILES = ("map", "tables", "report", "cache", "json")
+CHOICE = ("agents_from", "run", "count", "buoyancies", "as_designed")
+SIGHT = ("receiver", "range", "pipes", "by", "weight")
+FILES = ("map", "tables", "gis", "crs", "report", "cache", "json")
 
 
-@declare("net", "at", "map", "cache", "json")
+@declare("net", "at", *CHANGES, "map", "cache", "json")
 def show(given: Given) -> None:
     """Show what a network is: its pipes, flows, sources, loops and reversals."""
+    from driftform_networks.results import Outputs
     from driftform_networks.show import show_network
 
-    show_network(given.net, given.at, given.map, given.cache, given.json)
+    Outputs(given.map).check()
+    show_network(_open(given), given.at, given.map, given.json)
 
 
-@declare("net", "release", *WATER, *FILES)
+@declare("net", "release", "at", *WATER, *CHANGES, *SIGHT, *FILES)
 def tracers(given: Given) -> None:
     """Compute where point tracers go, which divide like the water: probability and age at each node.
 
     The result is that of EPANET's own quality engine; bodies have ways of their own (driftform network route).
     """
     from driftform_networks.api import trace
-    from driftform_networks.reading import open_network
-    from driftform_networks.results import Outputs, present_passage
+    from driftform_networks.results import present_passage
 
-    outputs = Outputs(given.map, given.tables, given.report).check()
-    network = open_network(given.net, given.cache)
-    passage = trace(network, given.release, **_pick(given, *WATER))
+    outputs = _find_outputs(given)
+    network, sights = _look(given, _open(given))
+    passage = trace(network, given.release, hour=given.at, **_pick(given))
     title = f"{network.name}: tracers from {given.release} at hour {given.at:g}"
-    present_passage(passage, title, outputs, given.json)
+    present_passage(passage, title, outputs, given.json, sights)
 
 
-@declare("net", "agent", "release", "at", "buoyancy", *WATER[1:], *BODY, *FILES)
+@declare("net", "agent", "release", "at", "buoyancy", *WATER, *CHANGES, *BODY, *SIGHT, *FILES)
 def route(given: Given) -> None:
     """Compute where an agent goes: probability and age at each node, what it sees, where it is stuck.
 
     Flights of the agent in the bores of the network are made first and kept; after an interruption, the same command
     continues.
     """
-    from driftform.util import progress
     from driftform_networks import api
     from driftform_networks.bodies import open_traveller
-    from driftform_networks.page import BODIES
-    from driftform_networks.reading import open_network
-    from driftform_networks.results import Outputs, present_passage
-    from driftform_networks.travelling import Travel
+    from driftform_networks.results import present_passage
 
-    outputs = Outputs(given.map, given.tables, given.report).check()
-    network = open_network(given.net, given.cache)
-    travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
+    outputs = _find_outputs(given)
+    network, sights = _look(given, _open(given))
     network.find_node(given.release)
     traveller = open_traveller(given.agent, given.scenario, given.settings or (), given.buoyancy)
-    with progress.count_progress("flight tables") as shown:
+    with _travel(given, network) as travel:
         passage = api.route(
-            network,
-            traveller,
-            given.release,
-            **_pick(given, *WATER),
-            travel=travel,
-            workers=given.workers or os.cpu_count() or 1,
-            cache=given.cache,
-            progress=shown,
-            compare=True,
+            network, traveller, given.release, hour=given.at, **_pick(given), **travel, compare=True
         )
     title = f"{network.name}: {traveller.name} from {given.release} at hour {given.at:g}"
-    present_passage(passage, title, outputs, given.json, BODIES)
+    present_passage(passage, title, outputs, given.json, sights, is_body=True)
 
 
-CHOICE = ("agents_from", "run", "count", "buoyancies", "as_designed")
-
-
-@declare("net", "releases", "size", *CHOICE, "hours_at", *BODY, "agents_seed", "agents", *FILES)
+@declare(
+    "net", "releases", "size", *CHOICE, "hours_at", "unsteady", "within", "walks", *CHANGES, *BODY, "agents_seed",
+    *SIGHT, "agents", *FILES,
+)  # fmt: skip
 def fleet(given: Given) -> None:
     """Choose a fleet: which agents, released where and when, see most of the pipes together.
 
     Each member is the one that adds most to those before it. The result is beside that of drifters which divide like the
     water, and of bodies that are steered perfectly.
     """
-    from driftform.util import progress
-    from driftform_networks.candidates import BUOYANCIES, collect_candidates
+    from driftform_networks.candidates import BUOYANCIES
     from driftform_networks.fleets import plan_fleet
-    from driftform_networks.reading import open_network
-    from driftform_networks.results import Outputs, present_fleet
-    from driftform_networks.travelling import Travel
+    from driftform_networks.results import present_fleet
 
-    if given.as_designed and given.buoyancies:
-        raise InputError("--as-designed and --buoyancy say different things: leave out one of them")
-    outputs = Outputs(given.map, given.tables, given.report, given.agents).check()
-    network = open_network(given.net, given.cache)
-    travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
-    releases = [name for text in given.releases for name in text.split(",")]
-    for name in releases:
-        network.find_node(name)
-    trims = None if given.as_designed else (given.buoyancies or BUOYANCIES)
-    chosen = (given.agents_from or (), given.run, given.count, given.agents_seed, trims)
-    travellers = collect_candidates(*chosen, given.scenario, given.settings or ())
-    with progress.count_progress("flight tables") as shown:
+    outputs = _find_outputs(given)
+    network, sights = _look(given, _open(given))
+    releases = split_names(given.releases, network)
+    travellers = _collect(given, given.agents_from or (), BUOYANCIES)
+    with _travel(given, network) as travel:
         planned = plan_fleet(
             network,
             travellers,
             releases,
             given.size,
             hours=given.hours_at or (0.0,),
-            travel=travel,
-            workers=given.workers or os.cpu_count() or 1,
-            cache=given.cache,
-            progress=shown,
+            **_pick(given),
+            **travel,
         )
     title = f"{network.name}: a fleet of {given.size} from {', '.join(dict.fromkeys(releases))}"
-    present_fleet(planned, title, outputs, given.json, travellers)
+    present_fleet(planned, title, outputs, given.json, sights, travellers)
 
 
-def _pick(given: Given, *names: str) -> dict[str, Any]:
-    """Return values by the names of parameters in :mod:`driftform_networks.api`."""
-    return {"hour" if name == "at" else name: getattr(given, name) for name in names}
+@declare(
+    "net", "plan_releases", "hydrants", "hours", "plan_within", "battery", "plan_size", "nets", "aim", *CHOICE,
+    "unsteady", "walks", *CHANGES, *BODY, "agents_seed", *SIGHT, *FILES,
+)  # fmt: skip
+def plan(given: Given) -> None:
+    """Plan an inspection: where and at which hour to release bodies, and where to catch them in nets.
+
+    Bodies see until their battery ends or a net catches them. The nets are beside an upper bound for any choice, and
+    beside random ones.
+    """
+    import numpy as np
+
+    from driftform_networks.plans import AIMS, plan_inspection
+    from driftform_networks.results import present_plan
+
+    outputs = _find_outputs(given)
+    if given.aim not in AIMS:
+        raise InputError(f"--aim {given.aim}: no such aim{did_you_mean(given.aim, AIMS)}")
+    network, sights = _look(given, _open(given))
+    hydrants = read_names(given.hydrants, network) if given.hydrants else []
+    junctions = [network.nodes[node] for node in np.flatnonzero(~network.stores)]
+    releases = split_names(given.plan_releases or (), network) or hydrants or junctions
+    travellers = _collect(given, given.agents_from or (() if given.run else ("sphere:60mm",)), (0.0,))
+    with _travel(given, network) as travel:
+        planned = plan_inspection(
+            network,
+            travellers,
+            releases,
+            given.nets,
+            places=hydrants,
+            hours=parse_hours(given.hours),
+            size=given.plan_size,
+            within=parse_time("--within", given.plan_within),
+            battery=given.battery and parse_time("--battery", given.battery),
+            aim=given.aim,
+            **_pick(given),
+            **travel,
+        )
+    title = (
+        f"{network.name}: {given.plan_size} bodies and {len(planned.nets)} nets within {given.plan_within}"
+    )
+    present_plan(planned, title, outputs, given.json, sights)
+
+
+def _open(given: Given) -> "Network":
+    from driftform_networks.epanet import Changes
+    from driftform_networks.reading import open_network
+
+    changes = Changes.parse(given.close or (), given.open or (), given.set_valve or ())
+    return open_network(given.net, given.cache, changes)
+
+
+def _find_outputs(given: Given) -> "Outputs":
+    """Return the files that are asked for; refuse those that cannot be written."""
+    from driftform_networks.results import Outputs
+
+    agents = getattr(given, "agents", None)
+    return Outputs(given.map, given.tables, given.report, agents, given.gis, given.crs).check()
+
+
+def _look(given: Given, network: "Network") -> tuple["Network", "Sights"]:
+    """Return the network with the weights, and the columns and receivers, that are asked for."""
+    from driftform_networks.results import Sights
+    from driftform_networks.sights import find_heard, pick_column, read_pipes, read_weights
+
+    columns = read_pipes(given.pipes, network)
+    if given.weight is not None:
+        network = replace(network, weight=read_weights(columns, given.weight))
+    receivers = [network.find_node(name) for name in split_names(given.receiver or (), network, "--receiver")]
+    heard = find_heard(network, receivers, given.range) if receivers else None
+    return network, Sights({name: pick_column(columns, "--by", name) for name in given.by or ()}, heard)
+
+
+@contextmanager
+def _travel(given: Given, network: "Network") -> Iterator[dict[str, Any]]:
+    """Yield how bodies travel, and how their flights are made, as parameters; show the progress of the flights."""
+    from driftform.util import progress
+    from driftform_networks.travelling import Travel
+
+    travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
+    workers = given.workers or os.cpu_count() or 1
+    with progress.count_progress("flight tables") as shown:
+        yield {"travel": travel, "workers": workers, "cache": given.cache, "progress": shown}
+
+
+def _collect(given: Given, agents: Sequence[str], buoyancies: Sequence[float]) -> "list[Traveller]":
+    """Return the bodies to choose from."""
+    from driftform_networks.candidates import collect_candidates
+
+    if given.as_designed and given.buoyancies:
+        raise InputError("--as-designed and --buoyancy say different things: leave out one of them")
+    trims = None if given.as_designed else (given.buoyancies or buoyancies)
+    chosen = (agents, given.run, given.count, given.agents_seed, trims)
+    return collect_candidates(*chosen, given.scenario, given.settings or ())
+
+
+def _pick(given: Given) -> dict[str, Any]:
+    """Return how bodies are followed, by the names of parameters."""
+    seed = given.seed if hasattr(given, "seed") else given.agents_seed
+    within = (
+        {}
+        if not hasattr(given, "within")
+        else {"within": given.within and parse_time("--within", given.within)}
+    )
+    return {"unsteady": given.unsteady, "walks": given.walks, "seed": seed, **within}

@@ -32,6 +32,7 @@ MOST_STEPS, MOST_VALUES = 100_000, 100_000_000
 
 _ELEVATION, _BASE_DEMAND, _DEMAND, _HEAD = 0, 1, 9, 10
 _DIAMETER, _LENGTH, _FLOW, _STATUS, _SETTING = 0, 1, 8, 11, 12
+_OPENED = "__opened__"
 _DURATION, _STEP, _CLOCK, _MULTIPLIER, _GRAVITY, _PRESSURE = 0, 1, 10, 4, 12, 25
 """Codes of the EPANET toolkit."""
 
@@ -200,25 +201,18 @@ def _change(
         else:
             unit = {"prv": metre, "psv": metre, "pbv": metre, "fcv": litre}.get(kind, 1.0)
             fixed.append((link, 1, value / unit))
+    if changes.get("open"):
+        # A pattern that no multiplier changes.
+        project("addpattern", _OPENED)
     for name, litres in changes.get("open", {}).items():
         node = project.find("--open", "node", name)
         if found["node_kinds"][node - 1] != "junction":
             raise InputError(
                 f"--open {name}: it is a {found['node_kinds'][node - 1]}: water is drawn at junctions"
             )
-        _draw(project, node, litres / litre)
+        project("adddemand", node, litres / litre / project("getoption", _MULTIPLIER), _OPENED, _OPENED)
     for link, _, _ in fixed:
         for control in range(1, project("getcount", 5) + 1):
             if project("getcontrol", control)[1] == link:
                 project("setcontrolenabled", control, 0)
     return fixed
-
-
-def _draw(project: _Project, node: int, flow: float) -> None:
-    """Add a constant demand to a node, which no pattern and no multiplier changes."""
-    pattern = "__opened__"
-    try:
-        project("getpatternindex", pattern)
-    except InputError:
-        project("addpattern", pattern)
-    project("adddemand", node, flow / project("getoption", _MULTIPLIER), pattern, "opened")

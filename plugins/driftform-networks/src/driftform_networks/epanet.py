@@ -71,12 +71,14 @@ def run_epanet(path: Path, changes: Changes | None = None) -> Arrays:
 
     EPANET reads a copy in a temporary folder, in UTF-8, and leaves nothing behind.
 
-    Raises InputError if EPANET refuses the file, cannot solve it, or breaks down; the message has EPANET's own
-    words, and the number of the line that it quotes.
+    Raises InputError if EPANET refuses the file, cannot solve it, or breaks down; the message has EPANET's own words,
+    and the number of the line that it quotes.
     """
-    text = files.read_text(path)
     with TemporaryDirectory() as name:
-        copy = Path(name) / "network.inp"
+        copy, content = Path(name) / "network.inp", path.read_bytes()
+        # Zeros fill the last block of some files.
+        copy.write_bytes(content.rstrip(b"\0"))
+        text = files.read_text(copy if content.endswith(bytes(8)) else path)
         copy.write_text(text, "utf-8", newline="\n")
         stop, told = Event(), copy_context()
         shown = Thread(target=told.run, args=(_show_percent, copy.with_suffix(".percent"), stop), daemon=True)
@@ -120,7 +122,7 @@ def _read_errors(report: Path, text: str) -> list[str]:
     for line, following in zip(lines, [*lines[1:], ""], strict=False):
         if line.startswith("Error ") and not line.startswith("Error 200"):
             quote = " ".join(following.split()) if line.endswith(":") else ""
-            where = f"line {numbers[quote]}: " if quote in numbers else ""
+            where = f"line {numbers[quote]}: " if quote and quote in numbers else ""
             found.append(f"{where}{line}{quote and ' '}{quote}")
     return list(dict.fromkeys(found))
 

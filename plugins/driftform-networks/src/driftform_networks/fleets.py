@@ -1,21 +1,21 @@
 """Fleets: which bodies, released where and when, see most of a network together."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from driftform.types import FloatArray
 from driftform_networks.bodies import Traveller
-from driftform_networks.chain import follow
 from driftform_networks.choosing import bound_steering, choose_fleet
+from driftform_networks.following import How, find_cases
 from driftform_networks.network import BoolArray, Network
-from driftform_networks.passage import Ending, Passage, find_reachable, merge_ends
-from driftform_networks.snapshot import Snapshot, divide_flow, take_snapshot
+from driftform_networks.passage import Ending, Passage, list_rows, merge_ends
+from driftform_networks.routing import Routing
+from driftform_networks.snapshot import Snapshot
 from driftform_networks.tracers import route_tracers
-from driftform_networks.travelling import Progress, Travel, Traveling, make_flights
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,9 +89,7 @@ class Fleet:
         return {
             "network": self.network.name,
             "size": len(self.members),
-            "members": [
-                dict(zip(members, values, strict=True)) for values in zip(*members.values(), strict=True)
-            ],
+            "members": list_rows(members),
             "coverage": self.coverage,
             "split_by_flow": float(self.tracers[-1]),
             "retained": float(self.retained[-1]),
@@ -154,46 +152,42 @@ def plan_fleet(
     size: int,
     *,
     hours: Sequence[float] = (0.0,),
-    travel: Travel | None = None,
-    workers: int = 1,
-    cache: Path | None = None,
-    progress: Progress = lambda _, __: None,
+    **how: Any,
 ) -> Fleet:
     """Choose a fleet: bodies, each released at a node and an hour, that see most together.
 
-    Each body travels by the flows of the hour of its release, which do not change on its way, and independently of the
-    others; a body may be chosen more than once.
+    Bodies travel independently of each other, and one may be chosen more than once.
 
     Args:
         network: from :func:`driftform_networks.open_network`.
         travellers: bodies to choose from.
         releases, hours: nodes and hours to choose from.
         size: number of members.
-        travel, workers, cache, progress: as for :func:`driftform_networks.api.route`.
+        how: attributes of :class:`driftform_networks.following.How`.
 
     Raises:
-        InputError: if there is no such node or hour, no water leaves a node at any of the hours, or EPANET finds
-            negative pressures.
+        InputError: if there is no such node or hour, or no water leaves a node at any of the hours.
         WorkFailedError: if a body cannot be flown.
     """
-    travel, cases = travel or Travel(), []
-    nodes = [network.find_node(name) for name in dict.fromkeys(releases)]
-    snapshots = [take_snapshot(network, hour) for hour in dict.fromkeys(hours)]
-    for node in nodes:
-        open_hours = [snapshot for snapshot in snapshots if len(snapshot.outlets[node])]
-        if not open_hours:
-            # Refuses a node that no water leaves, before the work.
-            divide_flow(snapshots[0], node)
-        cases += [(snapshot, node) for snapshot in open_hours]
-    travelings = [Traveling(traveller, travel, cache) for traveller in travellers]
-    make_flights(travelings, snapshots, workers, progress)
-    reachable = np.any([find_reachable(network, node, [snap.step]) for snap, node in cases], axis=0)
-    length = np.where(reachable, network.length, 0.0)
-    names, passages = [], []
-    for traveller, traveling in zip(travellers, travelings, strict=True):
-        routings = {snapshot.hour: traveling.route(snapshot) for snapshot in snapshots}
-        names += [traveller.name] * len(cases)
-        passages += [follow(routings[snapshot.hour], node) for snapshot, node in cases]
+    asked = How(**how)
+    # Steady flows need no walks.
+    cases = find_cases(network, releases, hours, asked if asked.unsteady else replace(asked, walks=0))
+    flows = {case.hour: case.snapshots for case in cases}
+    travelings = asked.fly(travellers, [asked.travel], [snap for flow in flows.values() for snap in flow])
+    reachable = np.any([case.find_reachable() for case in cases], axis=0)
+    length = np.where(reachable, network.worth, 0.0)
+    blocked = asked.travel.list_blocked(network)
+
+    def follow_all(route: Callable[[Snapshot], Routing]) -> list[Passage]:
+        known = cache(route)
+        return [case.follow(known) for case in cases]
+
+    def choose_water(retained: bool) -> FloatArray:
+        drifters = follow_all(partial(route_tracers, retained=retained, blocked=blocked))
+        return choose_fleet(np.array([passage.seen for passage in drifters]), length, size)[1]
+
+    names = [traveller.name for traveller in travellers for _ in cases]
+    passages = [passage for traveling in travelings for passage in follow_all(traveling.route)]
     seen = np.array([passage.seen for passage in passages])
     chosen, curve, choice_bound = choose_fleet(seen, length, size)
     missed = np.cumprod(1 - seen[chosen], axis=0) @ length / length.sum()
@@ -201,22 +195,10 @@ def plan_fleet(
         Member(names[row], passages[row], float(seen[row] @ length / length.sum()), float(gain))
         for row, gain in zip(chosen.tolist(), (-np.diff(missed, prepend=1.0)).tolist(), strict=True)
     )
-    blocked = travel.list_blocked(network)
-    tracers, retained = (_choose_water(cases, length, size, stay, blocked) for stay in (False, True))
-    steered = (bound_steering(snapshots, nodes, reachable, count + 1, blocked) for count in range(size))
-    bound = np.fromiter(steered, float)
-    by_any = 1 - np.prod(1 - seen[chosen], axis=0)
-    return Fleet(network, reachable, by_any, members, curve, choice_bound, tracers, retained, bound)
-
-
-def _choose_water(
-    cases: Sequence[tuple[Snapshot, int]],
-    length: FloatArray,
-    size: int,
-    retained: bool,
-    blocked: Sequence[int],
-) -> FloatArray:
-    """Return the curve of tracers that are released at the best places."""
-    routings = {snapshot.hour: route_tracers(snapshot, retained, blocked) for snapshot, _ in cases}
-    seen = np.array([follow(routings[snapshot.hour], node).seen for snapshot, node in cases])
-    return choose_fleet(seen, length, size)[1]
+    nodes = list(dict.fromkeys(case.node for case in cases))
+    steered = (
+        bound_steering(list(flows.values()), nodes, reachable, count + 1, blocked) for count in range(size)
+    )
+    bound, by_any = np.fromiter(steered, float), 1 - np.prod(1 - seen[chosen], axis=0)
+    water = choose_water(False), choose_water(True)
+    return Fleet(network, reachable, by_any, members, curve, choice_bound, *water, bound)

@@ -15,14 +15,7 @@ from driftform_networks.network import Network
 
 @dataclass(frozen=True)
 class Gate:
-    """What is in links of a kind.
-
-    Attributes:
-        name: of the kind, for people.
-        share: opening over the bore.
-        turn_deg: turn of the way through it, degrees.
-        reason: source of these numbers.
-    """
+    """What is in links of a kind: its name, opening over bore, turn of the way through it, and the source of these."""
 
     name: str
     share: float
@@ -42,9 +35,7 @@ def find_gate(
 ) -> tuple[str, str]:
     """Return why a body cannot pass what is in a link, or what it passes; both are empty where nothing narrows the way.
 
-    Args:
-        clearance: openings that replace the usual ones, by the name of a link or the kind of links.
-        body: ``None`` for a point.
+    ``clearance`` has openings that replace the usual ones, by the name of a link or a kind; ``body`` is ``None`` for a point.
     """
     kind, name = network.link_kinds[link], network.links[link]
     gate = read_gates().get(kind, Gate("fitting", 1.0, 0.0, ""))
@@ -54,9 +45,8 @@ def find_gate(
     if share <= 0:
         return f"a {gate.name}, which lets no body pass (--clearance)", ""
     # A pump has no bore of its own: that of the widest pipe beside it.
-    near = np.isin(network.start, (network.start[link], network.end[link])) | np.isin(
-        network.end, (network.start[link], network.end[link])
-    )
+    ends = (network.start[link], network.end[link])
+    near = np.isin(network.start, ends) | np.isin(network.end, ends)
     bore = float(network.diameter[link] or network.diameter[near].max())
     obstacle = "" if body is None else find_obstacle(body, bore, share * bore, np.deg2rad(gate.turn_deg))
     if obstacle:

@@ -13,6 +13,7 @@ from driftform_networks.fleets import Fleet
 from driftform_networks.network import Network
 from driftform_networks.page import render_template
 from driftform_networks.passage import Ending, Passage
+from driftform_networks.plans import Plan
 
 UNREACHED = "#d3d9de"
 RAMP = ("#b5de2b", "#6ece58", "#35b779", "#1f9e89", "#26828e", "#31688e", "#482878", "#440154")
@@ -45,10 +46,7 @@ class Mark:
 
 
 def passage_svg(passage: Passage, title: str) -> str:
-    """Return the map of a passage: probability as colour and width of a link, arrival times, stuck places.
-
-    Raises InputError if the network has no coordinates.
-    """
+    """Return the map of a passage: probability as colour and width of a link, arrival times, stuck places."""
     shares = np.where(passage.reachable, passage.seen, np.nan)
     network, stuck = passage.network, passage.stuck
     kilometres = network.length[passage.reachable].sum() / 1000
@@ -60,10 +58,7 @@ def passage_svg(passage: Passage, title: str) -> str:
 
 
 def fleet_svg(fleet: Fleet, title: str) -> str:
-    """Return the map of a fleet: the probability that any member sees a link, and where members are stuck.
-
-    Raises InputError if the network has no coordinates.
-    """
+    """Return the map of a fleet: the probability that any member sees a link, and where members are stuck."""
     network, size = fleet.network, len(fleet.members)
     shares = np.where(fleet.reachable, fleet.seen, np.nan)
     kilometres = network.length[fleet.reachable].sum() / 1000
@@ -77,6 +72,21 @@ def fleet_svg(fleet: Fleet, title: str) -> str:
     return network_svg(network, shares, marks, title, subtitle, stuck, legend)
 
 
+def plan_svg(plan: Plan, title: str) -> str:
+    """Return the map of a plan: what bodies see until nets catch them, the releases, and the nets."""
+    network = plan.network
+    shares = np.where(plan.reachable, plan.seen, np.nan)
+    texts = {name: (name, style.VERMILLION) for _, name, _ in plan.members}
+    texts |= {
+        name: (f"net {name}: {100 * share:.0f} %", style.ORANGE)
+        for name, share in zip(plan.nets, plan.catches, strict=True)
+    }
+    marks = [Mark(network.find_node(name), *text) for name, text in texts.items()]
+    sees, caught = 100 * plan.measure(plan.seen), 100 * float(plan.catches.sum())
+    subtitle = f"{len(plan.members)} bodies see {sees:.1f} % until {len(plan.nets)} nets catch {caught:.0f} % of them"
+    return network_svg(network, shares, marks, title, subtitle, (), "probability that any body sees the link")
+
+
 def network_svg(
     network: Network,
     shares: FloatArray,
@@ -86,13 +96,7 @@ def network_svg(
     stuck: Sequence[Ending] = (),
     legend: str = "share of the link that is seen, on average",
 ) -> str:
-    """Return a map of a network.
-
-    Args:
-        shares: value of each link from 0 to 1, NaN for one that is out of reach, (links,).
-        marks: texts at nodes; the first is the release, if it is in colour.
-        stuck: places that are marked with a cross.
-        legend: what the values are.
+    """Return a map of a network: values of links, from 0 to 1, NaN out of reach, texts at nodes, and crosses.
 
     Raises InputError if the network has no coordinates.
     """

@@ -28,8 +28,8 @@ class Hydraulics:
         times: start of each hydraulic step, s, (steps,), from 0.
         end: end of the last step, s; equal to its start in a network without a duration.
         flow: volume flow of each link, m3/s, positive from its start to its end, (steps, links).
-        outflow: water that leaves the pipes at each node, m3/s, (steps, nodes): demand of a junction, or what a tank
-            or a reservoir takes in; negative where water comes in.
+        outflow: water that leaves the pipes at each node, m3/s, (steps, nodes): demand of a junction, or what a tank or
+            a reservoir takes in; negative where water comes in.
         head: hydraulic head of each node, m, (steps, nodes).
         warnings: what EPANET warned of, one line each.
         clock: time of the day at which the simulation begins, s.
@@ -46,12 +46,19 @@ class Hydraulics:
     def find_step(self, hour: float) -> int:
         """Return the index of the step that covers an hour of the simulation.
 
-        Raises:
-            InputError: if the simulation does not cover it.
+        Raises InputError if the simulation does not cover it.
         """
         if not 0 <= hour * 3600 <= self.end:
             raise InputError(f"--at {hour:g}: the simulation lasts from hour 0 to hour {self.end / 3600:g}")
         return int(np.searchsorted(self.times, hour * 3600 + 1e-6, side="right")) - 1
+
+    def format_clock(self, hour: float, age: float) -> str:
+        """Return the time of the day so many seconds after an hour of the simulation, with the days since its begin."""
+        if not np.isfinite(age):
+            return "-"
+        minutes = round((self.clock + 3600 * hour + age) / 60)
+        days = f"{minutes // 1440} d " if minutes >= 1440 else ""
+        return f"{days}{minutes // 60 % 24:02d}:{minutes % 60:02d}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,16 +70,17 @@ class Network:
         digest: SHA-256 of its file.
         nodes, links: names of nodes and links.
         node_kinds: ``"junction"``, ``"tank"`` or ``"reservoir"``.
-        link_kinds: ``"pipe"``, ``"cv"`` (a pipe with a check valve), ``"pump"``, or the valves of EPANET from
-            ``"prv"`` to ``"pcv"``.
+        link_kinds: ``"pipe"``, ``"cv"`` (a pipe with a check valve), ``"pump"``, or the valves of EPANET from ``"prv"``
+            to ``"pcv"``.
         elevation: elevation of each node, m, (nodes,).
-        places: coordinates of each node on the map of the file, in the file's unit, (nodes, 2); NaN where the file
-            has none.
+        places: coordinates of each node on the map of the file, in the file's unit, (nodes, 2); NaN where the file has
+            none.
         vertices: points of each link between its ends, on the same map, (k, 2) each.
         start, end: index of the nodes at the ends of each link, (links,).
         length: length of each link, m, (links,); 0 for pumps and valves.
         diameter: inner diameter of each link, m, (links,); 0 for pumps.
         hydraulics: flows.
+        weight: how much each metre of a link counts, (links,); ``None`` for all alike.
     """
 
     name: str
@@ -89,15 +97,12 @@ class Network:
     diameter: FloatArray
     vertices: tuple[FloatArray, ...] = field(repr=False)
     hydraulics: Hydraulics = field(repr=False)
+    weight: FloatArray | None = None
 
-    def find_node(self, name: str) -> int:
-        """Return the index of a node.
-
-        Raises:
-            InputError: if no node has the name.
-        """
+    def find_node(self, name: str, option: str = "--release") -> int:
+        """Return the index of a node that an option names. Raises InputError if no node has the name."""
         if name not in self.nodes:
-            raise InputError(f"--release {name}: {self.name} has no such node{_suggest(name, self.nodes)}")
+            raise InputError(f"{option} {name}: {self.name} has no such node{_suggest(name, self.nodes)}")
         return self.nodes.index(name)
 
     @cached_property
@@ -117,6 +122,11 @@ class Network:
         rows = np.flatnonzero(delivers & ~(pressure > -1e-3))
         rows = rows[np.argsort(pressure[rows], kind="stable")]
         return rows, pressure[rows]
+
+    @property
+    def worth(self) -> FloatArray:
+        """Length of each link times its weight, m, (links,)."""
+        return self.length if self.weight is None else self.length * self.weight
 
     @property
     def area(self) -> FloatArray:
@@ -148,6 +158,10 @@ class Network:
         """Return the points of a link on the map, from its start to its end, (k, 2)."""
         ends = self.places[[self.start[link], self.end[link]]]
         return np.vstack([ends[:1], self.vertices[link].reshape(-1, 2), ends[1:]])
+
+    def wkt(self, link: int) -> str:
+        """Return the line of a link as text that programs for maps read."""
+        return f"LINESTRING ({', '.join(f'{x:.12g} {y:.12g}' for x, y in self.polyline(link))})"
 
     def course(self, link: int) -> FloatArray:
         """Return the unit vectors on the map along the parts of a link, from its start to its end, (parts, 2)."""

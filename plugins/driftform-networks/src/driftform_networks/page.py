@@ -6,25 +6,6 @@ from typing import Any, NamedTuple
 
 from driftform.figures import style, svg
 
-WATER = (
-    "Flows are those of EPANET; water mixes completely at each node.",
-    "Without --unsteady the flows remain those of the hour of the release.",
-)
-"""Assumptions of all passages."""
-
-BODIES = (
-    *WATER,
-    "In straight runs a body moves as in flights of its shape at that bore, speed and slope; a body so neutral that "
-    "turbulence mixes it is anywhere in the bore.",
-    "At a tee or wye a body goes as in flights of its shape through one like it, in ideal flow without swirl and "
-    "separation. At other junctions, and if it is mixed and narrow, it goes with the water around its centre, which flat "
-    "surfaces divide among the outlets. Two bodies never meet.",
-    "A body that is wider than the service pipes does not leave with the demand; it ends where the water of a pipe does.",
-    "Angles of fittings are those of the map if it is drawn to scale, else 90 degrees for each branch; the side where a "
-    "branch leaves is an input, --branch.",
-)
-"""Assumptions of the routes of bodies."""
-
 
 class TextTable(NamedTuple):
     """A table for people: a header, rows of text, and the columns that are flush right."""
@@ -55,13 +36,12 @@ def report_html(
     title: str,
     text: Sequence[str | TextTable],
     figures: Sequence[tuple[str, str]],
-    assumptions: Sequence[str],
+    is_body: bool,
 ) -> str:
     """Return the page of a result.
 
-    Args:
-        text: lines and tables as a command prints them; the lines come first.
-        figures: headings and SVG pictures.
+    ``text`` is what a command prints, of which lines come first; ``figures`` are headings and SVG pictures; ``is_body`` is
+    whether it is about bodies, in place of water.
     """
     return render_template(
         "page.html",
@@ -71,5 +51,5 @@ def report_html(
         lead=[part for part in text if isinstance(part, str)],
         tables=[part for part in text if not isinstance(part, str)],
         figures=figures,
-        assumptions=assumptions,
+        is_body=is_body,
     )

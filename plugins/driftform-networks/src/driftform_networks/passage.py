@@ -79,7 +79,7 @@ class Passage:
     @property
     def coverage(self) -> float:
         """Expected share of the reachable length that the body sees; 0 if nothing is reachable."""
-        length = np.where(self.reachable, self.network.length, 0.0)
+        length = np.where(self.reachable, self.network.worth, 0.0)
         return float(length @ self.seen / length.sum()) if length.sum() > 0 else 0.0
 
     @property
@@ -125,8 +125,11 @@ class Passage:
         columns: dict[str, list[Any]] = {
             "node": [self.network.nodes[row] for row in rows],
             "kind": [self.network.node_kinds[row] for row in rows],
+            "x": self.network.places[rows, 0].tolist(),
+            "y": self.network.places[rows, 1].tolist(),
             "probability": self.probability[rows].tolist(),
             "age_s": self.age[rows].tolist(),
+            "clock": [self.network.hydraulics.format_clock(self.hour, self.age[row]) for row in rows],
         }
         if len(self.quantiles):
             for number, share in enumerate(QUANTILES):
@@ -144,11 +147,17 @@ class Passage:
             "length_m": network.length[rows].tolist(),
             "diameter_m": network.diameter[rows].tolist(),
             "seen": self.seen[rows].tolist(),
+            "wkt": [network.wkt(row) for row in rows.tolist()],
         }
 
     def end_table(self) -> dict[str, list[Any]]:
         """Return the ends as columns."""
         return {field.name: [getattr(end, field.name) for end in self.ends] for field in fields(Ending)}
+
+
+def list_rows(columns: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    """Return a table of columns as rows."""
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def make_passage(

@@ -2,6 +2,7 @@
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,13 +13,18 @@ import numpy as np
 from driftform.cli import output
 from driftform.errors import InputError
 from driftform.figures import files as picture_files
+from driftform.types import FloatArray
 from driftform.util import files
 from driftform_networks.bodies import Traveller
 from driftform_networks.candidates import save_agents
 from driftform_networks.fleets import Fleet, Member
-from driftform_networks.map import curve_svg, fleet_svg, format_time, passage_svg
-from driftform_networks.page import BODIES, WATER, TextTable, report_html
+from driftform_networks.gis import check_crs, write_geojson
+from driftform_networks.map import curve_svg, fleet_svg, format_time, passage_svg, plan_svg
+from driftform_networks.network import BoolArray, Network
+from driftform_networks.page import TextTable, report_html
 from driftform_networks.passage import Passage
+from driftform_networks.plans import Plan
+from driftform_networks.sights import group_sight
 from driftform_networks.snapshot import warn_of_pressure
 
 _LONGEST_NAME = 30
@@ -30,58 +36,49 @@ MOST_ROWS = 12
 
 @dataclass(frozen=True)
 class Outputs:
-    """Files that a command writes besides what it prints; ``None`` for those that are not asked for.
-
-    Attributes:
-        map: SVG file.
-        tables: directory for CSV files.
-        report: HTML file.
-        agents: directory for agent.json files.
-    """
+    """Files that a command writes besides what it prints, by the names of their options; ``None`` for those not asked for."""
 
     map: Path | None = None
     tables: Path | None = None
     report: Path | None = None
     agents: Path | None = None
+    gis: Path | None = None
+    crs: str | None = None
 
     def check(self) -> Self:
-        """Return these files; refuse those that cannot be written, before work that takes time.
-
-        Raises InputError if a directory cannot be written to, or a file has the wrong suffix.
-        """
+        """Return these files. Raises InputError if a directory cannot be written to, or a file has the wrong suffix."""
         for option, path, suffix in (("--map", self.map, ".svg"), ("--report", self.report, ".html")):
             if path is None:
                 continue
             if path.suffix != suffix:
                 raise InputError(f"{option} {path}: the name of this file must end in {suffix}")
             files.check_directory(path.parent, option)
-        for option, path in (("--tables", self.tables), ("--agents", self.agents)):
+        check_crs(self.crs)
+        for option, path in (("--tables", self.tables), ("--agents", self.agents), ("--gis", self.gis)):
             if path is not None:
                 files.check_directory(path, option)
         return self
 
     def write(
         self,
+        network: Network,
         title: str,
         figures: Mapping[str, Callable[[], str]],
         text: Sequence[str | TextTable],
         columns: Mapping[str, Mapping[str, Sequence[Any]]],
-        assumptions: Sequence[str],
+        is_body: bool,
     ) -> list[Path]:
-        """Write map, report and tables, those that are asked for, and return their paths.
+        """Write map, report, tables and layers, those that are asked for, and return their paths.
 
-        Args:
-            figures: what draws each SVG picture; the first is the map.
-            text: lines and tables of the report.
-            columns: columns of each table.
-            assumptions: of the report.
+        ``figures`` draw SVG pictures, first the map; ``text`` and ``is_body`` are as for
+        :func:`~driftform_networks.page.report_html`; ``columns`` are those of each table.
         """
         written: list[Path] = []
         if self.map is not None:
             written += picture_files.write_picture(self.map, figures["Map"]())
         if self.report is not None:
             drawn = [(name, draw()) for name, draw in figures.items()]
-            files.write_text(self.report, report_html(title, text, drawn, assumptions))
+            files.write_text(self.report, report_html(title, text, drawn, is_body))
             written.append(self.report)
         if self.tables is not None:
             for name, table in columns.items():
@@ -91,7 +88,77 @@ class Outputs:
                 writer.writerows(zip(*table.values(), strict=True))
                 written.append(self.tables / f"{name}.csv")
                 files.write_text(written[-1], buffer.getvalue())
+        if self.gis is not None:
+            written += write_geojson(self.gis, network, columns, self.crs)
         return written
+
+
+@dataclass(frozen=True, eq=False)
+class Sights:
+    """What is asked of what is seen besides: values of columns, and what receivers hear.
+
+    Attributes:
+        columns: values of each link, by the name of the column.
+        heard: share of each link within the range of a receiver, (links,); ``None`` without receivers.
+    """
+
+    columns: Mapping[str, Sequence[str]]
+    heard: FloatArray | None = None
+
+    def describe(
+        self, network: Network, seen: FloatArray, reachable: BoolArray, document: dict[str, Any]
+    ) -> tuple[list[str], list[TextTable]]:
+        """Return lines and tables, and add the same to a JSON document."""
+        lines, tables = [], []
+        for name, values in self.columns.items():
+            groups = group_sight(network, seen, reachable, values)
+            rows = [[value, f"{length / 1000:.2f}", f"{100 * share:.1f}"] for value, length, share in groups]
+            tables.append(TextTable((name, "km", "seen %"), rows, right=(1, 2)))
+            keys = ("value", "length", "seen")
+            document.setdefault("by", {})[name] = [dict(zip(keys, row, strict=True)) for row in groups]
+        if self.heard is not None:
+            worth = np.where(reachable, network.worth, 0.0)
+            both = [float(worth @ part / worth.sum()) for part in (self.heard, self.heard * seen)]
+            document |= {"in_range": both[0], "heard": both[1]}
+            lines.append(
+                f"receivers are in range of {100 * both[0]:.1f} % of the length; {100 * both[1]:.1f} % is seen by bodies in range"
+            )
+        return lines, tables
+
+
+def present_plan(plan: Plan, title: str, outputs: Outputs, json: bool, sights: Sights) -> None:
+    """Write the files of a plan, and print it."""
+    network, document = plan.network, plan.as_document()
+    clock = network.hydraulics.format_clock
+    counts = Counter(plan.members)
+    rows = [[f"{n}", name, node, f"{hour:g}", clock(hour, 0)] for (name, node, hour), n in counts.items()]
+    starts = min(hour for _, _, hour in plan.members)
+    caught = [
+        [node, f"{100 * share:.1f}", format_time(age), clock(starts, age)]
+        for node, share, age in zip(plan.nets, plan.catches, plan.arrivals, strict=True)
+    ]
+    tables: list[str | TextTable] = [
+        TextTable(("number", "agent", "release", "hour", "time"), rows, right=(0, 3)),
+        TextTable(("net at", "catches %", "mean age", "time of the first release"), caught, right=(1,)),
+    ]
+    percent = {
+        key: f"{100 * document[key]:.1f} %"
+        for key in ("caught", "coverage", "coverage_with_nets", "recorded")
+    }
+    lines = [
+        f"{len(plan.members)} bodies see {percent['coverage']} of the {document['reachable_length'] / 1000:.1f} km that water "
+        f"from the releases reaches; {percent['coverage_with_nets']} if nets catch them",
+        f"nets catch {percent['caught']} of the bodies, which have seen {percent['recorded']}",
+        f"of what nets everywhere could yield, these yield {100 * plan.value:.1f} %, no choice of as many more than "
+        f"{100 * plan.bound:.1f} %, and random ones {100 * plan.random:.1f} %",
+    ]
+    more, groups = sights.describe(network, plan.recorded, plan.reachable, document)
+    steps = {network.hydraulics.find_step(hour) for _, _, hour in plan.members}
+    lines += [*more, *warn_of_pressure(network, sorted(steps))]
+    figures = {"Map": lambda: plan_svg(plan, title)}
+    columns = {"members": plan.member_table(), "nets": plan.net_table(), "links": plan.link_table()}
+    written = outputs.write(network, title, figures, [*lines, *tables, *groups], columns, True)
+    present(document, [title, *tables, *groups, *lines], written, json)
 
 
 def present(
@@ -109,12 +176,17 @@ def present(
 
 
 def present_passage(
-    passage: Passage, title: str, outputs: Outputs, json: bool, assumptions: Sequence[str] = WATER
+    passage: Passage,
+    title: str,
+    outputs: Outputs,
+    json: bool,
+    sights: Sights,
+    is_body: bool = False,
 ) -> None:
     """Write the files of a passage, and print it."""
     length = passage.network.length[passage.reachable].sum() / 1000
     lines = [f"sees {100 * passage.coverage:.1f} % of the {length:.1f} km that its water reaches"]
-    if assumptions is BODIES:
+    if is_body:
         lines.append(
             f"flown through {passage.flown} junctions on its ways; streamtubes divide it at {passage.divided}"
         )
@@ -125,18 +197,25 @@ def present_passage(
         rows = [[link, what, f"{100 * share:.2f}"] for link, (what, share) in passage.gates.items()]
         tables.append(TextTable(("passes", "what", "probability %"), rows[:MOST_ROWS], right=(2,)))
     document = passage.as_document()
-    lines += warn_of_pressure(passage.network, passage.steps)
+    more, groups = sights.describe(passage.network, passage.seen, passage.reachable, document)
+    tables += groups
+    lines += [*more, *warn_of_pressure(passage.network, passage.steps)]
     if passage.branches:
         document["branches"] = {side: _compare(passage, other) for side, other in passage.branches.items()}
         tables.append(_table_branches(document["branches"]))
     figures = {"Map": lambda: passage_svg(passage, title)}
     columns = {"nodes": passage.node_table(), "links": passage.link_table(), "ends": passage.end_table()}
-    written = outputs.write(title, figures, [*lines, *tables], columns, assumptions)
+    written = outputs.write(passage.network, title, figures, [*lines, *tables], columns, is_body)
     present(document, [title, *tables, *lines], written, json)
 
 
 def present_fleet(
-    fleet: Fleet, title: str, outputs: Outputs, json: bool, travellers: Sequence[Traveller]
+    fleet: Fleet,
+    title: str,
+    outputs: Outputs,
+    json: bool,
+    sights: Sights,
+    travellers: Sequence[Traveller],
 ) -> None:
     """Write the files of a fleet, and print it."""
     document, size = fleet.as_document(), len(fleet.members)
@@ -149,10 +228,13 @@ def present_fleet(
         lines.append(
             "shape brings nothing here: bodies that divide like the water, too wide for service pipes, see as much"
         )
-    tables = [_table_members(fleet), _table_curves(fleet)]
+    more, groups = sights.describe(fleet.network, fleet.seen, fleet.reachable, document)
+    tables = [_table_members(fleet), _table_curves(fleet), *groups]
+    steps = sorted({step for member in fleet.members for step in member.passage.steps})
+    lines += [*more, *warn_of_pressure(fleet.network, steps)]
     figures = {"Map": lambda: fleet_svg(fleet, title), "Coverage": lambda: curve_svg(fleet, title)}
     columns = {"members": fleet.member_table(), "curve": fleet.curve_table(), "links": fleet.link_table()}
-    written = outputs.write(title, figures, [*lines, *tables], columns, BODIES)
+    written = outputs.write(fleet.network, title, figures, [*lines, *tables], columns, True)
     if outputs.agents is not None:
         chosen = {member.agent for member in fleet.members}
         written += save_agents([one for one in travellers if one.name in chosen], outputs.agents)
@@ -163,9 +245,10 @@ def _table_nodes(passage: Passage) -> list[str | TextTable]:
     network, probability = passage.network, passage.probability
     order = [node for node in np.flatnonzero(probability > 1e-6).tolist() if node != passage.release]
     order.sort(key=lambda node: (-probability[node], passage.age[node]))
-    header, rows = ["node", "probability %", "mean age"], []
+    header, rows = ["node", "probability %", "mean age", "time"], []
     for node in order[:MOST_ROWS]:
         row = [network.nodes[node], f"{100 * probability[node]:.2f}", format_time(passage.age[node])]
+        row.append(network.hydraulics.format_clock(passage.hour, passage.age[node]))
         if len(passage.quantiles):
             low, _, high = passage.quantiles[node]
             row.append(f"{format_time(low)} to {format_time(high)}")

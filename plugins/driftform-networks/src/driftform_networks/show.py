@@ -11,18 +11,15 @@ from driftform_networks.gates import read_gates
 from driftform_networks.map import Mark, network_svg
 from driftform_networks.network import Network
 from driftform_networks.page import TextTable
-from driftform_networks.reading import open_network
-from driftform_networks.results import Outputs, present
+from driftform_networks.results import present
 from driftform_networks.snapshot import STILL, Snapshot, take_snapshot, warn_of_pressure
 
 _ROUNDING = 1e-9
 """Flow that EPANET's rounding leaves in closed links, m3/s."""
 
 
-def show_network(source: str, hour: float, map: Path | None, cache: Path | None, json: bool) -> None:
+def show_network(network: Network, hour: float, map: Path | None, json: bool) -> None:
     """Print what a network is, and draw its map if it is asked for."""
-    Outputs(map).check()
-    network = open_network(source, cache)
     snapshot = take_snapshot(network, hour, absurd=True)
     facts = describe_network(network, snapshot)
     narrow, wide = (1000 * bore for bore in facts["bore"])

@@ -77,8 +77,8 @@ class Snapshot:
 def take_snapshot(network: Network, hour: float = 0.0, absurd: bool = False) -> Snapshot:
     """Return the flow of a network at an hour of the simulation, with ``absurd`` also where no network has such pressures.
 
-    Raises InputError if the simulation does not cover the hour, or EPANET finds pressures below
-    :data:`MOST_SUCTION` then.
+    Raises InputError if the simulation does not cover the hour, or EPANET finds pressures below :data:`MOST_SUCTION`
+    then.
     """
     hydraulics = network.hydraulics
     step = hydraulics.find_step(hour)

@@ -1,7 +1,7 @@
 """Bodies followed one by one through flows that change with time, or that are those of one hour for ever."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -61,6 +61,27 @@ class Walks:
         rows = arrived[np.unique(key, return_index=True)[1]]
         rows = rows[self.node[rows] != self.release]
         return self.node[rows], self.reached[rows] - self.began[self.walk[rows]]
+
+    def until(self, limit: FloatArray) -> "Walks":
+        """Return the same walks with the moves alone that end before a time since their release, s, (walks,)."""
+        kept = self.reached - self.began[self.walk] <= limit[self.walk] + 1e-6
+        moves = {
+            name: getattr(self, name)[kept] for name in ("walk", "link", "node", "low", "high", "reached")
+        }
+        return replace(self, **moves)
+
+    def measure_records(self) -> FloatArray:
+        """Return the length that each walk has seen, weighted, when each of its moves ends, m, (moves,)."""
+        order = np.argsort(self.walk, kind="stable")
+        key = self.walk[order] * len(self.network.links) + self.link[order]
+        fresh = np.zeros(len(key), bool)
+        fresh[np.unique(key, return_index=True)[1]] = True
+        gain = fresh * (self.high - self.low)[order] * self.network.worth[self.link[order]]
+        total = np.cumsum(gain)
+        first = np.searchsorted(self.walk[order], self.walk[order])
+        record = np.empty(len(key))
+        record[order] = total - (total - gain)[first]
+        return record
 
     def measure_sight(self) -> FloatArray:
         """Return the mean share of the length of each link that a walk has seen, (links,)."""
@@ -262,7 +283,7 @@ def _accumulate(probability: FloatArray) -> FloatArray:
     return np.where(whole & (total > 1 - 1e-9), 1.0, total)
 
 
-def summarise_walks(walks: Walks, routings: Sequence[Routing]) -> Passage:
+def summarise_walks(walks: Walks, routings: Sequence[Routing], unsteady: bool = True) -> Passage:
     """Return the passage of bodies that were followed one by one, with quantiles of their arrival times."""
     nodes = len(walks.network.nodes)
     node, time = walks.first_arrivals()
@@ -276,7 +297,7 @@ def summarise_walks(walks: Walks, routings: Sequence[Routing]) -> Passage:
     arrived, sight, hour = (visits, probability, age), walks.measure_sight(), float(walks.began.min()) / 3600
     ends, quantiles = _count_ends(walks, routings), measure_quantiles(walks)
     return make_passage(
-        routings, walks.release, hour, arrived, sight, ends, quantiles=quantiles, unsteady=True
+        routings, walks.release, hour, arrived, sight, ends, quantiles=quantiles, unsteady=unsteady
     )
 
 
