@@ -282,7 +282,9 @@ def open_agent(
 
     Args:
         text: path of an ``agent.json``, ``RUN:TARGET``, or the text of a genome, as the commands take it.
-        settings, scenario, use: other surroundings than its own, as for :meth:`Design.under`.
+        settings: other surroundings than its own, as for :meth:`Design.under`.
+        scenario: the same.
+        use: the same.
 
     Raises:
         InputError: if there is no such agent.

@@ -126,7 +126,8 @@ def place_labels(
 
     Args:
         anchors: the points to label, (n, 2).
-        widths, height: the width of each label, and the height of all.
+        widths: of each label.
+        height: of all labels.
         ink: points on the lines that are drawn already, (m, 2), about 3 px apart.
         page: the rectangle that labels should stay in.
         keep: half the side of the square around each anchor that labels must leave free.

@@ -263,7 +263,8 @@ def label_points(
     Args:
         anchors: the points, (n, 2) in px.
         names: text, colour and boldness, for each point.
-        ink, keep: as in :func:`driftform.figures.layout.place_labels`, with ``ink`` as a list of parts.
+        ink: as in :func:`driftform.figures.layout.place_labels`, as a list of parts.
+        keep: as there.
     """
     texts = [shorten(name, 12, 140, bold=True) for name, _, _ in names]
     frame = window.box

@@ -6,11 +6,13 @@ The hues are those of Okabe and Ito, which people with any colour vision can dis
 
 INK = "#1f2a36"
 MUTED = "#586673"
-WRONG = "#b3261e"
 GRID = "#e6ebef"
 WATER = "#f1f7fb"
 WALL = "#4a5967"
 """Neutral colours: ``INK`` and ``MUTED`` of text, ``GRID`` of lines behind data, ``WATER`` and ``WALL`` of pipes."""
+
+WRONG = "#b3261e"
+"""Colour of what cannot work, such as a target outside the pipe."""
 
 BLUE = "#0072b2"
 ORANGE = "#e69f00"

@@ -22,7 +22,8 @@ def terminal_speeds(
     Args:
         net: net weight or net buoyancy, N; its sign is ignored.
         fore_first: True if the body moves along its axis with its fore end first.
-        density, viscosity: of the water, kg/m3 and m2/s.
+        density: of the water, kg/m3.
+        viscosity: of the water, m2/s.
     """
     along = _balance(drag, net, _AHEAD if fore_first else _ASTERN, density, viscosity)
     return along, terminal_speed_across(drag, net, density, viscosity)

@@ -35,7 +35,8 @@ def sphere_agent(radius: float, mass: float, added: float = 0.5, drag: float = 0
     """Return a homogeneous sphere.
 
     Args:
-        radius, mass: of the sphere, m and kg.
+        radius: of the sphere, m.
+        mass: of the sphere, kg.
         added: added mass over displaced mass; 1/2 in potential flow.
         drag: drag coefficient on the frontal area, as quadratic damping of surge, sway and heave.
     """
@@ -59,8 +60,8 @@ class Spheroid:
     and k' of the moment of inertia that the displaced water would have.
 
     Examples:
-    >>> [round(k, 5) for k in Spheroid(0.06, 0.01).factors]
-    [0.04518, 0.91712, 0.76231]
+        >>> [round(k, 5) for k in Spheroid(0.06, 0.01).factors]
+        [0.04518, 0.91712, 0.76231]
     """
 
     a: float

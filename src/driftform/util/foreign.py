@@ -82,8 +82,8 @@ def call_apart(
     Args:
         function: of the top level of a module that can be imported.
         arguments: data; a path arrives as text, and absolute.
-        seconds, memory: most processor time, s, and most memory, bytes; Windows has no limit of memory, macOS a weak
-            one.
+        seconds: most processor time, s.
+        memory: most memory, bytes; Windows has no such limit, macOS a weak one.
 
     Returns:
         Any: numbers, texts, arrays of numbers, and lists, tuples and dictionaries of these. An answer that names
