@@ -56,7 +56,10 @@ def read_text(path: Path) -> str:
     """
     try:
         with path.open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
+            data = b""
+            # In parts: a buffer of the whole limit would be reserved for the shortest text.
+            while len(data) <= MOST_BYTES and (part := file.read(1_000_000)):
+                data += part
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if len(data) > MOST_BYTES:

@@ -1,25 +1,30 @@
 """A body of one's own as an agent: a builder whose options are the whole body, and the grammar of its only genome."""
 
+from typing import Annotated
+
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from driftform.agent import solid_of_revolution
 from driftform.errors import InputError
 from driftform.interfaces import Grammar, PhenotypeBuilder, Table, option
 from driftform.types import Body, Core, Fittings, FloatArray, Genome, Moments, Morphology
 
+_Length = Annotated[float, Field(ge=0, le=1000)]
+_Inertia = Annotated[float, Field(gt=0, le=1e12)]
+
 
 class ProfileOptions(Table):
     """A body of revolution by its profile, mass and centre of gravity."""
 
-    profile: tuple[tuple[float, float], ...] = option(
+    profile: tuple[tuple[_Length, _Length], ...] = option(
         ...,
         "distance from the nose and radius of each point, from the nose to the tail; both ends lie on the axis",
         "m",
     )
     mass: float = option(..., "mass of the whole body", "kg", gt=0, le=1e6)
     cog: float = option(..., "distance of the centre of gravity from the nose", "m", ge=0, le=1000)
-    inertia: tuple[float, float] | None = option(
+    inertia: tuple[_Inertia, _Inertia] | None = option(
         None,
         "moments of inertia about the centre of gravity: about the axis, and about a line across it; by default those of a "
         "body of even density with this profile and mass",
