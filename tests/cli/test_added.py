@@ -167,7 +167,7 @@ def test_a_known_command_whose_hook_raises_says_why(
     [
         ("input", 2, "error: HOW input: is no way to sink"),
         ("work", 1, "error: it floats"),
-        ("file", 1, "error: [Errno 2] No such file or directory: 'no such file'"),
+        ("file", 1, "error: no such file: No such file or directory"),
         ("leave", 1, "error: command 'sink' failed: SystemExit: left (in sink, line "),
         ("bug", 1, "error: command 'sink' failed: ZeroDivisionError: division by zero (in sink, line "),
     ],

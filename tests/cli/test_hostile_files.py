@@ -162,6 +162,8 @@ def test_no_module_unpickles_or_evaluates() -> None:
     for path in package.rglob("*.py"):
         if path.is_relative_to(package / "testing"):
             continue  # Contract tests may pickle what they made themselves.
+        if path == package / "util" / "foreign.py":
+            continue  # Its answers may name nothing but arrays: tests/util/test_foreign.py.
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
                 assert not forbidden & {alias.name.split(".")[0] for alias in node.names}, path

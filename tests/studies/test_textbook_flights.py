@@ -4,11 +4,12 @@ from itertools import repeat
 
 import numpy as np
 import pytest
+from closed_forms import wall_depths
 from textbook import textbook_states
 
 from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
-from driftform.testing.simulator import largest_distance, wall_depths
+from driftform.testing.simulator import largest_distance
 from driftform.types import End, Trajectory
 from driftform.water import Pipe
 

@@ -12,6 +12,7 @@ from driftform.errors import DriftformError, InputError, WorkFailedError, descri
 from driftform.plugins.discovery import find_modules
 
 BROUGHT_BY: Mapping[str, str] = {
+    "body": "driftform-frusta",
     "calibrate": "driftform-calibration",
     "check": "driftform-kit",
     "drop": "driftform-calibration",

@@ -245,7 +245,7 @@ class Store:
 
     def compute_digest(self) -> str:
         """Return a digest of all that is stored except the samples of flights, of which only the size counts."""
-        columns = "id, generation, population, parents, grammar, symbols, tuning, seed, failure, ended, duration, contact"
+        columns = "id, generation, population, parents, grammar, symbols, tuning, seed, failure, seconds, ended, duration, contact"
         digest = hashlib.sha256()
         with self._reading():
             for query in (

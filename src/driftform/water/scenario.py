@@ -10,7 +10,6 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from driftform.errors import did_you_mean
 from driftform.options import Table, describe, find_table, option
 from driftform.types import Body, FloatArray, MassProperties, Trajectory
-from driftform.util import rotations
 from driftform.util.latest import keep_latest
 from driftform.util.vectors import cross
 from driftform.water.factors import Calibration
@@ -464,6 +463,9 @@ class Scenario(Table):
 
     def resume(self, flown: Trajectory, duration: float) -> "Scenario":
         """Return the scenario of the next ``duration`` (s) of a flight: an agent is released as it is at the end of ``flown``."""
+        # The compiler behind it takes longer to import than all else of a scenario.
+        from driftform.util import rotations
+
         R, velocity = rotations.matrix_from_quaternion(flown.quaternion[-1]), flown.velocity[-1]
         release = self.release.model_copy(
             update={

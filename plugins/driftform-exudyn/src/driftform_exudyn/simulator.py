@@ -19,6 +19,9 @@ RATIO = 10.0
 SAFETY_FACTOR = 2.0
 """Estimated error of a flight over its distance from the one with a larger tolerance."""
 
+LEAST_ERROR = 4e-6
+"""Least error that is stated, m: a fall with drag ends so far from the exact path, though two tolerances agree better."""
+
 
 class ExudynOptions(Table):
     """Options of the Exudyn backend."""
@@ -105,7 +108,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             fine = integrate(tolerance, o.max_step)
             distance = integrator.greatest_distance(coarse, fine)
             # A distance that falls faster than the tolerance does so by chance.
-            error, least = SAFETY_FACTOR * max(distance, least), distance / RATIO
+            error, least = max(SAFETY_FACTOR * max(distance, least), LEAST_ERROR), distance / RATIO
             tolerance /= RATIO
             hopeless = all(len(s) > o.step_limit or not np.isfinite(s[-1]).all() for s in (coarse, fine))
             # A path in gusts that no tolerance fixes is one of many that the same gusts allow, as likely as any other.
