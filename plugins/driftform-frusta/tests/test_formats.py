@@ -43,7 +43,7 @@ def export(exporter, job, folder, **options):
     """The files that hold solids; the assembly sheet of a kit has tests of its own."""
     made = exporter(exporter.Options(**options))
     written = made.write(job, folder / f"agent{made.suffix}")
-    return [file for file in written if "-assembly." not in file.path]
+    return [file for file in written if "-assembly-" not in file.path]
 
 
 def read_3mf(path):
