@@ -9,6 +9,7 @@ a built-in scenario, contains only what differs from it. Built-in scenarios are 
 import reprlib
 import secrets
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar, cast
 
@@ -44,7 +45,7 @@ from driftform.study.sources import (
     read_sources,
 )
 from driftform.study.toml_positions import find_key_lines
-from driftform.types import Finding, State
+from driftform.types import Finding, Genome, State
 from driftform.water import Scenario
 from driftform.water.flow import GridFlow
 
@@ -171,7 +172,11 @@ class Study:
                 f"{self.name}: has no [targets]; add at least one, such as leak = [4.0, 0.0, -0.9]"
             )
         grammar: Grammar[Any] = self.make_plugin("grammar")
-        if not grammar.random(np.random.default_rng(0)).symbols:
+        genome = None
+        with suppress(Exception):
+            # A grammar that fails is named where it is tried, before the search.
+            genome = grammar.random(np.random.default_rng(0))
+        if isinstance(genome, Genome) and not genome.symbols:
             raise InputError(
                 f"{self.name}: grammar '{grammar.name}' has one genome, without symbols: nothing can evolve; choose another"
             )
