@@ -86,7 +86,7 @@ def find_ended(run: Run) -> list[Best] | None:
     What was stored, the versions of all that affects it, and the files of the agents are compared with those of the end.
     """
     with run.read() as store:
-        ended = store.read_ended()
+        ended = store.read_ended() if store.count() == run.study.evaluations else {}
     if ended.get("versions") != find_versions(run.study.document):
         return None
     found = []
