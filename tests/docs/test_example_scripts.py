@@ -32,9 +32,12 @@ def printed(
     return run
 
 
-def test_nine_of_ten_flights_pass_within_two_decimetres(printed: Callable[[str, str], list[float]]) -> None:
-    promised = printed("evolve", r"by less than (\d+) mm")
-    assert len(promised) == 2 and min(promised) > 20 and max(promised) < 200
+def test_nine_of_ten_flights_pass_within_the_papers_five_percent(
+    printed: Callable[[str, str], list[float]],
+) -> None:
+    near_tp1, near_tp8 = printed("evolve", r"by less than (\d+) mm")
+    assert 20 < near_tp1 < 407
+    assert 20 < near_tp8 < 360
 
 
 def test_the_best_agent_sees_most_heights_of_the_pipe(printed: Callable[[str, str], list[float]]) -> None:
