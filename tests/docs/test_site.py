@@ -69,7 +69,7 @@ def test_pages_for_users_hold_no_commands_for_developers(pages: dict[str, str]) 
         assert not re.search(r"UPDATE_DOCS|uv run pytest|pytest -m|pre-commit", text), name
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_axe_finds_no_barrier_on_any_page_but_the_reference(site: Path, browser: Any) -> None:
     found = {}
     # The reference is left out: colours and landmarks of its signatures are those of mkdocstrings.
