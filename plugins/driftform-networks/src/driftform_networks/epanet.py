@@ -80,8 +80,10 @@ def run_epanet(path: Path, changes: Changes | None = None) -> Arrays:
         copy.write_bytes(content.rstrip(b"\0"))
         text = files.read_text(copy if content.endswith(bytes(8)) else path)
         copy.write_text(text, "utf-8", newline="\n")
-        stop, told = Event(), copy_context()
-        shown = Thread(target=told.run, args=(_show_percent, copy.with_suffix(".percent"), stop), daemon=True)
+        stop, context = Event(), copy_context()
+        shown = Thread(
+            target=context.run, args=(_show_percent, copy.with_suffix(".percent"), stop), daemon=True
+        )
         shown.start()
         try:
             values = asdict(changes or Changes())
