@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from manifold3d import Manifold, Mesh64
 
 from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, Module, Morphology, State
@@ -30,7 +31,8 @@ def body_of(core: str = "steel-20mm"):
 def radii_at(options: PartOptions, height: float, core: str = "steel-20mm"):
     """Inner and outer radius of each cell of the coupon at a height (mm), the loose ring last; sections of the mesh alone."""
     mesh = make_mesh(options, core)
-    sections = [np.asarray(path)[:, :2] for path in mesh.section([0, 0, 1], [0, 0, height]).discrete]
+    solid = Manifold(Mesh64(vert_properties=mesh.vertices, tri_verts=mesh.faces.astype(np.uint64)))
+    sections = solid.slice(height).to_polygons()
     cells: dict[tuple[float, float], list[float]] = {}
     for path in sections:
         middle = (path.min(axis=0) + path.max(axis=0)) / 2
