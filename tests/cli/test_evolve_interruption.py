@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,8 @@ STUDY = (
     "--simulator",
     "fake",
 )
-PAUSE = 0.05
+# Long enough that a run is not at its end when a busy machine comes to interrupt it.
+PAUSE = 0.15
 
 
 def stored(directory: Path) -> int:
@@ -57,7 +59,7 @@ def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
 
 
 def children(process: int) -> list[int]:
-    """Processes that a process started, and theirs, as the kernel tells."""
+    """Processes that a process started, and theirs, as the kernel has them."""
     found: list[int] = []
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
@@ -80,9 +82,12 @@ def alive(process: int) -> bool:
 
 def workers(process: int) -> list[int]:
     """Those of its processes that evaluate: not the one that watches over shared resources."""
-    return [
-        child for child in children(process) if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()
-    ]
+    found = []
+    for child in children(process):
+        with suppress(OSError):  # it may have ended since
+            if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes():
+                found.append(child)
+    return found
 
 
 both = pytest.mark.parametrize(
