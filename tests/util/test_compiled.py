@@ -85,6 +85,22 @@ def test_a_compiler_that_does_not_suit_numba_is_replaced_by_that_of_numba_with_o
     assert run_kernel(tmp_path / "new", **variables) == ""
 
 
+@pytest.mark.skipif(not hasattr(os, "setsid"), reason="no sessions of processes")
+def test_a_compilation_is_announced_once_to_the_processes_of_a_run_and_again_to_another_run(tmp_path):
+    command = [sys.executable, "-c", "from driftform.util.kernel_cache import announce; announce(9)"]
+
+    def announce(**options):
+        environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+        return subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=True, **options
+        ).stderr
+
+    assert announce() == "compiling the equations of motion, about 9 s, once per machine\n"
+    assert announce() == ""
+    # The studio's server may have compiled something; a search that it begins is a session of its own.
+    assert announce(start_new_session=True).startswith("compiling")
+
+
 @pytest.mark.parametrize(
     ("fault", "notice"),
     [("1e-15 + ", "new machine code gives other numbers than Python"), ("os.abort() or ", "exit code -")],

@@ -96,19 +96,21 @@ def lock(path: Path) -> Iterator[None]:
 def announce(seconds: int) -> None:
     """Print once that a compilation of so many seconds begins, unless the display of a run on a terminal shows it.
 
-    A file beside the machine code keeps the other processes of the same run silent.
+    A file beside the machine code keeps the other processes of the same run silent; a run that a server began is a
+    session of its own.
     """
     marker, often = BASE / "kernels.announced", "once per machine"
+    session = str(os.getsid(0)) if hasattr(os, "getsid") else ""
     with suppress(OSError):
         BASE.mkdir(parents=True, exist_ok=True)
     if not os.access(BASE, os.W_OK):
         often = f"at each start: {BASE} cannot be written to; set NUMBA_CACHE_DIR to a directory that can"
         marker = Path(gettempdir()) / f"driftform-{getattr(os, 'getuid', os.getpid)()}.announced"
     with suppress(OSError):
-        if time.time() - marker.stat().st_mtime < ANNOUNCED_S:
+        if time.time() - marker.stat().st_mtime < ANNOUNCED_S and marker.read_text() == session:
             return
     with suppress(OSError):
-        marker.touch()
+        marker.write_text(session)
     is_worker = multiprocessing.parent_process() is not None
     if not (is_worker and sys.stdout.isatty() and sys.stderr.isatty()):
         text = f"compiling the equations of motion, about {seconds} s, {often}"
