@@ -143,7 +143,7 @@ export class Side {
     this.svg.setAttribute("class", `${this.mode} ${this.reach ? "mapped" : ""} ${this.view.scale > 1.05 * this.home ? "zoomed" : ""}`);
     this.svg.replaceChildren(
       this.hatch(), ...this.drawWalls(), ...this.drawBore(), ...this.drawReach(), ...this.drawOpenings(), ...this.drawAxes(), ...this.drawCurrent(),
-      ...this.drawFlights(), ...this.drawRelease(), ...this.outline.targets.map((t, i) => this.drawTarget(t, i)),
+      ...this.drawFlights(), ...this.drawRelease(), ...this.drawTargets(),
     );
     if (this.mode === "edit" && !this.outline.targets.length && this.bores.length) this.svg.append(this.drawInvitation());
     this.moving = this.svg.appendChild(draw("g"));
@@ -283,11 +283,27 @@ export class Side {
     }));
   }
 
-  drawTarget({ name, position }, number) {
-    const [x, y] = this.screen(this.flat(position));
+  // Each name is at the first corner of its cross where it covers no other name or cross, px.
+  drawTargets() {
+    const { targets } = this.outline;
+    const crosses = targets.map(({ position }) => this.screen(this.flat(position)));
+    const taken = crosses.map(([x, y]) => [x - 7, y - 7, x + 7, y + 7]);
+    return targets.map((target, number) => {
+      const [x, y] = crosses[number], wide = 8 * target.name.length + 4;
+      const corners = [[12, -7], [-12, -7], [12, 16], [-12, 16]].map(([dx, dy]) => {
+        const left = x + dx - (dx < 0 ? wide : 0);
+        return { dx, dy, box: [left, y + dy - 11, left + wide, y + dy + 3] };
+      }).filter(({ box }) => box[0] > 0 && box[1] > 0 && box[2] < this.width && box[3] < this.height);
+      const free = corners.find(({ box: [a, b, c, d] }) => taken.every(([e, f, g, h], i) => i === number || c < e || a > g || d < f || b > h));
+      const corner = free ?? corners[0] ?? { dx: 12, dy: -7 };
+      if (corner.box) taken.push(corner.box);
+      return this.drawTarget(target, number, crosses[number], corner);
+    });
+  }
+
+  drawTarget({ name, position }, number, [x, y], { dx, dy }) {
     const edit = this.mode === "edit";
     const cross = "M-6 -6L6 6M-6 6L6 -6";
-    const right = x > this.width - 16 - 9 * name.length;
     const where = edit ? this.acts.describe(name) : `x ${position[0].toFixed(2)} m, y ${position[1].toFixed(2)} m, z ${position[2].toFixed(2)} m`.replaceAll("-", "−");
     return draw("g", {
       class: "mark", transform: `translate(${x.toFixed(1)} ${y.toFixed(1)})`, tabindex: 0, role: "button", "data-name": name,
@@ -295,7 +311,7 @@ export class Side {
     },
       draw("circle", { class: "hit", r: 16 }), draw("circle", { class: "ring", r: 13 }),
       draw("path", { class: "halo", d: cross }), draw("path", { d: cross, stroke: colour(number) }),
-      draw("text", { x: right ? -12 : 12, y: y < 24 ? 14 : -7, "text-anchor": right ? "end" : "start" }, name));
+      draw("text", { x: dx, y: dy, "text-anchor": dx < 0 ? "end" : "start" }, name));
   }
 
   // The cells of the map where they lie in the pipe; equal neighbours along it are one shape.

@@ -297,27 +297,28 @@ function showProgress({ state, done, budget, disturbed, rate, extent, compiling 
   find("progress").hidden = false;
   const bar = find("progress-bar");
   const flying = state === "writing the best agents";
-  if (flying && disturbed[1]) [bar.max, bar.value] = [disturbed[1], disturbed[0]];
+  if (flying && disturbed[0] < disturbed[1]) [bar.max, bar.value] = [disturbed[1], disturbed[0]];
   else if (compiling.length && !isOver({ state })) [bar.max, bar.value] = [compiling[1], Math.min(compiling[0], 0.97 * compiling[1])];
-  else if (state === "starting" || flying) bar.removeAttribute("value");
+  else if (state === "starting" || flying || !(done || isOver({ state }))) bar.removeAttribute("value");
   else [bar.max, bar.value] = [budget, done];
   const words = [`${WORDS[state] ?? state}: ${done} of ${budget} flights`];
   if (flying) words.push(disturbed[1] ? `${disturbed[0]} of ${disturbed[1]} disturbed flights` : `${disturbed[0]} disturbed flights`);
   else if (compiling.length && !isOver({ state })) words.push(`compiling the equations of motion, about ${duration(compiling[1])}, once per machine`);
+  else if (state === "running" && !done) words.push("the first are under way");
   else if (rate) words.push(`${rate.toPrecision(2)} per second`, `about ${duration((budget - done) / rate)} left`);
   find("progress-text").textContent = words.join(", ");
   bar.setAttribute("aria-valuetext", words.join(", "));
-  find("curve").hidden = !extent;
+  find("curve").toggleAttribute("hidden", !extent);
 }
 
 const metres = (value) => make("td", { class: "wide" }, value == null ? "–" : length(value));
-const share = (value) => make("td", {}, value == null ? "–" : `${Math.round(100 * value)} %`);
+const share = (value, isDoubtful) => make("td", { class: isDoubtful ? "fair" : "" }, value == null ? "–" : `${Math.round(100 * value)} %`);
 
 function showPromises({ state, targets }) {
   find("promise").hidden = !targets.some((t) => t.evaluation !== null);
   const promised = targets.some((t) => t.p90 !== undefined && t.p90 !== null);
   find("promise-hint").textContent = promised
-    ? "Hit: the share of fresh disturbed flights that pass near enough; 90 %: the miss that 9 of 10 stay within. Weighed: the same of a print that is weighed and trimmed. Idle: of a neutral sphere in its place. A target is kept from 90 % on."
+    ? "Hit: the share of fresh disturbed flights that pass near enough; 90 %: the miss that 9 of 10 stay within. Weighed: the same of a print that is weighed and trimmed. Idle: of a neutral sphere in its place; where it hits as often, no shape is needed. A target is kept from 90 % on."
     : run.info.conditions ? "So far the undisturbed flights. The best agents are flown under disturbed conditions when the search ends."
       : "The undisturbed flights. This search has no disturbed flights, so it promises nothing of a real agent.";
   const rows = targets.map((t, number) => {
@@ -327,7 +328,7 @@ function showPromises({ state, targets }) {
     if (t.evaluation === null) return make("tr", {}, name, make("td", { colspan: 7 }, "no flight yet"));
     const seen = agent?.key === t.name;
     return make("tr", { class: seen ? "chosen" : "" }, name,
-      ...promised ? [share(t.robust?.hit), metres(t.p90), share(t.robust?.weighed?.hit), metres(t.robust?.weighed?.p90), share(t.robust?.baseline?.hit)] : [make("td", {}, t.nominal == null ? "–" : length(t.nominal))],
+      ...promised ? [share(t.robust?.hit), metres(t.p90), share(t.robust?.weighed?.hit), metres(t.robust?.weighed?.p90), share(t.robust?.baseline?.hit, t.robust?.baseline?.hit >= t.robust?.hit)] : [make("td", {}, t.nominal == null ? "–" : length(t.nominal))],
       make("td", { class: `at ${STYLES[t.verdict] ?? ""}` }, t.verdict),
       make("td", {}, make("button", { type: "button", "aria-pressed": String(seen), "aria-label": `Show the agent for ${t.name}`, onclick: () => openAgent(t.name) }, "Agent")));
   });

@@ -20,6 +20,7 @@ const SENTENCES = [
   [/^[\w. -]*\.toml(:\d+)?: /, ""],
   [/and evolve for (the measured value|that density) with --set ([\w.]+)/, "and search again with it ($2)"],
   [/'driftform trim' corrects its mass with ballast/, "“Weigh and trim” finds the ballast that corrects it"],
+  [/^this is the uncertainty of the drag model: /, ""],
   [/film some drops, and run 'driftform calibrate'/, "film some drops, and fit the model to them"],
   [/'driftform drop' plans those that tell most/, "a plan of drops names those that tell most"],
   [/\bat = ([\d.e+-]+) is beyond the end of '([^']*)', which is/, "$1 m into $2 is beyond its end: it is"],
