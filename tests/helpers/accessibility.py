@@ -4,16 +4,17 @@ from importlib.resources import files
 from typing import Any
 
 RUN = """
-const done = arguments[0];
-axe.run(document, { resultTypes: ["violations"] }).then(({ violations }) => done(violations.flatMap(
+const done = arguments[0], drawn = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve, 50)));
+drawn().then(drawn).then(() => axe.run(document, { resultTypes: ["violations"] })).then(({ violations }) => done(violations.flatMap(
   ({ id, nodes }) => nodes.map(({ target, html }) => `${id} at ${target.join(" ")}: ${html.slice(0, 100)}`))));
 """
 
 
 def find_barriers(browser: Any) -> list[str]:
-    """Return each violation of a rule of axe-core, with the element."""
-    script = files("axe_playwright_python").joinpath("axe.min.js").read_text(encoding="utf-8")
-    browser.execute_script(script)
+    """Return each violation of a rule of axe-core, with the element, once the page has answered to its size."""
+    if not browser.execute_script("return 'axe' in window"):
+        script = files("axe_playwright_python").joinpath("axe.min.js").read_text(encoding="utf-8")
+        browser.execute_script(script)
     found: list[str] = browser.execute_async_script(RUN)
     return found
 
