@@ -171,6 +171,7 @@ class Page:
     def picture(self, name, bottom):
         """Take a picture of the page down to an element; with UPDATE_DOCS=1 it is that of the docs."""
         self.run("scrollTo(0, 0); document.activeElement?.blur()")
+        self.wait_for(lambda: not self.find("#busy").is_displayed())
         height = self.run(
             "return Math.ceil(document.querySelector(arguments[0]).getBoundingClientRect().bottom + scrollY) + 16",
             bottom,

@@ -248,7 +248,7 @@ export class Fields {
       count("Disturbed flights", "robustness", "conditions", { bounds: { low: 0, high: 10000 }, title: "of each finalist, by which the best is chosen; 0 for a search without a promise" }),
       ...(within === null || within === undefined || typeof within === "number" ? [makeNumber("Near enough", within, (v) => { design.set("robustness", "within", v); this.changed(); }, { unit: "m", keys: "robustness.within", bounds: { above: 0, high: 1000 }, placeholder: "5 % of the pipe", title: "a flight that passes a target within this hits it" })] : []),
       ...makeMore([
-        makeSelect("Simulator", simulators, simulator, (use) => { design.set("simulator", "use", use); this.changed(true); }, { keys: "simulator.use simulator" }),
+        makeSelect("Simulator", simulators, simulator, (use) => { design.set("simulator", "use", use); this.changed(true); }, { keys: "simulator.use simulator", wide: true }),
         count("Seed", "run", "seed", { placeholder: "drawn", bounds: { low: 0, high: 2 ** 53 } }),
       ], "more-search"),
     );
