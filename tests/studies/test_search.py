@@ -75,15 +75,13 @@ def _runs(
 
 def test_the_searches_are_told(errors: Errors, publish: Callable[[str, Sequence[str]], None]) -> None:
     names = study_of("random", 1, 1).scenario.target_names
-    heads = [f"{strategy}, {flights}" for strategy, flights in SEARCHES]
-    lines = [
-        f"| target | {' | '.join(f'{head}: mean (std, worst)' for head in heads)} |",
-        "|---" * (1 + len(heads)) + "|",
-    ]
+    shown = {strategy: e for (strategy, flights), e in errors.items() if flights == min(f for _, f in errors)}
+    heads = [f"`{strategy}`: mean (std, worst)" for strategy in shown]
+    lines = [f"| target | {' | '.join(heads)} |", "|---" * (1 + len(heads)) + "|"]
     for number, name in enumerate(names):
         cells = [
             f"{e[:, number].mean():.2f} ({e[:, number].std():.2f}, {e[:, number].max():.2f})"
-            for e in errors.values()
+            for e in shown.values()
         ]
         lines.append(f"| {name} | {' | '.join(cells)} |")
     publish("searches", lines)
@@ -128,11 +126,14 @@ def test_tuned_bodies_hit_every_target_within_a_hundred_flights(
     assert (misses.mean(axis=0) <= np.where(np.array(scenario.target_names) == "TP8", 20, 1)).all()
 
 
-def test_no_seed_of_many_leaves_a_target_missed_by_more_than_a_percent(tmp_path: Path) -> None:
+def test_no_seed_of_many_leaves_a_target_missed_by_more_than_a_percent(
+    tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
+) -> None:
     seeds = range(100, 100 + int(os.environ.get("MANY_SEEDS", MANY_SEEDS)))
     with closing(LocalProcesses(study_of("tuned", 1, 1, "pipe-inspection").document, 2)) as executor:
         worst = [errors.max() for errors in _runs("tuned", 500, "pipe-inspection", executor, tmp_path, seeds)]
-    print(f"worst target of {len(worst)} seeds: {np.max(worst):.3f} %, in the mean {np.mean(worst):.3f} %")
+    line = f"After 500 flights, no target is missed by more than {np.max(worst):.4f} % in any of {len(worst)} other seeds."
+    publish("many seeds", [line])
     assert np.max(worst) <= 1
 
 
