@@ -211,7 +211,10 @@ def _measure_noise(film: Filmed) -> float:
 
 
 def _find_misfit(solution: Solution) -> str:
-    """Return why no factor is known, if a track lies far off the flight that fits it best; else nothing."""
+    """Return why no factor is known, if frames were lost or a track lies far off the flight that fits it best; else nothing."""
+    for film in solution.problem.films:
+        if film.track.lost:
+            return f"{film.track.name} lost frames, the first at t = {film.track.lost[0]:.3f} s: give it the times of its frames"
     share, least = FILM_NOISE
     ratios = [
         noise / max(_measure_noise(film), share * film.track.span, least)
@@ -323,12 +326,18 @@ def list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str
         bench.coefficients.linear_damping.any() or bench.coefficients.quadratic_damping.any()
         for bench in benches
     )
+    is_round = all(d is not None and d.round_area > ROUND * 0.25 * np.pi * d.diameter**2 for d in drags)
     if not damped:
         if all(drag is None for drag in drags):
             why = "the agent's model has no drag (hydrodynamics.drag = 'strips')"
             reasons |= {"axial_drag": why, "cross_drag": why}
-        elif all(d.round_area > ROUND * 0.25 * np.pi * d.diameter**2 for d in drags if d is not None):
+        elif is_round:
             reasons["axial_drag"] = "a sphere has one drag, which is that of cross_drag"
+    half_seen = [film.track.name for film in films if not film.seen_axes.all()]
+    if half_seen and not is_round:
+        # Another pitch and another push at the release show the same heights with another drag.
+        why = f"{half_seen[0]} needs both coordinates: one does not show how the agent turns"
+        return reasons | {name: why for name in Factors.names if name in names}
     if benches[0].hull_weight == 0.0:
         reasons["hull_density"] = "the agent has no hull"
     if not any(bench.scenario.pipe.segments for bench in benches):

@@ -354,12 +354,16 @@ def _list_camera(number: int, film: Filmed) -> list[Parameter]:
     t = film.track.t
     last = float(t[-1] - t[0])
     found = [Parameter(number, "delay", float(t[0]), float(t[0]) - LONGEST_LEAD * last, float(t[-1]), np.inf)]
-    if film.scale_error > 0:
-        width = film.scale_error
-        found.append(Parameter(number, "scale", 0.0, -6 * width, 6 * width, width))
+    width, start = film.scale_error, 0.0
+    if not film.seen_axes.all():
+        # One coordinate of a turned camera looks shorter by the cosine: mean and deviation of its logarithm.
+        width, start = float(np.hypot(width, TILT**2 / np.sqrt(2))), float(-0.5 * TILT**2)
+    if width > 0:
+        found.append(Parameter(number, "scale", start, start - 6 * width, start + 6 * width, width))
     if len(film.axes) == 2 and film.seen_axes.all():
         found.append(Parameter(number, "tilt", 0.0, -6 * TILT, 6 * TILT, float(TILT)))
         found.append(Parameter(number, "aspect", NARROWER, -6 * ASPECT, 6 * ASPECT, ASPECT))
+    if len(film.axes) == 2:
         width = float(LOOK_DOWN / np.sqrt(3) / film.distance)
         found.append(Parameter(number, "keystone", 0.0, -3 * width, 3 * width, width))
         found.append(Parameter(number, "barrel", 0.0, -6 * BARREL, 6 * BARREL, BARREL))

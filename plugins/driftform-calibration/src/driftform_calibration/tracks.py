@@ -32,6 +32,9 @@ SCATTER = 0.05
 CLEAR_JUMPS = 5.0
 """Mean of regular jumps over its standard error from which frames are missing there: some 200 rhythms are tried."""
 
+SURE = 0.01
+"""Chance that a track without lost frames is taken for one with some."""
+
 LIKELY = 0.6
 """Least likelihood of a point, as DeepLabCut states it."""
 
@@ -67,6 +70,7 @@ class Track:
         markers: the points that were followed.
         angle: of the axis in the picture, counterclockwise from the right, rad, (n,); NaN where it is not known.
         notes: what was mended, one line each.
+        lost: times (s) before which frames seem to be missing, although the times go on evenly.
     """
 
     name: str
@@ -74,10 +78,12 @@ class Track:
     markers: tuple[Marker, ...]
     angle: FloatArray
     notes: tuple[str, ...] = ()
+    lost: tuple[float, ...] = ()
 
     def cut(self, end: float) -> "Track":
         """Return the track up to the time ``end``, s."""
-        return _pick_rows(self, np.flatnonzero(self.t <= end))
+        lost = tuple(t for t in self.lost if t <= end)
+        return replace(_pick_rows(self, np.flatnonzero(self.t <= end)), lost=lost)
 
     @property
     def is_spatial(self) -> bool:
@@ -169,6 +175,9 @@ def check_track(label: str, track: Track) -> Track:
     for k in np.flatnonzero(np.diff(track.t) > GAP * usual)[:3]:
         notes.append(f"nothing was seen from t = {track.t[k]:.3f} to {track.t[k + 1]:.3f} s")
     track = _mend_lost_frames(track, notes)
+    if jumps := find_lost_frames(track):
+        track = replace(track, lost=jumps)
+        notes.append(f"jumps ahead at t = {jumps[0]:.3f} s by whole frames, as if some were lost there")
     _check_jumps(label, track, notes)
     if not track.span > 0:
         raise InputError(f"{label}: its points do not move")
@@ -275,6 +284,41 @@ def _mend_lost_frames(track: Track, notes: list[str]) -> Track:
             shifts = np.cumsum(inside) * lost * float(np.median(steps))
             return replace(track, t=track.t + np.concatenate([[0.0], shifts]))
     return track
+
+
+def find_lost_frames(track: Track) -> tuple[float, ...]:
+    """Return the times (s) before which frames were lost and numbered without a gap: there the points jump along their path.
+
+    A cubic is fitted to each 16 points in a row, without and with a jump by some frames of its own speed in the middle
+    (also elsewhere in the first and the last window). The test is Student's, of the residuals that the jump leaves.
+    """
+    from scipy.stats import t as student
+
+    half = 8
+    points = track.markers[0].points[:, np.isfinite(track.markers[0].points).all(axis=0)]
+    if len(points) < 2 * half or not points.size:
+        return ()
+    windows = np.lib.stride_tricks.sliding_window_view(points, 2 * half, axis=0)
+    steps = np.lib.stride_tricks.sliding_window_view(np.diff(track.t), 2 * half - 1)
+    places = np.arange(-half, half) + 0.5
+    cubic = np.vander(places / half, 4)
+    rest = np.eye(2 * half) - cubic @ np.linalg.pinv(cubic)
+    slope = np.linalg.pinv(np.vander(places, 3))[1]
+    freedom = points.shape[1] * (2 * half - 4) - 1
+    least = float(student.isf(SURE / len(points), freedom))
+    off, moves, found = windows @ rest, windows @ slope, []
+    speed = np.linalg.norm(moves, axis=1)
+    # Where times have gaps, or the agent is still held, steps say nothing.
+    usable = (np.ptp(steps, axis=1) < 0.1 * np.median(np.diff(track.t))) & (speed > 0.1 * speed.max())
+    for first in range(3, 2 * half - 2):
+        at = slice(None) if first == half else slice(0, 1) if first < half else slice(-1, None)
+        jump = moves[at, :, None] * (rest @ (np.arange(2 * half) >= first))
+        energy = np.maximum((jump**2).sum(axis=(1, 2)), 1e-300)
+        frames = (off[at] * jump).sum(axis=(1, 2)) / energy
+        left = ((off[at] - frames[:, None, None] * jump) ** 2).sum(axis=(1, 2)) / freedom
+        clear = usable[at] & (frames > 0.5) & (frames * np.sqrt(energy) > least * np.sqrt(left))
+        found += [float(track.t[first + k]) for k in np.arange(len(windows))[at][clear]]
+    return tuple(sorted(found))
 
 
 def _compare(values: FloatArray, weight: FloatArray, inside: npt.NDArray[np.bool_]) -> float:
