@@ -98,7 +98,7 @@ export class Space {
 
   draw() {
     if (!this.scene || !this.canvas.clientWidth) return;
-    this.view ??= new View(this.canvas, () => this.items(), { yaw: 0.28, pitch: 0.22, distance: 1.18 });
+    this.view ??= new View(this.canvas, () => this.items(), { yaw: 0.28, pitch: 0.22, distance: 1.27 });
     this.view.draw();
   }
 
