@@ -19,8 +19,11 @@ RATIO = 10.0
 SAFETY_FACTOR = 2.0
 """Estimated error of a flight over its distance from the one with a larger tolerance."""
 
-LEAST_ERROR = 4e-6
-"""Least error that is stated, m: a fall with drag ends so far from the exact path, though two tolerances agree better."""
+STEP_RATIO = RATIO**0.2
+"""Ratio of the steps of DOPRI5 for that of the tolerances; also of the longest ones.
+
+With equal steps, two flights would differ from the path between their samples alike, and not show it.
+"""
 
 
 class ExudynOptions(Table):
@@ -98,17 +101,18 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             settings = make_settings(o.integrator, horizon, tolerance, max_step)
             return integrate_motion(agent, scenario, settings, o.step_limit)
 
-        tolerance, least = o.tolerance, 0.0
-        coarse = integrate(RATIO * tolerance, o.max_step if controlled else 2 * o.max_step)
+        tolerance, max_step, least = o.tolerance, o.max_step, 0.0
+        coarse = integrate(RATIO * tolerance, max_step if controlled else 2 * max_step)
         if matters is not None:
             screened = stepping.finish_trajectory(coarse, model, horizon, o.step_limit)
             if not matters(screened):
                 return screened
         while True:
-            fine = integrate(tolerance, o.max_step)
+            max_step /= STEP_RATIO if controlled else 1.0
+            fine = integrate(tolerance, max_step)
             distance = integrator.greatest_distance(coarse, fine)
             # A distance that falls faster than the tolerance does so by chance.
-            error, least = max(SAFETY_FACTOR * max(distance, least), LEAST_ERROR), distance / RATIO
+            error, least = SAFETY_FACTOR * max(distance, least), distance / RATIO
             tolerance /= RATIO
             hopeless = all(len(s) > o.step_limit or not np.isfinite(s[-1]).all() for s in (coarse, fine))
             # A path in gusts that no tolerance fixes is one of many that the same gusts allow, as likely as any other.
