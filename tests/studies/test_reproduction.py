@@ -5,8 +5,8 @@
 
 import json
 import os
+import resource
 import shutil
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,14 @@ import pytest
 pytestmark = pytest.mark.slow
 
 DOCS = Path(__file__).parents[2] / "docs"
-WITHIN = {"native": 30.0, "exudyn": 1800.0}
-"""Seconds on two processors; the paper took 20 hours for half as many flights."""
+WITHIN = {"native": 120.0, "exudyn": 1800.0}
+"""Seconds of CPU time; the paper took 20 hours for half as many flights."""
+
+
+def cpu_of_children() -> float:
+    """CPU time of the processes that have ended, s: other work on the machine does not count."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 @pytest.mark.parametrize("simulator", ["native", "exudyn"])
@@ -25,17 +31,17 @@ def test_the_experiment_is_repeated_and_told(
     simulator: str, start: Any, publish: Callable[[str, Sequence[str]], None], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
-    began = time.monotonic()
+    before = cpu_of_children()
     process = start(
         "reproduce", "--simulator", simulator, "--workers", "2", "--out", out, "--json", cwd=tmp_path
     )
     printed, told = process.communicate(timeout=3600)
-    seconds = time.monotonic() - began
+    seconds = cpu_of_children() - before
     assert process.returncode == 0, told
     document = json.loads(printed)
     # Flights that no tolerance makes sure of fail, and say so.
     assert max(document["failed"].values()) <= 0.01 * 5000
-    print(f"\n{simulator}: 10 000 flights and the rest in {seconds:.0f} s")
+    print(f"\n{simulator}: 10 000 flights and the rest in {seconds:.0f} s of CPU time")
     if simulator == "exudyn":
         publish("reproduction", Path(document["results"]).read_text().splitlines())
         if os.environ.get("UPDATE_DOCS") == "1":
