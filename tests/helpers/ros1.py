@@ -44,7 +44,7 @@ def start(*command: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
                 pipe.close()
 
 
-def wait_for(happens: Callable[[], bool], seconds: float = 20.0) -> None:
+def wait_for(happens: Callable[[], bool], seconds: float = 60.0) -> None:
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         try:

@@ -1,13 +1,12 @@
 """A live flight on a real roscore: every message arrives, currents act, services answer, and it ends cleanly."""
 
-import math
 import os
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from json import loads
 from pathlib import Path
 from typing import Any
@@ -149,38 +148,51 @@ def test_a_signal_ends_it_in_one_line_and_leaves_nothing(master: dict[str, str],
     with fly(master) as process:
         assert "use_sim_time" in str(call(master, "rosparam list"))
         process.send_signal(number)
-        begun = time.monotonic()
-        _, stderr = process.communicate(timeout=20)
-    assert time.monotonic() - begun < 3.0
-    assert (process.returncode, stderr) == (130, "interrupted\n")
+        seconds = wait_for_end(process)
+        _, stderr = process.communicate()
+    assert seconds < 3.0
+    assert (process.returncode, split_lines(stderr)) == (130, ["interrupted"])
     assert "driftform" not in str(call(master, "rosnode list"))
     assert "use_sim_time" not in str(call(master, "rosparam list"))
 
 
 def test_it_ends_within_two_seconds_of_roscore_in_one_line(system: dict[str, str]) -> None:
-    # Other tests may hold the processors meanwhile: the quickest of three ends counts.
-    quickest = math.inf
-    for _ in range(3):
-        quickest = min(quickest, end_with_roscore(system))
-        if quickest < 2.0:
-            break
-    assert quickest < 2.0
-
-
-def end_with_roscore(system: dict[str, str]) -> float:
-    """Kill roscore below a flight, and return how long that goes on, s."""
     with run_master(system) as (environment, core), fly(environment) as process:
         time.sleep(0.5)
         children = Path(f"/proc/{core.pid}/task/{core.pid}/children").read_text(encoding="utf-8").split()
         for pid in (*map(int, children), core.pid):
             os.kill(pid, signal.SIGKILL)
-        begun = time.monotonic()
-        _, stderr = process.communicate(timeout=60)
-        seconds = time.monotonic() - begun
+        seconds = wait_for_end(process)
+        _, stderr = process.communicate()
     assert process.returncode == 1
-    [line] = stderr.splitlines()
+    [line] = split_lines(stderr)
     assert "roscore" in line and "does not answer" in line
-    return seconds
+    assert seconds < 2.0
+
+
+def wait_for_end(process: subprocess.Popen[str]) -> float:
+    """Return how long a process goes on, s; while it waits for a processor that others hold, time does not count."""
+    begun, before, waited = time.monotonic(), find_waiting(process.pid), 0.0
+    while process.poll() is None:
+        waited = max(waited, find_waiting(process.pid) - before)
+        assert time.monotonic() - begun < 120.0
+        time.sleep(0.02)
+    return time.monotonic() - begun - waited
+
+
+def split_lines(stderr: str) -> list[str]:
+    """The lines of an output, without the warning of a flight that is late, as on a busy machine."""
+    return [line for line in stderr.splitlines() if not line.startswith("warning: the flight is ")]
+
+
+def find_waiting(pid: int) -> float:
+    """How long the threads of a process have waited for a processor, which others held, s."""
+    found = 0
+    for path in Path(f"/proc/{pid}/task").glob("*/schedstat"):
+        # A thread may end meanwhile.
+        with suppress(OSError):
+            found += int(path.read_text(encoding="ascii").split()[1])
+    return 1e-9 * found
 
 
 def test_without_roscore_it_says_what_to_start(refused_master: dict[str, str]) -> None:
