@@ -9,12 +9,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from made_films import Filming, film_flight, place_drop
 
+from driftform.design.opening import open_agent
 from driftform.study import load_study
+from driftform.water import Factors
+from driftform_calibration.problem import Filmed
 
 TRACKS = Path(__file__).parents[3] / "docs" / "tracks"
 FACTORS = {"axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", "friction"}
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+
+FILM = """\
+base = "tank"
+pipe.segments = [{start = [-50.0, 0.0, 97.0], end = [50.0, 0.0, 97.0], radius = 100.0}]
+release = {pitch_deg = 30.0, position = [0.0, 0.0, -0.1]}
+"""
+"""The study of a film in a tank of 3 m."""
 
 Call = Callable[..., Any]
 Refused = Callable[..., str]
@@ -69,6 +80,32 @@ def test_the_document_has_factors_residual_and_files(call: Call, track: Path) ->
     assert "calibrated cross drag" in shown.stdout
     study = load_study("pipe-inspection", calibration="found/calibration.toml")
     assert study.scenario.calibration.intervals["cross_drag"][0] == found["calibration"]["cross_drag"][0]
+
+
+@pytest.mark.long
+def test_a_body_of_ones_own_is_calibrated_by_its_film(
+    call: Call, write_track: Callable[[Path, Filmed], Path], tmp_path: Path
+) -> None:
+    shutil.copy(TRACKS.parent / "bodies" / "remus-100.csv", tmp_path)
+    made = call("body", "remus-100.csv", "--mass", 40, "--cog", 0.6, "--scenario", "tank", "--out", "r.json")
+    assert made.exit_code == 0, made.stderr
+    design = open_agent("r.json")
+    assert design.agent.morphology is not None
+    bench = place_drop(design.pipeline, design.agent.morphology, 30.0, depth=3.0)
+    film = film_flight(
+        bench,
+        Factors(cross_drag=1.3),
+        np.random.default_rng(5),
+        Filming(noise=1e-5, scale=0.0, tilt=0.0, release=0.0),
+    )
+    Path("1.toml").write_text(FILM, encoding="utf-8")
+    given = ("--fit", "cross_drag", "--out", "found", "--json")
+    result = call("calibrate", "r.json", write_track(Path("1.csv"), film), *given)
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["factors"]["cross_drag"]["value"] == pytest.approx(1.3, rel=0.03)
+    inspected = call("inspect", "found/agent.json")
+    assert inspected.exit_code == 0 and "calibrated cross drag" in inspected.stdout
+    assert "--tank 1 0.5 0.5: the agent is 1.33 m long" in call("drop", "r.json").stderr
 
 
 def test_people_read_factors_intervals_and_the_next_step(call: Call, track: Path) -> None:
