@@ -1,5 +1,6 @@
 """Is the fitness of flights that hit the wall a property of the agent, and not of the integrator?"""
 
+import time
 from dataclasses import dataclass
 from itertools import repeat
 
@@ -26,6 +27,10 @@ EXACT = 1e-10
 """Tolerance of flights that others are compared with."""
 
 MILLIMETRE = 1e-3
+
+IN_WATER = ("flow.kind=log_law", "hydrodynamics.use=panels", "hydrodynamics.drag=strips")
+SHORT = 5.0
+"""Horizon of flights with friction, s: a body that sticks takes thousands of explicit steps in a second."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +159,38 @@ def test_both_simulators_find_the_same_fitness(flown, publish, sensitivity):
         print(f"    gets {sensitivity(agents[index], scenario):.1g} times farther off than it starts")
     assert max(away) < MILLIMETRE
     assert (change < SHARP).mean() >= ENOUGH
+
+
+def test_both_simulators_fly_the_same_in_water_with_drag_and_friction(agents, publish, count_of):
+    genomes, kept = [agent.genome for agent in agents(count_of("AGENTS", 20))], []
+    lines = [
+        "| friction | agents | not converged | apart: median mm | worst mm | flights per CPU second: native "
+        "| exudyn |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for friction in (0.0, 0.3):
+        paths, rates = [], []
+        for use in SIMULATORS:
+            settings = [*IN_WATER, f"contact.friction={friction}", f"flight.horizon={SHORT}"]
+            pipeline = load_study("paper", settings, use={"simulator": use}).make_pipeline()
+            flyers = [pipeline.make_agent(genome) for genome in genomes]
+            pipeline.fly(flyers[:1])
+            began = time.process_time()
+            paths.append(pipeline.fly(flyers))
+            rates.append(len(flyers) / (time.process_time() - began))
+        sound = [pair for pair in zip(*paths, strict=True) if not any(flight.end.failed for flight in pair)]
+        apart = np.array([distance(*pair) for pair in sound])
+        assert all(
+            gap <= sum(flight.error for flight in pair) for gap, pair in zip(apart, sound, strict=True)
+        )
+        lines.append(
+            f"| {friction:g} | {len(genomes)} | {len(genomes) - len(sound)} | {1e3 * np.median(apart):.2g} "
+            f"| {1e3 * apart.max():.2g} | {rates[0]:.3g} | {rates[1]:.2g} |"
+        )
+        kept.append((friction, (apart <= MILLIMETRE).sum() / len(genomes)))
+    publish("both simulators in water", lines)
+    for friction, share in kept:
+        assert share >= ENOUGH, friction
 
 
 def test_the_stiffness_of_the_wall_matters_more_than_the_integrator(flown, publish):

@@ -42,7 +42,7 @@ def test_the_experiment_is_repeated_and_told(
     # Flights that no tolerance makes sure of fail, and say so.
     assert max(document["failed"].values()) <= 0.01 * 5000
     print(f"\n{simulator}: 10 000 flights and the rest in {seconds:.0f} s of CPU time")
-    if simulator == "exudyn":
+    if simulator == "native":
         publish("reproduction", Path(document["results"]).read_text().splitlines())
         if os.environ.get("UPDATE_DOCS") == "1":
             for path in map(Path, document["figures"]):
