@@ -33,28 +33,10 @@ from driftform.water import Fluid, Scenario
 from driftform.water.pipe import Vector
 
 __all__ = [
-    "Checker",
-    "ExportJob",
-    "Exporter",
-    "Fitness",
-    "Flown",
-    "Grammar",
-    "Hydrodynamics",
-    "HydrodynamicsOptions",
-    "Inspector",
-    "PhenotypeBuilder",
-    "PrintJob",
-    "Printer",
-    "Recorder",
-    "Renderer",
-    "ReportJob",
-    "Reporter",
-    "SearchSpace",
-    "Simulator",
-    "Strategy",
-    "Table",
-    "option",
-]
+    "Checker", "ExportJob", "Exporter", "Fitness", "Flown", "Grammar", "Hydrodynamics",
+    "HydrodynamicsOptions", "Inspector", "PhenotypeBuilder", "PrintJob", "Printer", "Recorder",
+    "Renderer", "ReportJob", "Reporter", "SearchSpace", "Simulator", "Strategy", "Table", "option",
+]  # fmt: skip
 
 OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
 
@@ -145,7 +127,7 @@ class PhenotypeBuilder(Plugin[OptionsT_co]):
         """Return the least and the greatest tuning that the body of a morphology can have; ``None`` for a body without.
 
         The tuning is one continuous setting that a maker can choose after the shape, such as the mass of ballast. It must
-        change the weight of the body, and not its outer contour. By default there is none.
+        change the weight of the body, and not its outer contour. By default no mass is left free.
         """
         return None
 

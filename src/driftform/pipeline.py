@@ -20,16 +20,7 @@ from driftform.plugins.seams import (
     require_morphology,
     require_scores,
 )
-from driftform.types import (
-    Agent,
-    Body,
-    End,
-    Evaluation,
-    FloatArray,
-    Genome,
-    Morphology,
-    Trajectory,
-)
+from driftform.types import Agent, Body, End, Evaluation, FloatArray, Genome, Morphology, Trajectory
 from driftform.water import Scenario
 from driftform.water.disturbances import (
     Condition,
@@ -178,8 +169,7 @@ class Pipeline:
     def simulate(self, agents: Sequence[Agent], name: str) -> list[ScoredFlight]:
         """Agents -> their flights with what they score; ``name`` says in errors whose they are.
 
-        Raises:
-            WorkFailedError: if one of them cannot be flown, or its flight fails.
+        Raises WorkFailedError if one of them cannot be flown, or its flight fails.
         """
         trajectories = self.fly_named(agents, name)
         for trajectory in trajectories:
@@ -254,7 +244,7 @@ class Pipeline:
         thresholds: Sequence[tuple[float, ...] | None],
         screened: dict[Agent, ScoredFlight],
     ) -> list[Trajectory | str]:
-        """Return a flight, or why there is none, for each agent; keep what the screening of unchecked flights scored."""
+        """Return a flight, or the reason why it failed, for each agent; keep what the screening of unchecked flights scored."""
         if not agents:
             return []
         try:

@@ -24,27 +24,10 @@ import numpy.typing as npt
 from driftform.errors import WorkFailedError
 
 __all__ = [
-    "Agent",
-    "Body",
-    "Candidate",
-    "Coefficients",
-    "Core",
-    "Drag",
-    "End",
-    "Evaluation",
-    "Finding",
-    "Fittings",
-    "FloatArray",
-    "Genome",
-    "MassProperties",
-    "Module",
-    "Moments",
-    "Morphology",
-    "State",
-    "Trajectory",
-    "Verdict",
-    "WrittenFile",
-]
+    "Agent", "Body", "Candidate", "Coefficients", "Core", "Drag", "End", "Evaluation", "Finding",
+    "Fittings", "FloatArray", "Genome", "MassProperties", "Module", "Moments", "Morphology", "State",
+    "Trajectory", "Verdict", "WrittenFile",
+]  # fmt: skip
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 """An array of double precision; docstrings state its shape, unit and frame."""

@@ -78,7 +78,7 @@ def load_added() -> Added:
 
 
 def find_added(name: str) -> Any:
-    """Return the command that a plugin adds under a name, ``None`` if there is none and nothing is known of it.
+    """Return the command that a plugin adds under a name, ``None`` if no plugin is known to add it.
 
     Raises InputError if two plugins claim the name, or the plugin that is known to add it is missing or broken.
     """

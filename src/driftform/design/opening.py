@@ -25,7 +25,7 @@ def open_agent(
 ) -> Design:
     """Find the agent that ``text`` names and build it.
 
-    Raises InputError if there is none; the message says what was looked for. Raises WorkFailedError if no body can be built.
+    Raises InputError if it does not exist; the message says what was looked for. Raises WorkFailedError if no body can be built.
     """
     design = Design.build(_find(text, scenario, settings, use), _shorten(text), scenario, settings, use)
     name = text if text == _shorten(text) else design.opened_as

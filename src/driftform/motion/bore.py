@@ -142,7 +142,4 @@ def _farthest_point(
 def lever_and_normal(axis: Vector, o: Vector, a: Vector, contact: Contact) -> tuple[Vector, Vector]:
     """Return the point of contact, seen from the body's origin (m), and the wall's normal there; world frame."""
     _, n_o, n_a, along, l_o, l_a = contact
-    return (
-        add(scale(along, axis), add(scale(l_o, o), scale(l_a, a))),
-        add(scale(n_o, o), scale(n_a, a)),
-    )
+    return (add(scale(along, axis), add(scale(l_o, o), scale(l_a, a))), add(scale(n_o, o), scale(n_a, a)))

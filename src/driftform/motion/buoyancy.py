@@ -81,11 +81,7 @@ def buoyancy(
     force = scale(weight * volume, R[2])
     torque = cross((x, centre[1], centre[2]), force)
     turning *= weight
-    return (
-        (force, (torque[0], torque[1] + turning * R[2][2], torque[2] - turning * R[2][1])),
-        volume,
-        x,
-    )
+    return ((force, (torque[0], torque[1] + turning * R[2][2], torque[2] - turning * R[2][1])), volume, x)
 
 
 @compiled

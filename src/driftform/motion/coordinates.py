@@ -24,10 +24,7 @@ from driftform.motion.inertia import added_mass_at
 from driftform.motion.model import FlightModel, flight_model, pack, unpack
 from driftform.types import Agent, FloatArray
 from driftform.util.compiled import compiled
-from driftform.util.rotations import (
-    rotation_from_vector,
-    rotation_vector_from_quaternion,
-)
+from driftform.util.rotations import rotation_from_vector, rotation_vector_from_quaternion
 from driftform.util.small_vectors import ZERO, Vector, add, add_wrenches, cross, multiply, to_body, to_world
 from driftform.water import Scenario
 

@@ -169,11 +169,7 @@ def water_motion_at_cob(
     if n.has_pressure_gradient == 0.0:
         path = add(velocity, to_world(R, cross(omega, centre)))
     shear = to_body(R, add(to_world(gradient, body_axis(R)), along))
-    curl = (
-        gradient[2][1] - gradient[1][2],
-        gradient[0][2] - gradient[2][0],
-        gradient[1][0] - gradient[0][1],
-    )
+    curl = (gradient[2][1] - gradient[1][2], gradient[0][2] - gradient[2][0], gradient[1][0] - gradient[0][1])
     return speed, add(rate, to_world(gradient, path)), shear, to_body(R, curl)
 
 

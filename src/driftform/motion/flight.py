@@ -195,12 +195,7 @@ def _finish(
 
 @compiled
 def _fill_fields(
-    row: FloatArray,
-    k: int,
-    t: FloatArray,
-    position: FloatArray,
-    quaternion: FloatArray,
-    velocity: FloatArray,
+    row: FloatArray, k: int, t: FloatArray, position: FloatArray, quaternion: FloatArray, velocity: FloatArray
 ) -> None:
     """Fill the ``k``-th sample of a trajectory from a raw one, (14,)."""
     t[k] = row[0]

@@ -12,14 +12,9 @@ from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
 
 __all__ = [
-    "acceleration_at",
-    "accelerations_along",
-    "estimate_drag",
-    "make_sphere",
-    "net_wrench",
-    "still_water_wrench",
-    "terminal_speeds",
-]
+    "acceleration_at", "accelerations_along", "estimate_drag", "make_sphere", "net_wrench",
+    "still_water_wrench", "terminal_speeds",
+]  # fmt: skip
 
 
 def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario) -> FloatArray:
@@ -27,7 +22,7 @@ def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario
 
     The linear acceleration of the body's origin is in the world frame (m/s2), the angular acceleration in the body frame
     (rad/s2). They are not differences of velocities: they are as exact as the samples, and one sample is enough. Where the
-    body touches a wall with friction, they are differences: the samples do not tell how far friction's bristles are bent.
+    body touches a wall with friction, they are differences: the samples do not hold how far friction's bristles are bent.
     """
     from driftform.motion.contact import deepest_depth
     from driftform.motion.equations import accelerations

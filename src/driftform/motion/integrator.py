@@ -21,13 +21,8 @@ from driftform.util.cubic import cubic_point
 from driftform.util.small_vectors import dot, subtract
 
 __all__ = [
-    "Accuracy",
-    "IntegrationResult",
-    "greatest_distance",
-    "grow_tolerance",
-    "integrate",
-    "integrate_once",
-]
+    "Accuracy", "IntegrationResult", "greatest_distance", "grow_tolerance", "integrate", "integrate_once",
+]  # fmt: skip
 
 TOLERANCE_RATIO = 10.0
 """Ratio of the tolerances of the two integrations that are compared."""
@@ -75,11 +70,7 @@ class IntegrationResult:
 
 
 def integrate(
-    model: FlightModel,
-    start: FloatArray,
-    horizon: float,
-    accuracy: Accuracy,
-    first: FloatArray | None = None,
+    model: FlightModel, start: FloatArray, horizon: float, accuracy: Accuracy, first: FloatArray | None = None
 ) -> IntegrationResult:
     """Return a flight from ``start`` (13,) to the outlet or to ``horizon`` (s); see :class:`Accuracy`.
 

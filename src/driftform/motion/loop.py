@@ -103,16 +103,7 @@ def take_all_steps(
     progress = _Progress(0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0, 0, JACOBIAN_STEPS, 0, False, False)
     while True:
         progress = _take_steps(
-            model,
-            in_space,
-            start,
-            horizon,
-            tolerance,
-            max_step,
-            step_limit,
-            room,
-            progress,
-            samples,
+            model, in_space, start, horizon, tolerance, max_step, step_limit, room, progress, samples
         )
         if progress.ended:
             return samples[: progress.taken]

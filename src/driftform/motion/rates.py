@@ -23,13 +23,7 @@ PLANE_STATE = 7
 
 
 @compiled
-def fill_rate(
-    t: float,
-    y: FloatArray,
-    model: FlightModel,
-    in_space: bool | None,
-    out: FloatArray,
-) -> None:
+def fill_rate(t: float, y: FloatArray, model: FlightModel, in_space: bool | None, out: FloatArray) -> None:
     """Fill ``out`` with the rate of a state in space, or in the plane if ``in_space`` is None.
 
     In the plane ``y`` holds seven numbers and one for each bristle; in space see :func:`fill_rate_in_space`.

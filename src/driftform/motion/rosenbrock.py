@@ -86,13 +86,7 @@ def make_work_space(room: FloatArray, first: int, size: int, velocities: int) ->
 
 
 @compiled
-def fill_jacobian(
-    t: float,
-    y: FloatArray,
-    work: WorkSpace,
-    model: FlightModel,
-    in_space: bool | None,
-) -> int:
+def fill_jacobian(t: float, y: FloatArray, work: WorkSpace, model: FlightModel, in_space: bool | None) -> int:
     """Fill the Jacobian at the state ``y``; return the number of unknowns, 0 if no surface touches."""
     fill_rate(t, y, model, in_space, work.rate)
     if model.touches[0, 9] < 0.0:

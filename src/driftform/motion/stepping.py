@@ -12,15 +12,9 @@ from driftform.util import rotations
 from driftform.water import Scenario
 
 __all__ = [
-    "FlightModel",
-    "WaterForces",
-    "change_current",
-    "compute_rate",
-    "finish_trajectory",
-    "flight_model",
-    "has_left",
-    "release_state",
-]
+    "FlightModel", "WaterForces", "change_current", "compute_rate", "finish_trajectory", "flight_model",
+    "has_left", "release_state",
+]  # fmt: skip
 
 
 def compute_rate(t: float, state: FloatArray, model: FlightModel) -> FloatArray:

@@ -130,7 +130,7 @@ class Registry:
     def check_seams(self, seams: Iterable[str]) -> None:
         """Check that for each of some seams a distribution is installed, whether it works or not.
 
-        Raises InputError if there is none, as where driftform was installed without its dependencies.
+        Raises InputError if it is missing, as where driftform was installed without its dependencies.
         """
         missing = [seam for seam in seams if not self.seam(seam)]
         if missing and not self._broken:

@@ -276,8 +276,7 @@ class Store:
     def check_place(self) -> None:
         """Refuse to go on if the file is no longer where it was opened: SQLite would write to it, wherever it is.
 
-        Raises:
-            WorkFailedError: if the run was moved or deleted.
+        Raises WorkFailedError if the run was moved or deleted.
         """
         if _identify(self._path) != self._place:
             raise WorkFailedError(

@@ -106,8 +106,7 @@ class Cluster(PoolExecutor):
     def join(cls, document: Mapping[str, Any], address: str) -> "Cluster":
         """Join the cluster of a running scheduler, and wait for its first worker.
 
-        Raises:
-            InputError: if the extra ``dask`` is not installed, or no scheduler answers.
+        Raises InputError if the extra ``dask`` is not installed, or no scheduler answers.
         """
         distributed = _import_distributed("--scheduler")
         try:

@@ -52,8 +52,7 @@ class Executor(Protocol):
     def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
         """Call functions on this machine, at the same time if possible; return what they return, in their order.
 
-        Raises:
-            FunctionDiedError: if one of them ends its process.
+        Raises FunctionDiedError if one of them ends its process.
         """
 
 

@@ -37,12 +37,7 @@ def pick_agent(run: Run, point: Vector) -> StoredAgent:
         if found is None:
             raise run.refuse_unsound()
         genome = store.read_record(found.evaluation, run.study.scenario.target_names).candidate.genome
-    result = {
-        "point": list(point),
-        "distance": found.distance,
-        "t": found.t,
-        "evaluation": found.evaluation,
-    }
+    result = {"point": list(point), "distance": found.distance, "t": found.t, "evaluation": found.evaluation}
     name = f"{run.name}-{name_point(point)}"
     return StoredAgent(name, genome, run.study.environment(found.evaluation), result)
 

@@ -56,8 +56,7 @@ DENSEST = 22_600.0
 def list_warnings(name: str, pipeline: Pipeline) -> list[str]:
     """Return what is likely to be wrong with the study of a pipeline, one line each; ``name`` is what errors call it.
 
-    Raises:
-        InputError: if not even the smallest body of the builder can be released.
+    Raises InputError if not even the smallest body of the builder can be released.
     """
     return _Advice(name, pipeline).collect()
 

@@ -16,14 +16,7 @@ from driftform.motion import integrator, stepping
 from driftform.motion.interpolation import interpolate_positions
 from driftform.motion.path import world_velocity
 from driftform.plugins.seams import require_flights
-from driftform.testing.agents import (
-    DENSITY,
-    GRAVITY,
-    Spheroid,
-    sphere_agent,
-    straight_pipe,
-    tumbling_agent,
-)
+from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, straight_pipe, tumbling_agent
 from driftform.testing.bodies import spheroid_body
 from driftform.testing.contract import SeamContract
 from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
@@ -65,9 +58,7 @@ def water_scenario(
         pipe=straight_pipe(*pipe) if pipe else Pipe(segments=()),
         flow=UniformFlow(speed=speed),
         fluid=Fluid(density=DENSITY, gravity=gravity),
-        release=Release.model_validate(
-            {"position": position, "pitch_deg": pitch_deg, "velocity": velocity},
-        ),
+        release=Release.model_validate({"position": position, "pitch_deg": pitch_deg, "velocity": velocity}),
         contact=Contact(restitution=restitution),
         flight=FlightLimits(horizon=horizon),
     ).model_copy(update=tables)

@@ -45,10 +45,7 @@ Behind a sharp bend the flow recovers within 10 to 30 diameters at a Reynolds nu
 def dean_cells(xi: float, eta: float, a: float) -> tuple[Plane, tuple[float, float, float, float]]:
     """Return the secondary flow of speed 1 on the axis, and its derivatives: of xi by xi and eta, of eta by xi and eta."""
     x, y = xi / a, eta / a
-    return (
-        (x * x + 3.0 * y * y - 1.0, -2.0 * x * y),
-        (2.0 * x / a, 6.0 * y / a, -2.0 * y / a, -2.0 * x / a),
-    )
+    return ((x * x + 3.0 * y * y - 1.0, -2.0 * x * y), (2.0 * x / a, 6.0 * y / a, -2.0 * y / a, -2.0 * x / a))
 
 
 @compiled

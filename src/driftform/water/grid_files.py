@@ -231,10 +231,7 @@ def _read_hdf5(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
 
     with h5py.File(path, "r") as file:
         return {
-            name: (
-                _name_dimensions(name, v),
-                _fill(_require_size(name, v)[...], v.attrs.get("_FillValue")),
-            )
+            name: (_name_dimensions(name, v), _fill(_require_size(name, v)[...], v.attrs.get("_FillValue")))
             for name, v in file.items()
             if isinstance(v, h5py.Dataset) and v.dtype.kind in "fiu"
         }

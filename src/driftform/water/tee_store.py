@@ -59,8 +59,7 @@ class TeePotentials:
 def load_tee(junction: Junction) -> TeePotentials:
     """Return the potentials of a tee: from the package, from the user's cache, or solved now and cached.
 
-    Raises:
-        InputError: if it is neither, and no plugin that solves it is installed.
+    Raises InputError if it is neither, and no plugin that solves it is installed.
     """
     name = file_name(junction)
     if (PACKAGED / name).is_file():

@@ -1,7 +1,7 @@
 """Which drops to film: those whose tracks are expected to show most about the factors.
 
-Around the model as it is, a film tells of the factors what its residuals' derivatives say (Fisher information), after
-what it must tell of its own release and camera. The gain of a drop is the entropy of the factors that it removes, in bits,
+Around the model as it is, a film shows of the factors what its residuals' derivatives say (Fisher information), after
+what it must show of its own release and camera. The gain of a drop is the entropy of the factors that it removes, in bits,
 for normal distributions (Lindley 1956; Chaloner and Verdinelli 1995, Statistical Science 10(3), on D-optimal designs).
 Drops are chosen one after the other; the gain is submodular, so that the choice has at least 63 % of the best gain.
 """
@@ -70,7 +70,7 @@ class Drop:
         ballast, ballast_x: mass that hangs on the agent (kg), and where along its axis (m).
         duration: from the release to the end of what is filmed, s.
         end: where the agent is then: ``"floor"``, ``"surface"``, ``"side"`` or ``"time"``.
-        gain: bits that it tells about the factors, after the drops before it.
+        gain: bits that it adds about the factors, after the drops before it.
         path: expected path in the picture, to the right of the release and above the surface, m, (k, 2).
         scenario: of the drop.
     """
@@ -123,7 +123,7 @@ def plan_drops(
             :func:`driftform_calibration.designs.drop_design`.
 
     Raises:
-        WorkFailedError: if no release in this tank tells anything.
+        WorkFailedError: if no release in this tank shows anything.
     """
     bench = Bench.of(pipeline, morphology)
     candidates = list_candidates(bench, tank)
@@ -210,7 +210,7 @@ def _examine(
 def _inform(
     bench: Bench, names: Sequence[str], noise: float, distance: float, t: FloatArray, has_contact: bool
 ) -> FloatArray:
-    """Return what a film with frames at ``t`` (s) tells about the factors, (factors, factors), besides its own unknowns."""
+    """Return what a film with frames at ``t`` (s) shows of the factors, (factors, factors), besides its own unknowns."""
     film = Filmed(bench, _blank(t), distance=distance)
     problem = Problem([film], names, [noise], has_contact=has_contact)
     jacobian, count = problem.jacobian(problem.start), len(names)

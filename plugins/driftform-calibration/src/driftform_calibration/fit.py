@@ -1,7 +1,7 @@
-"""Fit the factors of a model to films of its flights: values, honest intervals, and what the films cannot tell.
+"""Fit the factors of a model to films of its flights: values, honest intervals, and what the films do not show.
 
 Robust nonlinear least squares over the factors, the releases and the cameras. The noise is that of the residuals. If
-these are correlated along a track, as the errors of a model are, a track tells as much as fewer independent points would.
+these are correlated along a track, as the errors of a model are, a track shows as much as fewer independent points would.
 """
 
 from collections.abc import Mapping, Sequence
@@ -47,7 +47,7 @@ ROUND = 0.9
 """Share of a sphere's drag in that of a body from which the body counts as round."""
 
 ALIKE = 0.8
-"""Correlation above which the films cannot tell two factors apart."""
+"""Correlation above which the films cannot separate two factors."""
 
 LEAST_NOISE = 1e-3
 """Least noise of a track over its span."""
@@ -261,7 +261,7 @@ def _find_absurd(*solutions: Solution | None) -> dict[str, str]:
 def _solve_free_flight(whole: Problem, x: FloatArray) -> tuple[Solution | None, FloatArray]:
     """Return the fit to what the films show before any contact, and its unknowns; ``None`` if that is too little.
 
-    After a contact a flight depends on the finest details of the release: what it tells of drag and weight is not to be
+    After a contact a flight depends on the finest details of the release: what it shows of drag and weight is not to be
     trusted. When the contact is, depends on the fit, so there are several.
     """
     found = None

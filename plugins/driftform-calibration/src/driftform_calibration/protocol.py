@@ -36,7 +36,7 @@ class DropPlan:
 
     @property
     def drops(self) -> tuple[Drop, ...]:
-        """The drops, those that tell most first."""
+        """The drops, the most informative first."""
         return self.plan.drops
 
     def document(self, files: Sequence[Path] = ()) -> dict[str, Any]:

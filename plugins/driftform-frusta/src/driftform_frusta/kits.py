@@ -42,7 +42,7 @@ class KitMaker(Protocol):
 
 @cache
 def find_maker() -> KitMaker:
-    """Return the installed maker of kits. Raises InputError if there is none."""
+    """Return the installed maker of kits. Raises InputError if no such plugin is installed."""
     for point in metadata.entry_points(group=GROUP):
         maker: KitMaker = point.load()
         return maker

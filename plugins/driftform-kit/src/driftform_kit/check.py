@@ -34,7 +34,7 @@ def sum_volumes(written: Sequence[WrittenFile]) -> float | None:
 
 
 def extract_attachment(path: Path, ending: str, folder: Path) -> Path | None:
-    """Copy the file of an archive, such as a 3MF, whose name ends so into a folder; ``None`` if there is none.
+    """Copy the file of an archive, such as a 3MF, whose name ends so into a folder; ``None`` without such a file.
 
     Raises InputError if the archive, or the file in it, cannot be read.
     """

@@ -130,7 +130,7 @@ def _read_errors(report: Path, text: str) -> list[str]:
 
 
 def _find_suspect(text: str) -> str:
-    """Return the first line with a name or number that EPANET cannot hold, as part of a message; empty if there is none."""
+    """Return the first line with a name or number that EPANET cannot hold, as part of a message; empty without such a line."""
     for number, line in enumerate(text.splitlines(), 1):
         for word in line.partition(";")[0].split():
             if len(word.encode()) > 31 or _BEYOND.fullmatch(word):

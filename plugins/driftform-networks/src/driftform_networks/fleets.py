@@ -137,7 +137,7 @@ class Fleet:
 
 
 def close_gap(coverage: float, split: float, bound: float) -> float:
-    """Return which share of the way from ``split`` to ``bound`` a coverage is, 0 if there is none.
+    """Return which share of the way from ``split`` to ``bound`` a coverage is, 0 if both are equal.
 
     >>> close_gap(0.7, 0.5, 0.9)
     0.5

@@ -22,7 +22,7 @@ MOST_PLACES = 400
 """Most places for nets that are compared: those that most bodies pass."""
 
 _DRAWS = 200
-"""Random placements whose mean stands beside the choice."""
+"""Random placements whose mean is shown beside the choice."""
 
 
 @dataclass(frozen=True, eq=False)

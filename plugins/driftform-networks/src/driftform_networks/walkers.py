@@ -261,7 +261,7 @@ class _Walkers:
 
 
 def _pick(cumulative: FloatArray, number: FloatArray) -> IntArray:
-    """Return for each row the index of the first cumulative probability above a number, their count if there is none."""
+    """Return for each row the index of the first cumulative probability above a number, their count if none is."""
     return np.asarray((number[:, None] >= cumulative).sum(axis=1))
 
 

@@ -85,8 +85,7 @@ class LiveNode:
     def run(self, design: "Design", once: bool) -> None:
         """Fly a design, and after its flight what ``release`` asks for; with ``once`` return after the flight.
 
-        Raises:
-            WorkFailedError: if ROS does not answer any more; with ``once`` also if the flight fails.
+        Raises WorkFailedError if ROS does not answer any more; with ``once`` also if the flight fails.
         """
         name = self._options.namespace
         self._rehearse(design)

@@ -34,7 +34,7 @@ def find_rospy() -> None:
     The system's packages go to the end of the path: before ours they would replace NumPy.
 
     Raises:
-        WorkFailedError: if there is none.
+        WorkFailedError: if it is missing.
     """
     for folder in (str(path) for pattern in SYSTEM for path in sorted(Path("/").glob(pattern))):
         if folder not in sys.path:

@@ -407,7 +407,7 @@ def _axis_step(part: Any) -> float:
 
 
 def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
-    """Return the scene of the 3-D view, and the profile of the current at the inlet, empty if there is none."""
+    """Return the scene of the 3-D view, and the profile of the current at the inlet, empty without a pipe."""
     found = scene.scene_data(scenario, paths)
     pipe, profile = scenario.pipe, found["pipe"]
     if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, pipe_parts.Straight):

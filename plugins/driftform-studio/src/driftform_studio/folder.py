@@ -63,7 +63,7 @@ class RunsFolder:
         return inside and files.is_file(path / DATABASE) and not (path / DATABASE).is_symlink()
 
     def read_text(self, run: Path, name: str) -> str:
-        """Return a text file of a run, empty if there is none, or only a large one."""
+        """Return a text file of a run, empty if it is missing or large."""
         path = run / name
         if not files.is_file(path) or path.stat().st_size > LARGEST_TEXT:
             return ""

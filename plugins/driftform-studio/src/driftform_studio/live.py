@@ -125,7 +125,7 @@ class LiveRun:
     def find_agent(self, key: str) -> Design:
         """Return the agent that a key names: the target of a best one, or ``X_Y_Z`` of one that was picked.
 
-        Raises InputError if there is none.
+        Raises InputError if it does not exist.
         """
         run = self.run
         if key in run.study.scenario.targets:

@@ -35,7 +35,7 @@ class Tasks:
         return name
 
     def find(self, name: str) -> Task | None:
-        """Return a task, ``None`` if there is none of this name."""
+        """Return a task, ``None`` if no task has this name."""
         return self._tasks.get(name)
 
     def close(self) -> None:
