@@ -60,9 +60,14 @@ class Picture:
 
     @property
     def size(self) -> tuple[float, float]:
+        """Right and lower edge; a figure for a paper begins below its header."""
         left, top, width, height = (float(v) for v in self.root.get("viewBox", "").split())
-        assert (left, top) == (0, 0)
-        return width, height
+        assert left == 0 and (top > 0) == self.root.get("font-family", "").startswith("Arial")
+        return width, top + height
+
+    @property
+    def top(self) -> float:
+        return float(self.root.get("viewBox", "").split()[1])
 
     @property
     def texts(self) -> list[str]:
@@ -85,7 +90,8 @@ class Picture:
         for element in self.root.iter():
             points = points_of(element)
             if len(points) and not (
-                points.min() >= -0.01 and (points.max(axis=0) <= np.add(self.size, 0.01)).all()
+                (points.min(axis=0) >= (-0.01, self.top - 0.01)).all()
+                and (points.max(axis=0) <= np.add(self.size, 0.01)).all()
             ):
                 found.append(ET.tostring(element, encoding="unicode"))
         return found

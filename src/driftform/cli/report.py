@@ -5,24 +5,38 @@ from typing import Annotated
 
 import typer
 
-from driftform.cli.options import Json, RunArgument
+from driftform.cli.options import Json, RunArgument, Style, WidthMm
 
 
 def report(
     run: RunArgument,
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="The page; by default report.html in RUN.")
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="The page, by default report.html in RUN; for figures a folder, by default RUN/figures/paper.",
+        ),
     ] = None,
+    style: Style = "screen",
+    width_mm: WidthMm = None,
     json: Json = False,
 ) -> None:
     """Write a run as one page: results, pictures, and every best agent to turn, cut open and fly.
 
     The page is one file that needs no network. It shows the state of the run at the moment it is written.
+
+    With --style paper its pictures are written as figures of a paper instead.
     """
+    from driftform.cli.formats import parse_page
     from driftform.cli.output import print_json
-    from driftform.report.page import write_report
+    from driftform.report.page import write_figures, write_report
     from driftform.runs.run import Run
 
+    page = parse_page(style, width_mm)
+    if page.is_paper:
+        figures = [str(path) for path in write_figures(Run.open(run), out, page)]
+        print_json({"figures": figures}) if json else print(*figures, sep="\n")
+        return
     contents, path = write_report(Run.open(run), out)
     size = path.stat().st_size
     if json:

@@ -1,15 +1,20 @@
 """One flight of an agent: its trajectory, what it scores, and how a notebook shows it."""
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 from driftform.errors import find_commonest
+from driftform.figures.files import write_picture
 from driftform.figures.flight import flight_svg
+from driftform.figures.style import Page
 from driftform.motion.way import approach_targets, name_outlet
 from driftform.runs.columns import FLIGHT_COLUMNS
 from driftform.runs.misses import Misses
 from driftform.types import Agent, End, FloatArray, Trajectory
+from driftform.util.files import make_directory
 from driftform.util.notebook import show_picture, show_table
 from driftform.water import Scenario
 
@@ -69,6 +74,16 @@ class Flight:
         t = self.trajectory
         parts = (t.t, *t.position.T, *t.quaternion.T, *t.velocity.T)
         return dict(zip(FLIGHT_COLUMNS, parts, strict=True))
+
+    def draw(self, path: str | os.PathLike[str], width_mm: float | None = None) -> tuple[Path, ...]:
+        """Write the picture of the flight as SVG, and return the paths of its files.
+
+        With ``width_mm`` it is a figure for a paper, without a title, and with the extra ``pdf`` there is a PDF beside it.
+        """
+        page = Page.find(width_mm)
+        make_directory(Path(path).parent, "path")
+        drawn = flight_svg(self.trajectory, self.scenario, self.name, self.agent.body, page)
+        return write_picture(Path(path), drawn, page, png=False)
 
     def __repr__(self) -> str:
         return f"<Flight of {self.name}: {self.duration:.2f} s to the {self.end}>"

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from driftform.figures import svg
 from driftform.figures.layout import shorten, write
-from driftform.figures.style import MUTED
+from driftform.figures.style import MUTED, SCREEN, Page
 from driftform.runs.dependence import REST, Effect
 
 WIDTH, MARGIN, TOP, ROW = 380.0, 12.0, 52.0, 24.0
@@ -13,19 +13,23 @@ WIDTH, MARGIN, TOP, ROW = 380.0, 12.0, 52.0, 24.0
 LEFT, RIGHT = 160.0, 62.0
 
 
-def dependence_svg(effects: Sequence[Effect], title: str) -> str:
+def dependence_svg(effects: Sequence[Effect], title: str, page: Page = SCREEN) -> str:
     """Return the effects as SVG: a bar as long as each standard deviation, with its value in mm."""
+    width = page.width if page.is_paper else WIDTH
     height = TOP + ROW * len(effects) + MARGIN
     longest = max((effect.deviation for effect in effects), default=0.0)
     rows = "; ".join(f"{effect.name}: {_format_length(effect.deviation)}" for effect in effects)
-    root = svg.start_document(WIDTH, height, title, f"What the miss depends on. {rows}.")
-    write(root, MARGIN, 22, shorten(title, 14, WIDTH - 2 * MARGIN, bold=True), 14, bold=True)
+    root = svg.start_document(
+        width, height, title, f"What the miss depends on. {rows}.", page=page, header=26
+    )
+    if not page.is_paper:
+        write(root, MARGIN, 22, shorten(title, 14, width - 2 * MARGIN, bold=True), 14, bold=True)
     write(root, MARGIN, 40, "standard deviation of the closest approach by each cause", 11, MUTED)
     bars = [
         {
             "name": effect.name,
             "y": TOP + ROW * (number + 0.5),
-            "length": (effect.deviation / longest if longest else 0.0) * (WIDTH - LEFT - RIGHT),
+            "length": (effect.deviation / longest if longest else 0.0) * (width - LEFT - RIGHT),
             "value": _format_length(effect.deviation),
             "is_rest": effect.name == REST,
         }

@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import WIDTH, resample_polyline, shorten, write
+from driftform.figures.layout import resample_polyline, shorten, write
 from driftform.figures.plot import (
     Window,
     draw_cross,
@@ -16,7 +16,7 @@ from driftform.figures.plot import (
     pipe_points,
 )
 from driftform.figures.projection import PLAN, SIDE, drawing_times
-from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
+from driftform.figures.style import BLUE, INK, MUTED, ORANGE, SCREEN, VERMILLION, Page, tint
 from driftform.motion.approach import Approach
 from driftform.motion.interpolation import interpolate_pose, interpolate_positions
 from driftform.motion.way import find_target_approaches
@@ -32,7 +32,9 @@ _SIDEWAYS = 0.01
 """A flight that moves sideways (along y) by more than this, in m, is shown from above as well."""
 
 
-def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body: Body | None = None) -> str:
+def flight_svg(
+    trajectory: Trajectory, scenario: Scenario, title: str = "", body: Body | None = None, page: Page = SCREEN
+) -> str:
     """Return a flight as SVG: the pipe in side view (x to the right, z upward), to scale, axes in metres.
 
     Args:
@@ -40,6 +42,7 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
         scenario: pipe, current and targets; in open water, the window fits the path and the targets.
         title: a line above the picture.
         body: its silhouette is drawn in its attitude at several moments, magnified if it would be too small.
+        page: on paper, title and captions are left out.
 
     A flight that also moves sideways gets a plan view (x to the right, y upward) below the side view.
     """
@@ -52,7 +55,7 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     sideways = float(np.ptp(line[:, 1])) > _SIDEWAYS
     views = (SIDE, PLAN) if sideways else (SIDE,)
     windows: list[Window] = []
-    top, magnification = 80.0, 1
+    top, magnification, width = 80.0, 1, page.width - _LEFT - _RIGHT
     for view in views:
         points = [line, targets, pipe_points(scenario.pipe, view)]
         if body is not None and scenario.pipe.is_open:
@@ -60,7 +63,7 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
             room = 1.5 * max(body.length, body.max_diameter)
             points.append(line[0] + room * np.vstack([np.eye(3), -np.eye(3)]))
         shown = np.vstack(points)
-        tight = Window.around(view, shown, _LEFT, top, WIDTH - _LEFT - _RIGHT, _TALLEST, 26)
+        tight = Window.around(view, shown, _LEFT, top, width, _TALLEST, 26)
         if view == SIDE:
             magnification = _choose_magnification(body, tight.px_per_m)
         # A silhouette extends beyond the path by its reach from the core; the window grows by that.
@@ -70,20 +73,21 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
             # A margin of so many pixels would leave none for the path.
             shown = np.vstack([shown + step for step in reach_m * np.vstack([np.eye(3), -np.eye(3)])])
             reach = 0.0
-        width = WIDTH - _LEFT - _RIGHT
         windows.append(Window.around(view, shown, _LEFT, top, width, _TALLEST, max(26.0, reach + 3)))
         top = windows[-1].box.bottom + 74
 
     captions = _write_captions(trajectory, scenario, body, magnification, nearest)
-    height = windows[-1].box.bottom + 52 + 17 * len(captions) + 6
-    root = svg.start_document(WIDTH, height, title or "Flight of an agent", " ".join(captions))
-    width = WIDTH - _LEFT - _RIGHT
-    write(root, 22, 34, shorten(title or "Flight", 17, width, bold=True), 17, bold=True)
+    written = [] if page.is_paper else captions
+    height = windows[-1].box.bottom + (40 if page.is_paper else 58 + 17 * len(written))
+    described = title or "Flight of an agent", " ".join(captions)
+    root = svg.start_document(page.width, height, *described, page=page, header=56)
+    if not page.is_paper:
+        write(root, 22, 34, shorten(title or "Flight", 17, width, bold=True), 17, bold=True)
     headings = {SIDE: "Side view", PLAN: "Plan view, from above"}
     for window in windows:
         write(root, _LEFT, window.box.top - 10, headings[window.view], 12, MUTED)
         _draw_view(root, window, trajectory, scenario, body, magnification, nearest)
-    for row, caption in enumerate(captions):
+    for row, caption in enumerate(written):
         y = windows[-1].box.bottom + 56 + 17 * row
         write(root, _LEFT, y, shorten(caption, 12, width), 12, MUTED, class_="caption")
     return svg.render(root)

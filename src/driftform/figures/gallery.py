@@ -6,12 +6,12 @@ from xml.etree import ElementTree as ET
 
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading
-from driftform.figures.layout import MARGIN, WIDTH, draw_scale_bar, shorten, text_width, write
-from driftform.figures.style import GRID, INK, MUTED, SERIES, tint
+from driftform.figures.layout import MARGIN, draw_scale_bar, shorten, text_width, write
+from driftform.figures.style import GRID, INK, MUTED, SCREEN, SERIES, Page, tint
 from driftform.types import Agent, Body, Trajectory
 
 _COLUMNS = 5
-_TALLEST = 150.0
+_TALLEST, _WITH_HEADING = 150.0, 500.0
 GAP, NARROWEST = 24.0, 132.0
 
 
@@ -43,14 +43,15 @@ class Row:
     height: float
 
 
-def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
+def arrange_rows(flights: Sequence[GalleryEntry], page: Page = SCREEN) -> tuple[list[Row], float]:
     """Return the rows of the gallery, and their common scale (px per metre)."""
     if not flights:
         return [], 1.0
     bodies = [flight.agent.body for flight in flights]
     pairs = [(group, SERIES[i % len(SERIES)]) for i, group in enumerate(group_shared(flights))]
-    split = [pairs[first : first + _COLUMNS] for first in range(0, len(pairs), _COLUMNS)]
-    inner = WIDTH - 2 * MARGIN
+    inner = page.width - 2 * MARGIN
+    columns = max(1, min(_COLUMNS, int(inner / NARROWEST)))
+    split = [pairs[first : first + columns] for first in range(0, len(pairs), columns)]
 
     def cells(row: list[tuple[list[GalleryEntry], str]], px_per_m: float) -> list[float]:
         return [max(group[0].agent.body.length * px_per_m + GAP, NARROWEST) for group, _ in row]
@@ -65,7 +66,7 @@ def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
     for row in split:
         widths = cells(row, low)
         # A short last row is aligned to the left, in cells as wide as those above.
-        spare = (inner - sum(widths)) / len(row) if len(row) == _COLUMNS else 0.0
+        spare = (inner - sum(widths)) / len(row) if len(row) == columns else 0.0
         tallest = max(group[0].agent.body.max_diameter for group, _ in row) * low
         rows.append(
             Row([(g, c, w + spare) for (g, c), w in zip(row, widths, strict=True)], tallest, tallest + 66)
@@ -73,14 +74,16 @@ def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
     return rows, low
 
 
-def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float) -> None:
+def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float, page: Page = SCREEN) -> None:
     """Draw the rows from ``top`` (px) down, below a line of text with a scale bar."""
     if not rows:
         return
-    svg.add_segment(root, MARGIN, top - 38, WIDTH - MARGIN, top - 38, GRID)
-    write(root, MARGIN, top - 14, "The bodies, to one scale, fore end to the right", 12, MUTED)
-    draw_scale_bar(root, WIDTH - MARGIN, top - 12, px_per_m, 110, MUTED)
+    svg.add_segment(root, MARGIN, top - 38, page.width - MARGIN, top - 38, GRID)
+    if page.width > _WITH_HEADING:
+        write(root, MARGIN, top - 14, "The bodies, to one scale, fore end to the right", 12, MUTED)
+    draw_scale_bar(root, page.width - MARGIN, top - 12, px_per_m, 110, MUTED)
 
+    number = 0
     for row in rows:
         x = MARGIN
         for group, colour, cell in row.cells:
@@ -90,17 +93,22 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float)
                 root, body, colour, Placement.centre_body(body, x, top + 12 + row.tallest / 2, px_per_m)
             )
             base = top + row.tallest + 36
-            single = len(group) == 1
             error = ", ".join(f"{flight.value:.2f}" for flight in group) + f" {group[0].unit}"
             error = shorten(error, 12, cell - 12)
             # A line in the flight's colour, the name and the error form one centred group; several errors have a line.
+            line, names = 30.0 if page.is_paper else 12.0, ", ".join(flight.name for flight in group)
+            room = cell - 28 - line - text_width(names, 13, bold=True)
+            single = len(group) == 1 and (not page.is_paper or text_width(error, 12) < room)
             beside = text_width(error, 12) if single else 0.0
-            name = shorten(", ".join(flight.name for flight in group), 13, cell - 40 - beside, bold=True)
-            parts = [20.0, text_width(name, 13, bold=True) + 4, beside]
+            name = shorten(names, 13, cell - 28 - line - beside, bold=True)
+            parts = [line + 8, text_width(name, 13, bold=True) + 4, beside]
             left = x - sum(parts) / 2
-            svg.add_segment(
-                root, left, base - 4.5, left + 12, base - 4.5, colour, 3.5, stroke_linecap="round"
-            )
+            ends, y, dashes = (left, left + line), base - 4.5, page.choose_dash(number)
+            if dashes:
+                svg.add_segment(root, ends[0], y, ends[1], y, colour, 2.2, stroke_dasharray=dashes)
+            else:
+                svg.add_segment(root, ends[0], y, ends[1], y, colour, 3.5, stroke_linecap="round")
+            number += 1
             write(root, left + parts[0], base, name, 13, INK, bold=True)
             if single:
                 write(root, left + parts[0] + parts[1], base, error, 12, MUTED)

@@ -11,11 +11,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.style import INK, MUTED
+from driftform.figures.style import INK, MUTED, SCREEN, Page
 from driftform.types import FloatArray
 
-WIDTH, MARGIN = 900.0, 22.0
-"""Width of a page and of its margins, px."""
+MARGIN = 22.0
+"""Width of the margins of a page, px."""
 
 MINUS = "\u2013"
 """An en dash: as wide as a minus sign, which several common fonts lack."""
@@ -80,11 +80,14 @@ def write(
     svg.add(parent, "text", content, class_=class_, fill=fill, **attributes)
 
 
-def start_page(height: float, title: str, subtitle: str, description: str) -> ET.Element:
-    """Return a picture :data:`WIDTH` px wide that has a title, and a subtitle below it."""
-    root = svg.start_document(WIDTH, height, title, description)
-    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
-    write(root, MARGIN, 58, subtitle, 12, MUTED)
+def start_page(
+    height: float, title: str, subtitle: str, description: str, page: Page = SCREEN, header: float = 64.0
+) -> ET.Element:
+    """Return a picture as wide as its page, with a title and a subtitle; without them and the ``header``, px, on paper."""
+    root = svg.start_document(page.width, height, title, description, page=page, header=header)
+    if not page.is_paper:
+        write(root, MARGIN, 36, shorten(title, 20, page.width - 2 * MARGIN, bold=True), 20, bold=True)
+        write(root, MARGIN, 58, subtitle, 12, MUTED)
     return root
 
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.gallery import GalleryEntry, arrange_rows, draw_gallery, group_shared
-from driftform.figures.layout import WIDTH, resample_polyline, start_page
+from driftform.figures.layout import resample_polyline, start_page
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import SIDE, drawing_times
-from driftform.figures.style import INK, MUTED, SERIES, tint
+from driftform.figures.style import INK, MUTED, SCREEN, SERIES, Page, tint
 from driftform.motion.interpolation import interpolate_positions
 from driftform.motion.way import find_target_approaches
 from driftform.types import FloatArray
@@ -19,7 +19,9 @@ from driftform.water import Scenario
 _LEFT, _RIGHT = 58.0, 22.0
 
 
-def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str, result: str = "") -> str:
+def overview_svg(
+    flights: Sequence[GalleryEntry], scenario: Scenario, title: str, result: str = "", page: Page = SCREEN
+) -> str:
     """Return the result of a study as SVG: the pipe with each flight in side view, a gallery of bodies below.
 
     Args:
@@ -28,6 +30,7 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
         scenario: pipe, current and targets; x to the right, z upward, to scale.
         title: a line above the picture.
         result: what the flights come to, in a few words.
+        page: on paper, title and result are left out, and the lines of flights differ in their dashes.
 
     The bodies of the gallery share one scale, fore end to the right.
     """
@@ -35,8 +38,8 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
     lines = [interpolate_positions(g[0].trajectory, drawing_times(g[0].trajectory)) for g in groups]
     targets = scenario.target_array()
     shown = np.vstack([targets, pipe_points(scenario.pipe, SIDE), scenario.release_position()[None], *lines])
-    window = Window.around(SIDE, shown, _LEFT, 92, WIDTH - _LEFT - _RIGHT, 460, 14)
-    rows, px_per_m = arrange_rows(flights)
+    window = Window.around(SIDE, shown, _LEFT, 92, page.width - _LEFT - _RIGHT, 460, 14)
+    rows, px_per_m = arrange_rows(flights, page)
     top = window.box.bottom + 84
     height = top + sum(row.height for row in rows) + (2 if rows else -34)
 
@@ -47,9 +50,10 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
         _describe_flights(len(groups), result),
         "Above: the pipe in side view with the best flight for each target. Below: the bodies, "
         f"at one scale. By target: {best or 'no flights'}.",
+        page,
     )
-    _draw_flights(root, window, groups, lines, scenario)
-    draw_gallery(root, rows, px_per_m, top)
+    _draw_flights(root, window, groups, lines, scenario, page)
+    draw_gallery(root, rows, px_per_m, top, page)
     return svg.render(root)
 
 
@@ -75,6 +79,7 @@ def _draw_flights(
     groups: Sequence[Sequence[GalleryEntry]],
     lines: list[FloatArray],
     scenario: Scenario,
+    page: Page,
 ) -> None:
     draw_scene(root, window, scenario)
     colours = [SERIES[number % len(SERIES)] for number in range(len(groups))]
@@ -86,8 +91,8 @@ def _draw_flights(
     ]
     for line, colour in zip(lines, colours, strict=True):
         _draw_line(root, window, line, tint(colour, 0.28), 1.2, "faint")
-    for line, colour in zip(firm, colours, strict=True):
-        _draw_line(root, window, line, colour, 2.2, "firm")
+    for number, (line, colour) in enumerate(zip(firm, colours, strict=True)):
+        _draw_line(root, window, line, colour, 2.2, "firm", page.choose_dash(number))
     ink = [pipe_ink(window, scenario.pipe), *(resample_polyline(window.to_page(line), 3) for line in firm)]
     # Faint lines count for less: a label may cross one if there is no free place.
     ink += [resample_polyline(window.to_page(line), 9) for line in lines]
@@ -103,7 +108,13 @@ def _draw_flights(
 
 
 def _draw_line(
-    root: ET.Element, window: Window, line: FloatArray, colour: str, width: float, class_: str
+    root: ET.Element,
+    window: Window,
+    line: FloatArray,
+    colour: str,
+    width: float,
+    class_: str,
+    dashes: str = "",
 ) -> None:
-    data = window.path_data(line)
-    svg.add_line(root, data, colour, width, class_, stroke_linejoin="round", stroke_linecap="round")
+    ends = {"stroke_linejoin": "round", "stroke_linecap": "butt" if dashes else "round"}
+    svg.add_line(root, window.path_data(line), colour, width, class_, stroke_dasharray=dashes, **ends)

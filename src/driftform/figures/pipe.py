@@ -6,15 +6,15 @@ from textwrap import wrap
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import WIDTH, start_page, write
+from driftform.figures.layout import start_page, write
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import PLAN, SIDE
-from driftform.figures.style import INK, MUTED, WRONG
+from driftform.figures.style import INK, MUTED, SCREEN, WRONG, Page
 from driftform.types import FloatArray
 from driftform.water import Scenario
 
 _LEFT, _RIGHT, _TALLEST = 62.0, 24.0, 420.0
-_LINE, _LETTERS = 18.0, 125
+_LINE, _LETTER = 18.0, 6.5
 
 
 def pipe_svg(
@@ -22,6 +22,7 @@ def pipe_svg(
     title: str,
     wrong: Sequence[tuple[str, FloatArray]] = (),
     notes: Sequence[str] = (),
+    page: Page = SCREEN,
 ) -> str:
     """Return the pipe as SVG, to scale, axes in metres: a side view, and a plan view of a pipe that is not straight.
 
@@ -34,12 +35,12 @@ def pipe_svg(
     )
     for view in (SIDE,) if scenario.pipe.straight is not None else (SIDE, PLAN):
         shown = np.vstack([places, pipe_points(scenario.pipe, view)])
-        windows.append(Window.around(view, shown, _LEFT, top, WIDTH - _LEFT - _RIGHT, _TALLEST, 26))
+        windows.append(Window.around(view, shown, _LEFT, top, page.width - _LEFT - _RIGHT, _TALLEST, 26))
         top = windows[-1].box.bottom + 74
     names = ", ".join(placed.name for placed in layout.parts) or "open water"
-    lines = [line for note in notes for line in wrap(note, _LETTERS)]
+    lines = [line for note in notes for line in wrap(note, int((page.width - _LEFT - _RIGHT) / _LETTER))]
     height = top - 10 + _LINE * len(lines)
-    root = start_page(height, title, f"From the inlet on: {names}", f"The pipe of a study: {names}.")
+    root = start_page(height, title, f"From the inlet on: {names}", f"The pipe of a study: {names}.", page)
     for number, line in enumerate(lines):
         write(root, _LEFT, top - 18 + _LINE * number, line, 12, WRONG)
     outlets = {} if scenario.pipe.straight is not None else {o.name: o.opening.centre for o in layout.outlets}

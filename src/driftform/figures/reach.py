@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import MARGIN, WIDTH, start_page, write
+from driftform.figures.layout import MARGIN, start_page, write
 from driftform.figures.plot import (
     Window,
     draw_axes,
@@ -17,16 +17,18 @@ from driftform.figures.plot import (
     pipe_points,
 )
 from driftform.figures.projection import SIDE
-from driftform.figures.style import GRID, INK, MUTED, RAMP
+from driftform.figures.style import GRID, INK, MUTED, RAMP, SCREEN, Page
 from driftform.runs.coverage import BOUNDS, CoverageMap, PipeGrid
 from driftform.types import FloatArray
 from driftform.water import Pipe, Scenario, Segment
 
 _LEFT, _RIGHT = 58.0, 22.0
-_SWATCH = (34.0, 14.0)
+_SWATCH, _SMALL_SWATCH = (34.0, 14.0), (23.0, 14.0)
+_WIDE = 700.0
+"""Width of a page on which the legend has room for one line, px."""
 
 
-def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
+def reach_svg(reach: CoverageMap, scenario: Scenario, title: str, page: Page = SCREEN) -> str:
     """Return a coverage map as SVG: the pipe in section, each cell coloured by the closest flight.
 
     Args:
@@ -41,21 +43,22 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
     is_world = cells.is_straight and bool(np.allclose(cells.axes[:2], ((1, 0, 0), (0, 0, 1))))
     shift = cells.origin[[0, 2]] if is_world else np.zeros(2)
     pipe = _straighten(cells, shift)
-    window = Window.around(SIDE, pipe_points(pipe, SIDE), _LEFT, 92, WIDTH - _LEFT - _RIGHT, 460, 14)
-    base = window.box.bottom + 62
+    window = Window.around(SIDE, pipe_points(pipe, SIDE), _LEFT, 92, page.width - _LEFT - _RIGHT, 460, 14)
+    base = window.box.bottom + (62 if page.width > _WIDE else 80)
     subtitle = _describe(reach)
     root = start_page(
         base + 46,
         title,
         subtitle,
         f"The pipe in section, in cells coloured by the closest approach to the middle of each. {subtitle}.",
+        page,
     )
     draw_axes(root, window, None if is_world else ("along the pipe", "up"))
     _draw_cells(root, window, reach, shift)
     draw_walls(root, window, pipe)
     draw_current(root, window, (cells.axes @ scenario.current())[[0, 2, 1]])
     _draw_points(root, window, scenario, cells, shift, pipe)
-    _draw_legend(root, base)
+    _draw_legend(root, base, page.width)
     return svg.render(root)
 
 
@@ -114,10 +117,11 @@ def _draw_points(
     label_points(root, window, anchors, names, [pipe_ink(window, pipe)], keep=8)
 
 
-def _draw_legend(root: ET.Element, top: float) -> None:
+def _draw_legend(root: ET.Element, top: float, width: float) -> None:
     """Draw the colours with the distances between them, and the hatching of cells that no flight crosses."""
-    svg.add_segment(root, MARGIN, top - 16, WIDTH - MARGIN, top - 16, GRID)
-    write(root, MARGIN, top + 11, "Closest approach to the middle of the cell (mm)", 12, MUTED)
-    left = WIDTH - MARGIN - len(RAMP) * _SWATCH[0] - 150
+    swatch, over = (_SWATCH, 0) if width > _WIDE else (_SMALL_SWATCH, 18)
+    svg.add_segment(root, MARGIN, top - 16 - over, width - MARGIN, top - 16 - over, GRID)
+    write(root, MARGIN, top + 11 - over, "Closest approach to the middle of the cell (mm)", 12, MUTED)
+    left = MARGIN if over else width - MARGIN - len(RAMP) * swatch[0] - 150
     bounds = [f"{1000 * bound:g}" for bound in BOUNDS]
-    svg.draw_template(root, __package__, "reach-legend", left=left, top=top, size=_SWATCH, bounds=bounds)
+    svg.draw_template(root, __package__, "reach-legend", left=left, top=top, size=swatch, bounds=bounds)

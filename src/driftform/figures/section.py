@@ -12,7 +12,7 @@ from driftform.agent.distance import radius_at
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
 from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, shorten, text_width, write
-from driftform.figures.style import BLUE, MUTED, tint
+from driftform.figures.style import BLUE, MUTED, SCREEN, Page, tint
 from driftform.figures.surface import find_rest, find_surface
 from driftform.figures.svg import PX_PER_MM
 from driftform.types import Agent, Body, FloatArray
@@ -51,21 +51,26 @@ _RATIOS = tuple(
 )
 
 
-def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None) -> str:
+def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None, page: Page = SCREEN) -> str:
     """Return the half section of one body as SVG: outside above the axis, cut below, fore end to the right.
 
     Args:
         agent: drawn with the body's x to the right and z upward. The centres of gravity (a quartered circle) and of
             buoyancy (a ring) are those of ``agent.mass``. Ticks below the length mark the joints between modules.
         title: a line above the picture.
+        page: on paper, the body is as large as fits, title and table of masses are left out, and on a narrow page the
+            labels of wall and core.
         scenario: its water gives the net buoyancy, and the water line of a body that floats: the surface when the
             body is at rest, far from any wall. If the scenario has no surface, the line is where one would be.
 
-    The natural size is in millimetres: printed at that size, the picture has the scale that it states.
+    On a screen the natural size is in millimetres: printed at that size, the picture has the scale that it states.
     """
     body = agent.body
     ratio = _choose_ratio(body)
     px_per_m = 1000 * PX_PER_MM * ratio.paper / ratio.body
+    if page.is_paper:
+        room = page.width - _LEFT - _RIGHT
+        px_per_m = min(room / body.length, room / body.max_diameter)
     length, diameter = body.length * px_per_m, body.max_diameter * px_per_m
     facts, block = _describe_agent(agent), title_block(agent, scenario)
     rest = None if scenario is None else find_rest(agent, scenario)
@@ -74,23 +79,29 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     width = max(length + _LEFT + _RIGHT, least)
     if length < _NARROW:
         width = max(width, length + _LEFT + _RIGHT + 2 * _BESIDE)
+    if page.is_paper:
+        width = page.width
     above = _HEADER + _LABELS
-    height = above + diameter + _CALLOUTS + _DIMENSION + _FOOTER + _BLOCK
+    height = above + diameter + _CALLOUTS + _DIMENSION + _FOOTER
     left = _LEFT + (width - _LEFT - _RIGHT - length) / 2
     place = Placement(left - px_per_m * float(body.outer[0, 0]), above + diameter / 2, px_per_m)
 
     size = f"{_format_mm(body.length)} long, {_format_mm(body.max_diameter)} in diameter"
     values = "; ".join(f"{name} {value}" for name, value in block)
+    scale = "" if page.is_paper else f", at a scale of {ratio.text}"
     root = svg.start_document(
         width,
-        height,
+        height + (0 if page.is_paper else _BLOCK),
         title or "Section of an agent",
-        f"Half section of a body of revolution, {size}, at a scale of {ratio.text}: outside above the "
+        f"Half section of a body of revolution, {size}{scale}: outside above the "
         f"axis, cut open below; the fore end is on the right. {facts}; {values}.",
         unit="mm",
+        page=page,
+        header=_HEADER,
     )
-    write(root, MARGIN, 32, shorten(title or "Section", 17, width - 2 * MARGIN, bold=True), 17, bold=True)
-    write(root, MARGIN, 52, facts, 12, MUTED)
+    if not page.is_paper:
+        write(root, MARGIN, 32, shorten(title or "Section", 17, width - 2 * MARGIN, bold=True), 17, bold=True)
+        write(root, MARGIN, 52, facts, 12, MUTED)
     surface = (
         None
         if rest is None or rest.height is None
@@ -101,17 +112,21 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     draw_shading(root, body, place, _STEEL, below=0)
     draw_rims(root, body, place, tint(_STEEL, 0.62), 0.7, below=0)
     dimensions = {**_plot_cut(body, place), **_plot_callouts(body, place), **_plot_dimensions(body, place)}
+    if page.is_paper and length < _NARROW:
+        dimensions["labels"] = []
     centres = _plot_centres(agent, place, width)
     svg.draw_template(root, __package__, "section", surface=surface, marks=centres, **dimensions)
-    base = height - _BLOCK - 18
+    base = height - 18
     bar = draw_scale_bar(root, width - MARGIN, base, px_per_m, 130)
+    if page.is_paper:
+        return svg.render(root)
     write(root, bar - 16, base, f"Scale {ratio.text}", 11, MUTED, anchor="end", class_="scale")
     if rest is not None:
         if surface is not None:
             line = svg.path_data([(MARGIN, base - 4), (MARGIN + 26, base - 4)])
             svg.add_line(root, line, BLUE, 1.4, stroke_dasharray="9 3")
         write(root, MARGIN + (0 if surface is None else 34), base, rest.text, 11, MUTED, class_="rest")
-    _draw_block(root, block, width, height - _BLOCK + 2)
+    _draw_block(root, block, width, height + 2)
     return svg.render(root)
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import MARGIN, WIDTH, shorten, start_page
+from driftform.figures.layout import MARGIN, shorten, start_page
+from driftform.figures.style import SCREEN, Page
 from driftform.types import FloatArray
 
 LEFT, RIGHT, TOP, ROW = 110.0, 110.0, 112.0, 30.0
@@ -31,10 +32,12 @@ class Strip:
     promised: float
 
 
-def strip_svg(strips: Sequence[Strip], title: str, subtitle: str) -> str:
+def strip_svg(strips: Sequence[Strip], title: str, subtitle: str, page: Page = SCREEN) -> str:
     """Return the misses as SVG: a dot for each disturbed flight, a line at the 90 % miss, a diamond for the nominal one."""
     height = TOP + ROW * len(strips) + 52
-    root = start_page(height, title, subtitle, f"{subtitle} A row of dots for each target, misses in mm.")
+    root = start_page(
+        height, title, subtitle, f"{subtitle} A row of dots for each target, misses in mm.", page
+    )
     values = np.concatenate([np.zeros(0), *(np.append(s.misses, s.nominal) for s in strips)])
     values = values[np.isfinite(values)]
     shown = np.maximum(values, SMALLEST)
@@ -44,7 +47,7 @@ def strip_svg(strips: Sequence[Strip], title: str, subtitle: str) -> str:
 
     def x_of(miss: float) -> float:
         share = (np.log10(max(miss, SMALLEST)) - low) / (high - low)
-        return float(LEFT + share * (WIDTH - LEFT - RIGHT))
+        return float(LEFT + share * (page.width - LEFT - RIGHT))
 
     rows = []
     for number, strip in enumerate(strips):
@@ -60,7 +63,8 @@ def strip_svg(strips: Sequence[Strip], title: str, subtitle: str) -> str:
             }
         )
     ticks = [(x_of(10.0**power), f"{1000 * 10.0**power:g}") for power in np.arange(low, high + 1)]
-    sides = {"left": LEFT, "right": WIDTH - RIGHT, "top": TOP, "bottom": bottom}
-    edges = {"margin": MARGIN, "edge": WIDTH - MARGIN}
-    svg.draw_template(root, __package__, "strip", rows=rows, ticks=ticks, **sides, **edges)
+    sides = {"left": LEFT, "right": page.width - RIGHT, "top": TOP, "bottom": bottom}
+    edges = {"margin": MARGIN, "edge": page.width - MARGIN}
+    spots = (0, 150, 300) if page.width > 500 else (0, 80, 170)
+    svg.draw_template(root, __package__, "strip", rows=rows, ticks=ticks, spots=spots, **sides, **edges)
     return svg.render(root)

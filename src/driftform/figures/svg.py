@@ -14,15 +14,19 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.figures import style
+from driftform.figures.style import SCREEN, Page
 
 if TYPE_CHECKING:
     import jinja2
 
-FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
-"""Fonts of all pictures: those of the reader's system."""
-
-PX_PER_MM = 96 / 25.4
+PX_PER_MM = style.PX_PER_MM
 """CSS defines the pixel as 1/96 inch, so a picture can be printed to scale."""
+
+FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+"""Fonts of pictures on a screen: those of the reader's system."""
+
+PAPER_FONTS = "Arial, Helvetica, 'Liberation Sans', sans-serif"
+"""Fonts of figures for papers: Arial, or those with its widths."""
 
 _SHORTENED = (("-0.00", "0.00"), (".00", ""), *((f".{digit}0", f".{digit}") for digit in range(1, 10)))
 """Replacements, in this order, that shorten numbers with two decimals to those of :func:`format_number`."""
@@ -37,28 +41,38 @@ def format_number(value: float) -> str:
 
 
 def start_document(
-    width: float, height: float, title: str, description: str, unit: Literal["px", "mm"] = "px"
+    width: float,
+    height: float,
+    title: str,
+    description: str,
+    unit: Literal["px", "mm"] = "px",
+    page: Page = SCREEN,
+    header: float = 0.0,
 ) -> ET.Element:
     """Return an empty white picture of ``width`` by ``height`` px.
 
-    With ``unit`` mm, the natural size is in millimetres, so that printing keeps the scale.
+    With ``unit`` mm, the natural size is in millimetres, so that printing keeps the scale. A figure for a paper is as wide
+    as its ``page``, and begins below the ``header``, px, where pictures on a screen have their title.
     """
     size = {"px": 1.0, "mm": 1 / PX_PER_MM}[unit]
-    suffix = unit if unit == "mm" else ""
+    suffix, top = unit if unit == "mm" else "", 0.0
+    if page.width_mm is not None:
+        size, suffix, top = page.width_mm / width, "mm", header
+        height -= header
     root = ET.Element(
         "svg",
         {
             "xmlns": "http://www.w3.org/2000/svg",
             "width": format_number(width * size) + suffix,
             "height": format_number(height * size) + suffix,
-            "viewBox": f"0 0 {format_number(width)} {format_number(height)}",
+            "viewBox": f"0 {format_number(top)} {format_number(width)} {format_number(height)}",
             "role": "img",
-            "font-family": FONTS,
+            "font-family": PAPER_FONTS if page.is_paper else FONTS,
         },
     )
     add(root, "title", title)
     add(root, "desc", description)
-    add(root, "rect", x=0, y=0, width=width, height=height, fill="#ffffff")
+    add(root, "rect", x=0, y=top, width=width, height=height, fill="#ffffff")
     return root
 
 

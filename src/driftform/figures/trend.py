@@ -10,7 +10,6 @@ import numpy as np
 from driftform.figures import svg
 from driftform.figures.layout import (
     MARGIN,
-    WIDTH,
     Box,
     floor_to_nice_number,
     format_signed,
@@ -18,9 +17,10 @@ from driftform.figures.layout import (
     start_page,
     tick_values,
 )
+from driftform.figures.style import SCREEN, Page
 from driftform.types import FloatArray
 
-_COLUMNS = 5
+_COLUMNS, _NARROWEST = 5, 120.0
 HEIGHT, GUTTER, LEFT, TOP = 132.0, 40.0, 52.0, 108.0
 
 _ROW_GAP = 70.0
@@ -45,30 +45,36 @@ class Trend:
     baseline: FloatArray
 
 
-def trend_svg(trends: Sequence[Trend], title: str, strategy: str, baseline: str = "random search") -> str:
+def trend_svg(
+    trends: Sequence[Trend], title: str, strategy: str, baseline: str = "random search", page: Page = SCREEN
+) -> str:
     """Return the trends as SVG: mean and standard deviation over repeats, and those of the baseline as a band.
 
     All panels share their axes. With one repeat, no deviation is drawn.
     """
-    rows = ceil(len(trends) / _COLUMNS)
+    columns = max(1, min(_COLUMNS, int(page.width / _NARROWEST)))
+    rows = ceil(len(trends) / columns)
+    # Where both names do not fit in one line, the second is below the first.
+    at, first = ((272, 74), TOP) if page.width > 450 else ((22, 92), TOP + 18)
     repeats = max((len(trend.fitness) for trend in trends), default=0)
     over = f"mean and standard deviation over {repeats} repeats" if repeats > 1 else "one run"
     has_baseline = any(len(trend.baseline) for trend in trends)
     root = start_page(
-        TOP + rows * (HEIGHT + _ROW_GAP) - 20,
+        first + rows * (HEIGHT + _ROW_GAP) - 20,
         title,
         f"Best fitness so far (%) against flights for the target: {over}",
         f"For each target, the best fitness so far of {strategy} against flights"
         + (f"; {baseline} as a band." if has_baseline else "."),
+        page,
     )
     low, panels = _find_lowest(trends), []
-    width = (WIDTH - LEFT - MARGIN - (_COLUMNS - 1) * GUTTER) / _COLUMNS
+    width = (page.width - LEFT - MARGIN - (columns - 1) * GUTTER) / columns
     for number, trend in enumerate(trends):
-        row, column = divmod(number, _COLUMNS)
-        left, top = LEFT + column * (width + GUTTER), TOP + row * (HEIGHT + _ROW_GAP)
+        row, column = divmod(number, columns)
+        left, top = LEFT + column * (width + GUTTER), first + row * (HEIGHT + _ROW_GAP)
         panels.append(_plot_panel(trend, Box(left, top, left + width, top + HEIGHT), low))
     names = {"strategy": strategy, "baseline": baseline if has_baseline else ""}
-    svg.draw_template(root, __package__, "trend", panels=panels, grey=_BASELINE, **names)
+    svg.draw_template(root, __package__, "trend", panels=panels, grey=_BASELINE, at=at, **names)
     return svg.render(root)
 
 

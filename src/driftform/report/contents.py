@@ -9,6 +9,7 @@ from driftform.errors import WorkFailedError
 from driftform.figures.dependence import dependence_svg
 from driftform.figures.reach import reach_svg
 from driftform.figures.strip import Strip, strip_svg
+from driftform.figures.style import SCREEN, Page
 from driftform.figures.trend import Trend, trend_svg
 from driftform.interfaces import Flown, ReportJob
 from driftform.motion.way import approach_targets
@@ -81,8 +82,8 @@ class Contents:
         return list(groups.values())
 
 
-def collect_contents(run: Run) -> Contents:
-    """Read a run, finished or not.
+def collect_contents(run: Run, page: Page = SCREEN) -> Contents:
+    """Read a run, finished or not, and draw its pictures for a page.
 
     Raises InputError if the run is damaged. Raises WorkFailedError if no evaluation succeeded yet.
     """
@@ -111,9 +112,11 @@ def collect_contents(run: Run) -> Contents:
             target: one.misses for target, one in zip(targets, best, strict=True) if one.misses is not None
         }
         figures = {
-            "Flights and bodies": draw_overview(study, best),
-            "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study)),
-            "Reach": reach_svg(map_run(study, store), scenario, study.title),
+            "Flights and bodies": draw_overview(study, best, page),
+            "Search": trend_svg(
+                _read_trends(store, targets), "Best fitness so far", _strategy_name(study), page=page
+            ),
+            "Reach": reach_svg(map_run(study, store), scenario, study.title, page),
         }
         strips = [
             Strip(e.target, e.distance, misses.distances[:, 0], float(misses.promised[0]))
@@ -125,7 +128,7 @@ def collect_contents(run: Run) -> Contents:
             subtitle = (
                 f"{count} flights of each best agent under disturbed conditions that the choice never saw."
             )
-            figures["Robustness"] = strip_svg(strips, "Misses under disturbed conditions", subtitle)
+            figures["Robustness"] = strip_svg(strips, "Misses under disturbed conditions", subtitle, page)
         return Contents(
             run.name,
             study,
@@ -135,7 +138,7 @@ def collect_contents(run: Run) -> Contents:
             store.total_seconds(),
             tuple(entries),
             figures,
-            _draw_causes(promises),
+            _draw_causes(promises, page),
             *_ask_reporters(run.name, study, entries),
         )
 
@@ -148,10 +151,10 @@ def _ask_reporters(name: str, study: Study, entries: Sequence[Entry]) -> tuple[d
     return {each.heading: text for each, text in asked if text}, problems
 
 
-def _draw_causes(promises: Mapping[str, Misses]) -> dict[str, str]:
+def _draw_causes(promises: Mapping[str, Misses], page: Page) -> dict[str, str]:
     """Return for each target a picture of what the miss depends on, if enough flights succeeded."""
     return {
-        target: dependence_svg(effects, f"What the miss of {target} depends on")
+        target: dependence_svg(effects, f"What the miss of {target} depends on", page)
         for target, misses in promises.items()
         if (effects := misses.list_effects(0)) is not None
     }

@@ -11,6 +11,8 @@ from typing import Any
 
 from driftform.agent import hull_mass
 from driftform.figures import scene, style
+from driftform.figures.files import write_picture
+from driftform.figures.flight import flight_svg
 from driftform.figures.section import section_svg
 from driftform.motion.limits import list_limits
 from driftform.report.contents import Contents, collect_contents
@@ -44,6 +46,25 @@ def write_report(run: Run, path: Path | None = None) -> tuple[Contents, Path]:
     make_directory(path.parent)
     write_text(path, page_html(contents))
     return contents, path
+
+
+def write_figures(run: Run, folder: Path | None, page: style.Page) -> tuple[Path, ...]:
+    """Write the pictures of a run as figures of a paper, by default into its ``figures/paper``, and return their paths."""
+    contents = collect_contents(run, page)
+    folder = make_directory(folder or run.path / "figures" / "paper", "--out")
+    drawn = {name.lower().replace(" ", "-"): picture for name, picture in contents.figures.items()}
+    drawn |= {f"causes-{target}": picture for target, picture in contents.causes.items()}
+    for [entry, *_] in contents.agents:
+        drawn[f"section-{entry.target}"] = section_svg(entry.agent, entry.target, contents.scenario, page)
+        body = entry.agent.body
+        drawn[f"flight-{entry.target}"] = flight_svg(
+            entry.trajectory, contents.scenario, entry.target, body, page
+        )
+    return tuple(
+        path
+        for name, picture in drawn.items()
+        for path in write_picture(folder / f"{name}.svg", picture, page)
+    )
 
 
 def page_html(contents: Contents) -> str:

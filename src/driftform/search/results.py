@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from driftform.errors import DriftformError, InputError, WorkFailedError
+from driftform.figures.style import SCREEN, Page
 from driftform.interfaces import ExportJob
 from driftform.plugins.faults import report_faults
 from driftform.plugins.seams import require_files
@@ -209,7 +210,7 @@ def read_best(run: Run, store: Store) -> list[BestFlight]:
     return found
 
 
-def draw_overview(study: Study, best: Sequence[BestFlight]) -> str:
+def draw_overview(study: Study, best: Sequence[BestFlight], page: Page = SCREEN) -> str:
     """Return the picture of the best flights and bodies."""
     from driftform.figures.gallery import GalleryEntry
     from driftform.figures.overview import overview_svg
@@ -220,7 +221,7 @@ def draw_overview(study: Study, best: Sequence[BestFlight]) -> str:
         GalleryEntry(target, one.agent, one.trajectory, fitness.measure(result["fitness"]), fitness.unit)
         for one, (target, result) in zip(best, results.items(), strict=True)
     ]
-    return overview_svg(flights, study.scenario, study.title, summarise(fitness, results))
+    return overview_svg(flights, study.scenario, study.title, summarise(fitness, results), page)
 
 
 def _write_overview(run: Run, store: Store) -> None:

@@ -70,6 +70,8 @@ def calibrate(
         float | None, typer.Option(metavar="KG", help="Mass of the print with its core, by scales, kg.")
     ] = None,
     hydrodynamics: options.Hydrodynamics = None,
+    style: options.Style = "screen",
+    width_mm: options.WidthMm = None,
     settings: options.Settings = None,
     out: Annotated[
         Path | None,
@@ -79,16 +81,17 @@ def calibrate(
 ) -> None:
     """Fit the model to tracks of filmed flights: drag, added mass, weight, restitution and friction.
 
-    Prints a factor with its 90 % interval for each of them, and why for those that the tracks cannot tell. Writes the
+    Prints a factor with its 90 % interval for each of them, and why for those that the tracks do not show. Writes the
     table [calibration] for any study, the calibrated agent, and pictures of the films against the flights.
     """
     from driftform import open_agent
-    from driftform.cli import output
+    from driftform.cli import formats, output
     from driftform.util import files
     from driftform_calibration.designs import calibrate_design
     from driftform_calibration.films import find_scenario
     from driftform_calibration.tracks import Reading
 
+    page = formats.parse_page(style, width_mm)
     settings, use = settings or [], {"hydrodynamics": hydrodynamics}
     # An agent that does not remember how it was built, such as a word, is built as the study of its first film says.
     design = open_agent(agent, *settings, scenario=scenario or find_scenario(tracks[0]), use=use)
@@ -107,7 +110,7 @@ def calibrate(
         fit=fit or (),
         printed_mass=printed_mass,
     )
-    paths = found.write(directory)
+    paths = found.write(directory, page)
     if json:
         output.print_json({**found.document(), "files": [str(path) for path in paths]})
     else:

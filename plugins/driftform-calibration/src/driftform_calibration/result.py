@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from driftform import StoredAgent
-from driftform.figures import svg
+from driftform.figures import files as picture_files
+from driftform.figures import style, svg
 from driftform.types import FloatArray
 from driftform.util import files, notebook
 from driftform.water import Calibration
@@ -123,15 +124,16 @@ class CalibrationResult:
         environment = {**self.stored.environment, "calibration": self.table()}
         return replace(self.stored, environment=environment, result={})
 
-    def write(self, directory: Path) -> list[Path]:
+    def write(self, directory: Path, page: style.Page = style.SCREEN) -> list[Path]:
         """Write table, agent and pictures into a directory, and return their paths."""
         files.make_directory(directory)
         paths = [directory / name for name in FILES]
         files.write_text(paths[0], self.toml())
         self.calibrated().write(paths[1])
         files.write_text(paths[2], self.html())
-        files.write_text(paths[3], self.tracks_svg())
-        files.write_text(paths[4], self.factors_svg())
+        drawn = (self.tracks_svg(page), self.factors_svg(page))
+        for path, picture in zip(paths[3:], drawn, strict=True):
+            paths += picture_files.write_picture(path, picture, page, png=False)[1:]
         return paths
 
     def html(self) -> str:
@@ -148,7 +150,7 @@ class CalibrationResult:
             toml=self.toml(),
         )
 
-    def tracks_svg(self) -> str:
+    def tracks_svg(self, page: style.Page = style.SCREEN) -> str:
         """Return the films against the model before and after calibration, as SVG."""
         problem, fit = self.fit.problem, self.fit
         panels = []
@@ -162,16 +164,17 @@ class CalibrationResult:
             panels.append(TrackPanel(track.name, track.t - delay, seen, t - delay, *paths, *off))
         before_after = f"{1000 * fit.before:.1f} mm before, {1000 * fit.residual:.1f} mm after"
         found = f"root mean square distance {before_after}"
-        return tracks_svg(panels, f"{self.name}: films and flights", found)
+        return tracks_svg(panels, f"{self.name}: films and flights", found, page)
 
-    def factors_svg(self) -> str:
+    def factors_svg(self, page: style.Page = style.SCREEN) -> str:
         """Return the factors with their intervals as SVG."""
         known = {
             name: (found.value, found.low, found.high)
             for name, found in self.factors.items()
             if found.low is not None and found.high is not None
         }
-        return intervals_svg(known, f"{self.name}: factors", [name for name in SHOWN if name not in known])
+        unknown = [name for name in SHOWN if name not in known]
+        return intervals_svg(known, f"{self.name}: factors", unknown, page)
 
     def _trace_path(self, x: FloatArray, number: int, t: FloatArray) -> FloatArray:
         """Return the path of the first marker in the picture at times ``t`` (s, (k,)) of the film, m, (k, 2)."""

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from driftform.figures import layout, plot, svg
+from driftform.figures import layout, plot, style, svg
 from driftform.types import FloatArray
 
 LEFT, TOP, TALLEST, LOWEST, GAP = 62.0, 138.0, 300.0, 150.0, 88.0
 MIDDLE = 420.0
-"""Left edge of the plots of distances, px."""
+"""Left edge of the plots of distances, px; on a narrower page they are below the paths."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,31 +38,38 @@ class TrackPanel:
     off_after: FloatArray
 
 
-def tracks_svg(panels: Sequence[TrackPanel], title: str, subtitle: str) -> str:
+def tracks_svg(
+    panels: Sequence[TrackPanel], title: str, subtitle: str, page: style.Page = style.SCREEN
+) -> str:
     """Return the tracks as SVG: for each the paths, to scale, and the distance of model and film over time.
 
     If one coordinate alone was measured, it is drawn over time.
     """
-    boxes, top = [], TOP
+    boxes, top, edge = [], TOP, page.width - layout.MARGIN
+    is_wide = page.width > MIDDLE + LOWEST
+    right = MIDDLE - 20 if is_wide else edge
     for panel in panels:
-        box = layout.Box(LEFT, top, MIDDLE - 20, top + LOWEST)
+        box = layout.Box(LEFT, top, right, top + LOWEST)
         if _is_flat(panel):
-            box = _fit_window(panel, top).box
-        boxes.append(box)
-        top = max(box.bottom, top + LOWEST) + GAP
-    root = layout.start_page(top - GAP + 56, title, subtitle, f"{subtitle} A row for each track.")
+            box = _fit_window(panel, top, right).box
+        bottom = max(box.bottom, top + LOWEST)
+        beside = layout.Box(MIDDLE + 50, top, edge, bottom)
+        if not is_wide:
+            beside = layout.Box(LEFT, bottom + GAP - 20, edge, bottom + GAP - 20 + LOWEST)
+        boxes.append((box, beside))
+        top = beside.bottom + GAP
+    root = layout.start_page(top - GAP + 56, title, subtitle, f"{subtitle} A row for each track.", page)
     svg.draw_template(root, __package__, "tracks", legend=True)
-    for panel, box in zip(panels, boxes, strict=True):
+    for panel, (box, beside) in zip(panels, boxes, strict=True):
         layout.write(root, LEFT, box.top - 26, layout.shorten(panel.name, 12, 300, bold=True), 12, bold=True)
-        edge, bottom = layout.WIDTH - layout.MARGIN, max(box.bottom, box.top + LOWEST)
         most = float(np.nanmax([*panel.off_before, *panel.off_after], initial=1e-6)) * 1050
-        chart = _Chart(layout.Box(MIDDLE + 50, box.top, edge, bottom), (panel.t[0], panel.t[-1]), (0.0, most))
+        chart = _Chart(beside, (panel.t[0], panel.t[-1]), (0.0, most))
         lines = [
             svg.path_data(chart.place(panel.t[np.isfinite(off)], 1000 * off[np.isfinite(off)]))
             for off in (panel.off_before, panel.off_after)
         ]
         if _is_flat(panel):
-            window = _fit_window(panel, box.top)
+            window = _fit_window(panel, box.top, right)
             plot.draw_axes(root, window, ("right", "up"))
             paths = [window.path_data(path) for path in (panel.before, panel.after)]
             points = window.to_page(panel.seen[np.isfinite(panel.seen).all(axis=1)])
@@ -79,9 +86,9 @@ def _is_flat(panel: TrackPanel) -> bool:
     return bool(np.isfinite(panel.seen).any(axis=0).all())
 
 
-def _fit_window(panel: TrackPanel, top: float) -> plot.Window:
+def _fit_window(panel: TrackPanel, top: float, right: float) -> plot.Window:
     shown = np.vstack([panel.seen[np.isfinite(panel.seen).all(axis=1)], panel.before, panel.after])
-    return plot.Window.around((0, 1), shown, LEFT, top, MIDDLE - LEFT - 20, TALLEST, 10)
+    return plot.Window.around((0, 1), shown, LEFT, top, right - LEFT, TALLEST, 10)
 
 
 def _plot_heights(panel: TrackPanel, box: layout.Box) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from driftform.cli import options
+from driftform.cli import formats, options
 from driftform.errors import InputError, did_you_mean
 from driftform_networks.wording import parse_hours, parse_time, read_names, split_names
 
@@ -22,7 +22,13 @@ if TYPE_CHECKING:
     from driftform_networks.network import Network
     from driftform_networks.results import Outputs, Sights
 
-_SHARED = {"settings": options.Settings, "workers": options.Workers, "json": options.Json}
+_SHARED: dict[str, tuple[Any, Any]] = {
+    "settings": (options.Settings, None),
+    "workers": (options.Workers, None),
+    "style": (options.Style, "screen"),
+    "width_mm": (options.WidthMm, None),
+    "json": (options.Json, False),
+}
 _TYPES: dict[str, Any] = {
     "argument": str,
     "text": str,
@@ -48,9 +54,9 @@ def _read_options() -> dict[str, dict[str, Any]]:
 
 def declare_option(name: str) -> Parameter:
     """Return the parameter of an option of ``options.toml``, or of one that commands of driftform share."""
-    default: Any = False if name == "json" else None
     if name in _SHARED:
-        return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=_SHARED[name])
+        annotation, default = _SHARED[name]
+        return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
     option = _read_options()[name]
     kind, flag = option["type"], option.get("flag", f"--{name.replace('_', '-')}")
     shown: dict[str, Any] = {"help": option["help"]} | (
@@ -87,17 +93,16 @@ WATER = ("unsteady", "within", "walks", "seed")
 BODY = ("branch", "service_bore", "clearance", "scenario", "settings", "workers")
 CHOICE = ("agents_from", "run", "count", "buoyancies", "as_designed")
 SIGHT = ("receiver", "range", "pipes", "by", "weight")
-FILES = ("map", "tables", "gis", "crs", "report", "cache", "json")
+FILES = ("map", "style", "width_mm", "tables", "gis", "crs", "report", "cache", "json")
 
 
-@declare("net", "at", *CHANGES, "map", "cache", "json")
+@declare("net", "at", *CHANGES, "map", "style", "width_mm", "cache", "json")
 def show(given: Given) -> None:
     """Show what a network is: its pipes, flows, sources, loops and reversals."""
-    from driftform_networks.results import Outputs
     from driftform_networks.show import show_network
 
-    Outputs(given.map).check()
-    show_network(_open(given), given.at, given.map, given.json)
+    outputs = _find_outputs(given)
+    show_network(_open(given), given.at, outputs, given.json)
 
 
 @declare("net", "release", "at", *WATER, *CHANGES, *SIGHT, *FILES)
@@ -227,8 +232,10 @@ def _find_outputs(given: Given) -> "Outputs":
     """Return the files that are asked for; refuse those that cannot be written."""
     from driftform_networks.results import Outputs
 
-    agents = getattr(given, "agents", None)
-    return Outputs(given.map, given.tables, given.report, agents, given.gis, given.crs).check()
+    page = formats.parse_page(given.style, given.width_mm)
+    names = ("map", "tables", "report", "agents", "gis", "crs")
+    paths: dict[str, Any] = {name: getattr(given, name, None) for name in names}
+    return Outputs(**paths, page=page).check()
 
 
 def _look(given: Given, network: "Network") -> tuple["Network", "Sights"]:

@@ -22,7 +22,10 @@ RAMP = ("#b5de2b", "#6ece58", "#35b779", "#1f9e89", "#26828e", "#31688e", "#4828
 BOUNDS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7)
 """Shares at which colour and width change: most links of a town are seen by a few of a hundred bodies."""
 
-_TOP, _TALLEST, _LEGEND = 78.0, 720.0, 78.0
+_TOP, _TALLEST, _LEGEND, _LINE = 78.0, 720.0, 78.0, 34.0
+_WIDE = 700.0
+"""Width of a page on which the legend has room for one line, px."""
+
 _THIN, _THICK = 1.4, 6.0
 _MOST_TIMES, _MOST_STREETS = 14, 60
 """Arrival times, and names of links, that are written on a map."""
@@ -45,7 +48,7 @@ class Mark:
         return self.colour != style.INK
 
 
-def passage_svg(passage: Passage, title: str) -> str:
+def passage_svg(passage: Passage, title: str, page: style.Page = style.SCREEN) -> str:
     """Return the map of a passage: probability as colour and width of a link, arrival times, stuck places."""
     shares = np.where(passage.reachable, passage.seen, np.nan)
     network, stuck = passage.network, passage.stuck
@@ -54,10 +57,10 @@ def passage_svg(passage: Passage, title: str) -> str:
     if (lost := sum(end.probability for end in stuck)) > 5e-4:
         subtitle += f"; {100 * lost:.1f} % stuck"
     marks = [Mark(passage.release, network.nodes[passage.release], style.VERMILLION), *_choose_times(passage)]
-    return network_svg(network, shares, marks, title, subtitle, stuck)
+    return network_svg(network, shares, marks, title, subtitle, stuck, page=page)
 
 
-def fleet_svg(fleet: Fleet, title: str) -> str:
+def fleet_svg(fleet: Fleet, title: str, page: style.Page = style.SCREEN) -> str:
     """Return the map of a fleet: the probability that any member sees a link, and where members are stuck."""
     network, size = fleet.network, len(fleet.members)
     shares = np.where(fleet.reachable, fleet.seen, np.nan)
@@ -69,10 +72,10 @@ def fleet_svg(fleet: Fleet, title: str) -> str:
     nodes = dict.fromkeys(member.passage.release for member in fleet.members)
     marks = [Mark(node, network.nodes[node], style.VERMILLION) for node in nodes]
     legend = "probability that the fleet sees the link"
-    return network_svg(network, shares, marks, title, subtitle, stuck, legend)
+    return network_svg(network, shares, marks, title, subtitle, stuck, legend, page)
 
 
-def plan_svg(plan: Plan, title: str) -> str:
+def plan_svg(plan: Plan, title: str, page: style.Page = style.SCREEN) -> str:
     """Return the map of a plan: what bodies see until nets catch them, the releases, and the nets."""
     network = plan.network
     shares = np.where(plan.reachable, plan.seen, np.nan)
@@ -84,7 +87,8 @@ def plan_svg(plan: Plan, title: str) -> str:
     marks = [Mark(network.find_node(name), *text) for name, text in texts.items()]
     sees, caught = 100 * plan.measure(plan.seen), 100 * float(plan.catches.sum())
     subtitle = f"{len(plan.members)} bodies see {sees:.1f} % until {len(plan.nets)} nets catch {caught:.0f} % of them"
-    return network_svg(network, shares, marks, title, subtitle, (), "probability that any body sees the link")
+    legend = "probability that any body sees the link"
+    return network_svg(network, shares, marks, title, subtitle, (), legend, page)
 
 
 def network_svg(
@@ -95,20 +99,21 @@ def network_svg(
     subtitle: str,
     stuck: Sequence[Ending] = (),
     legend: str = "share of the link that is seen, on average",
+    page: style.Page = style.SCREEN,
 ) -> str:
     """Return a map of a network: values of links, from 0 to 1, NaN out of reach, texts at nodes, and crosses.
 
     Raises InputError if the network has no coordinates.
     """
-    page = _fit(network)
-    lines = [page.to_page(network.polyline(link)) for link in range(len(network.links))]
-    crosses, more = _place_crosses(network, lines, page.to_page(network.places), stuck)
+    window = _fit(network, page.width)
+    lines = [window.to_page(network.polyline(link)) for link in range(len(network.links))]
+    crosses, more = _place_crosses(network, lines, window.to_page(network.places), stuck)
     ink = np.vstack([layout.resample_polyline(line, 3) for line in lines])
-    labels = _place_marks(page, network, [*marks, *more], ink)
+    labels = _place_marks(window, network, [*marks, *more], ink)
     metres = network.scale or 0.0
-    bar = layout.floor_to_nice_number(150 * metres / page.px_per_m) if metres else 0.0
+    bar = layout.floor_to_nice_number(150 * metres / window.px_per_m) if metres else 0.0
     order = np.argsort(np.nan_to_num(shares, nan=-1.0), kind="stable")
-    links = []
+    links, is_wide = [], page.width > _WIDE
     for link in order.tolist():
         known = bool(np.isfinite(shares[link]))
         colour, width = choose_line(shares[link]) if known else (UNREACHED, 1.0)
@@ -117,14 +122,19 @@ def network_svg(
             {"d": svg.path_data(lines[link]), "colour": colour, "width": width}
             | {"name": network.links[link], "value": value}
         )
-    spots = page.to_page(network.places)
+    spots = window.to_page(network.places)
     steps = [(*choose_line(least), f"{100 * least:g}") for least in (0.0, *BOUNDS)]
     return render_template(
         "map.svg",
-        width=layout.WIDTH,
-        height=page.box.bottom + _LEGEND,
+        width=page.width,
+        height=window.box.bottom + (_LEGEND if is_wide else _LEGEND + 2 * _LINE),
+        base=window.box.bottom + _LEGEND - 44,
+        line=0 if is_wide else _LINE,
+        top=_TOP - 14 if page.is_paper else 0,
+        width_mm=page.width_mm,
+        fonts=svg.PAPER_FONTS if page.is_paper else svg.FONTS,
         margin=layout.MARGIN,
-        title=layout.shorten(title, 20, layout.WIDTH - 2 * layout.MARGIN, bold=True),
+        title=layout.shorten(title, 20, page.width - 2 * layout.MARGIN, bold=True),
         subtitle=subtitle,
         network=network.name,
         links=links,
@@ -132,24 +142,25 @@ def network_svg(
         marks=[(*spots[mark.node], 5 if mark.is_bold else 2.6, mark.colour) for mark in marks],
         crosses=crosses,
         labels=labels,
-        streets=_place_streets(network, lines, labels),
+        # They would be smaller than 7 pt.
+        streets=[] if page.is_paper else _place_streets(network, lines, labels),
         step=_STEP,
         ramp=steps if np.isfinite(shares).any() else [],
         legend=legend,
         unreached=UNREACHED,
         nets=any(mark.colour == style.ORANGE for mark in marks),
-        bar=bar / metres * page.px_per_m if metres else 0.0,
+        bar=bar / metres * window.px_per_m if metres else 0.0,
         bar_text=f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m",
     )
 
 
-def _fit(network: Network) -> plot.Window:
+def _fit(network: Network, width: float) -> plot.Window:
     """Return the window of the page that shows a network; a unit of its map is a metre there."""
     points = np.vstack([network.places, *network.vertices])
     if not np.isfinite(points).all() or np.ptp(points, axis=0).max() <= 0:
         raise InputError(f"{network.name}: the file gives its nodes no coordinates: leave out --map")
-    width = layout.WIDTH - 2 * layout.MARGIN
-    return plot.Window.around((0, 1), points, layout.MARGIN, _TOP, width, _TALLEST, 20)
+    room = width - 2 * layout.MARGIN
+    return plot.Window.around((0, 1), points, layout.MARGIN, _TOP, room, _TALLEST, 20)
 
 
 def choose_line(share: float) -> tuple[str, float]:

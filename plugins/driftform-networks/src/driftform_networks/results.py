@@ -5,6 +5,7 @@ import io
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Self
 
@@ -13,6 +14,7 @@ import numpy as np
 from driftform.cli import output
 from driftform.errors import InputError
 from driftform.figures import files as picture_files
+from driftform.figures import style
 from driftform.types import FloatArray
 from driftform.util import files
 from driftform_networks.bodies import Traveller
@@ -44,6 +46,7 @@ class Outputs:
     agents: Path | None = None
     gis: Path | None = None
     crs: str | None = None
+    page: style.Page = style.SCREEN
 
     def check(self) -> Self:
         """Return these files. Raises InputError if a directory cannot be written to, or a file has the wrong suffix."""
@@ -59,11 +62,17 @@ class Outputs:
                 files.check_directory(path, option)
         return self
 
+    def write_map(self, draw: Callable[..., str]) -> list[Path]:
+        """Write the map, a function of its page, if it is asked for, and return its paths."""
+        if self.map is None:
+            return []
+        return [*picture_files.write_picture(self.map, draw(page=self.page), self.page)]
+
     def write(
         self,
         network: Network,
         title: str,
-        figures: Mapping[str, Callable[[], str]],
+        figures: Mapping[str, Callable[..., str]],
         text: Sequence[str | TextTable],
         columns: Mapping[str, Mapping[str, Sequence[Any]]],
         is_body: bool,
@@ -73,9 +82,7 @@ class Outputs:
         ``figures`` draw SVG pictures, first the map; ``text`` and ``is_body`` are as for
         :func:`~driftform_networks.page.report_html`; ``columns`` are those of each table.
         """
-        written: list[Path] = []
-        if self.map is not None:
-            written += picture_files.write_picture(self.map, figures["Map"]())
+        written = self.write_map(figures["Map"])
         if self.report is not None:
             drawn = [(name, draw()) for name, draw in figures.items()]
             files.write_text(self.report, report_html(title, text, drawn, is_body))
@@ -155,7 +162,7 @@ def present_plan(plan: Plan, title: str, outputs: Outputs, json: bool, sights: S
     more, groups = sights.describe(network, plan.recorded, plan.reachable, document)
     steps = {network.hydraulics.find_step(hour) for _, _, hour in plan.members}
     lines += [*more, *warn_of_pressure(network, sorted(steps))]
-    figures = {"Map": lambda: plan_svg(plan, title)}
+    figures = {"Map": partial(plan_svg, plan, title)}
     columns = {"members": plan.member_table(), "nets": plan.net_table(), "links": plan.link_table()}
     written = outputs.write(network, title, figures, [*lines, *tables, *groups], columns, True)
     present(document, [title, *tables, *groups, *lines], written, json)
@@ -203,7 +210,7 @@ def present_passage(
     if passage.branches:
         document["branches"] = {side: _compare(passage, other) for side, other in passage.branches.items()}
         tables.append(_table_branches(document["branches"]))
-    figures = {"Map": lambda: passage_svg(passage, title)}
+    figures = {"Map": partial(passage_svg, passage, title)}
     columns = {"nodes": passage.node_table(), "links": passage.link_table(), "ends": passage.end_table()}
     written = outputs.write(passage.network, title, figures, [*lines, *tables], columns, is_body)
     present(document, [title, *tables, *lines], written, json)
@@ -232,7 +239,7 @@ def present_fleet(
     tables = [_table_members(fleet), _table_curves(fleet), *groups]
     steps = sorted({step for member in fleet.members for step in member.passage.steps})
     lines += [*more, *warn_of_pressure(fleet.network, steps)]
-    figures = {"Map": lambda: fleet_svg(fleet, title), "Coverage": lambda: curve_svg(fleet, title)}
+    figures = {"Map": partial(fleet_svg, fleet, title), "Coverage": partial(curve_svg, fleet, title)}
     columns = {"members": fleet.member_table(), "curve": fleet.curve_table(), "links": fleet.link_table()}
     written = outputs.write(fleet.network, title, figures, [*lines, *tables], columns, True)
     if outputs.agents is not None:

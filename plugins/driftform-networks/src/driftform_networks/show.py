@@ -1,24 +1,24 @@
 """``driftform network show``: what a network is."""
 
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from driftform.figures import files as picture_files
+from driftform.figures import style
 from driftform_networks.chain import find_loops
 from driftform_networks.gates import read_gates
 from driftform_networks.map import Mark, network_svg
 from driftform_networks.network import Network
 from driftform_networks.page import TextTable
-from driftform_networks.results import present
+from driftform_networks.results import Outputs, present
 from driftform_networks.snapshot import STILL, Snapshot, take_snapshot, warn_of_pressure
 
 _ROUNDING = 1e-9
 """Flow that EPANET's rounding leaves in closed links, m3/s."""
 
 
-def show_network(network: Network, hour: float, map: Path | None, json: bool) -> None:
+def show_network(network: Network, hour: float, outputs: Outputs, json: bool) -> None:
     """Print what a network is, and draw its map if it is asked for."""
     snapshot = take_snapshot(network, hour, absurd=True)
     facts = describe_network(network, snapshot)
@@ -44,11 +44,10 @@ def show_network(network: Network, hour: float, map: Path | None, json: bool) ->
     text += [TextTable(("water comes from", "kind", "litres/s"), supply, right=(2,))]
     text += [f"warning: EPANET: {line}" for line in network.hydraulics.warnings]
     text += warn_of_pressure(network, range(len(network.hydraulics.times)))
-    drawn = () if map is None else picture_files.write_picture(map, _draw(network, snapshot, hour))
-    present(facts, text, drawn, json)
+    present(facts, text, outputs.write_map(partial(_draw, network, snapshot, hour)), json)
 
 
-def _draw(network: Network, snapshot: Snapshot, hour: float) -> str:
+def _draw(network: Network, snapshot: Snapshot, hour: float, page: style.Page) -> str:
     """Return the map, with the speed of the water in each link."""
     fastest = float(snapshot.speed[np.isfinite(snapshot.speed)].max())
     shares = np.full(len(network.links), np.nan)
@@ -57,7 +56,7 @@ def _draw(network: Network, snapshot: Snapshot, hour: float) -> str:
     title = f"{network.name} at hour {hour:g}"
     subtitle = f"{len(network.nodes)} nodes, {network.length.sum() / 1000:.1f} km of pipe"
     legend = f"speed of the water, relative to {fastest:.2f} m/s"
-    return network_svg(network, shares, sources, title, subtitle, legend=legend)
+    return network_svg(network, shares, sources, title, subtitle, legend=legend, page=page)
 
 
 def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:

@@ -21,6 +21,8 @@ def reproduce(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for runs, tables and figures.")] = Path(
         "reproduction"
     ),
+    style: options.Style = "screen",
+    width_mm: options.WidthMm = None,
     settings: options.Settings = None,
     json: options.Json = False,
 ) -> None:
@@ -31,12 +33,13 @@ def reproduce(
     """
     import time
 
-    from driftform.cli import output
+    from driftform.cli import formats, output
     from driftform.search import open_executor
     from driftform.util import files, progress
     from driftform_paper.repeats import STRATEGIES, load_repeat, read_results, search_all
     from driftform_paper.report import resimulate, results_document, results_markdown, write_figures
 
+    page = formats.parse_page(style, width_mm)
     started = time.perf_counter()
     seeds = range(seed, seed + repeats)
     studies = {(s, n): load_repeat(s, n, simulator, settings or ()) for s in STRATEGIES for n in seeds}
@@ -54,7 +57,7 @@ def reproduce(
         raise typer.Exit(130) from None
     found = {s: read_results(s, [(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
     again = resimulate(first, found["paper"])
-    figures = write_figures(out / "figures", first, found, again)
+    figures = write_figures(out / "figures", first, found, again, page)
     seconds = time.perf_counter() - started
     markdown = results_markdown(first.scenario, found, again)
     files.write_text(out / "results.md", markdown)

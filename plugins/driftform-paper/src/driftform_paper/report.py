@@ -9,7 +9,7 @@ import numpy as np
 
 from driftform import Study
 from driftform.figures import files as picture_files
-from driftform.figures import gallery, layout, svg, trend
+from driftform.figures import gallery, layout, style, svg, trend
 from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_paper import repeats
@@ -96,7 +96,11 @@ def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Res
 
 
 def write_figures(
-    directory: Path, study: Study, found: Mapping[str, Search], again: Resimulation
+    directory: Path,
+    study: Study,
+    found: Mapping[str, Search],
+    again: Resimulation,
+    page: style.Page = style.SCREEN,
 ) -> tuple[Path, ...]:
     """Write the paper's Figures 5 to 7 of our own flights, and return the files."""
     scenario, paper, random = study.scenario, found["paper"], found["random"]
@@ -105,8 +109,9 @@ def write_figures(
             trends(scenario.target_names, paper.fitness, random.fitness),
             "Fitness over generations",
             "the paper's genetic algorithm",
+            page=page,
         ),
-        "shapes.svg": _shapes(study, paper, again),
+        "shapes.svg": _shapes(study, paper, again, page),
         "trajectories.svg": spread_svg(
             [
                 FlightSpread(target, flights, f"error {error:.2f} %")
@@ -117,10 +122,13 @@ def write_figures(
             scenario,
             "The best agents in turbulent water",
             f"{TIMES} flights each up to their closest approach, with their mean and standard deviation",
+            page,
         ),
     }
     return tuple(
-        path for name, svg in pictures.items() for path in picture_files.write_picture(directory / name, svg)
+        path
+        for name, svg in pictures.items()
+        for path in picture_files.write_picture(directory / name, svg, page)
     )
 
 
@@ -134,7 +142,7 @@ def trends(targets: Sequence[str], fitness: FloatArray, baseline: FloatArray) ->
     ]
 
 
-def _shapes(study: Study, search: Search, again: Resimulation) -> str:
+def _shapes(study: Study, search: Search, again: Resimulation, page: style.Page) -> str:
     pipeline = study.make_pipeline()
     flights = [
         gallery.GalleryEntry(target, pipeline.make_agent(genome), flown[0], float(100 - fitness[0]))
@@ -142,10 +150,10 @@ def _shapes(study: Study, search: Search, again: Resimulation) -> str:
             study.scenario.target_names, search.best, again.same.flights, again.same.fitness, strict=True
         )
     ]
-    rows, px_per_m = gallery.arrange_rows(flights)
+    rows, px_per_m = gallery.arrange_rows(flights, page)
     subtitle = f"The best agent for each target over {len(search.error)} repeats, with its error"
     description = f"Bodies of revolution at one scale: {', '.join(study.scenario.target_names)}. {subtitle}"
     height = TOP + sum(row.height for row in rows) + 2
-    root = layout.start_page(height, "The best shapes", subtitle, description)
-    gallery.draw_gallery(root, rows, px_per_m, TOP)
+    root = layout.start_page(height, "The best shapes", subtitle, description, page)
+    gallery.draw_gallery(root, rows, px_per_m, TOP, page)
     return svg.render(root)

@@ -14,6 +14,9 @@ from driftform.water import Scenario
 
 COLUMNS = 2
 LEFT, GUTTER, TOP = 52.0, 62.0, 108.0
+NARROW = 500.0
+"""Width of a page with one column, px."""
+
 STATIONS = 240
 
 SIDE = (0, 2)
@@ -32,19 +35,26 @@ class FlightSpread:
     note: str = ""
 
 
-def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, subtitle: str) -> str:
+def spread_svg(
+    repeats: Sequence[FlightSpread],
+    scenario: Scenario,
+    title: str,
+    subtitle: str,
+    page: style.Page = style.SCREEN,
+) -> str:
     """Return a panel for each target: every flight faint, their mean solid, one standard deviation as a band.
 
     Mean and deviation are those of the height at equal x, over the range of x that all flights cover.
     """
-    width = (layout.WIDTH - LEFT - layout.MARGIN - (COLUMNS - 1) * GUTTER) / COLUMNS
+    columns = COLUMNS if page.width > NARROW else 1
+    width = (page.width - LEFT - layout.MARGIN - (columns - 1) * GUTTER) / columns
     shown = np.vstack([plot.pipe_points(scenario.pipe, SIDE), scenario.target_array()])
     tallest = plot.Window.around(SIDE, shown, LEFT, 0, width, 260, 6).box.bottom
-    rows = ceil(len(repeats) / COLUMNS)
+    rows = ceil(len(repeats) / columns)
     height = TOP + rows * (tallest + 74)
-    root = layout.start_page(height, title, subtitle, f"{subtitle} A panel for each target.")
+    root = layout.start_page(height, title, subtitle, f"{subtitle} A panel for each target.", page)
     for number, repeated in enumerate(repeats):
-        row, column = divmod(number, COLUMNS)
+        row, column = divmod(number, columns)
         left, top = LEFT + column * (width + GUTTER), TOP + row * (tallest + 74)
         window = plot.Window.around(SIDE, shown, left, top, width, 260, 6)
         _draw_panel(root, window, repeated, scenario, style.SERIES[number % len(style.SERIES)])

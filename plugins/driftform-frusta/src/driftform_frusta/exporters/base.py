@@ -55,7 +55,10 @@ class PartExporter(Exporter[PartOptions]):
         if kit:
             for number, drawn in enumerate(find_maker().draw_sheet(job, self.options, self.name), 1):
                 sheet = path.with_name(f"{path.stem}-assembly-{number}.svg")
-                for target, page in ((sheet, drawn), (sheet.with_suffix(".pdf"), _make_pdf(drawn))):
+                for target, page in (
+                    (sheet, drawn),
+                    (sheet.with_suffix(".pdf"), picture_files.make_pdf(drawn)),
+                ):
                     if page is not None:
                         save(target, page)
                         written.append(WrittenFile(self.name, str(target)))
@@ -122,12 +125,3 @@ def list_facts(parts: "Sequence[Part]", body: Body) -> dict[str, Any]:
     if len(parts) == 1:
         return {**facts, "size_mm": np.ptp(parts[0].solid.bounds, axis=0).tolist(), **shells}
     return {"parts": [part.name for part in parts], **facts, **shells}
-
-
-def _make_pdf(svg: str) -> bytes | None:
-    """Return a picture as a page of PDF in its size, or ``None`` if the extra ``pdf`` or the Cairo library is not installed."""
-    try:
-        from cairosvg import svg2pdf
-    except (ImportError, OSError):
-        return None
-    return bytes(svg2pdf(bytestring=svg.encode(), dpi=picture_files.DPI))
