@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from driftform.design import opening
 from driftform.design.design import Design
@@ -32,22 +32,20 @@ from driftform.search.jobs import Executor
 from driftform.search.local import LocalProcesses
 from driftform.search.picking import pick_agent, write_pick
 from driftform.search.results import map_run
-from driftform.study import Study, load_study
+from driftform.study import Study, study
+from driftform.study.sources import say_in_python
 from driftform.types import Trajectory
 from driftform.util.notebook import show_picture, show_table
 from driftform.util.progress import count_progress
 from driftform.water.disturbances import Specimen
 
-__all__ = [
-    "Design",
-    "Flight",
-    "NoTargetError",
-    "Run",
-    "evolve",
-    "load_study",
-    "open_agent",
-    "open_run",
-]
+__all__ = ["Design", "Flight", "NoTargetError", "Run", "evolve", "load_study", "open_agent", "open_run"]
+
+
+if TYPE_CHECKING:
+    from driftform.study import load_study
+else:
+    load_study = say_in_python(study.load_study)
 
 
 class NoTargetError(InputError, KeyError):
@@ -112,7 +110,7 @@ class Run(StoredRun, Mapping[str, Design]):
             return map_run(self.study, store)
 
     def read_flight(self, evaluation: int) -> Trajectory | None:
-        """Return the flight of an evaluation as it was stored; ``None`` if it failed, or there is none."""
+        """Return the flight of an evaluation as it was stored; ``None`` if it failed or is not stored."""
         with self.read() as store:
             found = list(store.read_records(self.study.scenario.target_names, evaluation, 1))
         return found[0].evaluation.trajectory if found else None
@@ -157,11 +155,7 @@ class Run(StoredRun, Mapping[str, Design]):
         return found
 
     def export_data(
-        self,
-        folder: str | os.PathLike[str] | None = None,
-        *,
-        format: str = "csv",
-        trajectories: bool = False,
+        self, folder: str | os.PathLike[str] | None = None, *, format: str = "csv", trajectories: bool = False
     ) -> dict[str, int]:
         """Write the run as tables, as ``driftform export-data`` does, and return the number of rows of each.
 
@@ -272,6 +266,7 @@ def open_run(directory: str | os.PathLike[str]) -> Run:
     return Run.open(Path(directory))
 
 
+@say_in_python
 def open_agent(
     text: str | os.PathLike[str],
     *settings: str,

@@ -5,13 +5,7 @@ import traceback
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = [
-    "DriftformError",
-    "InputError",
-    "WorkFailedError",
-    "describe_error",
-    "did_you_mean",
-]
+__all__ = ["DriftformError", "InputError", "WorkFailedError", "describe_error", "did_you_mean"]
 
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
@@ -25,8 +19,15 @@ class DriftformError(Exception):
     exit_code = 1
     """Exit code of the program."""
 
+    in_options: tuple[object, ...] = ()
+    """The same faults in the words of the command line, if they differ."""
+
     def __str__(self) -> str:
         return "\n".join(str(line) for line in self.args)
+
+    def _render_traceback_(self) -> list[str]:
+        """Return what a notebook shows in place of a traceback (a hook of IPython)."""
+        return [f"{type(self).__name__}: {escape_controls(str(line))}" for line in self.args]
 
 
 class InputError(DriftformError):

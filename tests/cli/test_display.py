@@ -21,10 +21,10 @@ from driftform.cli.display import (
     PLAIN_BARS,
     View,
     draw_sparkline,
-    format_duration,
     progress_line,
 )
 from driftform.runs.status import RunStatus, Throughput
+from driftform.util.progress import format_duration
 
 
 @pytest.mark.parametrize(

@@ -148,13 +148,20 @@ def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(
 
 @needs_proc
 @both
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_whole(
-    going: subprocess.Popen[str], run: Program, rows: Rows, undisturbed: list[tuple[Any, ...]], tmp_path: Path
+    going: subprocess.Popen[str],
+    run: Program,
+    rows: Rows,
+    undisturbed: list[tuple[Any, ...]],
+    tmp_path: Path,
+    number: int,
+    code: int,
 ) -> None:
     started = children(going.pid)
-    going.send_signal(signal.SIGINT)
+    going.send_signal(number)
     out, err = going.communicate(timeout=20)
-    assert going.returncode == 130
+    assert going.returncode == code
     assert out == ""
     assert "Traceback" not in err
     last = err.splitlines()[-1]

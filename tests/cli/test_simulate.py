@@ -32,6 +32,32 @@ def test_simulate_has_the_fields_of_the_contract_and_writes_the_flight(call: Cal
     assert Path("flight", "flight.svg").is_file()
 
 
+def test_a_figure_for_a_paper_has_the_width_that_is_asked_for(call: Call) -> None:
+    paper = ("--style", "paper", "--width-mm", "85", "--set", "flight.horizon=0.5")
+    result = call("simulate", FIGURE_2, "--out", "flight", *paper)
+    assert result.exit_code == 0, result.stderr
+    assert 'width="85mm"' in Path("flight", "flight.svg").read_text()
+    assert Path("flight", "flight.pdf").is_file() == (f"{Path('flight', 'flight.pdf')}" in result.stdout)
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (("--style", "papr"), "--style papr: no such style; did you mean 'paper'?"),
+        (
+            ("--width-mm", "85"),
+            "--width-mm 85: pictures for the screen have no width in mm; add --style paper",
+        ),
+    ],
+)
+def test_a_style_that_cannot_be_is_refused_before_the_flight(
+    call: Call, options: tuple[str, ...], line: str
+) -> None:
+    result = call("simulate", FIGURE_2, *options)
+    assert (result.exit_code, result.stderr) == (2, f"error: {line}\n")
+    assert not Path("flights").exists()
+
+
 def test_simulate_without_targets_flies_all_the_same(call: Call) -> None:
     settings = ("--set", "targets={}", "--set", "flight.horizon=0.5")
     result = call("simulate", FIGURE_2, "--json", *settings)

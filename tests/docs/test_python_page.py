@@ -81,6 +81,8 @@ def test_a_flight_becomes_samples_and_a_picture(printed: tuple[Path, dict[str, s
     assert (folder / "flights" / "tp3.csv").read_text(encoding="utf-8").count("\n") > 50
     assert (folder / "flights" / "tp3.png").read_bytes().startswith(b"\x89PNG")
     assert "9 of 10 disturbed flights miss by less than" in out["flights.py"]
+    assert 'width="85mm"' in (folder / "flights" / "figure.svg").read_text(encoding="utf-8")
+    assert out["more.py"].startswith("Body(") and out["more.py"].endswith(" %\n")
 
 
 @pytest.mark.peers
@@ -123,6 +125,32 @@ def test_the_notebook_runs_and_shows_pictures(tmp_path: Path) -> None:
     assert sum("image/svg+xml" in data for data in shown) == 2
     assert " ".join(shown[-1]["text/plain"].split()).startswith("['tp3.3mf', 'tp3-assembly-1.svg'")
     assert [output for output in outputs if output.output_type == "error"] == []
+
+
+@pytest.mark.peers
+def test_a_notebook_shows_one_bar_and_one_line_of_an_error(tmp_path: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        import nbformat
+        from nbclient import NotebookClient
+
+    cells = [
+        "from driftform.util.progress import count_progress\n"
+        "with count_progress('flights') as show:\n    for done in range(1, 101): show(done, 100)",
+        "import driftform as df\ndf.load_study('tank', ['flow.sped=1'])",
+    ]
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+    client = NotebookClient(
+        notebook, timeout=300, allow_errors=True, resources={"metadata": {"path": str(tmp_path)}}
+    )
+    client.execute()
+    [bar], [error] = (cell.outputs for cell in notebook.cells)
+    assert bar.output_type == "display_data", "one display, which changes; nothing on stderr"
+    assert bar.data["text/plain"].startswith("100/100 flights, ")
+    assert '<progress value="100" max="100">' in bar.data["text/html"]
+    assert error.traceback == [
+        "InputError: settings: 'flow.sped=1': unknown key 'sped' in [flow]; did you mean 'speed'?"
+    ]
 
 
 def test_every_function_of_the_package_is_on_the_page(pages: dict[str, str]) -> None:

@@ -28,6 +28,7 @@ from driftform.cli import (
 )
 from driftform.cli.help import Command, Group, UsageError
 from driftform.errors import DriftformError, escape_controls
+from driftform.util.progress import show_progress
 
 
 class Commands(Group):
@@ -70,7 +71,7 @@ def _one_line_for_each_error() -> Iterator[None]:
     try:
         yield
     except DriftformError as error:
-        _print_errors(*error.args)
+        _print_errors(*(error.in_options or error.args))
         raise typer.Exit(error.exit_code) from None
     except UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":
@@ -111,7 +112,6 @@ def _print_errors(*lines: object) -> None:
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     # Rich takes as long to import as everything else, and to it [robustness] in a help text is markup.
     rich_markup_mode=None,
@@ -128,12 +128,32 @@ def _print_version(wanted: bool) -> None:
 
 @app.callback()
 def _options(
+    ctx: typer.Context,
     version: Annotated[
         bool,
         typer.Option("--version", help="Print the version and end.", is_eager=True, callback=_print_version),
     ] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="Show no progress: results, warnings and errors alone.")
+    ] = False,
+    verbose: Annotated[
+        int,
+        typer.Option(
+            "--verbose", "-v", count=True, show_default=False, help="Log what is done; -vv in detail."
+        ),
+    ] = 0,
 ) -> None:
-    pass
+    if quiet:
+        ctx.with_resource(show_progress(lambda what, done, total: None))
+    if verbose:
+        import logging
+
+        # A library has no handlers of its own. The stderr is that of the moment: a live display takes its place.
+        logger, handler = logging.getLogger("driftform"), logging.StreamHandler()
+        handler.emit = lambda log: print(f"{log.levelname.lower()}: {log.getMessage()}", file=sys.stderr)  # type: ignore
+        logger.setLevel(logging.DEBUG if verbose > 1 else logging.INFO)
+        logger.addHandler(handler)
+        ctx.call_on_close(lambda: logger.removeHandler(handler))
 
 
 command = partial(app.command, cls=Command)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from driftform.errors import escape_controls
 from driftform.runs.status import RunStatus, TargetStatus, Throughput
+from driftform.util.progress import format_duration
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, OverflowMethod, RenderableType, RenderResult
@@ -33,21 +34,6 @@ _IN_A_LINE = 20
 
 _ROOM_FOR_CURVES = 72
 """Columns of a terminal below which there are numbers alone."""
-
-
-def format_duration(seconds: float) -> str:
-    """A time in the two units that matter.
-
-    >>> format_duration(7.4), format_duration(200), format_duration(7500), format_duration(266400)
-    ('7 s', '3 min 20 s', '2 h 05 min', '3 d 2 h')
-    """
-    whole = round(seconds)
-    minutes, hours, days = whole // 60, whole // 3600, whole // 86400
-    if not minutes:
-        return f"{whole} s"
-    if not hours:
-        return f"{minutes} min {whole % 60:02d} s"
-    return f"{hours} h {minutes % 60:02d} min" if not days else f"{days} d {hours % 24} h"
 
 
 def draw_sparkline(errors: Sequence[float | None], lowest: float, highest: float, bars: str = BARS) -> str:

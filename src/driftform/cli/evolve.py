@@ -14,18 +14,18 @@ from driftform.cli.options import (
     Scheduler,
     Settings,
     Simulator,
+    StrategyName,
+    StudyName,
     Workers,
 )
 
 
 def evolve(
-    study: Annotated[
-        str, typer.Argument(metavar="STUDY", help="A study file, or the name of a built-in scenario.")
-    ] = "pipe-inspection",
+    study: StudyName = "pipe-inspection",
     target: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="Keep only this target; repeatable.")
     ] = None,
-    strategy: Annotated[str | None, typer.Option(metavar="NAME", help="Search strategy to use.")] = None,
+    strategy: StrategyName = None,
     evaluations: Annotated[
         int | None,
         typer.Option(metavar="N", min=1, help="Total budget of flights; by default 50 for each target."),

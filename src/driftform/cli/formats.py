@@ -1,6 +1,7 @@
-"""``--format``, ``--bed`` and ``--option``: names of plugins, a printer's bed as slicers give it, options of exporters."""
+"""``--format``, ``--bed``, ``--style`` and ``--option``: names of plugins, a printer's bed as slicers give it, options of exporters."""
 
 import json
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 from pathlib import Path
@@ -8,7 +9,11 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from driftform.design.design import Design
+    from driftform.figures.style import Page
     from driftform.water.pipe import Vector
+
+STYLES, DEFAULT_WIDTH_MM = ("screen", "paper"), 180.0
+"""What ``--style`` takes, and how wide a figure of a paper is if ``--width-mm`` is not given: two columns."""
 
 MM_PER_M = 1000.0
 """Files for printers are in millimetres."""
@@ -17,8 +22,7 @@ MM_PER_M = 1000.0
 def parse_formats(text: str, seam: str, example: str) -> list[str]:
     """Read ``NAME[,NAME...]`` of ``--format``, each an installed plugin of a seam.
 
-    Raises:
-        InputError: if one of them is missing, or none is named.
+    Raises InputError if one of them is missing, or none is named.
     """
     from driftform.errors import InputError
     from driftform.plugins.registry import registry
@@ -35,11 +39,7 @@ def parse_formats(text: str, seam: str, example: str) -> list[str]:
 
 
 def parse_bed(text: str) -> "Vector":
-    """Read ``X,Y,Z`` in mm as width, depth and height in m.
-
-    Raises:
-        InputError: if the text is something else.
-    """
+    """Read ``X,Y,Z`` in mm as width, depth and height in m. Raises InputError if the text is something else."""
     from driftform.errors import InputError
 
     try:
@@ -49,6 +49,29 @@ def parse_bed(text: str) -> "Vector":
     if not all(0 < side < 1e5 for side in (x, y, z)):
         raise InputError(f"--bed {text}: should be three lengths in mm above 0, such as 250,210,210")
     return x / MM_PER_M, y / MM_PER_M, z / MM_PER_M
+
+
+def parse_page(style: str, width_mm: float | None) -> "Page":
+    """Return the page of ``--style`` and ``--width-mm``. Raises InputError if these do not fit each other."""
+    from driftform.errors import InputError, did_you_mean
+    from driftform.figures.style import SCREEN, Page
+
+    if style not in STYLES:
+        raise InputError(f"--style {style}: no such style{did_you_mean(style, STYLES)}")
+    if style != "paper":
+        if width_mm is not None:
+            raise InputError(
+                f"--width-mm {width_mm:g}: pictures for the screen have no width in mm; add --style paper"
+            )
+        return SCREEN
+    try:
+        import cairosvg  # noqa: F401
+    except (ImportError, OSError):
+        print(
+            "warning: figures are written as SVG alone; for PDF: pip install 'driftform[pdf]'",
+            file=sys.stderr,
+        )
+    return Page.find(DEFAULT_WIDTH_MM if width_mm is None else width_mm)
 
 
 def open_exported(
@@ -63,8 +86,7 @@ def open_exported(
 ) -> "Design":
     """Open an agent, with the options of its exporters that ``--kit``, ``--bed`` and ``--option`` give.
 
-    Raises:
-        InputError: if an option is not one of these exporters; the line names it as the user gave it.
+    Raises InputError if an option is not one of these exporters; the line names it as the user gave it.
     """
     from driftform.design.opening import open_agent
     from driftform.errors import InputError

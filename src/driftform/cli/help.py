@@ -27,6 +27,10 @@ class Group(TyperGroup):
         with formatter.section("Commands"):
             formatter.write_dl(rows)
 
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of all commands, for the completion of a shell."""
+        return [*super().list_commands(ctx), *self.list_added()]
+
     def list_added(self) -> Mapping[str, Any]:
         """Return commands by name that are added to the group when they are asked for."""
         return {}

@@ -1,9 +1,17 @@
 """Options that several commands share."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import typer
+
+from driftform.cli.complete import complete_plugin, complete_run, complete_setting, complete_study
+
+
+def _name(metavar: str, help: str, complete: Callable[[str], list[str]]) -> Any:
+    return typer.Option(metavar=metavar, help=help, autocompletion=complete)
+
 
 AGENT_HELP = (
     "An agent.json, RUN:TARGET (the best of a run for a target), or a word such as "
@@ -12,22 +20,41 @@ AGENT_HELP = (
 """How an agent is named in a command."""
 
 Agent: TypeAlias = Annotated[str, typer.Argument(metavar="AGENT", help=AGENT_HELP)]
-RunArgument: TypeAlias = Annotated[Path, typer.Argument(metavar="RUN", help="A run directory.")]
+RunArgument: TypeAlias = Annotated[
+    Path, typer.Argument(metavar="RUN", help="A run directory.", autocompletion=complete_run)
+]
 Json: TypeAlias = Annotated[
     bool, typer.Option("--json", help="Print one JSON document, and nothing else, on stdout.")
 ]
 Settings: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="KEY=VALUE", help="Set any key of the study, such as flow.speed=0.8; repeatable."
+        "--set",
+        metavar="KEY=VALUE",
+        help="Set any key of the study, such as flow.speed=0.8; repeatable.",
+        autocompletion=complete_setting,
     ),
 ]
 ScenarioOption: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="NAME|FILE", help="Scenario to fly in, in place of the agent's own.")
+    str | None,
+    _name("NAME|FILE", help="Scenario to fly in, in place of the agent's own.", complete=complete_study),
 ]
-Simulator: TypeAlias = Annotated[str | None, typer.Option(metavar="NAME", help="Simulator to use.")]
+Simulator: TypeAlias = Annotated[
+    str | None, _name("NAME", help="Simulator to use.", complete=complete_plugin("simulator"))
+]
 Hydrodynamics: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="NAME", help="Hydrodynamic model to use.")
+    str | None, _name("NAME", help="Hydrodynamic model to use.", complete=complete_plugin("hydrodynamics"))
+]
+StrategyName: TypeAlias = Annotated[
+    str | None, _name("NAME", help="Search strategy to use.", complete=complete_plugin("strategy"))
+]
+StudyName: TypeAlias = Annotated[
+    str,
+    typer.Argument(
+        metavar="STUDY",
+        help="A study file, or the name of a built-in scenario.",
+        autocompletion=complete_study,
+    ),
 ]
 Bed: TypeAlias = Annotated[
     str | None,
@@ -63,7 +90,7 @@ StillAt: TypeAlias = Annotated[
     ),
 ]
 Renderer: TypeAlias = Annotated[
-    str, typer.Option(metavar="NAME", help="Renderer to make the film or the still.")
+    str, _name("NAME", help="Renderer to make the film or the still.", complete=complete_plugin("renderer"))
 ]
 Robust: TypeAlias = Annotated[
     int | None,
@@ -73,6 +100,17 @@ Robust: TypeAlias = Annotated[
         max=10_000,
         help="Number of flights under disturbed conditions; [robustness] in the scenario says what varies.",
     ),
+]
+Style: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        metavar="screen|paper",
+        help="Look of pictures: with titles, or as figures of a paper, as SVG and PDF, text of 8 pt.",
+    ),
+]
+WidthMm: TypeAlias = Annotated[
+    float | None,
+    typer.Option(metavar="MM", min=60, max=300, help="Width of figures of --style paper; by default 180 mm."),
 ]
 MAX_WORKERS = 1024
 """Most worker processes that one machine starts."""

@@ -27,8 +27,7 @@ app = make_group("List the installed plugins, show their options, and create a n
 
 @app.command("show", cls=Command)
 def show(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin.")],
-    json: Json = False,
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin.")], json: Json = False
 ) -> None:
     """Show what a plugin does, and its options with type, bounds, default and unit."""
     import inspect

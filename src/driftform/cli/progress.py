@@ -4,12 +4,12 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 
-from driftform.cli.display import View, format_duration, format_failures, format_throughput, progress_line
+from driftform.cli.display import View, format_failures, format_throughput, progress_line
 from driftform.runs.run import Run
 from driftform.runs.status import RunStatus, Throughput
 from driftform.runs.store import Record
 from driftform.search.advance import Observer
-from driftform.util.progress import REFRESH, count_progress
+from driftform.util.progress import REFRESH, count_progress, format_duration, is_shown, print_regularly
 
 
 class Progress(Observer):
@@ -21,7 +21,8 @@ class Progress(Observer):
         self._throughput = Throughput(0)
         self._stored = 0
         self._printed = 0
-        self._live = sys.stdout.isatty() and sys.stderr.isatty()
+        self._print_now: Callable[[], None] | None = None
+        self._live = sys.stdout.isatty() and sys.stderr.isatty() and not is_shown()
         self._flies_finalists = run.study.scenario.robustness.conditions > 0
         self._footer = f"{run.path}: Ctrl-C stops, 'driftform resume' continues"
 
@@ -29,8 +30,12 @@ class Progress(Observer):
     def open_search(self, stored: int) -> Iterator[None]:
         """Show the search; ``stored`` evaluations were there before, and do not count for the speed."""
         self._stored, self._throughput = stored, Throughput(stored)
-        if not self._live:
+        if is_shown():
             yield
+            return
+        if not self._live:
+            with print_regularly(self._line) as self._print_now:
+                yield
             return
         from rich.console import Console
         from rich.live import Live
@@ -65,11 +70,15 @@ class Progress(Observer):
 
     def generation(self, evaluations: int) -> None:
         """Print a line off a terminal if there are new evaluations; not for each generation that was stored before."""
-        if self._live or self._printed == self._status.done:
+        if self._print_now is None or self._printed == self._status.done:
             return
         if evaluations > self._stored or evaluations == self._status.budget:
             self._printed = self._status.done
-            print(progress_line(self._status, self._throughput), file=sys.stderr, flush=True)
+            self._print_now()
+
+    def _line(self) -> str:
+        elapsed = format_duration(self._throughput.elapsed)
+        return f"{elapsed}: {self._state() or progress_line(self._status, self._throughput)}"
 
     def _state(self) -> str:
         if self._status.done > self._stored:

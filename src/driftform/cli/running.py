@@ -22,12 +22,12 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
     try:
         # The run is there already: an interruption of these imports names the line that resumes it, too.
         from driftform.cli.progress import Progress
-        from driftform.search.advance import advance_run as search
+        from driftform.search.advance import finish_run
         from driftform.search.jobs import WorkersLostError
 
         progress = Progress(run)
         with stop_at_signals():
-            results = search(run, executor, progress)
+            results = finish_run(run, executor, progress)
     except KeyboardInterrupt as stop:
         typer.echo(_describe_stop(run), err=True)
         raise typer.Exit(stop.args[0] if stop.args else 130) from None

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from driftform.cli.help import Command, make_group
-from driftform.cli.options import Json, Settings
+from driftform.cli.options import Json, Settings, StudyName
 from driftform.errors import InputError
 
 
@@ -58,9 +58,7 @@ def show(
 
 @app.command("check", cls=Command)
 def check(
-    file: Annotated[
-        str, typer.Argument(metavar="FILE", help="Study file, or the name of a built-in scenario.")
-    ],
+    file: StudyName,
     picture: Annotated[
         Path | None,
         typer.Option(

@@ -18,6 +18,8 @@ from driftform.cli.options import (
     Simulator,
     Still,
     StillAt,
+    Style,
+    WidthMm,
 )
 
 BAR = 20
@@ -45,6 +47,8 @@ def simulate(
     seed: Annotated[
         int, typer.Option(metavar="N", min=0, help="Seed of the disturbed conditions of --robust.")
     ] = 0,
+    style: Style = "screen",
+    width_mm: WidthMm = None,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
@@ -53,20 +57,18 @@ def simulate(
     With --robust it is flown many more times under disturbed conditions, which shows how far it misses, and what the
     miss depends on.
     """
+    from driftform.cli.formats import parse_page
     from driftform.cli.output import print_json
     from driftform.design.design import check_moment
     from driftform.design.opening import open_agent
     from driftform.errors import InputError
-    from driftform.figures.flight import flight_svg
     from driftform.runs.table_files import write_trajectory
-    from driftform.util.files import check_directory, make_directory, write_text
+    from driftform.util.files import check_directory, make_directory
     from driftform.util.progress import count_progress
 
+    page = parse_page(style, width_mm)
     design = open_agent(
-        agent,
-        scenario,
-        settings or (),
-        {"simulator": simulator, "hydrodynamics": hydrodynamics},
+        agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
     )
     if still is None and still_at is not None:
         raise InputError("--still-at is the moment of a still: give --still FILE too")
@@ -80,7 +82,7 @@ def simulate(
     make_directory(folder)
     csv, svg = folder / "trajectory.csv", folder / "flight.svg"
     write_trajectory(csv, flight.trajectory)
-    write_text(svg, flight_svg(flight.trajectory, flight.scenario, design.name, design.agent.body))
+    pdf = next(iter(flight.draw(svg, page.width_mm)[1:]), None)
     if still is not None:
         design.still(still, at=still_at, renderer=renderer, flight=flight)
     if film is not None:
@@ -125,6 +127,7 @@ def simulate(
     for what, made in (
         ("trajectory:", csv),
         ("picture:   ", svg),
+        ("           ", pdf),
         ("film:      ", film),
         ("still:     ", still),
     ):

@@ -28,14 +28,8 @@ from driftform.plugins.registry import registry
 from driftform.plugins.seams import require_facts, require_file, require_files
 from driftform.runs.agent_file import StoredAgent
 from driftform.study import Document, Study, load_study
-from driftform.types import (
-    Agent,
-    Coefficients,
-    FloatArray,
-    MassProperties,
-    Trajectory,
-    WrittenFile,
-)
+from driftform.study.sources import say_in_python
+from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory, WrittenFile
 from driftform.util.files import is_directory, make_directory, safe_stem
 from driftform.util.notebook import show_picture
 from driftform.water import Scenario
@@ -179,6 +173,7 @@ class Design:
         """Return the added mass, (6, 6), about the centre of buoyancy by each hydrodynamics model installed."""
         return compare_added_mass(self.pipeline, self.agent, self.name)
 
+    @say_in_python
     def under(
         self, *settings: str, scenario: str | None = None, use: Mapping[str, str | None] | None = None
     ) -> "Design":
@@ -210,18 +205,13 @@ class Design:
     def trace(self) -> Trajectory:
         """Return the agent's trajectory through its scenario; it may have ended by a failure.
 
-        Raises:
-            WorkFailedError: if the simulator cannot fly it.
+        Raises WorkFailedError if the simulator cannot fly it.
         """
         [trajectory] = self.pipeline.fly_named([self.agent], self.name)
         return trajectory
 
     def simulate(self) -> Flight:
-        """Fly it through its scenario.
-
-        Raises:
-            WorkFailedError: if the flight fails.
-        """
+        """Fly it through its scenario. Raises WorkFailedError if the flight fails."""
         [found] = self.pipeline.simulate([self.agent], self.name)
         fitness = dict(zip(self.scenario.target_names, found.fitness.tolist(), strict=True))
         return Flight(self.name, found.trajectory, self.scenario, self.agent, fitness)
@@ -297,11 +287,7 @@ class Design:
         return self.study.make_exporter(format).describe_water(self.export_job())
 
     def record(
-        self,
-        format: str = "csv",
-        path: str | os.PathLike[str] | None = None,
-        *,
-        rate_hz: float = 100.0,
+        self, format: str = "csv", path: str | os.PathLike[str] | None = None, *, rate_hz: float = 100.0
     ) -> list[Path]:
         """Fly it, write the samples for other programs, such as Foxglove or pandas, and return the paths.
 

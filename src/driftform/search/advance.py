@@ -1,5 +1,6 @@
 """Advance a run: search to the end of its budget, fly the finalists, write the best agents; and what is best so far."""
 
+import logging
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
@@ -16,6 +17,8 @@ from driftform.search.outlook import Outlook
 from driftform.search.results import Best, write_results
 from driftform.util.files import is_file
 from driftform.water.flow import GridFlow
+
+_log = logging.getLogger(__name__)
 
 
 class Observer:
@@ -56,14 +59,20 @@ def advance_run(run: Run, executor: Executor, observer: Observer | None = None) 
         InputError: if the stored evaluations are not those that the study asks for.
         WorkFailedError: if every evaluation failed.
     """
-    observer = observer or Observer()
-    if (ended := find_ended(run)) is not None:
-        return ended
+    ended = find_ended(run)
+    return finish_run(run, executor, observer or Observer()) if ended is None else ended
+
+
+def finish_run(run: Run, executor: Executor, observer: Observer) -> list[Best]:
+    """Advance a run as :func:`advance_run` does, without looking whether it has ended."""
+    _log.info("%s: search, %d evaluations in all", run.path, run.study.evaluations)
     with run.write() as store:
         _search(run, store, executor, observer)
+        _log.info("%s: fly the best agents under disturbed conditions", run.path)
         with observer.open_finalists() as progress:
             fly_finalists(run.study, store, executor, progress)
         store.check_place()
+        _log.info("%s: write best agents and pictures", run.path)
         try:
             found = write_results(Run(run.path, run.study), executor)
         except DriftformError:

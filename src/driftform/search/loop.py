@@ -1,5 +1,6 @@
 """The ask/tell loop over a stored run, and what a run leaves behind."""
 
+import logging
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack
@@ -19,6 +20,8 @@ from driftform.study import Study
 from driftform.types import Candidate, Evaluation
 from driftform.util.files import keep_directory
 from driftform.water.scenario import Robustness, evaluation_seed
+
+_log = logging.getLogger(__name__)
 
 AHEAD = 1
 """Batches that a strategy may be asked for while the outcomes of another are missing, so that no worker waits for it."""
@@ -117,6 +120,7 @@ def run_search(
             best.add(batch.ordered)
             batches.popleft()
             told += len(batch.candidates)
+            _log.debug("%d of %d evaluations", told, study.evaluations)
             on_generation(told)
 
 

@@ -5,6 +5,7 @@ never waits for the rest of that result.
 """
 
 import atexit
+import logging
 import multiprocessing
 import os
 import signal
@@ -28,6 +29,8 @@ from driftform.search.pool import Cause, Death, WorkerDiedError
 from driftform.study import Document, load_study
 from driftform.util.files import keep_directory
 from driftform.util.preparation import observe_preparation
+
+_log = logging.getLogger(__name__)
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -72,6 +75,7 @@ class Worker:
         finally:
             # Otherwise the pipe would not end with the worker.
             theirs.close()
+        _log.info("worker process %s started", self._process.pid)
         self._send(dict(document))
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()

@@ -3,12 +3,14 @@
 Each source is a layer that overrides those before it. An error names the source that set the key.
 """
 
+import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import wraps
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import SEAMS
@@ -17,6 +19,9 @@ from driftform.study.toml_positions import Path as KeyPath
 from driftform.study.toml_positions import check_keys, describe_fault, find_key_lines, find_line
 from driftform.util.files import is_directory, is_file, read_text
 from driftform.water.flow import FLOWS
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 REPLACED = ("targets",)
 """Tables of a study file that replace those of its base instead of extending them; ``--set targets.name=...`` extends."""
@@ -171,6 +176,29 @@ def parse_setting(text: str) -> Source:
         parsed = {name: parsed}
     replaces = REPLACED if len(names) == 1 else ()
     return Source(f"--set {text}", parsed, is_option=True, replaces=replaces)
+
+
+def say_in_python(function: Callable[P, T]) -> Callable[P, T]:
+    """Return the function, with errors that name its arguments instead of the options of commands."""
+
+    @wraps(function)
+    def call(*args: P.args, **given: P.kwargs) -> T:
+        try:
+            return function(*args, **given)
+        except InputError as error:
+            if not error.in_options:
+                error.args, error.in_options = tuple(map(_name_argument, error.args)), error.args
+            raise
+
+    return call
+
+
+def _name_argument(line: object) -> str:
+    text = re.sub(r"^--set (.*?): ", r"settings: '\1': ", str(line))
+    text = re.sub(r"^--(target|calibration) (.*?): ", r"\1: '\2': ", text)
+    return re.sub(
+        r"^--(\w+): ", lambda found: f"{'use' if found[1] in SEAMS else 'run'}['{found[1]}']: ", text
+    )
 
 
 def merge_source(below: Mapping[str, Any], source: Source) -> dict[str, Any]:

@@ -6,6 +6,7 @@ whose options differ from their defaults (``[exporter.stl]``), and ``[run]``. A 
 a built-in scenario, contains only what differs from it. Built-in scenarios are study files.
 """
 
+import logging
 import reprlib
 import secrets
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -48,6 +49,8 @@ from driftform.study.toml_positions import find_key_lines
 from driftform.types import Finding, Genome, State
 from driftform.water import Scenario
 from driftform.water.flow import GridFlow
+
+_log = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
@@ -320,6 +323,7 @@ def load_study(
     else:
         label = DEFAULT if source is None else source
         layers = read_sources(label)
+    _log.debug("study %s from %s", label, ", ".join(layer.label for layer in layers))
     given = layers[-1].text
     if calibration is not None:
         layers.append(read_calibration(calibration))

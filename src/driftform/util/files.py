@@ -1,6 +1,7 @@
 """Read text in whatever encoding it is; write files and folders completely or not at all, under safe names."""
 
 import codecs
+import logging
 import os
 import re
 import secrets
@@ -11,6 +12,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from driftform.errors import InputError
+
+_log = logging.getLogger(__name__)
 
 _MAX_STEM_LENGTH = 60
 
@@ -51,8 +54,7 @@ def is_directory(path: Path) -> bool:
 def read_text(path: Path) -> str:
     """Return a text that somebody wrote with any program, its lines ended by newlines; see :func:`find_encoding`.
 
-    Raises:
-        InputError: if the file cannot be read, is no text, or is larger than :data:`MOST_BYTES`.
+    Raises InputError if the file cannot be read, is no text, or is larger than :data:`MOST_BYTES`.
     """
     try:
         with path.open("rb") as file:
@@ -136,8 +138,7 @@ def is_locked(path: Path) -> bool:
 def make_directory(path: Path, option: str = "--out") -> Path:
     """Create a directory that an option names, with its parents if they do not exist, and return its path.
 
-    Raises:
-        InputError: if it cannot be created or written to.
+    Raises InputError if it cannot be created or written to.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -152,8 +153,7 @@ def make_directory(path: Path, option: str = "--out") -> Path:
 def check_directory(path: Path, option: str = "--out") -> Path:
     """Refuse what :func:`make_directory` could not make, without making it, before work that takes time; return it.
 
-    Raises:
-        InputError: if the path, or one above it, is a file or cannot be written to.
+    Raises InputError if the path, or one above it, is a file or cannot be written to.
     """
     existing = next((p for p in (path, *path.absolute().parents) if p.exists()), path)
     if not existing.is_dir():
@@ -201,6 +201,7 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     try:
         write(part)
         part.replace(path)
+        _log.debug("wrote %s", path)
     except OSError as error:
         # A disk that is full does not say for which file.
         raise OSError(error.errno, error.strerror or str(error), str(path)) from None
