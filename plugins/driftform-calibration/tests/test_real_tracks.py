@@ -17,17 +17,17 @@ MASSES = {SETTLING: 0.0019792, BOUNCING: 0.00011027}
 """Density times volume of the spheres, kg."""
 
 
-def calibrate(track: Path) -> CalibrationResult:
+def calibrate(track: Path, *fit: str) -> CalibrationResult:
     sphere = df.open_agent("C", scenario=str(track.with_suffix(".toml")))
     assert sphere.mass.mass == pytest.approx(MASSES[track], rel=1e-3)
-    return calibrate_design(sphere, track, printed_mass=MASSES[track])
+    return calibrate_design(sphere, track, printed_mass=MASSES[track], fit=fit)
 
 
-def assert_near_1(found: CalibrationResult, but: str = "") -> None:
+def assert_near_1(found: CalibrationResult) -> None:
     for name, factor in found.factors.items():
-        assert name == but or factor.value == pytest.approx(1, abs=0.25), name
+        assert factor.value == pytest.approx(1, abs=0.25), name
     [film] = found.fit.problem.films
-    assert found.residual < 0.1 * film.track.span
+    assert found.residual < 0.15 * film.track.span
 
 
 def test_a_sphere_that_settles_has_nearly_the_drag_of_the_model() -> None:
@@ -41,15 +41,21 @@ def test_a_sphere_that_settles_has_nearly_the_drag_of_the_model() -> None:
 
 
 def test_a_sphere_that_bounces_has_nearly_the_restitution_of_steel_on_glass() -> None:
-    found = calibrate(BOUNCING)
-    assert_near_1(found, but="cross_drag")
-    assert found.factors["restitution"].known and found.factors["net_weight"].known
-    assert found.factors["net_weight"].value == pytest.approx(1, abs=0.01)
-    # Quite different pairs of drag and restitution fit nearly as well. The history force, which is left out, asks for more
-    # drag, never for less.
-    drag = found.factors["cross_drag"]
-    assert not drag.known or 1.0 < drag.value < 1.6
+    """With the model's drag. Quite different pairs of drag and restitution fit nearly as well."""
+    found = calibrate(BOUNCING, "restitution")
+    assert_near_1(found)
+    assert found.factors["restitution"].known
+    assert found.factors["restitution"].value == pytest.approx(0.87, abs=0.03)
     assert found.fit.residual < 0.5 * found.fit.before
+
+
+def test_a_bounce_of_a_tenth_of_a_second_does_not_tell_drag_from_restitution() -> None:
+    found = calibrate(BOUNCING)
+    assert_near_1(found)
+    assert found.factors["net_weight"].known
+    assert found.factors["net_weight"].value == pytest.approx(1, abs=0.01)
+    assert "cannot tell it from restitution" in found.factors["cross_drag"].reason
+    assert "depends on cross_drag" in found.factors["restitution"].reason
 
 
 def test_the_tracks_have_the_apexes_and_speeds_of_the_papers() -> None:
