@@ -1,14 +1,17 @@
 """What an hour of the studio costs: memory and descriptors of the server over 2 000 requests for 20 designs.
 
-By hand: ``pytest -m slow -s plugins/driftform-studio/tests/test_hour.py`` prints the table.
+By hand: ``pytest -m slow -s plugins/driftform-studio/tests/test_hour.py``; with ``UPDATE_DOCS=1`` the table goes into
+docs/validation.md.
 """
 
+import os
 import re
 import shutil
 from pathlib import Path
 
 import pytest
 
+PAGE = Path(__file__).parents[3] / "docs" / "validation.md"
 REQUESTS, DESIGNS = 2000, 20
 
 
@@ -49,5 +52,12 @@ def test_two_thousand_requests_leave_memory_and_descriptors_as_they_were(serve, 
     lines = ["| requests | memory, MB | descriptors | threads |", "|---|---|---|---|"]
     lines += [f"| {asked} | {memory:.0f} | {files} | {threads} |" for asked, memory, files, threads in rows]
     print("\n".join(lines))
+    if os.environ.get("UPDATE_DOCS") == "1":
+        text = PAGE.read_text(encoding="utf-8")
+        marked = re.compile(r"(<!-- generated: hour of the studio -->\n).*?(<!-- end -->)", re.DOTALL)
+        table = "\n".join(lines)
+        text, count = marked.subn(lambda found: f"{found[1]}\n{table}\n\n{found[2]}", text)
+        assert count == 1, f"{PAGE.name} has no place for the table"
+        PAGE.write_text(text, encoding="utf-8")
     (_, first, descriptors, threads), (_, last, *others) = rows[1], rows[-1]
     assert last < first + 10 and others[0] <= descriptors + 2 and others[1] <= threads + 2
