@@ -179,6 +179,22 @@ def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_w
 
 
 @needs_proc
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_batch_system_that_ends_it_reads_the_command_that_goes_on(
+    going: subprocess.Popen[str], run: Program, tmp_path: Path, number: int
+) -> None:
+    started = children(going.pid)
+    going.send_signal(number)
+    out, err = going.communicate(timeout=60)
+    assert going.returncode == 128 + number
+    assert out == "" and "Traceback" not in err
+    last = err.splitlines()[-1]
+    assert last.startswith("stopped after ") and last.endswith("resume with: driftform resume run")
+    wait_until(lambda: not any(alive(child) for child in started))
+    assert [path.name for path in (tmp_path / "run").glob("run.db*")] == ["run.db"]
+
+
+@needs_proc
 @pytest.mark.parametrize(
     ("executor", "delay"),
     [

@@ -71,6 +71,29 @@ def test_a_file_beside_the_study_comes_before_a_built_in_scenario_of_its_name(wr
     assert load_study(write(BASE)).scenario.flow.speed == 0.25
 
 
+def test_a_file_of_velocities_lies_beside_the_study_that_names_it(
+    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    across = np.linspace(-1.2, 1.2, 9)
+    rows = [f"{x},{y},{z},1,0,0" for x in np.arange(-0.3, 9.6, 0.3) for y in across for z in across]
+    write("\n".join(["x,y,z,u,v,w", *rows]), "sub/water.csv")
+    write(BASE + '[flow]\nkind = "grid"\nfile = "water.csv"\n', "sub/study.toml")
+    write('base = "sub/study.toml"\n', "other.toml")
+    monkeypatch.chdir(tmp_path)
+    for name in ("sub/study.toml", "other.toml"):
+        assert load_study(name).document["flow"]["file"] == "sub/water.csv"
+
+
+def test_a_wrong_pipe_is_named_also_where_targets_are_places_in_it(write: Write) -> None:
+    parts = '[[pipe.parts]]\nname = "entry"\nangle_deg = 45\nlength = 3.0\n'
+    place = '[targets]\nTP1 = {part = "entry", at = 1.0, clock = 12, off_wall = 0.05}\n'
+    name = write(f"{BASE}[pipe]\nsegments = []\nradius = 0.15\n{parts}{place}")
+    with pytest.raises(InputError) as raised:
+        load_study(name)
+    [line] = raised.value.args
+    assert line.startswith(f"{name}:7: unknown key 'angle_deg' in [[pipe.parts]] of kind 'straight'")
+
+
 def test_targets_of_a_file_replace_those_of_its_base(write: Write) -> None:
     path = write(BASE + "[targets]\nleak = [4.0, 0.0, -0.9]\n")
     study = load_study(path)

@@ -98,19 +98,17 @@ def find_ended(run: Run) -> list[Best] | None:
         ended = store.read_ended() if store.count() == run.study.evaluations else {}
     if ended.get("versions") != find_versions(run.study.document):
         return None
-    found = []
-    for target, result in ended["results"].items():
-        files = tuple(run.path / name for name in ended["files"][target])
-        pictures = [run.path / "figures" / f"{name}.svg" for name in ("overview", "reach")]
-        if not all(map(is_file, (*files, *pictures))):
-            return None
-        try:
-            written = StoredAgent.read(files[0])
-        except InputError:
-            return None
-        if written.result != result:
-            return None
-        found.append(Best(target, result, files[0], files))
+    found: list[Best] = []
+    pictures = [run.path / "figures" / f"{name}.svg" for name in ("overview", "reach")]
+    try:
+        for target, result in ended["results"].items():
+            files = tuple(run.path / name for name in ended["files"][target])
+            if not all(map(is_file, (*files, *pictures))) or StoredAgent.read(files[0]).result != result:
+                return None
+            found.append(Best(target, result, files[0], files))
+    except (InputError, AttributeError, LookupError, TypeError):
+        # An agent was changed, or somebody else wrote these facts.
+        return None
     return found
 
 

@@ -119,8 +119,12 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
     if key in above:
         raise InputError(f"{named_by}'base' leads back to {label}")
     layer = parse_text(label, text)
-    data = layer.data
-    base = data.get("base")
+    flow = layer.data.get("flow")
+    if isinstance(flow, Mapping) and isinstance(flow.get("file"), str):
+        # The file of a grid lies beside the study that names it.
+        placed = {**flow, "file": str(path.parent / flow["file"])}
+        layer = replace(layer, data={**layer.data, "flow": placed})
+    base = layer.data.get("base")
     if base is None:
         return [layer]
     if not isinstance(base, str):

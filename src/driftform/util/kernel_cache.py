@@ -107,7 +107,7 @@ def announce(seconds: int) -> None:
         often = f"at each start: {BASE} cannot be written to; set NUMBA_CACHE_DIR to a directory that can"
         marker = Path(gettempdir()) / f"driftform-{getattr(os, 'getuid', os.getpid)()}.announced"
     with suppress(OSError):
-        if time.time() - marker.stat().st_mtime < ANNOUNCED_S and marker.read_text() == session:
+        if abs(time.time() - marker.stat().st_mtime) < ANNOUNCED_S and marker.read_text() == session:
             return
     with suppress(OSError):
         marker.write_text(session)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationError, model_validator
 
 from driftform.errors import did_you_mean
 from driftform.options import Table, describe, find_table, option
@@ -268,7 +268,11 @@ class Scenario(Table):
             rows = values.get(table)
             if not isinstance(rows, Mapping) or not any(isinstance(v, Mapping) for v in rows.values()):
                 continue
-            layout = Pipe.model_validate(values.get("pipe", {})).layout
+            try:
+                layout = Pipe.model_validate(values.get("pipe", {})).layout
+            except ValidationError:
+                # The errors of the pipe are enough; places in it can be judged when it is right.
+                return {key: value for key, value in values.items() if key not in ("targets", "release")}
             for name, value in rows.items():
                 try:
                     found.setdefault(table, {})[name] = resolve_place(value, layout)

@@ -1,5 +1,6 @@
 """The searches of tuned bodies: contract, hits by secants, and what they do with bodies that cannot be tuned."""
 
+import gc
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from driftform.errors import InputError
 from driftform.interfaces import PhenotypeBuilder, SearchSpace
 from driftform.options import Table
 from driftform.search.strategies.direct import DirectStrategy
-from driftform.search.strategies.tuned import HIT, TunedOptions, TunedStrategy
+from driftform.search.strategies.tuned import HIT, Shape, TunedOptions, TunedStrategy
 from driftform.testing import BuilderContract, StrategyContract
 from driftform.testing.letters import LetterGrammar
 from driftform.testing.strategy import search_space
@@ -134,6 +135,18 @@ def test_no_body_is_tuned_twice_for_a_target() -> None:
         seen += shapes
         strategy.tell(0, [Evaluation(c.genome, np.zeros(2), failure="it broke") for c in candidates])
     assert len(seen) > 60 and len(set(seen)) == len(seen)
+
+
+def test_a_long_search_keeps_no_more_than_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("driftform.search.strategies.evolution.MAX_HASHES", 100)
+    strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
+    play(strategy, 300)
+    gc.collect()
+    kept = [thing for thing in gc.get_objects() if isinstance(thing, Shape)]
+    # Those that are tuned first, the elites of both targets, and those in two batches.
+    assert 8 <= len(kept) <= 10 + 2 * 4 + 2 * 3
+    assert 50 <= len(strategy._bodies) <= 100
+    assert max(len(shape.points) for shape in kept) <= 2 * 6
 
 
 def test_a_study_whose_bodies_cannot_float_freely_is_refused_with_the_next_step() -> None:

@@ -73,7 +73,10 @@ def read_table(path: Path, target: str | None = None) -> TrackTable:
 
     Raises InputError if it is no such file.
     """
-    rows = _split_rows(files.read_text(path))
+    try:
+        rows = _split_rows(files.read_text(path))
+    except csv.Error as error:
+        raise InputError(f"{path}: is not a table: {error}") from None
     if not rows:
         raise InputError(f"{path}: is empty")
     if rows[0][0].lower() == "scorer":

@@ -1,7 +1,7 @@
 """Evolution that changes one symbol at a time, chosen by its effect on earlier flights."""
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from typing import NamedTuple
@@ -342,9 +342,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         return body
 
     def _remember(self, *hashes: int | None) -> None:
-        self._known.update(dict.fromkeys(known for known in hashes if known is not None))
-        if len(self._known) > MAX_HASHES:
-            self._known = dict.fromkeys(islice(self._known, MAX_HASHES // 2, None))
+        remember(self._known, (known for known in hashes if known is not None))
 
 
 def _find_change(parent: Genome, child: Genome, place: int) -> Change | None:
@@ -353,6 +351,14 @@ def _find_change(parent: Genome, child: Genome, place: int) -> Change | None:
         return None
     change = Change(place, parent.symbols[place], child.symbols[place])
     return change if change.apply(parent.symbols) == child.symbols else None
+
+
+def remember(known: dict[int, None], hashes: Iterable[int]) -> None:
+    """Add hashes to those that are known, and forget the earlier half once there are more than :data:`MAX_HASHES`."""
+    known.update(dict.fromkeys(hashes))
+    if len(known) > MAX_HASHES:
+        for early in list(islice(known, MAX_HASHES // 2)):
+            del known[early]
 
 
 def position_at(trajectory: Trajectory, time: float) -> FloatArray:

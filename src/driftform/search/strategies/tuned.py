@@ -11,6 +11,7 @@ import numpy as np
 from driftform.errors import InputError
 from driftform.interfaces import SearchSpace, Strategy
 from driftform.options import Table, option
+from driftform.search.strategies.evolution import remember
 from driftform.search.tuning import find_next, root_weight, square_root_weight
 from driftform.types import Candidate, Evaluation, FloatArray, Genome
 
@@ -136,7 +137,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         self._fresh: deque[Shape] = deque()
         self._ready: deque[Job] = deque()
         self._asked: deque[list[Job]] = deque()
-        self._bodies: set[int] = set()
+        self._bodies: dict[int, None] = {}
         self._numbers = count()
         release = space.scenario.release_position()
         points = space.scenario.target_array().reshape(-1, 3)
@@ -321,7 +322,7 @@ class TunedStrategy(Strategy[TunedOptions]):
             name = hash((body.outer.tobytes(), body.cavity.tobytes()))
             if name in self._bodies:
                 return None
-            self._bodies.add(name)
+            remember(self._bodies, [name])
             bounds = builder.find_tunings(morphology)
             if bounds is None or not bounds[0] < bounds[1]:
                 return None

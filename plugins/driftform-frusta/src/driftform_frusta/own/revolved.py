@@ -51,6 +51,8 @@ def find_profile(triangles: FloatArray, limit: float) -> tuple[FloatArray, float
     frame *= np.sign(frame[2, np.abs(frame[2]).argmax()])
     placed = (np.asarray(outer.triangles) - outer.center_mass) @ frame.T
     contour = simplify_contour(_trace_contour(placed))
+    if not contour[:, 1].max() > 0:
+        raise ValueError("has no volume")
     deviation = _measure_deviation(placed, contour) / (2 * float(contour[:, 1].max()))
     if deviation > limit:
         raise ValueError(

@@ -1,0 +1,502 @@
+"""Every reader of files from anybody, given changed files of our own making: an answer, or an error of one line.
+
+``SECONDS=20 uv run pytest -m slow tests/endurance/test_readers.py`` shortens it. Each file is read in a process that is
+forked for it, so that time, memory and crashes are seen. What :func:`driftform.util.foreign.call_apart` would call in a
+process with limits is called directly: its crashes and its limits are an error of one line there (tests/util/test_foreign.py),
+and only what follows is judged here.
+"""
+
+import io
+import os
+import resource
+import signal
+import sqlite3
+import struct
+import sys
+import time
+import traceback
+import zipfile
+from collections import Counter
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+from warnings import catch_warnings
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, seed, settings
+from hypothesis import strategies as st
+
+from driftform import open_agent, open_run
+from driftform.errors import DriftformError
+from driftform.runs.agent_file import StoredAgent
+from driftform.study import load_study
+from driftform.util import foreign
+from driftform.water.grid_files import read_grid
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.peers,
+    pytest.mark.skipif(sys.platform != "linux", reason="forks, and reads what a child used"),
+]
+
+MOST_S, MOST_MB = 10.0, 500.0
+
+TOKENS = [
+    *(
+        b"",
+        b"\0",
+        b"\xff",
+        b"\n",
+        b"\r",
+        b'"',
+        b"'",
+        b",",
+        b";",
+        b"\t",
+        b"#",
+        b"[",
+        b"]",
+        b"{",
+        b"}",
+        b"<",
+        b">",
+    ),
+    *(b"nan", b"inf", b"-1", b"0", b"1e999", b"-1e-999", b"9" * 30, b"9" * 5000, b"1" * 200_000, b"[" * 5000),
+    *(
+        b"\xef\xbb\xbf",
+        b"\xff\xfe",
+        b"true",
+        b"null",
+        b"\\u0000",
+        b"\xf0\x9f\x90\x9f",
+        b"../../x",
+        b"\x7f\xff\xff\xff",
+    ),
+]
+"""What is put into a file."""
+
+Change = tuple[str, float, float, bytes]
+
+changes = st.lists(
+    st.tuples(
+        st.sampled_from(["put", "replace", "cut", "repeat", "flip", "end", "line"]),
+        st.floats(0, 1, exclude_max=True),
+        st.floats(0, 1),
+        st.one_of(st.sampled_from(TOKENS), st.binary(max_size=8)),
+    ),
+    min_size=1,
+    max_size=6,
+)
+
+
+def apply(whole: bytes, done: Sequence[Change]) -> bytes:
+    """Return a file with some changes."""
+    for kind, place, extent, token in done:
+        at = int(place * len(whole))
+        after = at + 1 + int(extent**4 * 200)
+        if kind in ("put", "replace"):
+            whole = whole[:at] + token + whole[at if kind == "put" else at + len(token) :]
+        elif kind == "cut":
+            whole = whole[:at] + whole[after:]
+        elif kind == "repeat":
+            whole = whole[:after] + whole[at:after] * int(1 + 20 * extent) + whole[after:]
+        elif kind == "flip" and whole:
+            whole = whole[:at] + bytes([whole[at] ^ 1 << int(7 * extent)]) + whole[at + 1 :]
+        elif kind == "end":
+            whole = whole[:at]
+        elif kind == "line":
+            lines = whole.split(b"\n")
+            lines.insert(int(extent * len(lines)), lines.pop(int(place * len(lines))))
+            whole = b"\n".join(lines)
+    return whole
+
+
+STUDY = b"""base = "pipe-inspection"
+title = "A pipe"
+[pipe]
+segments = []
+radius = 0.15
+[[pipe.parts]]
+name = "entry"
+length = 3.0
+[[pipe.parts]]
+kind = "bend"
+angle_deg = 45
+radius = 0.45
+roll_deg = 90
+[[pipe.parts]]
+length = 3.0
+[flow]
+speed = 0.6
+[fluid]
+density = 998.0
+[robustness]
+conditions = 5
+[targets]
+hydrant = [1.5, 0.0, 0.1]
+other = {part = "entry", at = 1.0, clock = 12, off_wall = 0.05}
+"""
+
+TRACKS = [
+    b"t,x,y\n0,0.1,0.5\n0.033,0.101,0.47\n0.067,0.102,0.44\n",
+    b"t_ms;x_mm;y_mm\n1000,0;1100,5;1500,0\n1033,3;1100,7;1470,0\n",
+    b"scorer,DLC,DLC,DLC\nbodyparts,core,core,core\ncoords,x,y,likelihood\n0,100,350,1\n1,101,353,0.9\n",
+    b"track,frame_idx,instance.score,core.x,core.y,core.score\ntrack_0,0,0.9,300,400,0.9\ntrack_0,1,0.9,301,404,0.9\n",
+    b'"Time (ms)";"Trajectory 1/0/X";"Trajectory 1/0/Y"\n0;0,10;0,20\n33;0,11;0,19\n',
+    b"#T X Y\n0 1 2\n1 2 3\n",
+]
+
+NETWORK = b"""[JUNCTIONS]
+ fork 0 0
+ left 0 10
+ right 0 5 day
+[RESERVOIRS]
+ source 50
+[TANKS]
+ tank 20 2 0 5 10 0
+[PIPES]
+ main source fork 500 300 100 0 Open
+ a fork left 500 200 100 0 Open
+ b fork right 300 150 100 0 CV
+ c right tank 300 150 100 0 Open
+[PATTERNS]
+ day 0.5 1.5
+[COORDINATES]
+ fork 0 0
+ left 100 10
+[TIMES]
+ Duration 6
+ Hydraulic Timestep 1:00
+[OPTIONS]
+ Units LPS
+ Headloss H-W
+[END]
+"""
+
+TRIANGLES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+CORNERS = np.array([[0, 0, 0], [40, 0, 0], [0, 40, 0], [0, 0, 40]], dtype=float)
+
+
+def make_csv_grid() -> bytes:
+    nodes = [(x, y, z) for x in range(4) for y in range(4) for z in range(4)]
+    return b"x,y,z,u,v,w\n" + b"".join(b"%d,%d,%d,%.1f,0,0\n" % (*n, sum(n)) for n in nodes)
+
+
+def make_vtk() -> bytes:
+    nodes = [(x, y, z) for z in range(4) for y in range(4) for x in range(4)]
+    points, vectors = ("\n".join(f"{a} {b} {c}" for a, b, c in nodes) for _ in range(2))
+    cells = "\n".join(f"1 {k}" for k in range(64))
+    return (
+        "# vtk DataFile Version 3.0\nflow\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+        f"POINTS 64 double\n{points}\nCELLS 64 128\n{cells}\nCELL_TYPES 64\n{'1 ' * 64}\n"
+        f"POINT_DATA 64\nVECTORS U double\n{vectors}\n"
+    ).encode()
+
+
+def make_vtu(folder: Path) -> bytes:
+    import meshio
+
+    points = np.array([(x, y, z) for x in range(4) for y in range(4) for z in range(4)], dtype=float)
+    cells = [("vertex", np.arange(64)[:, None])]
+    meshio.Mesh(points, cells, point_data={"U": points}).write(folder / "made.vtu")
+    return (folder / "made.vtu").read_bytes()
+
+
+def make_netcdf3(folder: Path) -> bytes:
+    from scipy.io import netcdf_file
+
+    with netcdf_file(folder / "made3.nc", "w") as file:
+        for name in "xyz":
+            file.createDimension(name, 4)
+            file.createVariable(name, "f8", (name,))[:] = np.arange(4.0)
+        for name in "uvw":
+            file.createVariable(name, "f8", tuple("xyz"))[:] = np.ones((4, 4, 4))
+    return (folder / "made3.nc").read_bytes()
+
+
+def make_netcdf4(folder: Path) -> bytes:
+    import h5py
+
+    with h5py.File(folder / "made4.nc", "w") as file:
+        for name in "xyz":
+            file[name] = np.arange(4.0)
+            file[name].make_scale(name)
+        for name in "uvw":
+            file.create_dataset(name, data=np.ones((4, 4, 4)), compression="gzip", chunks=(2, 2, 2))
+            for axis in range(3):
+                file[name].dims[axis].attach_scale(file["xyz"[axis]])
+    return (folder / "made4.nc").read_bytes()
+
+
+def make_3mf() -> bytes:
+    core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+    kind = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+    vertices = "".join(f'<vertex x="{x:g}" y="{y:g}" z="{z:g}"/>' for x, y, z in CORNERS)
+    triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in TRIANGLES)
+    model = (
+        f'<model unit="millimeter" xmlns="{core}"><resources><object id="1" type="model"><mesh><vertices>'
+        f"{vertices}</vertices><triangles>{triangles}</triangles></mesh></object>"
+        '<object id="2"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 5 0 0"/></components></object>'
+        '</resources><build><item objectid="2"/></build></model>'
+    )
+    held = io.BytesIO()
+    # Stored as they are: a changed byte then reaches the XML, and not only the check of the archive.
+    with zipfile.ZipFile(held, "w", zipfile.ZIP_STORED) as archive:
+        archive.writestr("_rels/.rels", f'<R><Relationship Target="/m.model" Id="r" Type="{kind}"/></R>')
+        archive.writestr("m.model", model)
+    return held.getvalue()
+
+
+def make_stl() -> bytes:
+    body = b"".join(struct.pack("<12fH", 0, 0, 0, *CORNERS[t].ravel(), 0) for t in TRIANGLES)
+    return b"made".ljust(80, b"\0") + struct.pack("<I", len(TRIANGLES)) + body
+
+
+def make_obj() -> bytes:
+    lines = [f"v {x:g} {y:g} {z:g}" for x, y, z in CORNERS]
+    return "\n".join(
+        [*lines, "usemtl red", *(f"f {a + 1} {b + 1} {c + 1}" for a, b, c in TRIANGLES), ""]
+    ).encode()
+
+
+def make_ply() -> bytes:
+    head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    lines = [f"{x:g} {y:g} {z:g}" for x, y, z in CORNERS] + [f"3 {a} {b} {c}" for a, b, c in TRIANGLES]
+    return (
+        head + "element face 4\nproperty list uchar int vertex_indices\nend_header\n" + "\n".join(lines)
+    ).encode()
+
+
+def make_glb(folder: Path) -> bytes:
+    import trimesh
+
+    return bytes(trimesh.Trimesh(CORNERS / 1000, TRIANGLES).export(file_type="glb"))
+
+
+def make_step(folder: Path) -> bytes:
+    [file] = open_agent("C").export("step", folder / "made.step")
+    return file.read_bytes()
+
+
+def make_agent(folder: Path) -> bytes:
+    study = load_study("paper", run={"seed": 1})
+    genome = study.make_plugin("grammar").random(np.random.default_rng(1))
+    environment = {key: study.document[key] for key in study.document if key not in ("run", "strategy")}
+    StoredAgent("one", genome, environment, {"target": "TP1", "fitness": 99.5}).write(folder / "made.json")
+    return (folder / "made.json").read_bytes()
+
+
+def make_run(folder: Path) -> bytes:
+    from driftform import evolve
+
+    run = evolve(load_study("paper", run={"seed": 1, "evaluations": 6}), folder / "run", progress=False)
+    return (run.path / "run.db").read_bytes()
+
+
+def read_run(path: Path) -> None:
+    folder = path.parent / "read"
+    folder.mkdir(exist_ok=True)
+    path.replace(folder / "run.db")
+    run = open_run(folder)
+    with run.read() as store:
+        targets = run.study.scenario.target_names
+        list(store.read_records(targets))
+        list(store.read_summaries(targets))
+        list(store.read_trajectories())
+        store.find_best(targets[0])
+        store.read_ended()
+
+
+def read_track(path: Path) -> None:
+    from driftform_calibration.tables import read_table
+
+    read_table(path)
+
+
+def read_own_body(path: Path) -> None:
+    from driftform_frusta.own.profile import read_profile
+
+    read_profile(path)
+
+
+def read_printable(path: Path) -> None:
+    from driftform_kit.reading import read_meshes
+
+    read_meshes(path)
+
+
+def read_both(path: Path) -> None:
+    for read in (read_printable, read_own_body):
+        try:
+            read(path)
+        except DriftformError as error:
+            check_line(error)
+
+
+def read_network(path: Path) -> None:
+    from driftform_networks.reading import open_network
+
+    open_network(path, path.parent / "cache")
+
+
+def read_word(path: Path) -> None:
+    open_agent(path.read_text(encoding="utf-8", errors="surrogateescape"))
+
+
+def read_database(path: Path) -> None:
+    """A run's texts and numbers changed within a sound file of SQLite: the bytes name the cell, and what is put there."""
+    data = path.read_bytes()
+    path.write_bytes(DATABASE[0])
+    with closing(sqlite3.connect(path)) as connection, connection:
+        cells = [
+            (table, column)
+            for table in ("meta", "evaluation", "score")
+            for _, column, *_ in connection.execute(f"PRAGMA table_info({table})")
+        ]
+        table, column = cells[data[0] % len(cells)] if data else cells[0]
+        [old] = connection.execute(f"SELECT {column} FROM {table} LIMIT 1").fetchone()
+        raw = old if isinstance(old, bytes) else str(old).encode()
+        at = len(raw) * data[-1] // 256 if data else 0
+        new: Any = raw[:at] + data[1:] + raw[at + len(data) :]
+        new = new if isinstance(old, bytes) else new.decode(errors="replace")
+        try:
+            connection.execute(f"UPDATE {table} SET {column} = ? WHERE rowid = 1", (new,))
+        except sqlite3.Error:
+            return  # A constraint of the table forbids it.
+    read_run(path)
+
+
+DATABASE: list[bytes] = []
+
+Make = Callable[[Path], Sequence[bytes]]
+
+READERS: dict[str, tuple[str, Make, Callable[[Path], Any]]] = {
+    "study": ("study.toml", lambda _: [STUDY], load_study),
+    "agent": ("agent.json", lambda f: [make_agent(f)], open_agent),
+    "genome": ("word", lambda _: [b"addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB", b"C"], read_word),
+    "track": ("track.csv", lambda _: TRACKS, read_track),
+    "profile": (
+        "body.csv",
+        lambda _: [b"x_mm,r_mm\n0,5\n20,30\n150,8\n", b"x_m;r_m\n0;0\n0,2;0,03\n"],
+        read_own_body,
+    ),
+    "network": ("town.inp", lambda _: [NETWORK], read_network),
+    "CSV grid": ("grid.csv", lambda _: [make_csv_grid()], read_grid),
+    "VTK": ("grid.vtk", lambda _: [make_vtk()], read_grid),
+    "VTU": ("grid.vtu", lambda f: [make_vtu(f)], read_grid),
+    "NetCDF-3": ("grid.nc", lambda f: [make_netcdf3(f)], read_grid),
+    "NetCDF-4": ("grid.nc", lambda f: [make_netcdf4(f)], read_grid),
+    "3MF": ("part.3mf", lambda _: [make_3mf()], read_printable),
+    "STL": ("part.stl", lambda _: [make_stl()], read_both),
+    "OBJ": ("part.obj", lambda _: [make_obj()], read_both),
+    "PLY": ("part.ply", lambda _: [make_ply()], read_both),
+    "GLB": ("part.glb", lambda f: [make_glb(f)], read_both),
+    "STEP": ("part.step", lambda f: [make_step(f)], read_own_body),
+    "run": ("run.db", lambda f: [make_run(f)], read_run),
+    "cells of a run": ("cells", lambda _: [bytes(range(0, 256, 9))], read_database),
+}
+"""Of each reader the name of its file, sound files, and what reads them."""
+
+
+def check_line(error: Exception) -> None:
+    """Check that an error says something; the program escapes what would not be one line of it."""
+    assert error.args and all(map(str, error.args)), repr(error)
+    assert isinstance(error, DriftformError) or "\n" not in str(error), repr(error)
+
+
+def call_here(function: Callable[..., Any], *arguments: Any, **_: object) -> Any:
+    """Call what ``call_apart`` calls, and translate its errors as that does; a signal ends the child as "refused"."""
+    os.write(PIPE[0], b"(")
+    try:
+        return function(*(str(a.absolute()) if isinstance(a, Path) else a for a in arguments))
+    except (DriftformError, ValueError):
+        raise
+    except BaseException as error:
+        raise ValueError(f"cannot be read: {error!r}"[:200].replace("\n", " ")) from None
+    finally:
+        os.write(PIPE[0], b")")
+
+
+PIPE = [0]
+
+
+def read_apart(read: Callable[[Path], Any], path: Path) -> str:
+    """Read a file in a forked process; return what became of it, "read" or "refused".
+
+    Raises AssertionError for anything else, with the traceback.
+    """
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    ours, PIPE[0] = os.pipe()
+    with catch_warnings(action="ignore"):
+        child = os.fork()
+    if not child:
+        status = 1
+        try:
+            os.close(ours)
+            signal.signal(signal.SIGXCPU, signal.SIG_DFL)
+            resource.setrlimit(resource.RLIMIT_CPU, (int(MOST_S), int(MOST_S) + 1))
+            foreign.call_apart = call_here  # type: ignore[assignment]
+            null = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(null, 1)
+            os.dup2(null, 2)
+            with catch_warnings(action="ignore"):
+                try:
+                    read(path)
+                    status = 0
+                except DriftformError as error:
+                    check_line(error)
+                    status = 3
+                except ValueError as error:
+                    # A reader of grids has no name of the file; whoever calls it adds that.
+                    assert read is read_grid, error
+                    check_line(error)
+                    status = 3
+        except BaseException:
+            os.write(PIPE[0], traceback.format_exc()[-3000:].encode(errors="replace"))
+        finally:
+            os._exit(status)
+    os.close(PIPE[0])
+    with os.fdopen(ours, "rb") as file:
+        said = file.read().decode(errors="replace")
+    _, status, used = os.wait4(child, 0)
+    code = os.waitstatus_to_exitcode(status)
+    if code < 0 and said.count("(") > said.count(")"):
+        return "refused"
+    assert code in (0, 3), f"exit code {code}: {said}"
+    assert used.ru_utime + used.ru_stime < MOST_S
+    assert (used.ru_maxrss - before) / 1e3 < MOST_MB
+    return "read" if code == 0 else "refused"
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_a_changed_file_is_read_or_refused_in_one_line(
+    name: str, tmp_path: Path, count_of: Callable[[str, int], int]
+) -> None:
+    file, make, read = READERS[name]
+    if name == "cells of a run":
+        DATABASE[:] = [make_run(tmp_path)]
+    corpus, found = make(tmp_path), Counter[str]()
+    end, path = time.monotonic() + count_of("SECONDS", 60), tmp_path / "given" / file
+    path.parent.mkdir()
+    for whole in corpus:
+        path.write_bytes(whole)
+        assert name == "cells of a run" or read_apart(read, path) == "read", "a sound file"
+
+    def check(whole: bytes, done: list[Change]) -> None:
+        if time.monotonic() < end:
+            path.write_bytes(apply(whole, done))
+            found[read_apart(read, path)] += 1
+
+    number = 0
+    while time.monotonic() < end:
+        # In rounds, each from its own seed: a round ends in good time, and a failure is shrunk and repeats.
+        number += 1
+        run = given(st.sampled_from(corpus), changes)(check)
+        quiet = settings(
+            max_examples=100, deadline=None, database=None, suppress_health_check=list(HealthCheck)
+        )
+        seed(number)(quiet(run))()
+    print(f"{name}: {found['read']} read, {found['refused']} refused")
+    assert found.total(), "no time"
