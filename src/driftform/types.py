@@ -116,14 +116,6 @@ class Morphology:
 
 
 @dataclass(frozen=True)
-class Core:
-    """The spherical control unit, centred at the origin of the body frame: ``radius`` (m) and ``mass`` (kg)."""
-
-    radius: float
-    mass: float
-
-
-@dataclass(frozen=True)
 class Moments:
     """Volume integrals of a solid of revolution about the x axis, for unit density, about the frame's origin.
 
@@ -167,6 +159,52 @@ class Moments:
 
 
 @dataclass(frozen=True)
+class Core:
+    """The control unit: a homogeneous sphere about the origin of the body frame, or a solid of revolution.
+
+    Attributes:
+        radius: greatest radius, m.
+        mass: kg.
+        contour: x and r in m, from the aft axis point to the fore axis point, of what it needs room for: widest at
+            the origin, and nowhere wider again; empty for a sphere.
+        solid: volume integrals of that solid; those of a sphere follow from its radius.
+        cog: x of its centre of gravity, m. The inertia about it is that of even density about the centroid.
+    """
+
+    radius: float
+    mass: float
+    contour: tuple[tuple[float, float], ...] = ()
+    solid: Moments = Moments()
+    cog: float = 0.0
+
+    @property
+    def volume(self) -> float:
+        """Volume, m3."""
+        return self.solid.volume if self.contour else 4 / 3 * np.pi * self.radius**3
+
+    @property
+    def inertia(self) -> tuple[float, float]:
+        """Moments of inertia about its centre of gravity, along the axis and across it, kg m2."""
+        if not self.contour:
+            return (0.4 * self.mass * self.radius**2,) * 2
+        density, centroid = self.mass / self.volume, self.solid.centroid
+        return density * self.solid.polar, density * (self.solid.transverse - self.volume * centroid**2)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """x of its aft and its fore end, m."""
+        return (self.contour[0][0], self.contour[-1][0]) if self.contour else (-self.radius, self.radius)
+
+    def radius_at(self, x: npt.ArrayLike) -> FloatArray:
+        """Return its radius at each x, m; 0 beyond its ends."""
+        at = np.asarray(x, dtype=np.float64)
+        if not self.contour:
+            return np.asarray(np.sqrt(np.maximum(self.radius**2 - at**2, 0.0)))
+        along, radii = np.array(self.contour).T
+        return np.asarray(np.interp(at, along, radii, left=0.0, right=0.0))
+
+
+@dataclass(frozen=True)
 class Fittings:
     """What a hull has beside the wall of its section, such as the joints and the engraving of a kit.
 
@@ -188,7 +226,7 @@ class Body:
         outer: outer contour, (n, 2) of x and r in m, from the aft axis point to the fore axis point.
         cavity: contour of the cavity, x and r in m, (m, 2), in the same order; (0, 2) for a solid body.
         joints: x of the module joints, m, from aft to fore, including both ends, (k,).
-        core: the sphere at the origin of the body frame.
+        core: what the hull encloses, at the origin of the body frame.
         wall: nominal wall thickness, m.
         hull_density: density of the hull's material, kg/m3.
         fittings: what the hull has beside the wall between both contours.

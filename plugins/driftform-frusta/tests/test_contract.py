@@ -29,6 +29,14 @@ class TestFrustaWithAThickWall(BuilderContract):
         return FrustaBuilder(FrustaOptions(wall=0.003, min_radius=0.006, core_radius=0.015))
 
 
+class TestFrustaAroundACapsule(BuilderContract):
+    def plugin(self) -> FrustaBuilder:
+        profile = ((0.0, 0.0), (0.0, 0.01), (0.003, 0.0125), (0.057, 0.0125), (0.06, 0.01), (0.06, 0.0))
+        return FrustaBuilder(
+            FrustaOptions(core_profile=profile, core_radius=0.0125, core_mass=0.02, core_cog=0.03)
+        )
+
+
 class TestStl(ExporterContract):
     def plugin(self) -> StlExporter:
         return StlExporter(PartOptions())

@@ -29,9 +29,9 @@ def displaced_moments(body: Body) -> Moments:
 def mass_properties(body: Body, parts: Moments | None = None) -> MassProperties:
     """Return the mass properties of a body with its core, and the volume that it displaces.
 
-    The hull is outer minus cavity, and its fittings, at the hull's density (eq. 17, 18, 24). The core is a homogeneous
-    sphere at the origin and enters eq. 20 with its mass and the inertia with 2/5 m R^2; so is the ballast at its place. Buoyancy acts on the outer
-    contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses.
+    The hull is outer minus cavity, and its fittings, at the hull's density (eq. 17, 18, 24). The core enters
+    eq. 20 with its mass, and the inertia with its own, 2/5 m R^2 for a sphere; so does the ballast at its place. Buoyancy
+    acts on the outer contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses.
 
     Args:
         body: the body.
@@ -40,13 +40,13 @@ def mass_properties(body: Body, parts: Moments | None = None) -> MassProperties:
     hull, displaced = parts, displaced_moments(body)
     if hull is None:
         hull, displaced = hull_moments(body), displaced + body.fittings.displaced
-    core_inertia = 0.4 * body.core.mass * body.core.radius**2
+    core, (core_axial, core_transverse) = body.core, body.core.inertia
     ballast, density = body.ballast, body.ballast_density
-    mass = hull.volume * body.hull_density + body.core.mass + ballast.volume * density
-    cog = (hull.first * body.hull_density + ballast.first * density) / mass
-    axial = hull.polar * body.hull_density + core_inertia + ballast.polar * density
-    transverse = hull.transverse * body.hull_density + core_inertia + ballast.transverse * density
-    transverse -= mass * cog**2
+    mass = hull.volume * body.hull_density + core.mass + ballast.volume * density
+    cog = (hull.first * body.hull_density + ballast.first * density + core.mass * core.cog) / mass
+    axial = hull.polar * body.hull_density + core_axial + ballast.polar * density
+    transverse = hull.transverse * body.hull_density + core_transverse + ballast.transverse * density
+    transverse += core.mass * core.cog**2 - mass * cog**2
     return MassProperties(
         mass=mass,
         cog=np.array([cog, 0.0, 0.0]),

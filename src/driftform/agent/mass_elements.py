@@ -40,17 +40,18 @@ class MassElement:
         Raises:
             ValueError: if no mass is left for the hull.
         """
-        hull, solid = mass - body.core.mass, hull_moments(body)
+        core, solid = body.core, hull_moments(body)
+        hull = mass - core.mass
         if not hull > 0:
-            raise ValueError(f"{mass:g} kg is not more than the core's {body.core.mass:g} kg alone")
+            raise ValueError(f"{mass:g} kg is not more than the core's {core.mass:g} kg alone")
         share = hull / solid.volume
         element = cls(
             mass=hull,
-            x=solid.centroid if x is None else mass * x / hull,
+            x=solid.centroid if x is None else (mass * x - core.mass * core.cog) / hull,
             axial=share * solid.polar,
             transverse=share * (solid.transverse - solid.volume * solid.centroid**2),
         )
-        return element, cls.of_ball(body.core.mass, 0.0, body.core.radius)
+        return element, cls(core.mass, core.cog, *core.inertia)
 
     @staticmethod
     def reweigh(agent: Agent, elements: "Iterable[MassElement]") -> Agent:

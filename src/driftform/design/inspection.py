@@ -163,7 +163,7 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
     """What a user must know; ``heaving`` is the mass, kg, that heave has to move, with that of the water."""
     body, mass = agent.body, agent.mass
     warnings = []
-    core_density = body.core.mass / (4 / 3 * math.pi * body.core.radius**3) if body.core.mass else 0.0
+    core_density = body.core.mass / body.core.volume if body.core.mass else 0.0
     if core_density > LEAD:
         warnings.append(f"the core is denser than lead: {core_density:.0f} kg/m3")
     net = mass.net_buoyancy(scenario.fluid)

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading
 from driftform.figures.layout import MARGIN, draw_scale_bar, shorten, text_width, write
@@ -124,4 +126,8 @@ def _draw_body(root: ET.Element, body: Body, colour: str, place: Placement) -> N
     outline = svg.path_data(place.to_page(closed_outline(body.outer)), closed=True)
     svg.add_line(root, outline, colour, 1.1, "outline", stroke_linejoin="round")
     radius = max(1.5, body.core.radius * place.px_per_m)
+    if body.core.contour:
+        core = place.to_page(closed_outline(np.array(body.core.contour)))
+        svg.add(root, "path", d=svg.path_data(core, closed=True), fill=colour, class_="core")
+        return
     svg.add_circle(root, place.x, place.y, radius, colour, class_="core")

@@ -102,7 +102,7 @@ def agent_data(agent: Agent, flight: Trajectory, closest: Sequence[float], colou
         "outer": _round(simplify_polyline(body.outer, CONTOUR_TOLERANCE), 6),
         "cavity": _round(simplify_polyline(body.cavity, CONTOUR_TOLERANCE), 6) if len(body.cavity) else [],
         "joints": _round(body.joints, 6),
-        "core": body.core.radius,
+        "core": _round(np.array(body.core.contour)) if body.core.contour else body.core.radius,
         "closest": round(closest[0], 4),
         "flight": {
             "t": _round(t, 4),

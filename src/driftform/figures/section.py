@@ -194,6 +194,10 @@ def _plot_cut(body: Body, place: Placement) -> dict[str, Any]:
         "hatching": svg.lines_data(lines) if len(lines) else "",
         "ballast": ballast,
         "core": body.core.radius * place.px_per_m,
+        "capsule": [
+            place.to_page(np.array(body.core.contour or np.zeros((0, 2))) * (1.0, side))
+            for side in (1.0, -1.0)
+        ],
         "outline": place.to_page(closed_outline(body.outer)),
     }
 
@@ -250,7 +254,8 @@ def _plot_callouts(body: Body, place: Placement) -> dict[str, Any]:
     bottom = place.y + body.max_diameter / 2 * place.px_per_m
     left, right = (place.x + place.px_per_m * float(x) for x in body.outer[[0, -1], 0])
     wall = _find_wall_spot(body, place)
-    core = f"core Ø {_format_number(2000 * body.core.radius)} mm"
+    long = f" x {_format_number(1000 * float(np.ptp(body.core.ends)))}" if body.core.contour else ""
+    core = f"core Ø {_format_number(2000 * body.core.radius)}{long} mm"
     labels = [("core", place.x, core)] if body.core.radius > 0 else []
     if wall is not None:
         labels.append(("wall", float(wall[0][0]), f"wall {_format_number(1000 * body.wall)} mm"))
@@ -266,7 +271,8 @@ def _plot_callouts(body: Body, place: Placement) -> dict[str, Any]:
         centres = [first + sum(widths[:i]) + widths[i] / 2 for i in range(len(widths))]
 
     def find_tip(start: tuple[float, float]) -> FloatArray:
-        towards = np.array(start) - (place.x, place.y)
+        straight_down = np.array([0.0, 1.0])
+        towards = straight_down if body.core.contour else np.array(start) - (place.x, place.y)
         tip = (place.x, place.y) + body.core.radius * place.px_per_m * towards / np.hypot(*towards)
         return np.asarray(tip)
 

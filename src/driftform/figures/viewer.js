@@ -122,6 +122,8 @@ function section(outer, cavity) {
   return { places, normals };
 }
 
+const shapeOfCore = (core) => (typeof core === "number" ? ball(core) : revolve(core, false));
+
 function ball(radius) {
   const half = [...Array(17)].map((_, i) => {
     const angle = Math.PI * (1 - i / 16);
@@ -470,7 +472,7 @@ function start() {
       const agent = data.agents[chosen];
       const path = agent.flight.position;
       meshes.set(chosen, {
-        outer: revolve(agent.outer, false), cavity: revolve(agent.cavity, true), core: ball(agent.core),
+        outer: revolve(agent.outer, false), cavity: revolve(agent.cavity, true), core: shapeOfCore(agent.core),
         section: section(agent.outer, agent.cavity), joints: rings(agent.outer, agent.joints),
         flown: revolve(agent.outer, false), tube: tube(path, 0.012 * data.size), thread: tube(path, 0.01 * data.longest),
       });

@@ -146,7 +146,7 @@ class _Advice:
 
     def _check_bare(self, bare: Body) -> Iterator[str]:
         core = bare.core
-        density = core.mass / (4 / 3 * np.pi * core.radius**3) if core.mass else 0.0
+        density = core.mass / core.volume if core.mass else 0.0
         if density > DENSEST:
             yield (
                 f"the core of {core.mass:g} kg has a radius of {show_length(core.radius)}: {density:.3g} kg/m3, and "

@@ -26,6 +26,9 @@ T = TypeVar("T")
 REPLACED = ("targets",)
 """Tables of a study file that replace those of its base instead of extending them; ``--set targets.name=...`` extends."""
 
+FILES = (("flow", "file"), ("builder", "core"))
+"""Tables and keys that name a file, relative to the folder of the study file."""
+
 CALIBRATION = "calibration"
 """The table that ``driftform calibrate`` writes."""
 
@@ -119,12 +122,16 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
     if key in above:
         raise InputError(f"{named_by}'base' leads back to {label}")
     layer = parse_text(label, text)
-    flow = layer.data.get("flow")
-    if isinstance(flow, Mapping) and isinstance(flow.get("file"), str):
-        # The file of a grid lies beside the study that names it.
-        placed = {**flow, "file": str(path.parent / flow["file"])}
-        layer = replace(layer, data={**layer.data, "flow": placed})
-    base = layer.data.get("base")
+    data = dict(layer.data)
+    for table, key in FILES:
+        options = data.get(table)
+        if isinstance(options, Mapping) and isinstance(name := options.get(key), str):
+            # Such a file lies beside the study that names it; a core may be a ball by name, too.
+            beside = path.parent / name
+            if table == "flow" or is_file(beside):
+                data[table] = {**options, key: str(beside)}
+    layer = replace(layer, data=data)
+    base = data.get("base")
     if base is None:
         return [layer]
     if not isinstance(base, str):

@@ -91,11 +91,14 @@ class BuilderContract(SeamContract[PhenotypeBuilder[Any]]):
 
     @every_morphology
     def test_the_core_fits_in_the_cavity(self, kind: str) -> None:
-        """The sphere at the origin does not overlap a wall; in a solid body it lies within the hull."""
+        """The core does not overlap a wall; in a solid body it lies within the hull."""
         body = self.build(kind)
         room = body.cavity if len(body.cavity) else body.outer
         assert room[0, 0] < 0 < room[-1, 0]
-        assert distance_from(np.zeros((1, 2)), room)[0] >= body.core.radius
+        if body.core.contour:
+            assert lies_inside(np.array(body.core.contour[1:-1]), room, self.slack).all()
+        else:
+            assert distance_from(np.zeros((1, 2)), room)[0] >= body.core.radius
 
     @every_morphology
     def test_mass_properties_are_those_of_a_body(self, kind: str) -> None:

@@ -77,7 +77,8 @@ def _find_seat(body: Body) -> tuple[float, float]:
         return 0.0, 0.0
     x = np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _STATIONS + 2)[1:-1]
     wall = distance_from(np.column_stack((x, np.zeros_like(x))), body.cavity)
-    room = np.maximum(np.minimum(wall - _GAP, np.abs(x) - body.core.radius - _BESIDE), 0.0)
+    aft, fore = body.core.ends
+    room = np.maximum(np.minimum(wall - _GAP, np.maximum(aft - x, x - fore) - _BESIDE), 0.0)
     enough = room >= _ball_radius(SPARE * max(_find_lacking(body), 0.0) / LEAD)
     best = int(np.where(enough, np.abs(x), np.inf).argmin()) if enough.any() else int(room.argmax())
     return float(x[best]), float(room[best])

@@ -5,17 +5,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import field_validator, model_validator
 
-from driftform.errors import WorkFailedError
+from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import PhenotypeBuilder, Table, option
-from driftform.types import Body, Core, Fittings, Module, Morphology
+from driftform.types import Body, Core, Fittings, FloatArray, Module, Morphology
 from driftform_frusta.ballast_seat import LESS, SPARE, find_most_ballast, name_ball, place_ballast
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit_options import LEAD, KitOptions
 from driftform_frusta.materials import MATERIALS
+from driftform_frusta.own.builder import Profile, check_profile
 from driftform_frusta.section import hull_section, lay_chains, open_section
 
 _PAPERS = Core(radius=0.01, mass=0.05)
@@ -31,11 +34,22 @@ class FrustaOptions(Table):
 
     core: str = option(
         CUSTOM,
-        "a ball by material and diameter, such as steel-20mm, or 'custom' for core_radius and core_mass; materials: "
+        "a ball by material and diameter, such as steel-20mm; 'custom' for core_radius and core_mass; or the file of the "
+        "profile of a capsule, as 'driftform body' reads it, for core_mass and core_cog, a relative path from the folder of "
+        "the study file; materials: "
         f"{', '.join(DENSITIES)}; diameters: {', '.join(map(str, DIAMETERS_MM))} mm",
     )
     core_radius: float = option(_PAPERS.radius, "radius of a custom core", "m", ge=1e-4, le=1)
-    core_mass: float = option(_PAPERS.mass, "mass of a custom core", "kg", ge=0, le=1e4)
+    core_mass: float = option(_PAPERS.mass, "mass of a custom core or a capsule", "kg", ge=0, le=1e4)
+    core_cog: float | None = option(
+        None, "distance of a capsule's centre of gravity from its nose, which is fore", "m", ge=0, le=1000
+    )
+    core_profile: Profile = option(
+        (),
+        "of a capsule, from its file: distance from the nose and radius of each point",
+        "m",
+        max_length=1000,
+    )
     wall: float = option(0.00125, "wall thickness of the hull", "m", ge=1e-5, le=1)
     material: Literal["custom", "ABS", "ASA", "PLA", "PETG", "PA12", "resin"] = option(
         CUSTOM, "what the hull is printed of, which has a density, or 'custom' for hull_density"
@@ -71,7 +85,7 @@ class FrustaOptions(Table):
             hint = f"did you mean '{close[0]}'? " if close else ""
             raise ValueError(
                 f"core '{name}' is not known; {hint}there are '{CUSTOM}', and balls of {', '.join(DENSITIES)} with "
-                f"{', '.join(map(str, DIAMETERS_MM))} mm, such as 'steel-20mm'"
+                f"{', '.join(map(str, DIAMETERS_MM))} mm, such as 'steel-20mm', and files, such as 'capsule.csv'"
             )
         return name
 
@@ -103,6 +117,45 @@ class FrustaOptions(Table):
                 f"core_radius and core_mass, or set core to '{CUSTOM}'"
             )
         return {**values, "core_radius": core.radius, "core_mass": core.mass}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_capsule(cls, values: Any) -> Any:
+        """Read the profile of a capsule and fill in its radius, so that a resolved study needs no file."""
+        if not isinstance(values, Mapping):
+            return values
+        name, taken = values.get("core", CUSTOM), dict(values)
+        if isinstance(name, str) and Path(name).suffix[1:].isalpha():
+            from driftform_frusta.own.profile import read_profile
+
+            for key in ("core_mass", "core_cog"):
+                if taken.get(key) is None:
+                    raise ValueError(f"'core' is the file of a capsule, whose {key} is missing: add it")
+            try:
+                points = read_profile(Path(name)).points.round(9).tolist()
+            except InputError as error:
+                raise ValueError(f"'core' is the file of a capsule: {error}") from None
+            taken |= {"core": CUSTOM, "core_profile": points, "core_radius": max(r for _, r in points)}
+        elif name in CORES and taken.get("core_profile"):
+            # A resolved study, whose capsule is replaced by a ball.
+            for key in ("core_profile", "core_cog", "core_radius", "core_mass"):
+                taken.pop(key, None)
+        return taken
+
+    @model_validator(mode="after")
+    def _has_a_capsule(self) -> "FrustaOptions":
+        if not self.core_profile and self.core_cog is None:
+            return self
+        if not self.core_profile:
+            raise ValueError(
+                "'core_cog' is for a capsule: set core to the file of its profile, or leave it out"
+            )
+        if self.core_cog is None:
+            raise ValueError("'core_profile' is that of a capsule, whose core_cog is missing: add it")
+        check_profile(self.core_profile, self.core_cog, "core_")
+        if self.core_radius != (widest := max(r for _, r in self.core_profile)):
+            raise ValueError(f"'core_radius' of this capsule is {widest:g} m, from its profile: leave it out")
+        return self
 
     @model_validator(mode="before")
     @classmethod
@@ -148,7 +201,8 @@ class FrustaOptions(Table):
 class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
     """The outline is the union of the chains and of a dome over the core; the cavity is its inward offset by the wall.
 
-    The dome has the radius core + clearance + wall, and both chains start tangent to it at the core's equator.
+    The dome has the radius core + clearance + wall, and both chains start tangent to it at the core's equator. Over a capsule
+    it is the offset of its profile by clearance and wall, and the chains start at the ends of the widest part.
     """
 
     name = "frusta"
@@ -207,15 +261,26 @@ def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
     """Return the same without what the kit has beside the wall."""
     _check_modules("fore", morphology.fore)
     _check_modules("aft", morphology.aft)
-    dome = o.core_radius + o.clearance + o.wall
-    chains = lay_chains(morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2)
+    core, dome, shoulders = Core(o.core_radius, o.core_mass), o.core_radius + o.clearance + o.wall, (0.0, 0.0)
+    over: float | FloatArray = dome
+    if o.core_profile:
+        # manifold3d takes a while to import, and a ball needs no offset.
+        from driftform_frusta.own.core import find_shoulders, outline_core, place_capsule
+
+        core = place_capsule(o.core_profile, o.core_mass, o.core_cog or 0.0)
+        over, shoulders = (
+            outline_core(core.contour, o.clearance + o.wall),
+            find_shoulders(np.array(core.contour)),
+        )
+        dome = float(over[:, 1].max())
+    chains = lay_chains(morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2, shoulders)
     section = hull_section if o.wall_model == "mitred" else open_section
-    outer, cavity = section(chains, dome, o.wall - thinner)
+    outer, cavity = section(chains, over, o.wall - thinner)
     return Body(
         outer=outer,
         cavity=cavity,
         joints=chains[:, 0],
-        core=Core(o.core_radius, o.core_mass),
+        core=core,
         wall=o.wall - thinner,
         hull_density=o.hull_density,
     )

@@ -49,7 +49,7 @@ def hull_source(agent: Agent, segments: int, title: str) -> str:
     # Both chains start from the dome at the core's equator.
     clearance = MM * (_radius_at(body, 0.0) - body.core.radius - body.wall)
     rows, aft = _tabulate_modules(agent)
-    if rows is not None and _renders_to_hull(body, rows, aft, clearance):
+    if rows is not None and not body.core.contour and _renders_to_hull(body, rows, aft, clearance):
         geometry = _modules_text(body, rows, aft, clearance)
         summary = f"{len(rows)} module{'s' if len(rows) != 1 else ''} and a dome over the core"
     else:
@@ -69,8 +69,14 @@ def hull_source(agent: Agent, segments: int, title: str) -> str:
         "// A polygon has a smaller area than its circle: radii are scaled so that the two are equal.\n"
         "area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));\n\n"
         f"{rest}"
-        f"{fill_source('revolved')}"
+        f"{fill_source('revolved', shape=draw_core(body))}"
     )
+
+
+def draw_core(body: Body) -> str:
+    """Return the statement that draws the core about the origin."""
+    points = ", ".join(f"[{format_number(MM * r)}, {format_number(MM * z)}]" for z, r in body.core.contour)
+    return f"rotate_extrude() polygon([{points}]);" if points else "sphere(core_radius);"
 
 
 def _radius_at(body: Body, x: float) -> float:

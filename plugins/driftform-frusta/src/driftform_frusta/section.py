@@ -13,11 +13,15 @@ DOME_STEP = np.deg2rad(2.5)
 
 
 def lay_chains(
-    fore: Sequence[Module], aft: Sequence[Module], start_radius: float, least_radius: float
+    fore: Sequence[Module],
+    aft: Sequence[Module],
+    start_radius: float,
+    least_radius: float,
+    shoulders: tuple[float, float] = (0.0, 0.0),
 ) -> FloatArray:
     """Return the contour of the modules on both sides of the core, from aft to fore, (n, 2), m.
 
-    On each side they lie end to end from the equator outward. Lengths run along the slant. If the radius would fall below
+    On each side they lie end to end outward from the equator, or from ``shoulders``, x of the aft and of the fore one. Lengths run along the slant. If the radius would fall below
     ``least_radius`` it stays at that, and the module keeps its axial length.
     """
     ahead, radii = _lay_modules(fore, start_radius, least_radius)
@@ -25,6 +29,10 @@ def lay_chains(
     chains = np.empty((len(aft) + len(fore) + 1, 2))
     chains[:, 0] = [*[-x for x in behind[:0:-1]], *ahead]
     chains[:, 1] = [*radii_behind[:0:-1], *radii]
+    if shoulders[0] < shoulders[1]:
+        chains = np.insert(chains, len(aft), chains[len(aft)], axis=0)
+        chains[: len(aft) + 1, 0] += shoulders[0]
+        chains[len(aft) + 1 :, 0] += shoulders[1]
     return chains
 
 
@@ -40,8 +48,8 @@ def _lay_modules(
     return x, r
 
 
-def hull_section(chains: FloatArray, dome: float, wall: float) -> tuple[FloatArray, FloatArray]:
-    """Return outer contour and cavity of a closed hull, (n, 2) and (m, 2), m.
+def hull_section(chains: FloatArray, dome: float | FloatArray, wall: float) -> tuple[FloatArray, FloatArray]:
+    """Return outer contour and cavity of a closed hull, (n, 2) and (m, 2), m; ``dome`` is a radius, or a contour.
 
     The cavity is the mitred inward offset of the outline by ``wall``: the wall is nowhere thinner than that,
     and flat ends become caps of the same thickness. If a mitre would reach into the room of the core,
@@ -50,12 +58,12 @@ def hull_section(chains: FloatArray, dome: float, wall: float) -> tuple[FloatArr
     # Imported here: compiled code loads the compiler, and listing the plugins must not.
     from driftform_frusta.envelope import offset_inward, unite_contours
 
-    outer = unite_contours(chains, _make_dome(dome))
-    room = _make_dome(dome - wall / math.cos(DOME_STEP / 2))
+    over, room = _place_dome(dome, wall, wall / math.cos(DOME_STEP / 2))
+    outer = unite_contours(chains, over)
     return _require_core(outer), _require_core(unite_contours(offset_inward(outer, wall), room))
 
 
-def open_section(chains: FloatArray, dome: float, wall: float) -> tuple[FloatArray, FloatArray]:
+def open_section(chains: FloatArray, dome: float | FloatArray, wall: float) -> tuple[FloatArray, FloatArray]:
     """Return outer contour and cavity by the paper's wall, (n, 2) and (m, 2), m.
 
     Each frustum's wall has the constant radial thickness wall/cos(tilt) that eq. 18 assumes, and the ends have
@@ -68,8 +76,17 @@ def open_section(chains: FloatArray, dome: float, wall: float) -> tuple[FloatArr
     # Where two frustums meet, their walls differ: both points are on one contour.
     bore = np.repeat(chains, 2, axis=0)[1:-1]
     bore[:, 1] = np.maximum(bore[:, 1] - np.repeat(radial, 2), 0.0)
-    outer = unite_contours(chains, _make_dome(dome))
-    return _require_core(outer), _require_core(unite_contours(bore, _make_dome(dome - wall)))
+    over, room = _place_dome(dome, wall, wall)
+    return _require_core(unite_contours(chains, over)), _require_core(unite_contours(bore, room))
+
+
+def _place_dome(dome: float | FloatArray, wall: float, thick: float) -> tuple[FloatArray, FloatArray]:
+    """Return the contours of a dome and of the room in it; ``thick`` is the wall of that of a radius."""
+    from driftform_frusta.envelope import offset_inward
+
+    if isinstance(dome, float):
+        return _make_dome(dome), _make_dome(dome - thick)
+    return dome, offset_inward(dome, wall)
 
 
 @lru_cache(maxsize=16)

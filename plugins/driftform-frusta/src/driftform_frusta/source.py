@@ -8,7 +8,7 @@ from driftform.interfaces import ExportJob
 from driftform.types import Body
 from driftform_frusta.colours import colour_of
 from driftform_frusta.csg import MM
-from driftform_frusta.parametric import hull_source
+from driftform_frusta.parametric import draw_core, hull_source
 from driftform_frusta.parts import Part
 from driftform_frusta.plate import GAP
 from driftform_frusta.scad import fill_source, write_definitions, write_module
@@ -46,6 +46,7 @@ def write_source(
         choices="\n".join(f'    if (name == "{name}") {module}();' for name, module in modules.items()),
         table="\n".join(rows),
         core=f"{MM * body.core.radius:.6g}",
+        shape=draw_core(body),
         height=f"{-MM * float(body.outer[0, 0]):.6f}",
         core_colour=style.ORANGE,
         balls=", ".join(_list_balls(body, ballast)),

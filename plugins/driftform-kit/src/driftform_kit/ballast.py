@@ -227,7 +227,7 @@ def place_ring(body: Body, wanted: RequiredBallast) -> tuple[Piece, ...]:
         return ()
     thick = float(brentq(lambda s: np.pi * (bore**2 - (bore - s) ** 2) * s - volume, 0.0, bore / 2))
     start, end, inner = x - thick / 2, x + thick / 2, bore - thick
-    beside_core = np.hypot(max(abs(x) - thick / 2, 0.0), inner) >= body.core.radius
+    beside_core = float(body.core.radius_at(np.clip(0.0, start, end))) <= inner
     if not beside_core or start < body.cavity[0, 0] or end > body.cavity[-1, 0]:
         return ()
     axial = wanted.mass * (bore**2 + inner**2) / 2
@@ -276,7 +276,8 @@ def max_ball_radius(body: Body, x: FloatArray, in_kit: bool = False) -> FloatArr
     A hull opens at the core's equator: the ball passes the bore from there, before the core. How a ball gets into a kit,
     with ``in_kit``, is up to the kit.
     """
-    free = np.minimum(_distance_to_wall(body, x), np.abs(x) - body.core.radius)
+    aft, fore = body.core.ends
+    free = np.minimum(_distance_to_wall(body, x), np.maximum(aft - x, x - fore))
     for side, end in enumerate(body.cavity[[0, -1], 0]) if not in_kit else ():
         way = np.linspace(0.0, end, _WAY)
         narrowest = np.minimum.accumulate(np.minimum(_distance_to_wall(body, way), body.core.radius))
@@ -310,7 +311,7 @@ class _Bore:
         edges = np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _SLICES + 1)
         self.x = (edges[1:] + edges[:-1]) / 2
         outer = np.interp(self.x, body.cavity[:, 0], body.cavity[:, 1])
-        inner = np.sqrt(np.maximum(body.core.radius**2 - self.x**2, 0.0))
+        inner = body.core.radius_at(self.x)
         self.width = float(edges[1] - edges[0])
         self.edges = edges
         self.area = np.pi * np.maximum(outer**2 - inner**2, 0.0)

@@ -69,7 +69,7 @@ def weigh_print(
 
     Raises InputError if the mass is missing.
     """
-    core = agent.body.core.mass
+    core, moment = agent.body.core.mass, agent.body.core.mass * agent.body.core.cog
     if mass is None and (kit is None or cog is not None):
         raise InputError("--printed-mass is missing: weigh the print with its core in, kg")
     if mass is not None and (cog is not None or kit is None or mass <= core):
@@ -77,8 +77,9 @@ def weigh_print(
     assert kit is not None
     if mass is None:
         return PrintWeight(kit.mass, kit.cog, "kit")
-    # The core's mass is known, at the origin: the difference is spread as the parts of the kit are.
-    return PrintWeight(mass, (mass - core) / mass * (kit.mass * kit.cog / (kit.mass - core)), "kit")
+    # The core's mass and place are known: the difference is spread as the parts of the kit are.
+    hull = (kit.mass * kit.cog - moment) / (kit.mass - core)
+    return PrintWeight(mass, (mass - core) / mass * hull + moment / mass, "kit")
 
 
 def _trim(design: Design, weight: PrintWeight, density: float, measure: MeasureKit | None) -> dict[str, Any]:
@@ -143,10 +144,10 @@ def _check(agent: Agent, name: str, weight: PrintWeight, density: float) -> None
             raise InputError(
                 f"--printed-cog {x:g}: lies outside the body, which reaches from x {aft:.4f} to {fore:.4f} m"
             )
-        hull = mass * x / (mass - body.core.mass)
+        hull = (mass * x - body.core.mass * body.core.cog) / (mass - body.core.mass)
         if not aft < hull < fore:
             raise InputError(
-                f"--printed-cog {x:g}: with its core at x 0, the hull alone would balance at x {hull:.4f} m, outside the "
+                f"--printed-cog {x:g}: with its core at x {body.core.cog:.4g}, the hull alone would balance at x {hull:.4f} m, outside the "
                 f"body ({aft:.4f} to {fore:.4f} m); weigh and balance it with its core in"
             )
     if not 1 < density < 1e5:

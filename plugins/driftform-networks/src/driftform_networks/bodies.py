@@ -122,7 +122,7 @@ def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
         return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator, design)
     fluid, core = design.scenario.fluid, design.agent.body.core
     mass = core.mass + (design.agent.mass.net_buoyancy(fluid) - buoyancy) / fluid.gravity
-    heaviest = LEAD_DENSITY * 4 / 3 * np.pi * core.radius**3
+    heaviest = LEAD_DENSITY * core.volume
     if not 0 <= mass <= heaviest:
         raise InputError(
             f"--buoyancy {buoyancy:g}: {design.name} needs a core of {1000 * mass:.1f} g for it; one of "

@@ -11,13 +11,16 @@ from driftform.interfaces import Grammar, PhenotypeBuilder, Table, option
 from driftform.types import Body, Core, Fittings, FloatArray, Genome, Moments, Morphology
 
 _Length = Annotated[float, Field(ge=0, le=1000)]
+Profile = tuple[tuple[_Length, _Length], ...]
+"""Distance from the nose and radius of each point of a profile, m."""
+
 _Inertia = Annotated[float, Field(gt=0, le=1e12)]
 
 
 class ProfileOptions(Table):
     """A body of revolution by its profile, mass and centre of gravity."""
 
-    profile: tuple[tuple[_Length, _Length], ...] = option(
+    profile: Profile = option(
         ...,
         "distance from the nose and radius of each point, from the nose to the tail; both ends lie on the axis",
         "m",
@@ -33,13 +36,7 @@ class ProfileOptions(Table):
 
     @model_validator(mode="after")
     def _is_a_body(self) -> "ProfileOptions":
-        x, r = np.array(self.profile, dtype=np.float64).reshape(-1, 2).T
-        if len(x) < 3 or x[0] != 0 or (np.diff(x) < 0).any() or r[0] != 0 or r[-1] != 0 or r[1:-1].min() <= 0:
-            raise ValueError(
-                "profile must run from the nose, [0, 0], to a point of the tail on the axis, with radii above 0"
-            )
-        if not self.cog <= x[-1]:
-            raise ValueError(f"cog is {self.cog:g} m from the nose, and the body {x[-1]:.4g} m long")
+        x, r = check_profile(self.profile, self.cog)
         # Mass at the two ends and on the rim: no body has more, and none less across than half of that around its axis.
         widest = self.mass * float(r.max()) ** 2
         longest = self.mass * float(self.cog * (x[-1] - self.cog)) + widest
@@ -50,6 +47,18 @@ class ProfileOptions(Table):
                 f"from half of that about the axis to {longest:.3g}"
             )
         return self
+
+
+def check_profile(profile: Profile, cog: float, prefix: str = "") -> tuple[FloatArray, FloatArray]:
+    """Return x and r of a profile, m; a ValueError names the option that is wrong, after a prefix."""
+    x, r = np.array(profile, dtype=np.float64).reshape(-1, 2).T
+    if len(x) < 3 or x[0] != 0 or (np.diff(x) < 0).any() or r[0] != 0 or r[-1] != 0 or r[1:-1].min() <= 0:
+        raise ValueError(
+            f"{prefix}profile must run from the nose, [0, 0], to a point of the tail on the axis, with radii above 0"
+        )
+    if not cog <= x[-1]:
+        raise ValueError(f"'{prefix}cog' is {cog:g} m from the nose, and the body {x[-1]:.4g} m long")
+    return x, r
 
 
 class ProfileBuilder(PhenotypeBuilder[ProfileOptions]):

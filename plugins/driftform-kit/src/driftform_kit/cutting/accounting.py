@@ -105,14 +105,14 @@ class KitWeight:
 
 def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
     """Return what the parts of an agent's kit weigh, and what they should weigh with its ballast."""
-    core, empty = agent.body.core.mass, kit_mass(agent.body, options)
+    core, empty = agent.body.core, kit_mass(agent.body, options)
     balls = [(held_mass(held, options), held.ball.z / MM) for held in kit.ballast]
-    bought = core + sum(mass for mass, _ in balls)
+    bought = core.mass + sum(mass for mass, _ in balls)
     return KitWeight(
-        empty.mass - core,
-        float(empty.mass * empty.cog[0]),
+        empty.mass - core.mass,
+        float(empty.mass * empty.cog[0]) - core.mass * core.cog,
         bought,
-        sum(mass * x for mass, x in balls),
+        sum(mass * x for mass, x in balls) + core.mass * core.cog,
         agent.mass.mass - bought,
         bool(balls),
     )
@@ -241,4 +241,4 @@ def piece_mass(piece: Piece, density: float) -> float:
 def measure_flooding(kit: Kit, body: Body, water: float) -> float:
     """Return the mass of the water (density in kg/m3) that fills the closed kit through an open hole, kg."""
     inside = solid_of_revolution(body.outer).volume - kit_moments(kit).volume
-    return water * (inside - 4 / 3 * np.pi * body.core.radius**3)
+    return water * (inside - body.core.volume)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from manifold3d import CrossSection, OpType
 
 from driftform.agent import distance_from
@@ -54,6 +55,51 @@ class Ball:
         """Return its disc, with a gap all round."""
         return meridian.make_disc(self.radius + gap).translate((0.0, self.z))
 
+    @property
+    def reach(self) -> float:
+        """Distance of its ends from its place, mm."""
+        return self.radius
+
+    def find_foot(self, latitude: float, side: int) -> float:
+        """Return z of the axis point from which a ray at a latitude (rad) on one side meets its surface squarely."""
+        return self.z
+
+    def may_touch(self, parts: Sequence[CrossSection], heights: FloatArray) -> npt.NDArray[np.bool_]:
+        """Return whether it may touch parts if its place is at some heights: where not, no edge is within it."""
+        return np.asarray(distance_along(parts, heights) <= meridian.circumradius(self.radius))
+
+
+@dataclass(frozen=True)
+class Capsule(Ball):
+    """A core that is not a ball, in its place in a hull."""
+
+    hull: Hull
+
+    def draw(self, gap: float = 0.0) -> CrossSection:
+        """Return its section, with a gap all round."""
+        return self.hull.draw_core(gap)
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farther end from its place, mm."""
+        return self.hull.reach
+
+    def find_foot(self, latitude: float, side: int) -> float:
+        """Return where the ray begins that meets, at a latitude, the first point that a cone normal to it touches."""
+        assert self.hull.capsule is not None
+        z, r = self.hull.capsule.T
+        first = int(np.argmax(r * math.cos(latitude) + side * z * math.sin(latitude)))
+        return float(z[first] - side * r[first] * math.tan(latitude))
+
+    def may_touch(self, parts: Sequence[CrossSection], heights: FloatArray) -> npt.NDArray[np.bool_]:
+        """Return True: each place is looked at."""
+        return np.ones_like(heights, dtype=bool)
+
+
+def core_ball(hull: Hull) -> Ball:
+    """Return the core of a hull."""
+    return Ball(0.0, hull.core) if hull.capsule is None else Capsule(0.0, hull.core, hull)
+
 
 @dataclass(frozen=True, eq=False)
 class Seat:
@@ -72,7 +118,7 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
     drawn = ball.draw()
     low, high = sorted((ball.z, ball.z + side * play))
     # The part that the ball moves to comes first: it is most likely to be met.
-    near = [part for part in parts[::-side] if _spans(part, low - 2 * ball.radius, high + 2 * ball.radius)]
+    near = [part for part in parts[::-side] if _spans(part, low - 2 * ball.reach, high + 2 * ball.reach)]
 
     def meets(aside: float, along: float) -> bool:
         moved = drawn.translate((aside, side * along))
@@ -81,8 +127,7 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
     if not meets(0.0, play):
         return False
     places = np.linspace(0.0, play, _STEPS)
-    # Elsewhere no edge is within the disc, so that it meets nothing.
-    touched = distance_along(near, ball.z + side * places) <= meridian.circumradius(ball.radius)
+    touched = ball.may_touch(near, ball.z + side * places)
     rest = next((along for along in places[touched].tolist() if meets(0.0, along)), play)
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
@@ -111,7 +156,7 @@ def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: t
 
     Fails if a seat is needed and has no room.
     """
-    found, core = [], Ball(0.0, hull.core)
+    found, core = [], core_ball(hull)
     for side in (-1, 1):
         if is_held(parts, core, side, gap):
             continue
@@ -134,11 +179,11 @@ def draw_seat(
     taken = CrossSection.batch_boolean(list(others), OpType.Add)
     far = 2 * float(np.abs(hull.skin).max())
     for latitude in np.radians(_LATITUDES_DEG).tolist():
-        # A strip about the ray from the ball's centre at that latitude.
+        # A strip about the ray at that latitude, for a ball from its centre.
         along = np.array([math.cos(latitude), side * math.sin(latitude)])
         across = np.array([-along[1], along[0]]) * SEAT / 2
         strip = np.array([-across, far * along - across, far * along + across, across])
-        section = _cut_nearest(hull, ball, strip, gap)
+        section = _cut_nearest(hull, ball, strip, gap, ball.find_foot(latitude, side))
         if _fits(section, part, taken, gap):
             return section
     return None
@@ -155,7 +200,7 @@ def draw_tube(
     inner = max(math.sqrt(0.5) * (ball.radius + gap), LEAST_TUBE)
     far = 2 * float(np.abs(hull.skin).max())
     corners = np.array([(inner, 0.0), (inner, side * far), (inner + SEAT, side * far), (inner + SEAT, 0.0)])
-    section = _cut_nearest(hull, ball, corners, gap)
+    section = _cut_nearest(hull, ball, corners, gap, ball.z)
     return section if _fits(section, part, taken, gap) else None
 
 
@@ -164,15 +209,15 @@ def _fits(section: CrossSection, part: CrossSection, taken: CrossSection, gap: f
     return bool(held and (meridian.grow(section, gap) ^ taken).area() < _AREA)
 
 
-def _cut_nearest(hull: Hull, ball: Ball, corners: FloatArray, gap: float) -> CrossSection:
-    """The piece of a strip, given from a ball's centre, between the ball and the nearest wall."""
-    strip = meridian.make_polygon(corners + np.array([0.0, ball.z]))
+def _cut_nearest(hull: Hull, ball: Ball, corners: FloatArray, gap: float, foot: float) -> CrossSection:
+    """The piece of a strip, given from a point of the axis, its foot, between a ball and the nearest wall."""
+    strip = meridian.make_polygon(corners + np.array([0.0, foot]))
     pieces = ((meridian.take_right(strip) ^ hull.inside) - ball.draw(gap)).decompose()
     if not pieces:
         return CrossSection()
 
     def distance(section: CrossSection) -> float:
-        return min(float(np.hypot(ring[:, 0], ring[:, 1] - ball.z).min()) for ring in section.to_polygons())
+        return min(float(np.hypot(ring[:, 0], ring[:, 1] - foot).min()) for ring in section.to_polygons())
 
     nearest = min(pieces, key=distance)
     return nearest + nearest.mirror((1.0, 0.0))

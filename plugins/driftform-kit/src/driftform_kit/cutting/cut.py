@@ -11,6 +11,7 @@ import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform_frusta.kit_options import KitOptions
+from driftform_kit.cutting.bay import core_ball
 from driftform_kit.cutting.joint import Joint, Line, plug_bore, radii_along, trace_mouth
 from driftform_kit.cutting.meridian import MM, Hull
 
@@ -85,7 +86,7 @@ def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
 def _list_roomy(hull: Hull, side: int, need: float, options: KitOptions) -> set[float]:
     """Distances from the core's equator, mm, at which a plug may leave room for the core, which passes so far."""
     gap, plug, lap = MM * options.clearance, MM * options.sleeve, MM * options.lap
-    away = np.arange(0.0, 4 * hull.core, STEP)
+    away = np.arange(0.0, 4 * hull.reach, STEP)
     mouth = hull.bore_radius(side * away)
     narrow = np.flatnonzero(mouth < need)
     reach = narrow[0] if len(narrow) else len(away) - 1
@@ -93,8 +94,8 @@ def _list_roomy(hull: Hull, side: int, need: float, options: KitOptions) -> set[
     # A plug is nowhere wider inside than at its mouth, and at its tip not wider than the cavity there: few places need
     # a closer look.
     tip, least = away - lap, hull.core + gap - _ROUNDING
-    wide = np.hypot(mouth - gap - plug, np.maximum(tip, 0.0)) >= least
-    wide &= np.hypot(hull.bore_radius(side * tip) - gap - plug, tip) >= least - _TINY
+    wide = hull.beside_core(mouth - gap - plug, side * np.maximum(tip, 0.0)) >= least
+    wide &= hull.beside_core(hull.bore_radius(side * tip) - gap - plug, side * tip) >= least - _TINY
     return set(away[wide].tolist())
 
 
@@ -120,7 +121,8 @@ def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
     passage = joint.side * joint.z
     s = np.linspace(-joint.lap, 0.0, 2 + math.ceil(joint.lap / STEP))
     inside = radii_along(line, -s) - _slant_factor(line) * (joint.gap + joint.plug)
-    return bool(np.hypot(inside, passage + s).min() >= hull.core + joint.gap - _ROUNDING)
+    beside = hull.beside_core(inside, joint.side * (passage + s))
+    return bool(beside.min() >= hull.core + joint.gap - _ROUNDING)
 
 
 def _slant_factor(line: Line) -> float:
@@ -174,8 +176,9 @@ def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Jo
 
 def _seat_end(hull: Hull, side: int) -> float:
     """Largest distance of a seat from the core's equator, mm: a cone of 45 degrees ends at the wall."""
+    foot = side * core_ball(hull).find_foot(math.pi / 4, side)
     away = np.arange(0.0, side * float(hull.bore[-1 if side > 0 else 0, 0]) + 2 * STEP, STEP)
-    return float(away[np.argmax(hull.bore_radius(side * away) <= away)])
+    return float(away[np.argmax(hull.bore_radius(side * away) <= away - foot)])
 
 
 def _cut_side(hull: Hull, first: Joint, side: int, height: float, options: KitOptions) -> tuple[Joint, ...]:

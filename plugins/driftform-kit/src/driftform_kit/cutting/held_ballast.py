@@ -61,13 +61,14 @@ def hold_ballast(
         return ()
     core = hull.core - _ROUNDING
     # In the shell that takes the core, the core passes from the joint to the origin. The other shell is put over it.
-    path = meridian.make_disc(core) + meridian.make_disc(core).translate((0.0, core_joint.z))
+    held_core = hull.draw_core(-_ROUNDING)
+    path = held_core + held_core.translate((0.0, core_joint.z))
     path += CrossSection.square((2 * core, abs(core_joint.z))).translate((-core, min(0.0, core_joint.z)))
     shell = joints.index(core_joint) + (not takes_core_aft(core_joint))
     held = []
     for ball in balls:
         part = sum(joint.z < ball.z for joint in joints)
-        kept_free = [path if part == shell else meridian.make_disc(core)]
+        kept_free = [path if part == shell else held_core]
         kept_free += [*(other.draw(-_ROUNDING) for other in balls if other is not ball)]
         if (ball.draw() ^ kept_free[0]).area() > _AREA:
             raise _refuse(ball, hull, "the core is there, or passes there")

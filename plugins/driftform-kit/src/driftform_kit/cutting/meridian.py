@@ -42,7 +42,8 @@ class Hull:
     """A hull to be cut: the areas inside its outer contour and inside its cavity.
 
     ``bore`` and ``skin`` are the contours of the cavity and of the outside as z and r, (n, 2), from aft to fore; ``core`` is
-    the core's radius, ``wall`` the nominal thickness of the wall, and ``joints`` has z of the joints of modules.
+    the core's radius, ``wall`` the nominal thickness of the wall, and ``joints`` has z of the joints of modules. ``capsule`` is
+    the contour of a core that is not a ball.
     """
 
     outer: CrossSection
@@ -52,6 +53,7 @@ class Hull:
     core: float
     wall: float
     joints: tuple[float, ...]
+    capsule: FloatArray | None = None
 
     def bore_radius(self, z: npt.ArrayLike) -> FloatArray:
         """Radius of the cavity, 0 beyond its ends."""
@@ -91,6 +93,32 @@ class Hull:
         return min(self.core + gap, self.bore_at(0.0))
 
     @cached_property
+    def reach(self) -> float:
+        """Distance of the core's farther end from its middle."""
+        return self.core if self.capsule is None else float(np.abs(self.capsule[:, 0]).max())
+
+    def draw_core(self, gap: float = 0.0) -> CrossSection:
+        """Return the core, with a gap all round."""
+        if self.capsule is None:
+            return make_disc(self.core + gap)
+        return _mirror_contour(self.capsule).offset(gap, JoinType.Round, 2.0, _CORNERS)
+
+    def draw_room(self, gap: float) -> CrossSection:
+        """Return the room that the core needs, as :meth:`room`."""
+        if self.capsule is None:
+            return make_disc(self.room(gap))
+        return self.draw_core(self.room(gap) - self.core)
+
+    def beside_core(self, r: FloatArray, z: FloatArray) -> FloatArray:
+        """Return the distance of points from the core's surface, negative inside, plus its radius: for a ball that from its centre."""
+        if self.capsule is None:
+            return np.asarray(np.hypot(r, z))
+        points = np.column_stack((z, r))
+        inside = r < np.interp(z, self.capsule[:, 0], self.capsule[:, 1], left=0.0, right=0.0)
+        apart = distance_from(points, self.capsule)
+        return np.asarray(self.core + np.where(inside, -apart, apart))
+
+    @cached_property
     def material(self) -> CrossSection:
         """The hull itself."""
         return self.outer - self.cavity
@@ -113,14 +141,14 @@ def draw_hull(body: Body) -> Hull:
         if (np.diff(contour[:, 0]) < 0).any():
             raise WorkFailedError(f"no kit can be made: the hull's {what} folds back along the axis")
         contours.append(MM * contour)
-    room = float(distance_from(np.zeros((1, 2)), body.cavity)[0])
-    if room < body.core.radius or not body.cavity[0, 0] < 0 < body.cavity[-1, 0]:
+    room, capsule = float(distance_from(np.zeros((1, 2)), body.cavity)[0]), body.core.contour
+    if (room < body.core.radius and not capsule) or not body.cavity[0, 0] < 0 < body.cavity[-1, 0]:
         raise WorkFailedError(
             f"no kit can be made: a core of {MM * body.core.radius:g} mm radius does not fit into the hull's cavity, whose "
             f"wall is {MM * room:.2f} mm from its centre"
         )
     skin, bore = contours
-    return Hull(
+    hull = Hull(
         outer=_mirror_contour(skin),
         cavity=_mirror_contour(bore),
         bore=bore,
@@ -128,7 +156,11 @@ def draw_hull(body: Body) -> Hull:
         core=MM * body.core.radius,
         wall=MM * body.wall,
         joints=tuple((MM * body.joints).tolist()),
+        capsule=MM * np.array(capsule) if capsule else None,
     )
+    if capsule and not (hull.draw_core() - hull.cavity).is_empty():
+        raise WorkFailedError("no kit can be made: the core does not fit into the hull's cavity")
+    return hull
 
 
 def draw_tube(bore: float, wall: float, core: float, low: float, high: float) -> Hull:

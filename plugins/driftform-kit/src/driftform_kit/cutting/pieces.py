@@ -161,7 +161,7 @@ def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[Cross
     """The sections of the parts, without seats."""
     bounds = [-meridian.FAR, *(joint.z for joint in joints), meridian.FAR]
     sections = [hull.material ^ meridian.make_slab(low, high) for low, high in pairwise(bounds)]
-    core = meridian.make_disc(hull.room(gap))
+    core = hull.draw_room(gap)
     for index, joint in enumerate(joints):
         made = draw_joint(hull, joint)
         plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)

@@ -121,7 +121,8 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
     kit = make_kit(body, options)
     parts = _number_parts(kit, body.hull_density)
     balls = _mark_balls(kit, parts, options)
-    core = f"ball of {2 * MM * body.core.radius:g} mm, {1000 * body.core.mass:.2f}{_NBSP}g"
+    what = f"capsule of {MM * float(np.ptp(body.core.ends)):g} x" if body.core.contour else "ball of"
+    core = f"{what} {2 * MM * body.core.radius:g} mm, {1000 * body.core.mass:.2f}{_NBSP}g"
     if (name := name_core(body.core)) != CUSTOM:
         core = f"{name}: {core}"
     printed = weigh_kit(job.agent, kit, options)

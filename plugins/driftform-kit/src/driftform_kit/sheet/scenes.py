@@ -8,7 +8,7 @@ import numpy as np
 from driftform.figures import style
 from driftform.types import FloatArray
 from driftform_frusta.colours import colour_of
-from driftform_kit.cutting.meridian import Ring
+from driftform_kit.cutting.meridian import Hull, Ring
 from driftform_kit.sheet.contents import Sheet, SheetPart
 
 CORE, BALLAST, WATER = style.tint(style.ORANGE, 0.6), style.tint(style.INK, 0.5), style.tint(style.BLUE, 0.25)
@@ -57,8 +57,8 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[Shape]:
             yield from _stand(part, x + part.size[0] / 2)
             x += part.size[0] + wide / 4
         if kind == "weigh":
-            yield _draw_ball(x + hull.core, hull.core, hull.core, CORE)
-            x += 2 * hull.core
+            yield _draw_core(hull, x + hull.reach, hull.core)
+            x += 2 * hull.reach
             yield Shape([np.array([[0, 0], [x, 0], [0.9 * x, -wide / 2], [0.1 * x, -wide / 2]])], _PALE)
             yield Shape([np.array([[0.4 * x, -wide / 4], [0.6 * x, -wide / 4]])], width=3)
         yield _draw_floor(-wide / 4, x)
@@ -84,15 +84,16 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[Shape]:
         for line in ([[0.05, 0.16], [0.08, 0.125], [0.05, 0.09]], [[0.12, 0.09], [0.45, 0.09]]):
             yield Shape([np.array(line) * length + corner], width=1.4)
     elif kind in ("insert", "core"):
-        part, z, radius, side = first, 0.0, hull.core, 1.0 if first.place < parts[1].place else -1.0
+        part, z, radius, side = first, 0.0, hull.reach, 1.0 if first.place < parts[1].place else -1.0
         if ball is not None and ball.mouth is not None:
             part, z, radius = parts[ball.number - 1], ball.held.ball.z, ball.held.ball.radius
             side = 1.0 if ball.mouth.z > z else -1.0
         yield from _lay(sheet, [part], loaded=kind == "core")
         away = max(float((side * ring[:, 1]).max()) for ring in part.piece.rings) * side + 2.5 * side * radius
-        yield _draw_ball(away, 0.0, radius, CORE if kind == "core" else BALLAST)
+        yield _draw_core(hull, away) if kind == "core" else _draw_ball(away, 0.0, radius, BALLAST)
         yield from _draw_arrow((away - 1.3 * side * radius, 0.0), (z + 1.3 * side * radius, 0.0))
-        yield Shape([np.append(_CIRCLE, _CIRCLE[:1], axis=0) * radius + (z, 0.0)], dash="2 2")
+        (place,) = (_draw_core(hull, z) if kind == "core" else _draw_ball(z, 0.0, radius, "none")).lines
+        yield Shape([np.append(place, place[:1], axis=0)], dash="2 2")
     elif kind == "join":
         part = parts[int(which) - 1]
         heights = np.concatenate(part.piece.rings)[:, 1]
@@ -133,7 +134,7 @@ def _lay(
         lines = [ring[:, ::-1] + (shift, 0.0) for ring in _mirror(part.piece.rings)]
         yield Shape(lines, style.tint(colour_of(part.place), 0.45))
     if core:
-        yield _draw_ball(0.0, 0.0, sheet.kit.hull.core, CORE)
+        yield _draw_core(sheet.kit.hull, 0.0)
     for ball in sheet.balls if loaded else ():
         if any(part.number == ball.number for part in parts):
             yield _draw_ball(ball.held.ball.z + shift, 0.0, ball.held.ball.radius, BALLAST)
@@ -145,6 +146,14 @@ def _lay(
 
 def _draw_ball(x: float, y: float, radius: float, fill: str) -> Shape:
     return Shape([_CIRCLE * radius + (x, y)], fill)
+
+
+def _draw_core(hull: Hull, x: float, y: float = 0.0) -> Shape:
+    """The core along the axis."""
+    if hull.capsule is None:
+        return _draw_ball(x, y, hull.core, CORE)
+    outline = np.concatenate((hull.capsule, hull.capsule[::-1] * (1.0, -1.0)))
+    return Shape([outline + np.array([x, y])], CORE)
 
 
 def _draw_floor(left: float, right: float, level: float = 0.0) -> Shape:

@@ -1,11 +1,11 @@
 // The pipe and the agent in three dimensions: the viewer of the report, fed with what the page knows.
-/* global View, ball, bore, colourOf, cross, dot, driftIn, hex, momentOf, moveOffWall, poseMatrix, revolve, rings, scale, section, sub, surfaceMesh, tube, unit */
+/* global View, ball, bore, colourOf, cross, dot, driftIn, hex, momentOf, moveOffWall, poseMatrix, revolve, rings, scale, section, shapeOfCore, sub, surfaceMesh, tube, unit */
 import { find, hexColour, make } from "./parts.js";
 
 function meshesOf(agent) {
   const path = agent.flight.position;
   return {
-    outer: revolve(agent.outer, false), cavity: revolve(agent.cavity, true), core: ball(agent.core), section: section(agent.outer, agent.cavity),
+    outer: revolve(agent.outer, false), cavity: revolve(agent.cavity, true), core: shapeOfCore(agent.core), section: section(agent.outer, agent.cavity),
     joints: rings(agent.outer, agent.joints), flown: revolve(agent.outer, false), tube: (radius) => tube(path, radius),
   };
 }
