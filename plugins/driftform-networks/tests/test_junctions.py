@@ -88,6 +88,12 @@ def test_the_fork_is_a_tee_with_a_branch_at_the_right(side: float, fork_file: Pa
     assert bottom == pytest.approx([0, -1])
 
 
+def test_the_speeds_of_a_flow_are_computed_once(fork_file: Path) -> None:
+    """Each link asks for its own: computed anew, they would take the square of the number of links."""
+    snapshot = take_snapshot(open_network(fork_file))
+    assert snapshot.speed is snapshot.speed and snapshot.length is snapshot.length
+
+
 def test_the_bends_of_a_pipe_are_the_angles_between_its_parts(fork_file: Path) -> None:
     """From (0, 0) to (200, 0) over (50, 50) and (100, 0): 141 m, and 100 m on."""
     network = draw_fork(fork_file)

@@ -56,7 +56,9 @@ def find_obstacle(body: Body, first: float, second: float, turn: float) -> str:
         return ""
     if body.max_diameter > second:
         return f"too wide: {1000 * body.max_diameter:.0f} mm in a bore of {1000 * second:.0f} mm"
-    longest = longest_rod(first, second, turn, body.max_diameter) if first else float("inf")
+    # What passes with a ball around it needs no search for the attitude.
+    is_short = np.hypot(body.length, body.max_diameter) <= min(first, second)
+    longest = longest_rod(first, second, turn, body.max_diameter) if first and not is_short else float("inf")
     if body.length > longest:
         return (
             f"too long: {1000 * body.length:.0f} mm, and a turn of {np.rad2deg(turn):.0f} degrees from a bore of "

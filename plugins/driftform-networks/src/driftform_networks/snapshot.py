@@ -42,18 +42,18 @@ class Snapshot:
     outlets: tuple[IntArray, ...] = field(repr=False, default=())
     """For each node, the links of this snapshot that lead away from it."""
 
-    @property
+    @cached_property
     def length(self) -> FloatArray:
         """Length of each link, m, (n,)."""
         return np.asarray(self.network.length[self.links])
 
-    @property
+    @cached_property
     def speed(self) -> FloatArray:
         """Mean speed of the water in each link, m/s, (n,); infinite in pumps, which have no volume."""
         with np.errstate(divide="ignore"):
             return np.asarray(self.flow / self.network.area[self.links])
 
-    @property
+    @cached_property
     def duration(self) -> FloatArray:
         """Time that water takes through each link, s, (n,)."""
         return np.asarray(self.length / self.speed)
