@@ -99,5 +99,4 @@ class StoredAgent:
 
 def _is_number(value: object) -> bool:
     # An integer of JSON may be larger than any float.
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and abs(value) <= sys.float_info.max
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
