@@ -10,6 +10,7 @@ from driftform_networks.bodies import Traveller, open_traveller
 from driftform_networks.bore import BANDS, MIXED
 from driftform_networks.dividing import divide_bodies
 from driftform_networks.junctions import Junction
+from driftform_networks.routing import TEE
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +117,7 @@ def test_flights_give_the_outlet_and_the_band_in_it(sphere: Traveller) -> None:
     onward[:, 0, 2], onward[:, 0, 4], onward[:, 1, 6] = 0.5, 0.125, 0.25
     onward[8, 1] = 0.0
     points = np.array([[1, 0.0, 0.75]])
-    table = divide_bodies(sphere, make_tee(exit_share=0.2), points, 0.08, onward)
+    table = divide_bodies(sphere, make_tee(exit_share=0.2), points, 0.08, onward, TEE)
     assert table.choice[0] == pytest.approx([0.8 * 0.625, 0.8 * 0.25])
     assert table.arrival[0, 0, [2, 4]] == pytest.approx([0.8, 0.2])
     assert table.arrival[0, 1, 6] == pytest.approx(1.0)

@@ -65,7 +65,7 @@ def compare(traveller: Traveller, size: float, bore: float, share: float) -> Com
     document = make_document(traveller, bore, share)
     places = spread_points(1.0, RINGS, AROUND)
     # The thousandth keeps the releases off the wall.
-    places *= np.minimum(1.0, 0.999 * (1 - size) / np.linalg.norm(places, axis=1))[:, None]
+    places = places * np.minimum(1.0, 0.999 * (1 - size) / np.linalg.norm(places, axis=1))[:, None]
     scenarios = [
         Scenario.model_validate(
             document | {"release": {"position": (BORE / 4, -right * BORE / 2, up * BORE / 2)}}

@@ -13,10 +13,21 @@ from driftform_networks.bodies import open_traveller
 from driftform_networks.bore import BANDS, BOTTOM, MIRROR, RIGHT, TOP, find_band, spread_points
 from driftform_networks.dividing import divide_bodies
 from driftform_networks.junctions import Junction
+from driftform_networks.passage import count_passings
 from driftform_networks.reading import open_network
+from driftform_networks.routing import TEE
 from driftform_networks.streamtubes import smallest_share
 from driftform_networks.tee_flights import fly_tee
-from driftform_networks.tees import BRANCH, RUN, SHARES, Tee, find_branch, match_ratio, weigh_shares
+from driftform_networks.tees import (
+    BRANCH,
+    RATIOS,
+    RUN,
+    SHARES,
+    Tee,
+    find_branches,
+    match_ratio,
+    weigh_shares,
+)
 
 
 def make_junction(**changes: Any) -> Junction:
@@ -48,33 +59,55 @@ def test_nothing_enters_an_outlet_below_the_smallest_share_of_streamtubes(size: 
     assert weigh_shares(1 - share, size) == [(1.0, 1.0)]
 
 
-@given(ratio=st.floats(0.3, 1.0), size=st.floats(0.01, 0.9))
+@given(ratio=st.floats(0.35, 1.0), size=st.floats(0.01, 0.9), angle=st.sampled_from(sorted(RATIOS)))
 def test_a_body_that_fits_into_a_branch_fits_into_the_one_that_stands_for_it(
-    ratio: float, size: float
+    ratio: float, size: float, angle: float
 ) -> None:
-    assert size > ratio or size < match_ratio(ratio, size)
+    assert size > ratio or size < match_ratio(ratio, size, RATIOS[angle])
+
+
+@pytest.mark.parametrize("angle", sorted(RATIOS))
+def test_the_flow_in_every_tee_that_stands_for_others_comes_with_driftform(angle: float) -> None:
+    from driftform.water.tee_store import PACKAGED, file_name
+    from driftform.water.tee_wall import Junction
+
+    for ratio in RATIOS[angle]:
+        shape = Junction(ratio, np.deg2rad(min(angle, 180 - angle)), round(0.2 * ratio, 9))
+        assert (PACKAGED / file_name(shape)).is_file()
 
 
 @pytest.mark.parametrize(
-    "changes",
+    ("changes", "reason"),
     [
-        {"inlets": 2},
-        {"stores": True},
-        {"bore": 0.0},
-        {"bores": np.array([0.3, 0.32])},
-        {"bores": np.array([0.3, 0.05])},
-        {"turns": np.array([0.0, np.deg2rad(150)])},
-        {"directions": np.array([[1.0, 0.0], [-1.0, 0.0]])},
-        {
-            "bores": np.full(3, 0.3),
-            "directions": np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0]]),
-            "turns": np.array([0.0, 1.5, 1.5]),
-        },
+        ({"inlets": 2}, "join"),
+        ({"bore": 0.0}, "no bore upstream"),
+        ({"bores": np.array([0.3, 0.32])}, "wide branch"),
+        ({"bores": np.array([0.3, 0.05])}, "narrow branch"),
+        ({"turns": np.array([0.0, np.deg2rad(150)])}, "steep branch"),
+        ({"directions": np.array([[1.0, 0.0], [-1.0, 0.0]])}, "no straight run"),
+        (
+            {
+                "bores": np.full(3, 0.3),
+                "directions": np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0]]),
+                "turns": np.array([0.0, 1.5, 1.5]),
+            },
+            "cross",
+        ),
     ],
 )
-def test_a_junction_that_is_no_tee_of_the_core_is_not_flown_through(changes: dict[str, Any]) -> None:
-    assert find_branch(make_junction()) == 1
-    assert find_branch(make_junction(**changes)) is None
+def test_streamtubes_divide_what_is_no_tee_of_the_core_and_the_reason_is_named(
+    changes: dict[str, Any], reason: str
+) -> None:
+    assert find_branches(make_junction()) == ([1], "")
+    assert find_branches(make_junction(**changes)) == ([], reason)
+
+
+def test_junctions_are_counted_once_for_all_members_and_flights_come_first() -> None:
+    one, two = {1: TEE, 2: "join", 3: "join"}, {1: "join", 2: TEE}
+    assert count_passings([one, two]) == {
+        "flown": 2,
+        "streamtubes": {"join": 1},
+    }
 
 
 def test_the_mirror_image_of_a_band_is_that_of_its_points() -> None:
@@ -85,8 +118,8 @@ def test_the_mirror_image_of_a_band_is_that_of_its_points() -> None:
 def test_what_is_not_carried_on_from_a_tee_is_held_there() -> None:
     onward = np.zeros((BANDS, 2, BANDS))
     onward[:, RUN, 5], onward[:, BRANCH, 1] = 0.5, 0.3
-    table = divide_bodies(open_traveller("sphere:60mm"), make_junction(), None, 0.02, onward)
-    assert table.is_flown
+    table = divide_bodies(open_traveller("sphere:60mm"), make_junction(), None, 0.02, onward, TEE)
+    assert table.passing == TEE
     assert table.obstacle == "held in a tee, where the flow divides"
     assert table.choice == pytest.approx(np.tile([0.5, 0.3], (BANDS, 1)))
     assert table.arrival[0].argmax(axis=1).tolist() == [5, 1]
@@ -115,9 +148,10 @@ def test_a_wide_sphere_sees_less_of_a_slow_branch_than_water(
     network = open_network(fork_file, tmp_path)
     branch = network.find_node("branch")
     narrow, wide = (route(network, name, "source", cache=tmp_path) for name in ("sphere:20mm", "sphere:80mm"))
-    assert (narrow.flown, narrow.divided) == (0, 1)
-    assert (wide.flown, wide.divided) == (1, 0)
+    fork = network.find_node("fork")
+    assert narrow.passings == {fork: "narrow body"}
+    assert wide.passings == {fork: TEE}
     assert wide.probability[branch] < narrow.probability[branch] - 0.02
     assert sum(end.probability for end in wide.ends) == pytest.approx(1)
     result = call("route", fork_file, "sphere:80mm", "--release", "source", "--cache", tmp_path)
-    assert "flown through 1 junctions on its ways; streamtubes divide it at 0" in result.stdout
+    assert "flown through 1 junctions; streamtubes divide bodies at 0" in result.stdout

@@ -13,6 +13,7 @@ import driftform
 from driftform.errors import InputError
 from driftform.types import Agent
 from driftform_networks.cache import hash_content
+from driftform_networks.fits import find_obstacle
 
 if TYPE_CHECKING:
     from driftform import Design
@@ -58,6 +59,22 @@ class Traveller:
         parts = [asdict(part) for part in (self.agent.body, self.agent.mass, self.agent.coefficients)]
         return hash_content([parts, scenario, simulator, hash_code()])
 
+    @cached_property
+    def width(self) -> float:
+        """Greatest diameter, m."""
+        return self.agent.body.max_diameter
+
+    @cached_property
+    def _ball(self) -> float:
+        """Diameter of a ball that the body fits into in any attitude, m."""
+        return float(np.hypot(self.agent.body.length, self.width))
+
+    def find_obstacle(self, first: float, second: float, turn: float) -> str:
+        """Return why the body cannot pass from a bore into another: :func:`~driftform_networks.fits.find_obstacle`."""
+        # Where a ball around it passes, no attitude need be searched.
+        fits = self._ball <= min(first or np.inf, second or np.inf)
+        return "" if fits else find_obstacle(self.agent.body, first, second, turn)
+
     def name_file(self, **flights: list[Any]) -> str:
         """Return the name of the file that keeps some flights of this body, which plain values describe."""
         return f"{hash_content({'body': self.hash, **flights})}.npz"
@@ -69,7 +86,7 @@ class Traveller:
         sphere of its diameter, and a friction velocity u* of a twentieth of the mean speed.
         """
         fluid, mass = self.scenario.fluid, self.agent.mass
-        area = np.pi / 4 * self.agent.body.max_diameter**2
+        area = np.pi / 4 * self.width**2
         terminal = np.sqrt(abs(mass.net_buoyancy(fluid)) / (0.25 * fluid.density * area))
         return bool(terminal < 0.1 * speed / 20)
 

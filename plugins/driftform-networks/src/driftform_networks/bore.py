@@ -6,6 +6,8 @@ area. Sector 1 is at the top, and the others follow clockwise; a body that has s
 or 5.
 """
 
+from functools import cache
+
 import numpy as np
 
 from driftform.types import FloatArray
@@ -40,6 +42,7 @@ def find_band(points: FloatArray, room: float) -> IntArray:
     return np.where(distance < _INNER * room, MIDDLE, 1 + sector)
 
 
+@cache
 def spread_points(room: float, rings: int = 18, around: int = 144) -> FloatArray:
     """Return points that fill the disc that a body's centre can take, each for the same area, (rings * around, 2).
 
@@ -48,10 +51,11 @@ def spread_points(room: float, rings: int = 18, around: int = 144) -> FloatArray
     radius = room * np.sqrt((np.arange(rings) + 0.5) / rings)
     # Half a step off, so that no point lies on the border of a sector, nor on the vertical.
     clock = 2 * np.pi * (np.arange(around) + 0.5) / around
-    return np.column_stack([
-        np.outer(radius, np.sin(clock)).ravel(),
-        np.outer(radius, np.cos(clock)).ravel(),
-    ])  # fmt: skip
+    points = np.column_stack(
+        [np.outer(radius, np.sin(clock)).ravel(), np.outer(radius, np.cos(clock)).ravel()]
+    )
+    points.flags.writeable = False
+    return points
 
 
 def sample_band(band: int, room: float, numbers: FloatArray) -> FloatArray:

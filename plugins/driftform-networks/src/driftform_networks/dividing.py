@@ -4,11 +4,10 @@ import numpy as np
 
 from driftform.types import FloatArray
 from driftform_networks.bodies import Traveller
-from driftform_networks.bore import BANDS, MIXED, spread_points
-from driftform_networks.fits import find_obstacle
+from driftform_networks.bore import BANDS, MIXED
 from driftform_networks.junctions import Junction
 from driftform_networks.routing import RoutingTable
-from driftform_networks.streamtubes import divide_bore
+from driftform_networks.streamtubes import divide_bore, divide_mixed
 
 _HELD = "held in a tee, where the flow divides"
 
@@ -19,6 +18,7 @@ def divide_bodies(
     points: FloatArray | None,
     service_bore: float,
     onward: FloatArray | None = None,
+    passing: str = "",
 ) -> RoutingTable:
     """Return where a body goes at a junction, by flights or by the streamtubes of its bore.
 
@@ -28,19 +28,20 @@ def divide_bodies(
         service_bore: bore of service pipes, m.
         onward: probability of each outlet and of the band in it by flights, for each band, (bands, outlets, bands);
             ``None`` for streamtubes.
+        passing: of the table.
     """
-    body, outlets = traveller.agent.body, len(junction.bores)
+    outlets = len(junction.bores)
     nothing = np.zeros((BANDS, outlets))
     band = MIXED if points is None else np.eye(BANDS)[:, None, :]
     arrival = np.broadcast_to(band, (BANDS, outlets, BANDS))
     if junction.stores:
         return RoutingTable(nothing, arrival, np.ones(BANDS))
-    leaves = junction.exit if body.max_diameter < service_bore else 0.0
+    leaves = junction.exit if traveller.width < service_bore else 0.0
     if not outlets:
         obstacle = f"a dead end: too wide for service pipes of {1000 * service_bore:.0f} mm"
         return RoutingTable(nothing, arrival, np.full(BANDS, 1.0 if leaves else 0.0), obstacle)
     obstacles = [
-        find_obstacle(body, junction.bore, bore, turn)
+        traveller.find_obstacle(junction.bore, float(bore), turn)
         for bore, turn in zip(junction.bores, junction.turns, strict=True)
     ]
     passes = np.array([not obstacle for obstacle in obstacles])
@@ -50,9 +51,7 @@ def divide_bodies(
     else:
         share, obstacle = onward.sum(axis=2), obstacle or _HELD
         arrival = np.where(share[:, :, None] > 0, onward / np.maximum(share, 1e-300)[:, :, None], arrival)
-    return RoutingTable(
-        share * (1 - leaves) * passes, arrival, np.full(BANDS, leaves), obstacle, onward is not None
-    )
+    return RoutingTable(share * (1 - leaves) * passes, arrival, np.full(BANDS, leaves), obstacle, passing)
 
 
 def _choose(traveller: Traveller, junction: Junction, points: FloatArray | None) -> FloatArray:
@@ -61,11 +60,8 @@ def _choose(traveller: Traveller, junction: Junction, points: FloatArray | None)
     if outlets == 1:
         return np.ones((BANDS, 1))
     bore = junction.bore or float(junction.bores.max())
-    room = max(1 - traveller.agent.body.max_diameter / bore, 1e-3)
-    # All water carries the body, also that within its radius of the wall: there its centre is as near as it can be.
-    anywhere = spread_points(1.0)
-    anywhere = anywhere * np.minimum(1.0, room / np.linalg.norm(anywhere, axis=1))[:, None]
-    mixed = divide_bore(anywhere, junction.directions, junction.shares).mean(axis=0)
+    room = max(1 - traveller.width / bore, 1e-3)
+    mixed = divide_mixed(junction.directions, junction.shares, room)
     if points is None or not len(points):
         return np.tile(mixed, (BANDS, 1))
     bands = points[:, 0].astype(np.int64)

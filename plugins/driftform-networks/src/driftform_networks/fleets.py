@@ -12,7 +12,7 @@ from driftform_networks.bodies import Traveller
 from driftform_networks.choosing import bound_steering, choose_fleet
 from driftform_networks.following import How, find_cases
 from driftform_networks.network import BoolArray, Network
-from driftform_networks.passage import Ending, Passage, list_rows, merge_ends
+from driftform_networks.passage import Ending, Passage, count_passings, list_rows, merge_ends
 from driftform_networks.routing import Routing
 from driftform_networks.snapshot import Snapshot
 from driftform_networks.tracers import route_tracers
@@ -97,6 +97,7 @@ class Fleet:
             "choice_bound": float(self.choice_bound[-1]),
             "gap_closed": self.gap_closed,
             "reachable_length": float(self.network.length[self.reachable].sum()),
+            "junctions": count_passings(member.passage.passings for member in self.members),
             "curve": self.curve_table(),
             "links": dict(zip(links["link"], links["seen"], strict=True)),
             "stuck": [

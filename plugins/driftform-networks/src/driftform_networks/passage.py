@@ -1,5 +1,6 @@
 """Where a body goes in a network, when it arrives, what it sees and where it ends."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
@@ -10,7 +11,7 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from driftform.types import FloatArray
 from driftform_networks.network import BoolArray, Network
-from driftform_networks.routing import Routing
+from driftform_networks.routing import TEE, Routing
 from driftform_networks.snapshot import STILL
 
 QUANTILES = (0.05, 0.5, 0.95)
@@ -56,7 +57,8 @@ class Passage:
             arrives, empty if no walks were made.
         unsteady: whether the flows changed on the way.
         gates: valves and the like that it passes: name of the link, what it is, and the probability of passing it.
-        flown, divided: number of junctions on its ways that it was flown through, and that streamtubes divide.
+        passings: how it passes the junctions on its ways, by node: :data:`~driftform_networks.routing.TEE` where it was
+            flown, else why streamtubes divide it.
         branches: the passages where branches leave the pipes at each side; empty if they were not asked for.
     """
 
@@ -72,8 +74,7 @@ class Passage:
     quantiles: FloatArray = field(default_factory=lambda: np.zeros((0, len(QUANTILES))))
     unsteady: bool = False
     gates: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    flown: int = 0
-    divided: int = 0
+    passings: Mapping[int, str] = field(default_factory=dict)
     branches: Mapping[str, "Passage"] = field(default_factory=dict)
 
     @property
@@ -112,6 +113,7 @@ class Passage:
             "coverage": self.coverage,
             "reachable_length": float(self.network.length[self.reachable].sum()),
             "ends": [asdict(end) for end in self.ends],
+            "junctions": count_passings([self.passings]),
             "stuck": [asdict(end) for end in self.stuck],
             "passed": [
                 {"link": link, "what": what, "probability": share}
@@ -184,7 +186,6 @@ def make_passage(
         if table.gate and seen[link] > LEAST
     }
     reachable = find_reachable(network, release, [routing.snapshot.step for routing in routings])
-    flown, divided = _count_junctions(routings, probability)
     found = merge_ends(ends)
     return Passage(
         network,
@@ -195,8 +196,7 @@ def make_passage(
         reachable,
         found,
         gates=gates,
-        flown=flown,
-        divided=divided,
+        passings=find_passings(routings, probability),
         **more,
     )
 
@@ -221,15 +221,24 @@ def find_reachable(network: Network, release: int, steps: Sequence[int]) -> Bool
     return np.asarray((forward & reached[network.start]) | (backward & reached[network.end]))
 
 
-def _count_junctions(routings: Sequence[Routing], probability: FloatArray) -> tuple[int, int]:
-    """Return at how many nodes that bodies come to flights divide them, and at how many others streamtubes do."""
-    flown, divided = set[int](), set[int]()
+def find_passings(routings: Iterable[Routing], probability: FloatArray) -> dict[int, str]:
+    """Return how bodies pass the junctions that they come to, by node; flights from one link count for its node."""
+    found: dict[int, str] = {}
     for routing in routings:
         snapshot = routing.snapshot
         for node, table in zip(snapshot.head.tolist(), routing.tables, strict=True):
-            if table.choice.shape[1] > 1 and probability[node] > LEAST and not snapshot.network.stores[node]:
-                (flown if table.is_flown else divided).add(node)
-    return len(flown), len(divided - flown)
+            if table.passing and probability[node] > LEAST and found.get(node) != TEE:
+                found[node] = table.passing
+    return found
+
+
+def count_passings(passings: Iterable[Mapping[int, str]]) -> dict[str, Any]:
+    """Return how many junctions bodies are flown through, and why streamtubes divide them at how many others."""
+    merged: dict[int, str] = {}
+    for one in passings:
+        merged |= {node: how for node, how in one.items() if merged.get(node) != TEE}
+    counts = Counter(merged.values())
+    return {"flown": counts.pop(TEE, 0), "streamtubes": dict(counts.most_common())}
 
 
 def leave(network: Network, node: int, probability: float) -> Ending:

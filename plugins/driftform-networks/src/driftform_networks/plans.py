@@ -1,6 +1,6 @@
 """The plan of an inspection: where and when bodies are released, where nets catch them, and what they see until then."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -12,7 +12,7 @@ from driftform_networks.bodies import Traveller
 from driftform_networks.choosing import choose_fleet
 from driftform_networks.following import Case, How, find_cases
 from driftform_networks.network import BoolArray, IntArray, Network
-from driftform_networks.passage import list_rows
+from driftform_networks.passage import count_passings, find_passings, list_rows
 from driftform_networks.walkers import Walks
 
 AIMS = ("records", "caught")
@@ -42,6 +42,7 @@ class Plan:
             lost.
         value, bound, random: what the nets are for, as a share of what all nets at once could give; an upper bound on
             it for any choice of as many nets; and its mean over random ones.
+        passings: how each member passes the junctions on its ways, as in a passage.
     """
 
     network: Network
@@ -56,6 +57,7 @@ class Plan:
     value: float
     bound: float
     random: float
+    passings: Sequence[Mapping[int, str]] = ()
 
     def measure(self, seen: FloatArray) -> float:
         """Return the share of the length in reach that is seen, by the probability of each link."""
@@ -90,6 +92,7 @@ class Plan:
             "coverage_with_nets": self.measure(self.seen),
             "recorded": self.measure(self.recorded),
             **{name: getattr(self, name) for name in ("value", "bound", "random")},
+            "junctions": count_passings(self.passings),
             "reachable_length": float(self.network.length[self.reachable].sum()),
         }
 
@@ -173,10 +176,14 @@ def plan_inspection(
     flows = {case.hour: case.snapshots for case in cases}
     travelings = asked.fly(travellers, [asked.travel], [snap for flow in flows.values() for snap in flow])
     followed: list[tuple[str, Case, Walks]] = []
+    passed: list[dict[int, str]] = []
     for traveller, traveling in zip(travellers, travelings, strict=True):
         route = cache(traveling.route)
         for case in cases:
-            followed.append((traveller.name, case, case.walk([route(snap) for snap in case.snapshots])))
+            routings = [route(snap) for snap in case.snapshots]
+            followed.append((traveller.name, case, case.walk(routings)))
+            visits = np.bincount(followed[-1][2].node + 1, minlength=len(network.nodes) + 1)[1:]
+            passed.append(find_passings(routings, visits.astype(np.float64)))
     reachable = np.any([case.find_reachable() for case in cases], axis=0)
     life = np.full(followed[0][2].count, 3600 * (within if battery is None else min(battery, within)))
     sight = np.array([walks.until(life).measure_sight() for *_, walks in followed])
@@ -206,6 +213,7 @@ def plan_inspection(
         value / total,
         bound / total,
         random / total,
+        [passed[row] for row in picked.tolist()],
     )
 
 

@@ -3,7 +3,7 @@
 import csv
 import io
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -24,7 +24,7 @@ from driftform_networks.gis import check_crs, write_geojson
 from driftform_networks.map import curve_svg, fleet_svg, format_time, passage_svg, plan_svg
 from driftform_networks.network import BoolArray, Network
 from driftform_networks.page import TextTable, report_html
-from driftform_networks.passage import Passage
+from driftform_networks.passage import Passage, count_passings
 from driftform_networks.plans import Plan
 from driftform_networks.sights import group_sight
 from driftform_networks.snapshot import warn_of_pressure
@@ -161,7 +161,7 @@ def present_plan(plan: Plan, title: str, outputs: Outputs, json: bool, sights: S
     ]
     more, groups = sights.describe(network, plan.recorded, plan.reachable, document)
     steps = {network.hydraulics.find_step(hour) for _, _, hour in plan.members}
-    lines += [*more, *warn_of_pressure(network, sorted(steps))]
+    lines += [word_passings(plan.passings), *more, *warn_of_pressure(network, sorted(steps))]
     figures = {"Map": partial(plan_svg, plan, title)}
     columns = {"members": plan.member_table(), "nets": plan.net_table(), "links": plan.link_table()}
     written = outputs.write(network, title, figures, [*lines, *tables, *groups], columns, True)
@@ -194,9 +194,7 @@ def present_passage(
     length = passage.network.length[passage.reachable].sum() / 1000
     lines = [f"sees {100 * passage.coverage:.1f} % of the {length:.1f} km that its water reaches"]
     if is_body:
-        lines.append(
-            f"flown through {passage.flown} junctions on its ways; streamtubes divide it at {passage.divided}"
-        )
+        lines.append(word_passings([passage.passings]))
     if passage.stuck:
         lines.append(f"{100 * sum(end.probability for end in passage.stuck):.1f} % end in the pipes")
     tables = [*_table_nodes(passage), *_table_ends(passage)]
@@ -238,7 +236,8 @@ def present_fleet(
     more, groups = sights.describe(fleet.network, fleet.seen, fleet.reachable, document)
     tables = [_table_members(fleet), _table_curves(fleet), *groups]
     steps = sorted({step for member in fleet.members for step in member.passage.steps})
-    lines += [*more, *warn_of_pressure(fleet.network, steps)]
+    passings = word_passings(member.passage.passings for member in fleet.members)
+    lines += [passings, *more, *warn_of_pressure(fleet.network, steps)]
     figures = {"Map": partial(fleet_svg, fleet, title), "Coverage": partial(curve_svg, fleet, title)}
     columns = {"members": fleet.member_table(), "curve": fleet.curve_table(), "links": fleet.link_table()}
     written = outputs.write(fleet.network, title, figures, [*lines, *tables], columns, True)
@@ -246,6 +245,14 @@ def present_fleet(
         chosen = {member.agent for member in fleet.members}
         written += save_agents([one for one in travellers if one.name in chosen], outputs.agents)
     present(document, [title, *tables, *lines], written, json)
+
+
+def word_passings(passings: Iterable[Mapping[int, str]]) -> str:
+    """Return a line with what bodies were flown through, and why streamtubes divide them at how many junctions."""
+    counts = count_passings(passings)
+    reasons = ", ".join(f"{reason} {count}" for reason, count in counts["streamtubes"].items())
+    total = sum(counts["streamtubes"].values())
+    return f"flown through {counts['flown']} junctions; streamtubes divide bodies at {total}{reasons and f': {reasons}'}"
 
 
 def _table_nodes(passage: Passage) -> list[str | TextTable]:

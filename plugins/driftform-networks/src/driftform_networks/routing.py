@@ -9,6 +9,9 @@ from driftform.types import FloatArray
 from driftform_networks.network import IntArray
 from driftform_networks.snapshot import Snapshot
 
+TEE = "a tee"
+"""What bodies are flown through."""
+
 
 @dataclass(frozen=True, eq=False)
 class RoutingTable:
@@ -21,14 +24,15 @@ class RoutingTable:
         arrival: probability of each band in which it enters an outlet, (bands, outlets, bands).
         leaves: probability that it leaves the pipes with the demand, (bands,).
         obstacle: what holds bodies there, in a few words.
-        is_flown: whether bodies were flown there.
+        passing: how bodies pass it: :data:`TEE` where they were flown, why streamtubes divide them in a few words, or
+            empty where nothing divides them.
     """
 
     choice: FloatArray
     arrival: FloatArray
     leaves: FloatArray
     obstacle: str = ""
-    is_flown: bool = False
+    passing: str = ""
 
 
 @dataclass(frozen=True, eq=False)

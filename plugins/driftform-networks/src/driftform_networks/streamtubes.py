@@ -7,6 +7,8 @@ nearest to the side where it leaves: a power diagram, whose weights follow from 
 Aronov, Minkowski-type theorems and least-squares clustering, Algorithmica 20, 1998, doi:10.1007/PL00009187).
 """
 
+from functools import cache
+
 import numpy as np
 
 from driftform.types import FloatArray
@@ -31,6 +33,35 @@ def divide_bore(points: FloatArray, directions: FloatArray, shares: FloatArray) 
     chosen = np.argmax(points @ sides.T + weigh_outlets(sides, together), axis=1)
     within = np.where(side == np.arange(len(sides))[:, None], shares, 0.0) / together[:, None]
     return np.asarray(within[chosen])
+
+
+def divide_mixed(directions: FloatArray, shares: FloatArray, room: float) -> FloatArray:
+    """Return the probability that a body which is anywhere in the bore enters each outlet, (outlets,).
+
+    All water carries the body, also that within its radius of the wall: there its centre is as near as it can be.
+
+    Args:
+        directions, shares: those of :func:`divide_bore`.
+        room: radius of the disc that its centre can take, relative to that of the bore.
+    """
+    across = tuple((directions[0] - directions[1]).round(6).tolist())
+    if len(shares) != 2 or across == (0.0, 0.0):
+        return np.asarray(divide_bore(_crowd(room), directions, shares).mean(axis=0))
+    weight = _between(_sort_heights(across, 1.0), shares[1])
+    taken = float(np.searchsorted(_sort_heights(across, room), weight)) / len(spread_points(1.0))
+    return np.array([1 - taken, taken])
+
+
+def _crowd(room: float) -> FloatArray:
+    """Return points that fill the bore evenly; those beyond ``room`` are moved back to it."""
+    points = spread_points(1.0)
+    return np.asarray(points * np.minimum(1.0, room / np.linalg.norm(points, axis=1))[:, None])
+
+
+@cache
+def _sort_heights(across: tuple[float, float], room: float) -> FloatArray:
+    """Return such points' coordinates along a direction, sorted: the same for all junctions of a kind."""
+    return np.sort(_crowd(room) @ np.array(across))
 
 
 def weigh_outlets(directions: FloatArray, shares: FloatArray) -> FloatArray:

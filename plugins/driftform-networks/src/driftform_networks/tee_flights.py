@@ -148,7 +148,7 @@ def _spread(traveller: Traveller, tee: Tee) -> Iterator[tuple[Any, ...]]:
     room = max(1 - traveller.agent.body.max_diameter / tee.bore, 0.0)
     places = spread_points(1.0, RINGS, AROUND)
     # The thousandth keeps the releases off the wall.
-    places *= np.minimum(1.0, 0.999 * room / np.linalg.norm(places, axis=1))[:, None]
+    places = places * np.minimum(1.0, 0.999 * room / np.linalg.norm(places, axis=1))[:, None]
     numbers = spread_numbers(len(places), 2, _SEED)
     for band, place, pair in zip(find_band(places, room).tolist(), places, numbers, strict=False):
         yield band, place * tee.bore / 2, *draw_attitude(pair)

@@ -1,5 +1,6 @@
 """Junctions that bodies are flown through: tees and wyes, and the few of them that stand for all."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,17 +10,17 @@ from driftform_networks.bore import BANDS
 from driftform_networks.junctions import Junction
 from driftform_networks.streamtubes import smallest_share
 
-RATIOS = (0.5, 1.0)
-"""Bore of the branch over that of the main; a junction takes the nearest by factor."""
+RATIOS = {60.0: (0.5, 1.0), 90.0: (0.5, 1.0), 120.0: (0.5, 1.0)}
+"""Angles between the branch and the run, degrees, and the bores of the branch over that of the main whose flow is stored.
+
+A junction takes the nearest angle, and the nearest bore by factor.
+"""
 
 NARROWEST = 0.35
 """Least such ratio of a junction that is flown."""
 
-ANGLES_DEG = (60.0, 90.0, 120.0)
-"""Angles between the branch and the run, degrees; a junction takes the nearest."""
-
-TURNS_DEG = (45.0, 135.0)
-"""Least and greatest angle of a junction that is flown, degrees."""
+WIDEST_DEG = 45.0
+"""Deviation of a branch from a right angle up to which it is flown, degrees."""
 
 RUN, BRANCH = range(2)
 """Outlets of a tee."""
@@ -34,7 +35,7 @@ NARROW = 0.1
 """Diameter of a mixed body over the bore of the main below which flights say what streamtubes say."""
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True)
 class Tee:
     """A tee or wye of these ladders.
 
@@ -55,28 +56,38 @@ class Tee:
     share: float
 
 
-def find_branch(junction: Junction) -> int | None:
-    """Return the outlet that is the branch of a tee or wye which can be flown through; ``None`` if it has no such branch."""
-    if junction.stores or junction.inlets != 1 or len(junction.bores) != 2 or not junction.bore:
-        return None
-    sideways = junction.directions.any(axis=1)
-    if sideways.sum() != 1:
-        return None
-    branch = int(np.argmax(sideways))
-    ratio, turn = junction.bores[branch] / junction.bore, np.rad2deg(junction.turns[branch])
-    is_flown = NARROWEST <= ratio <= 1 + 1e-6 and TURNS_DEG[0] <= turn <= TURNS_DEG[1]
-    return branch if is_flown else None
+def find_branches(junction: Junction) -> tuple[list[int], str]:
+    """Return the outlets that are branches of a tee or wye which can be flown through.
 
-
-def match_ratio(ratio: float, size: float) -> float:
-    """Return the nearest ratio of bores; a wider one if a body of ``size`` fits into the branch, but not into that one.
-
-    >>> match_ratio(0.6, 0.1), match_ratio(0.6, 0.55), match_ratio(0.6, 0.7)
-    (0.5, 1.0, 0.5)
+    Without them, a few words say why streamtubes divide its bodies.
     """
-    nearest = min(RATIOS, key=lambda known: abs(np.log(known / ratio)))
+    sideways = junction.directions.any(axis=1)
+    branches = np.flatnonzero(sideways)
+    ratios = junction.bores[branches] / max(junction.bore, 1e-9)
+    turns = np.rad2deg(junction.turns[branches])
+    reasons = (
+        (junction.inlets != 1, "join"),
+        (not junction.bore, "no bore upstream"),
+        (len(junction.bores) > 2, "cross"),
+        ((~sideways).sum() != 1, "no straight run"),
+        ((ratios > 1 + 1e-6).any(), "wide branch"),
+        ((ratios < NARROWEST).any(), "narrow branch"),
+        ((np.abs(turns - 90) > WIDEST_DEG).any(), "steep branch"),
+    )
+    if reason := next((text for found, text in reasons if found), ""):
+        return [], reason
+    return branches.tolist(), ""
+
+
+def match_ratio(ratio: float, size: float, ratios: Sequence[float]) -> float:
+    """Return the nearest of some ratios of bores; a wider one if a body of ``size`` fits into the branch, but not into that one.
+
+    >>> [match_ratio(0.6, size, (0.5, 1.0)) for size in (0.1, 0.55, 0.7)]
+    [0.5, 1.0, 0.5]
+    """
+    nearest = min(ratios, key=lambda known: abs(np.log(known / ratio)))
     if size <= ratio:
-        return min((known for known in RATIOS if known >= nearest and size < 0.99 * known), default=nearest)
+        return min((known for known in ratios if known >= nearest and size < 0.99 * known), default=nearest)
     return nearest
 
 

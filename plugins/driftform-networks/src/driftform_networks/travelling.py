@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from itertools import chain, product
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
@@ -16,12 +17,11 @@ from driftform_networks.bore import BANDS, MIRROR, MIXED
 from driftform_networks.cache import find_cache
 from driftform_networks.dividing import divide_bodies
 from driftform_networks.epanet import split_option
-from driftform_networks.fits import find_obstacle
 from driftform_networks.flights import StraightFlights, StraightTask
 from driftform_networks.gates import find_gate, read_gates
 from driftform_networks.junctions import SIDES, Junction, describe_junction, find_bends
 from driftform_networks.network import Network
-from driftform_networks.routing import Routing, RoutingTable, TransferTable
+from driftform_networks.routing import TEE, Routing, RoutingTable, TransferTable
 from driftform_networks.snapshot import Snapshot
 from driftform_networks.tee_flights import TeeTask
 from driftform_networks.tees import Tee
@@ -37,6 +37,9 @@ SLOPES = (-0.5, -0.15, -0.05, 0.0, 0.05, 0.15, 0.5)
 
 SERVICE_BORE = 0.02
 """Default bore of the service pipes through which demand leaves, m: a narrower body leaves with it."""
+
+_Way: TypeAlias = tuple[int, list[tuple[TeeTask, float]]]
+"""An outlet, and the flights that stand for the way into it, with weights of the sum 1."""
 
 Progress = Callable[[int, int], None]
 """Takes the number of tables that are made, and of all."""
@@ -103,7 +106,7 @@ class Traveling:
         self._repeat_cells, self._find_bend = cache(repeat_cells), cache(self._fit_bends)
         self._describe = cache(partial(describe_junction, branch=travel.branch))
         self._travel = travel
-        self._retained = traveller.agent.body.max_diameter >= travel.service_bore
+        self._retained = traveller.width >= travel.service_bore
 
     def list_straights(self, snapshot: Snapshot) -> Iterator[StraightTask]:
         """Yield the flights through straight pipes that a snapshot needs."""
@@ -114,8 +117,8 @@ class Traveling:
     def list_tees(self, snapshot: Snapshot) -> Iterator[TeeTask]:
         """Yield the flights through tees that a snapshot needs."""
         for link in range(len(snapshot.links)):
-            found = self._find_tees(snapshot, link, self._describe(snapshot, link))
-            yield from (task for task, _ in found if task.tee.share not in _ALL_INTO)
+            ways, _ = self._find_ways(snapshot, link, self._describe(snapshot, link))
+            yield from (task for _, tasks in ways for task, _ in tasks if not _is_whole(task))
 
     def route(self, snapshot: Snapshot) -> Routing:
         """Return the tables of the body in a snapshot; flights that were not made are made."""
@@ -127,11 +130,11 @@ class Traveling:
     def _needs_flights(self, snapshot: Snapshot, link: int) -> bool:
         network, index = snapshot.network, snapshot.links[link]
         is_pipe = network.is_pipe[index]
-        fits = self._traveller.agent.body.max_diameter <= network.diameter[index]
+        fits = self._traveller.width <= network.diameter[index]
         return bool(is_pipe and fits and not self._traveller.is_mixed(float(snapshot.speed[link])))
 
-    def _find_straight(self, snapshot: Snapshot, link: int) -> StraightTask:
-        """Return the flights through a straight pipe that stand for a link."""
+    def _find_straight(self, snapshot: Snapshot, link: int, share: float = 1.0) -> StraightTask:
+        """Return the flights through a straight pipe that stand for a link, with a share of its water."""
         network, index = snapshot.network, snapshot.links[link]
         ends = [snapshot.tail[link], snapshot.head[link]]
         slope = 0.0
@@ -141,7 +144,7 @@ class Traveling:
             self._traveller,
             self._folder,
             round(float(network.diameter[index]), 4),
-            _match_speed(max(float(snapshot.speed[link]), SLOWEST)),
+            _match_speed(max(share * float(snapshot.speed[link]), SLOWEST)),
             min(SLOPES, key=lambda known: abs(known - slope)),
         )
 
@@ -161,61 +164,80 @@ class Traveling:
 
     def _fit_bends(self, network: Network, index: int) -> str:
         """Return why the body cannot pass the bends of a link, empty if it can."""
-        body, bore = self._traveller.agent.body, network.diameter[index]
-        found = (find_obstacle(body, bore, bore, turn) for turn in (0.0, *find_bends(network, index)))
+        bore, find = float(network.diameter[index]), self._traveller.find_obstacle
+        found = (find(bore, bore, turn) for turn in (0.0, *find_bends(network, index)))
         return next(filter(None, found), "")
 
     def _divide(self, snapshot: Snapshot, link: int) -> RoutingTable:
         junction, points = self._describe(snapshot, link), None
         if self._needs_flights(snapshot, link):
             points = self._read_straight(self._find_straight(snapshot, link)).states[:, :3]
-        onward = self._fly_on(junction, self._find_tees(snapshot, link, junction))
-        return divide_bodies(self._traveller, junction, points, self._travel.service_bore, onward)
+        ways, passing = self._find_ways(snapshot, link, junction)
+        onward = self._fly_on(junction, ways)
+        return divide_bodies(self._traveller, junction, points, self._travel.service_bore, onward, passing)
 
-    def _find_tees(self, snapshot: Snapshot, link: int, junction: Junction) -> list[tuple[TeeTask, float]]:
-        """Return flights through tees that stand for a junction, with weights; none for one that streamtubes divide."""
-        branch = tees.find_branch(junction)
-        size = self._traveller.agent.body.max_diameter / (junction.bore or np.inf)
+    def _find_ways(self, snapshot: Snapshot, link: int, junction: Junction) -> tuple[list[_Way], str]:
+        """Return the flights that stand for the end of a link, and how bodies pass it; none where streamtubes divide them."""
+        if junction.stores or len(junction.bores) < 2:
+            return [], ""
+        size = self._traveller.width / (junction.bore or np.inf)
         is_pipe = snapshot.network.is_pipe[snapshot.links[link]]
         is_mixed = not self._needs_flights(snapshot, link)
-        if branch is None or not is_pipe or size >= 1 or (is_mixed and size < tees.NARROW):
-            return []
-        straight = self._find_straight(snapshot, link)
-        right, up = junction.directions[branch]
-        speed, clock = straight.speed, np.rad2deg(np.arctan2(abs(right), up))
-        if is_mixed:
-            # Neither gravity nor what lies upstream matters.
-            speed, clock = _match_speed(max(speed, tees.SLOWEST_MIXED)), 90.0
-        turn = float(np.rad2deg(junction.turns[branch]))
-        angle = min(tees.ANGLES_DEG, key=lambda known: abs(known - turn))
-        ratio = tees.match_ratio(float(junction.bores[branch]) / junction.bore, size)
-        shares = tees.weigh_shares(float(junction.shares[branch]), size if is_mixed else 0.0)
-        main = None if is_mixed else straight
-        found = []
-        for share, weight in shares:
-            tee = Tee(straight.bore, speed, ratio, angle, round(float(clock)), share)
-            found.append((TeeTask(self._traveller, self._folder, tee, main), weight))
-        return found
+        branches, reason = tees.find_branches(junction)
+        if is_mixed and size < tees.NARROW:
+            reason = reason or "narrow body"
+        if reason or not is_pipe or size >= 1:
+            return [], reason or "valve upstream"
+        ways, left = [], 1.0
+        for branch in branches:
+            straight = self._find_straight(snapshot, link, left)
+            right, up = junction.directions[branch]
+            speed, clock = straight.speed, np.rad2deg(np.arctan2(abs(right), up))
+            if is_mixed:
+                # Neither gravity nor what lies upstream matters.
+                speed, clock = _match_speed(max(speed, tees.SLOWEST_MIXED)), 90.0
+            turn = float(np.rad2deg(junction.turns[branch]))
+            angle = min(tees.RATIOS, key=lambda known: abs(known - turn))
+            ratio = tees.match_ratio(float(junction.bores[branch]) / junction.bore, size, tees.RATIOS[angle])
+            shares = tees.weigh_shares(float(junction.shares[branch]) / left, size if is_mixed else 0.0)
+            main, tasks = None if is_mixed else straight, []
+            for share, weight in shares:
+                tee = Tee(straight.bore, speed, ratio, angle, round(float(clock)), share)
+                tasks.append((TeeTask(self._traveller, self._folder, tee, main), weight))
+            ways.append((branch, tasks))
+            left -= float(junction.shares[branch])
+        return ways, TEE
 
-    def _fly_on(self, junction: Junction, tasks: list[tuple[TeeTask, float]]) -> FloatArray | None:
-        """Return the probability of each outlet and band by flights, (bands, outlets, bands); ``None`` without tees."""
-        branch = tees.find_branch(junction)
-        if branch is None or not tasks:
+    def _fly_on(self, junction: Junction, ways: list[_Way]) -> FloatArray | None:
+        """Return the probability of each outlet and band by flights, (bands, outlets, bands); ``None`` without flights."""
+        if not ways:
             return None
-        onward = np.zeros((BANDS, 2, BANDS))
-        for task, weight in tasks:
-            whole = task.tee.share in _ALL_INTO
-            onward += weight * (
-                tees.send_all(_ALL_INTO[task.tee.share]) if whole else self._read_tee(task).onward
-            )
-        if junction.directions[branch, 0] < -1e-6:
-            # Flights are those of a branch at the right.
-            onward = onward[MIRROR][:, :, MIRROR]
-        return np.asarray(onward[:, [tees.RUN, tees.BRANCH] if branch == 1 else [tees.BRANCH, tees.RUN]])
+        onward, here = np.zeros((BANDS, len(junction.bores), BANDS)), np.eye(BANDS)
+        for branch, tasks in ways:
+            table = np.zeros((BANDS, 2, BANDS))
+            for task, weight in tasks:
+                table += weight * (
+                    tees.send_all(_ALL_INTO[task.tee.share])
+                    if _is_whole(task)
+                    else self._read_tee(task).onward
+                )
+            if junction.directions[branch, 0] < -1e-6:
+                # Flights are those of a branch at the right.
+                table = table[MIRROR][:, :, MIRROR]
+            onward[:, branch] = here @ table[:, tees.BRANCH]
+            here = here @ table[:, tees.RUN]
+        ahead = set(range(len(junction.bores))) - {branch for branch, _ in ways}
+        onward[:, min(ahead, default=0)] = here
+        return onward
 
 
 _ALL_INTO = {0.0: tees.RUN, 1.0: tees.BRANCH}
 """Outlet that all bodies take if the branch has this share of the water."""
+
+
+def _is_whole(task: TeeTask) -> bool:
+    """Return whether all bodies take one outlet of a tee, so that none need be flown."""
+    return task.tee.share in _ALL_INTO
 
 
 def _match_speed(speed: float) -> float:
