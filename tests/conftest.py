@@ -62,8 +62,7 @@ def pytest_xdist_setupnodes() -> None:
     """Compile the kernels before the workers start, so that no test waits for them."""
     command = (sys.executable, "-c", KERNELS)
     processes = [
-        subprocess.Popen([*command, simulator, str(ROOT / "tests" / "helpers")])
-        for simulator in ("native", "exudyn")
+        subprocess.Popen([*command, simulator, str(ROOT / "tests" / "helpers")]) for simulator in ("native", "exudyn")
     ]
     assert [process.wait() for process in processes] == [0, 0]
 
@@ -345,7 +344,9 @@ def rows() -> Callable[[Path], list[tuple[Any, ...]]]:
     def read(directory: Path) -> list[tuple[Any, ...]]:
         connection = sqlite3.connect(directory / "run.db")
         try:
-            columns = "id, generation, population, parents, grammar, symbols, seed, failure, ended, duration, trajectory"
+            columns = (
+                "id, generation, population, parents, grammar, symbols, seed, failure, ended, duration, trajectory"
+            )
             evaluations = connection.execute(f"SELECT {columns} FROM evaluation ORDER BY id").fetchall()
             scores = connection.execute("SELECT * FROM score ORDER BY target, evaluation").fetchall()
         finally:

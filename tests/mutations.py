@@ -227,9 +227,7 @@ class _Replacement(importlib.abc.MetaPathFinder):
     def __init__(self, module: str, file: Path) -> None:
         self.module, self.file = module, file
 
-    def find_spec(
-        self, name: str, path: object = None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
+    def find_spec(self, name: str, path: object = None, target: ModuleType | None = None) -> ModuleSpec | None:
         """Return where the module is."""
         return importlib.util.spec_from_file_location(name, self.file) if name == self.module else None
 
@@ -293,9 +291,7 @@ def start(target: Target, source: str | None, folder: Path, number: int) -> int:
         os._exit(code)
 
 
-def run_all(
-    jobs: Sequence[tuple[Target, str | None]], processes: int, folder: Path
-) -> Iterator[tuple[int, int]]:
+def run_all(jobs: Sequence[tuple[Target, str | None]], processes: int, folder: Path) -> Iterator[tuple[int, int]]:
     """Generate the number of each job and its exit code, negative after a signal, as they end."""
     waiting, running = list(enumerate(jobs)), {}
     while waiting or running:

@@ -71,9 +71,7 @@ def test_evolve_leaves_the_run_that_the_command_leaves(run: Run, tmp_path: Path)
         ours, theirs = (p / "best" / target / "agent.json" for p in (run.path, tmp_path / "run"))
         assert StoredAgent.read(ours).document() == StoredAgent.read(theirs).document()
     names = {str(p.relative_to(run.path)) for p in run.path.rglob("*") if p.is_file()}
-    theirs_names = {
-        str(p.relative_to(tmp_path / "run")) for p in (tmp_path / "run").rglob("*") if p.is_file()
-    }
+    theirs_names = {str(p.relative_to(tmp_path / "run")) for p in (tmp_path / "run").rglob("*") if p.is_file()}
     assert {n for n in names if "run.db-" not in n} == {n for n in theirs_names if "run.db-" not in n}
 
 
@@ -87,9 +85,7 @@ def test_a_finished_run_is_returned_without_flying(run: Run, monkeypatch: pytest
     assert df.evolve(small(), run.path, progress=False).best() == run.best()
 
 
-def test_an_interrupted_run_goes_on_to_the_same_end(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interrupted_run_goes_on_to_the_same_end(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from driftform.pipeline import Pipeline
 
     evaluate: Callable[..., object] = Pipeline.evaluate
@@ -245,9 +241,7 @@ def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) ->
 
 def test_the_sealed_hull_of_an_agent_simulated_as_a_kit_is_written_with_a_warning(tmp_path: Path) -> None:
     agent = df.open_agent(WORD, scenario="pipe-inspection", use={"simulator": "native"})
-    with pytest.warns(
-        UserWarning, match=r"simulated as a kit, whose parts weigh \d+\.\d\d g; export design\.under"
-    ):
+    with pytest.warns(UserWarning, match=r"simulated as a kit, whose parts weigh \d+\.\d\d g; export design\.under"):
         [sealed] = agent.export("stl", tmp_path / "sealed.stl")
     assert sealed.exists()
     # The warning's advice: without a warning, as the tests turn those into errors.

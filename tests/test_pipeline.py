@@ -65,9 +65,7 @@ def test_one_target_within_the_margin_below_its_threshold_is_enough(
 def test_a_flight_that_fails_without_a_check_is_checked(pipeline, genomes) -> None:
     options = pipeline.simulator.options.model_copy(update={"step_limit": 20})
     short = replace(pipeline, simulator=type(pipeline.simulator)(options))
-    [screened], [expected] = (
-        short.evaluate(genomes[:1], thresholds=[threshold]) for threshold in (NOWHERE, None)
-    )
+    [screened], [expected] = (short.evaluate(genomes[:1], thresholds=[threshold]) for threshold in (NOWHERE, None))
     assert screened.failure == expected.failure is not None
     assert screened.trajectory.error == expected.trajectory.error
 
@@ -86,6 +84,4 @@ def test_a_pipeline_that_has_made_agents_makes_the_same_ones_in_another_process(
     made = pipeline.make_agent(genomes[0])
     sent = pickle.loads(pickle.dumps(pipeline))
     np.testing.assert_array_equal(sent.make_agent(genomes[0]).mass.inertia, made.mass.inertia)
-    np.testing.assert_array_equal(
-        sent.make_agent(genomes[0]).coefficients.added_mass, made.coefficients.added_mass
-    )
+    np.testing.assert_array_equal(sent.make_agent(genomes[0]).coefficients.added_mass, made.coefficients.added_mass)

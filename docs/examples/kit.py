@@ -16,6 +16,4 @@ print("checks that fail:", [finding.check for finding in findings if finding.sta
 
 # The print came out two grams too light.
 trim = trim_design(agent, printed_mass=agent.mass.mass - 0.002)
-print(
-    f"ballast of {1000 * trim['ballast_mass']:.2f} g at x {1000 * trim['ballast_x']:+.1f} mm of the core's centre"
-)
+print(f"ballast of {1000 * trim['ballast_mass']:.2f} g at x {1000 * trim['ballast_x']:+.1f} mm of the core's centre")

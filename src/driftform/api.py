@@ -221,9 +221,7 @@ class _Counter(Observer):
         return count_progress("disturbed flights")
 
 
-def evolve(
-    study: Study, directory: str | os.PathLike[str], *, workers: int = 1, progress: bool = True
-) -> Run:
+def evolve(study: Study, directory: str | os.PathLike[str], *, workers: int = 1, progress: bool = True) -> Run:
     """Evolve agents for every target of a study, as ``driftform evolve`` does, and return the run.
 
     A directory that holds a run of the same study is continued: to run a cell again costs nothing, and what was

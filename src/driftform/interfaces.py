@@ -415,9 +415,7 @@ class Renderer(Plugin[OptionsT_co]):
         if path.suffix.lower() not in self.stills:
             raise InputError(f"{path}: a still by '{self.name}' ends in {' or '.join(self.stills)}")
 
-    def still(
-        self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float
-    ) -> WrittenFile:
+    def still(self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float) -> WrittenFile:
         """Write a picture of the agent at the time ``at``, s since the release, and return a description of the file.
 
         Override this method if ``stills`` is not empty.

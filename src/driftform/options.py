@@ -47,9 +47,7 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
                 "option": name,
                 "type": _format_type(field.annotation),
                 "bounds": describe_bounds(field),
-                "default": "required"
-                if field.is_required()
-                else field.get_default(call_default_factory=True),
+                "default": "required" if field.is_required() else field.get_default(call_default_factory=True),
                 "unit": extra.get("unit", ""),
                 "help": field.description or "",
             }
@@ -87,11 +85,7 @@ def check_defaults(model: type[Table]) -> None:
             if item["type"] != "missing":
                 reason = item["msg"].replace("Input should be", "should be")
                 path = ".".join(map(str, item["loc"]))
-                what = (
-                    f"option '{path}' has the default {reprlib.repr(item['input'])}"
-                    if path
-                    else "its defaults"
-                )
+                what = f"option '{path}' has the default {reprlib.repr(item['input'])}" if path else "its defaults"
                 raise ValueError(f"{what}: {reason}") from None
 
 

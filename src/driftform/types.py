@@ -545,9 +545,7 @@ class Evaluation:
             freeze_fields(self, offsets=(None, 3))
 
     @classmethod
-    def failed(
-        cls, genome: Genome, targets: int, failure: str, trajectory: Trajectory | None = None
-    ) -> "Evaluation":
+    def failed(cls, genome: Genome, targets: int, failure: str, trajectory: Trajectory | None = None) -> "Evaluation":
         """Return a failed evaluation: zero fitness for every target, and the reason."""
         return cls(genome, np.zeros(targets), trajectory, failure)
 

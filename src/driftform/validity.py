@@ -49,9 +49,7 @@ class Range:
 
 RANGES: dict[str, tuple[Range, ...]] = {
     formula: tuple(Range(**row) for row in rows)
-    for formula, rows in tomllib.loads(
-        Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
-    ).items()
+    for formula, rows in tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")).items()
 }
 """The ranges of each formula, by its name."""
 
@@ -71,7 +69,5 @@ def find_departures(formula: str, values: Mapping[str, float]) -> list[str]:
         value = values.get(limit.symbol)
         if value is not None and not limit.contains(value):
             unit = f" {limit.unit}" if limit.unit else ""
-            found.append(
-                f"{formula}: {limit.quantity} {limit.symbol} = {value:.4g}{unit}; it holds {limit.describe()}"
-            )
+            found.append(f"{formula}: {limit.quantity} {limit.symbol} = {value:.4g}{unit}; it holds {limit.describe()}")
     return found

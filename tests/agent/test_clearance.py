@@ -50,9 +50,7 @@ def test_a_cylinder_on_the_axis_needs_the_room_of_its_diagonal(pitch):
     reach = farthest_from_line(outer, np.zeros(3), axis, np.zeros(3), np.array([1.0, 0, 0]))
     corner = half * np.sin(angle) + r * np.cos(angle)
     # Beyond some tilt the farthest point of the end's circle is not its corner in the plane any more.
-    assert reach == pytest.approx(
-        max(corner, np.hypot(half * np.sin(angle), r) if pitch == 90 else 0), rel=1e-12
-    )
+    assert reach == pytest.approx(max(corner, np.hypot(half * np.sin(angle), r) if pitch == 90 else 0), rel=1e-12)
 
 
 def test_a_body_beside_the_line_by_less_than_rounding_is_as_far_as_one_on_it():

@@ -36,9 +36,7 @@ def test_a_print_of_the_simulated_mass_and_balance_is_the_simulated_body() -> No
 
 
 def test_two_balls_are_a_dumbbell() -> None:
-    found = MassElement.reweigh(
-        AGENT, [MassElement.of_ball(1.0, -0.3, 0.1), MassElement.of_ball(3.0, 0.1, 0.2)]
-    ).mass
+    found = MassElement.reweigh(AGENT, [MassElement.of_ball(1.0, -0.3, 0.1), MassElement.of_ball(3.0, 0.1, 0.2)]).mass
     assert found.mass == 4.0
     assert found.cog[0] == pytest.approx(0.0, abs=1e-15)
     own = 0.4 * (1.0 * 0.1**2 + 3.0 * 0.2**2)

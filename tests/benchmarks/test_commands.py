@@ -39,9 +39,7 @@ def measure_cpu(*arguments: str) -> float:
     return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
-def test_commands_take_little_more_than_their_imports(
-    count_of: Callable[[str, int], int], tmp_path: Path
-) -> None:
+def test_commands_take_little_more_than_their_imports(count_of: Callable[[str, int], int], tmp_path: Path) -> None:
     run, again, repeats = tmp_path / "run", tmp_path / "again", count_of("REPEATS", 5)
     evolve = ("evolve", "--seed", "1", "--simulator", "native", "--workers", "2")
     commands = {
@@ -64,9 +62,7 @@ def test_commands_take_little_more_than_their_imports(
             pairs.append((measure_cpu(PROGRAM, *arguments), measure_cpu(*PEER)))
         seconds = [own for own, _ in pairs[1:]]
         ratios[name] = statistics.median(own / peer for own, peer in pairs[1:])
-        lines.append(
-            f"| `{name}` | {statistics.median(seconds):.2f} | {ratios[name]:.2f} | {max(seconds):.2f} |"
-        )
+        lines.append(f"| `{name}` | {statistics.median(seconds):.2f} | {ratios[name]:.2f} | {max(seconds):.2f} |")
     lines += [
         "",
         f"Medians of {repeats} runs with cached kernels, of a run of the default study: 500 flights, and the disturbed ones. "

@@ -44,9 +44,7 @@ def test_stages_of_an_evaluation(study, count_of, milliseconds):
         "express": milliseconds(pipeline.express, genomes),
         "build": milliseconds(pipeline.builder.build, morphologies),
         "mass properties": milliseconds(mass_properties, bodies),
-        "coefficients": milliseconds(
-            lambda body: pipeline.hydrodynamics.coefficients(body, scenario.fluid), bodies
-        ),
+        "coefficients": milliseconds(lambda body: pipeline.hydrodynamics.coefficients(body, scenario.fluid), bodies),
         "flight model": milliseconds(lambda agent: flight_model(agent, scenario), agents),
         "screen (native)": milliseconds(
             lambda agent: pipeline.simulator.screen_batch([agent], [scenario], lambda *_: False), agents
@@ -108,9 +106,7 @@ def test_errors_of_unchecked_flights(publish, count_of, tmp_path):
             thresholds = [job.threshold for job in jobs]
             matter = (true > np.array(thresholds)).any(axis=1)
             screened = [e.trajectory for e in pipeline.evaluate(genomes, thresholds=thresholds)]
-            missed = np.count_nonzero(
-                matter & [flight is not None and flight.error is None for flight in screened]
-            )
+            missed = np.count_nonzero(matter & [flight is not None and flight.error is None for flight in screened])
             lines.append(
                 f"| {use} | {name} | {ratio:.2f} | {np.median(off):.2g} | {np.quantile(off, 0.99):.2g} "
                 f"| {off.max():.2g} | {low:.2g} | {missed} of {matter.sum()} |"

@@ -74,9 +74,7 @@ class Course:
         if trajectory.t[-1] < self.exact.t[-1] - 0.1:
             return math.inf
         times = np.arange(0, min(trajectory.t[-1], self.exact.t[-1]), 0.01)
-        return largest_distance(
-            interpolate_positions(trajectory, times), interpolate_positions(self.exact, times)
-        )
+        return largest_distance(interpolate_positions(trajectory, times), interpolate_positions(self.exact, times))
 
     def by_runge_kutta(self):
         return runge_kutta(self.values, self.start, self.exact.t[-1], STEPS)
@@ -211,9 +209,7 @@ def test_what_an_evaluation_costs_over_plain_steps(kind, pipelines, count_of, mi
     # A pipeline keeps its bodies: each call gets another one.
     genome_to_agent = milliseconds(lambda genome: replace(native).make_agent(genome), genomes)
     model = milliseconds(lambda agent: flight_model(agent, scenario), agents)
-    unchecked = milliseconds(
-        lambda agent: native.simulator.screen_batch([agent], [scenario], lambda *_: False), agents
-    )
+    unchecked = milliseconds(lambda agent: native.simulator.screen_batch([agent], [scenario], lambda *_: False), agents)
     checked = milliseconds(lambda agent: native.fly([agent]), agents)
     score = milliseconds(lambda trajectory: native.score(trajectory, agents[0]), flights)
     code = milliseconds(encode, flights)

@@ -23,9 +23,7 @@ def test_a_process_does_not_grow_with_what_it_evaluates(count_of):
     grown = {}
     count = count_of("EVALUATIONS", 10_000)
     for use in ("native", "exudyn"):
-        done = subprocess.run(
-            [sys.executable, program, use, str(count)], stdout=subprocess.PIPE, text=True, check=True
-        )
+        done = subprocess.run([sys.executable, program, use, str(count)], stdout=subprocess.PIPE, text=True, check=True)
         first, more, grown[use] = map(float, done.stdout.split())
         lines.append(f"| {use} | {count} | {first:.0f} | {more:.1f} | {grown[use]:.1f} |")
     print("", *lines, sep="\n")

@@ -112,11 +112,7 @@ def cpu(process: str) -> float:
 
 def children(process: int) -> list[str]:
     """Processes that a process has started, by any of its threads."""
-    return [
-        child
-        for task in Path(f"/proc/{process}/task").glob("*/children")
-        for child in task.read_text().split()
-    ]
+    return [child for task in Path(f"/proc/{process}/task").glob("*/children") for child in task.read_text().split()]
 
 
 def marks(process: subprocess.Popen[str]) -> Iterator[Mark]:

@@ -83,9 +83,7 @@ def test_d_max_is_the_distance_of_the_farthest_point_of_the_pipe(axis, seed):
     assert found == pytest.approx(exact, rel=1e-6)
     off_axis = start + 0.3 * along + 0.6 * e1
     ends = np.vstack([start + ring.T, start + along + ring.T])
-    assert pipe.farthest_distance(off_axis) == pytest.approx(
-        np.linalg.norm(ends - off_axis, axis=1).max(), rel=1e-6
-    )
+    assert pipe.farthest_distance(off_axis) == pytest.approx(np.linalg.norm(ends - off_axis, axis=1).max(), rel=1e-6)
 
 
 def test_fitness_does_not_depend_on_how_densely_a_flight_is_sampled():

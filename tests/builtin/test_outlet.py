@@ -68,8 +68,7 @@ def test_passing_closer_to_the_branch_is_worth_more():
     tee, outlets = place_tee()
     heights = (-0.08, -0.03, 0.0, 0.05, 0.09)
     values = [
-        score(flight((0, 0, z), np.add(tee, [0, 0, z]), np.add(outlets["on"], [0, 0, z])), A="up")[0]
-        for z in heights
+        score(flight((0, 0, z), np.add(tee, [0, 0, z]), np.add(outlets["on"], [0, 0, z])), A="up")[0] for z in heights
     ]
     assert (np.diff(values) > 0).all()
     # The way from the axis of the junction to the outlet is straight: the distance through the water has a closed form.

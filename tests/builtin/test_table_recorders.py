@@ -58,9 +58,7 @@ def test_force_and_torque_are_the_last_columns(tmp_path: Path) -> None:
     assert np.array_equal(np.array(rows[1:], dtype=float)[:, -6:], wrench)
 
 
-def test_without_pyarrow_parquet_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_pyarrow_parquet_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("driftform.runs.table_files.find_spec", lambda name: None)
     with pytest.raises(WorkFailedError, match=r"driftform\[parquet\]"):
         TestParquet().record(tmp_path)

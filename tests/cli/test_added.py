@@ -126,9 +126,7 @@ def test_wrong_options_of_a_plugin_are_refused_in_one_line(install: Install, ref
     assert "--height" in line and line.endswith("see 'driftform tide --help'")
 
 
-def test_a_command_that_two_plugins_claim_is_refused_with_both_names(
-    install: Install, refused: Refused
-) -> None:
+def test_a_command_that_two_plugins_claim_is_refused_with_both_names(install: Install, refused: Refused) -> None:
     install(ext_one=add("dredge", "one"), ext_two=add("dredge", "two"))
     assert refused("dredge") == (
         "error: command 'dredge' is unavailable: it is claimed by ext_one-plugin and ext_two-plugin; uninstall one of them"
@@ -193,9 +191,7 @@ def test_a_command_of_a_group_that_raises_is_one_line(install: Install, call: Ca
     result = call("harbour", "leave")
     assert result.exit_code == 1
     [line] = result.stderr.splitlines()
-    assert line.startswith(
-        "error: command 'harbour leave' failed: ArithmeticError: no water (in leave, line "
-    )
+    assert line.startswith("error: command 'harbour leave' failed: ArithmeticError: no water (in leave, line ")
 
 
 def test_a_command_of_the_core_is_not_replaced(install: Install, call: Call) -> None:
@@ -218,9 +214,7 @@ def test_a_command_of_the_core_is_not_replaced(install: Install, call: Call) -> 
         ("reproduce", 'pip install "driftform-paper"'),
     ],
 )
-def test_a_command_without_its_distribution_says_what_installs_it(
-    refused: Refused, command: str, remedy: str
-) -> None:
+def test_a_command_without_its_distribution_says_what_installs_it(refused: Refused, command: str, remedy: str) -> None:
     assert refused(command) == f"error: command '{command}' is not installed; run: {remedy}"
     assert refused(command, "--json") == f"error: command '{command}' is not installed; run: {remedy}"
 

@@ -14,9 +14,7 @@ Call = Callable[..., Any]
 
 
 @pytest.mark.usefixtures("ideal_water")
-def test_an_agent_opens_by_its_file_by_its_run_and_by_its_text(
-    finished_run: tuple[Path, Any], call: Call
-) -> None:
+def test_an_agent_opens_by_its_file_by_its_run_and_by_its_text(finished_run: tuple[Path, Any], call: Call) -> None:
     run = finished_run[0]
     by_file = json.loads(call("inspect", run / "best" / "TP1" / "agent.json", "--json").stdout)
     by_run = json.loads(call("inspect", f"{run}:TP1", "--json").stdout)
@@ -37,9 +35,7 @@ def test_a_run_in_a_directory_with_a_space_opens(run_copy: Path, call: Call) -> 
 
 
 @pytest.mark.parametrize("command", ["inspect", "simulate", "export"])
-def test_a_builder_that_raises_is_told_in_one_line(
-    call: Call, command: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_builder_that_raises_is_told_in_one_line(call: Call, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def build(*_: object) -> None:
         raise FloatingPointError("no wall is left")
 

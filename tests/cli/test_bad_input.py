@@ -171,9 +171,7 @@ def test_a_misspelt_command_and_a_misspelt_option_before_it(refused: Refused) ->
         ('base = "C:\\temp\\base.toml"\n', 1, ["neither a file nor", "\\t for a tab: write / in its place"]),
     ],
 )
-def test_of_a_study_file(
-    refused: Refused, tmp_path: Path, text: str, line: int | None, parts: list[str]
-) -> None:
+def test_of_a_study_file(refused: Refused, tmp_path: Path, text: str, line: int | None, parts: list[str]) -> None:
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     message = refused("evolve", "study.toml", *OUT)
     assert message.startswith(f"error: study.toml:{line}: " if line else "error: study.toml: ")
@@ -182,9 +180,7 @@ def test_of_a_study_file(
 
 
 def test_every_fault_of_a_study_is_told_at_once(call: Callable[..., Any]) -> None:
-    Path("study.toml").write_text(
-        BASE + "[fluid]\ndensity = -1\n[builder]\nwal = 1\n[simulator]\nuse = 'x'\n"
-    )
+    Path("study.toml").write_text(BASE + "[fluid]\ndensity = -1\n[builder]\nwal = 1\n[simulator]\nuse = 'x'\n")
     lines = call("evolve", "study.toml", *OUT).stderr.splitlines()
     assert [line.split(": ")[1] for line in lines] == ["study.toml:3", "study.toml:5", "study.toml:7"]
 

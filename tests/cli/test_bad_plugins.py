@@ -53,9 +53,7 @@ def test_a_simulator_that_misbehaves_fails_the_evaluation_by_name(call: Call, de
     assert result.exit_code == 1
     assert last_line(result).startswith(f"error: all 4 evaluations failed, 4 of them like this: {text}")
     # The command that flies one agent says the same.
-    result = call(
-        "simulate", "C", "--simulator", "fake", "--set", f"simulator.deed='{deed}'", "--out", "flight"
-    )
+    result = call("simulate", "C", "--simulator", "fake", "--set", f"simulator.deed='{deed}'", "--out", "flight")
     assert result.exit_code in (1, 2)
     assert "simulator 'fake'" in last_line(result) or deed == "silent"
 
@@ -69,9 +67,7 @@ def test_a_simulator_that_misbehaves_fails_the_evaluation_by_name(call: Call, de
         ("silent", "strategy 'deed' failed in ask(): SilentError: no message (in _raise, line "),
     ],
 )
-def test_a_strategy_that_misbehaves_stops_the_run_by_name_and_again_on_resume(
-    call: Call, deed: str, text: str
-) -> None:
+def test_a_strategy_that_misbehaves_stops_the_run_by_name_and_again_on_resume(call: Call, deed: str, text: str) -> None:
     result = call(*STUDY, "--strategy", "deed", "--set", f"strategy.deed='{deed}'", *RUN)
     assert result.exit_code == 1
     assert last_line(result).startswith(f"error: {text}")
@@ -205,9 +201,7 @@ def test_what_cannot_be_a_value_of_a_seam_is_named_by_a_run_and_by_one_flight(
     result = call("simulate", "C", "--scenario", "paper", "--simulator", "fake", *options, "--json")
     assert result.exit_code in (1, 2)
     assert result.stdout == ""
-    assert f"{seam} 'slipping'" in last_line(result) or "Coefficients.added_mass has shape" in last_line(
-        result
-    )
+    assert f"{seam} 'slipping'" in last_line(result) or "Coefficients.added_mass has shape" in last_line(result)
     assert len(result.stderr.splitlines()) == 1
 
 
@@ -273,10 +267,7 @@ def test_a_renderer_that_says_nothing_of_its_film_is_named(call: Call) -> None:
     options = ("--simulator", "fake", "--renderer", "flip-book", "--set", "renderer.flip-book.lost=true")
     result = call("simulate", "C", *options, "--film", "film.txt")
     assert result.exit_code == 1
-    assert (
-        last_line(result)
-        == "error: renderer 'flip-book' returned nothing from film(), expected a WrittenFile"
-    )
+    assert last_line(result) == "error: renderer 'flip-book' returned nothing from film(), expected a WrittenFile"
 
 
 def test_a_fitness_that_is_no_number_is_named(call: Call) -> None:
@@ -337,17 +328,13 @@ def test_an_exporter_that_takes_its_process_with_it_costs_one_line_and_no_other_
         "write what is missing with: driftform export run:TP1 --format scad,deed"
     )
     best = tmp_path / "run" / "best" / "TP1"
-    assert {"agent.json", "agent.scad", "section.svg", "trajectory.csv"} <= {
-        path.name for path in best.iterdir()
-    }
+    assert {"agent.json", "agent.scad", "section.svg", "trajectory.csv"} <= {path.name for path in best.iterdir()}
     assert not list((tmp_path / "run").rglob("*.part"))
     # The run is finished, and continuing it ends in the same line.
     assert last_line(call("resume", "run", "--workers", 1)) == last_line(result)
 
 
-def test_what_plugins_print_does_not_reach_stdout_beside_a_json_document(
-    run: Program, tmp_path: Path
-) -> None:
+def test_what_plugins_print_does_not_reach_stdout_beside_a_json_document(run: Program, tmp_path: Path) -> None:
     result = run(*STUDY, "--set", "simulator.deed='print'", *RUN, "--json", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert json.loads(result.stdout)["evaluations"] == 4

@@ -155,9 +155,7 @@ DAMAGE = "is damaged"
         ),
     ],
 )
-def test_to_resume_and_to_read(
-    refused: Refused, run_copy: Path, harm: Callable[[Path], None], told: str
-) -> None:
+def test_to_resume_and_to_read(refused: Refused, run_copy: Path, harm: Callable[[Path], None], told: str) -> None:
     harm(run_copy / "run.db")
     for args in (("resume", "run", "--workers", 1), ("inspect", "run:TP1")):
         line = refused(*args)
@@ -250,9 +248,7 @@ def test_a_locked_run_is_not_called_damaged_and_stays_as_it_is(
         other.rollback()
     assert result.exit_code == 1
     [line] = result.stderr.splitlines()
-    assert line.startswith(
-        "error: run/run.db: cannot be read here: database is locked; the data are untouched"
-    )
+    assert line.startswith("error: run/run.db: cannot be read here: database is locked; the data are untouched")
     assert rows(run_copy) == before
 
 

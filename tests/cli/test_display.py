@@ -64,9 +64,7 @@ def shown(view: View, width: int, height: int, encoding: str = "utf-8") -> list[
     return file.read().splitlines()
 
 
-FAILURE = (
-    "not converged: no tolerance brings two flights of this body nearer to each other than 37.2 mm anywhere"
-)
+FAILURE = "not converged: no tolerance brings two flights of this body nearer to each other than 37.2 mm anywhere"
 
 
 def a_view(targets: int, clock: Clock | None = None, fits: bool = True, evaluations: int = 300) -> View:
@@ -77,9 +75,7 @@ def a_view(targets: int, clock: Clock | None = None, fits: bool = True, evaluati
         scores = [100 - 60 / (1 + index / 10) for _ in names]
         standing.add(index, index // 50, "", FAILURE if index % 17 == 0 else None, scores)
     pace = Throughput(0, clock or Clock())
-    return View(
-        standing, pace, ("running", "12/s, 58 s left", "elapsed 25 s"), "runs/pipe-1: Ctrl-C stops", fits
-    )
+    return View(standing, pace, ("running", "12/s, 58 s left", "elapsed 25 s"), "runs/pipe-1: Ctrl-C stops", fits)
 
 
 @pytest.mark.parametrize("evaluations", [0, 300])

@@ -104,9 +104,7 @@ needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="re
 @pytest.fixture(scope="module")
 def undisturbed(run: Program, rows: Rows, tmp_path_factory: pytest.TempPathFactory) -> list[tuple[Any, ...]]:
     cwd = tmp_path_factory.mktemp("undisturbed")
-    result = run(
-        "evolve", *STUDY, "--set", f"simulator.pause={PAUSE}", "--workers", 2, "--out", "run", cwd=cwd
-    )
+    result = run("evolve", *STUDY, "--set", f"simulator.pause={PAUSE}", "--workers", 2, "--out", "run", cwd=cwd)
     assert result.returncode == 0, result.stderr
     return rows(cwd / "run")
 
@@ -221,9 +219,7 @@ def test_interrupted_it_does_not_wait_for_long_flights(
 
 
 @pytest.mark.parametrize("going", [("local", 0.5)], ids=["slow"], indirect=True)
-def test_a_second_process_on_a_run_is_refused(
-    going: subprocess.Popen[str], run: Program, tmp_path: Path
-) -> None:
+def test_a_second_process_on_a_run_is_refused(going: subprocess.Popen[str], run: Program, tmp_path: Path) -> None:
     for args in (("resume", "run"), ("evolve", *STUDY, "--out", "run")):
         second = run(*args, cwd=tmp_path)
         assert second.returncode == 2
@@ -281,9 +277,7 @@ def test_genomes_that_kill_their_process_are_counted_and_the_rest_is_a_result(
     assert f"{document['failed']} failed" in result.stderr
 
 
-def test_resuming_a_finished_run_changes_nothing(
-    run_copy: Path, call: Callable[..., Any], rows: Rows
-) -> None:
+def test_resuming_a_finished_run_changes_nothing(run_copy: Path, call: Callable[..., Any], rows: Rows) -> None:
     before = rows(run_copy)
     files = {path: path.read_bytes() for path in run_copy.rglob("*") if path.is_file()}
     result = call("resume", run_copy, "--workers", 1, "--json")
@@ -295,9 +289,7 @@ def test_resuming_a_finished_run_changes_nothing(
     assert [path.name for path in files if files[path] != after[path] and path.name != "run.db"] == []
 
 
-def test_all_evaluations_failing_ends_with_the_reason_of_the_first(
-    call: Callable[..., Any], fakes: None
-) -> None:
+def test_all_evaluations_failing_ends_with_the_reason_of_the_first(call: Callable[..., Any], fakes: None) -> None:
     args = (
         "paper",
         "--simulator",

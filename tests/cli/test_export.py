@@ -34,9 +34,7 @@ def test_a_hull_that_was_simulated_as_a_kit_is_exported_with_a_note(call: Callab
     word, kit = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB", ("--set", "builder.made_as=kit")
     result = call("export", word, "--out", "out", *kit)
     assert result.exit_code == 0
-    weighed = json.loads(call("inspect", word, "--json", "--set", "simulator.use=native", *kit).stdout)[
-        "hull_mass"
-    ]
+    weighed = json.loads(call("inspect", word, "--json", "--set", "simulator.use=native", *kit).stdout)["hull_mass"]
     assert f"whose parts weigh {1000 * weighed:.2f} g: write them with --kit" in result.stderr
     for options in ((), (*kit, "--kit")):
         assert "note" not in call("export", word, "--out", "out", *options).stderr

@@ -65,9 +65,7 @@ def stored(directory: Path) -> list[Record]:
 
 @pytest.mark.peers
 @pytest.mark.parametrize("format", FORMATS)
-def test_evaluations_are_those_of_the_run(
-    exported: Path, finished_run: tuple[Path, object], format: str
-) -> None:
+def test_evaluations_are_those_of_the_run(exported: Path, finished_run: tuple[Path, object], format: str) -> None:
     records = stored(finished_run[0])
     for frame in read(exported, format):
         assert list(frame["evaluation"]) == list(range(20))
@@ -117,9 +115,7 @@ def test_samples_are_those_that_are_stored_bit_by_bit(
         assert list(frame.columns) == [column.name for column in SAMPLE_COLUMNS]
         flights = [r.evaluation.trajectory for r in records]
         np.testing.assert_array_equal(frame["evaluation"], np.repeat(range(20), [len(f.t) for f in flights]))
-        whole = np.concatenate(
-            [np.column_stack([f.t, f.position, f.quaternion, f.velocity]) for f in flights]
-        )
+        whole = np.concatenate([np.column_stack([f.t, f.position, f.quaternion, f.velocity]) for f in flights])
         found = np.column_stack([np.asarray(frame[name]) for name in frame.columns[1:]])
         np.testing.assert_array_equal(found.astype(np.float32), whole.astype(np.float32))
 
@@ -183,9 +179,7 @@ def test_a_failure_keeps_its_reason_its_zero_fitness_and_its_body(
     assert set(samples["evaluation"]) == set(range(20)) - {7}
 
 
-def test_a_genome_that_has_no_body_is_a_row_without_one(
-    run_copy: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_genome_that_has_no_body_is_a_row_without_one(run_copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with Store.open(run_copy / "run.db", read_only=True) as store:
         study = load_study(Document("run", store.read_study()))
         [record] = store.read_records(TARGETS, 0, 1)
@@ -238,9 +232,7 @@ def test_tables_are_written_in_batches_that_fit_into_memory(
 
 
 @pytest.mark.peers
-def test_a_row_group_for_each_batch(
-    run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_row_group_for_each_batch(run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
     from pyarrow import parquet
 
     monkeypatch.setattr(tables, "ROWS", 6)

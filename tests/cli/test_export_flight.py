@@ -104,9 +104,7 @@ def test_a_flight_that_failed_is_written_and_told_as_failed(call: Call) -> None:
         (("--format", ","), "--format is empty"),
         (("--rate-hz", "-1"), "should be from 0"),
         (("--rate-hz", "nan"), "should be from 0"),
-        pytest.param(
-            ("--set", "recorder.mcap.leek_rate=1"), "did you mean 'leak_rate'?", marks=pytest.mark.peers
-        ),
+        pytest.param(("--set", "recorder.mcap.leek_rate=1"), "did you mean 'leak_rate'?", marks=pytest.mark.peers),
         (("--set", "recorder.parqet.seed=1"), "did you mean 'parquet'?"),
         pytest.param(("--set", "recorder.mcap.namespace=a/b"), "namespace", marks=pytest.mark.peers),
         (("--scenario", "pipe-inspektion"), "did you mean 'pipe-inspection'?"),

@@ -29,9 +29,7 @@ RUN = ("paper", "--target", "TP1", "--evaluations", 12, "--seed", 1, "--workers"
 
 @posix
 @pytest.mark.parametrize("name", ["typer", "driftform.cli.help", "numpy", "driftform.study.study"])
-def test_an_interruption_while_modules_are_imported_is_one_line(
-    tmp_path: Path, fake_plugin: Path, name: str
-) -> None:
+def test_an_interruption_while_modules_are_imported_is_one_line(tmp_path: Path, fake_plugin: Path, name: str) -> None:
     # Python runs this module before the program.
     (tmp_path / "sitecustomize.py").write_text(INTERRUPTED.format(name=name), encoding="utf-8")
     command = [str(Path(sys.executable).with_name("driftform")), "evolve", *map(str, RUN), "--out", "run"]

@@ -114,9 +114,7 @@ def warnings_of(call: Call, agent: str, *settings: str) -> str:
     options = [option for setting in settings for option in ("--set", setting)]
     found = json.loads(call("inspect", agent, "--json", *options).stdout)["warnings"]
     text = call("inspect", agent, *options).stdout
-    assert [line for line in text.splitlines() if line.startswith("warning")] == [
-        f"warning: {w}" for w in found
-    ]
+    assert [line for line in text.splitlines() if line.startswith("warning")] == [f"warning: {w}" for w in found]
     return "\n".join(found)
 
 
@@ -143,7 +141,5 @@ def test_inspect_warns_of_what_fits_on_no_common_bed(call: Call) -> None:
     facts = json.loads(call("inspect", long, "--json").stdout)
     assert facts["length"] > 0.25
     warning = f"{1000 * facts['length']:.0f} mm long"
-    assert warning in warnings_of(call, long) and "bed of a common printer (250 mm)" in warnings_of(
-        call, long
-    )
+    assert warning in warnings_of(call, long) and "bed of a common printer (250 mm)" in warnings_of(call, long)
     assert "bed" not in warnings_of(call, FIGURE_2)

@@ -31,9 +31,7 @@ class Terminal(io.StringIO):
         return True
 
 
-def printed(
-    header: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[int], columns: int
-) -> list[str]:
+def printed(header: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[int], columns: int) -> list[str]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys, "stdout", out := Terminal())
         patch.setenv("COLUMNS", str(columns))
@@ -43,10 +41,7 @@ def printed(
 
 
 def test_the_results_of_a_robust_run_find_room_in_80_columns_in_a_line_for_each_target() -> None:
-    rows = [
-        (f"TP{n}", "8.5", "0", "-0.25", "100.000", "12.345", "12.345", "12.345", "1234.5")
-        for n in range(1, 11)
-    ]
+    rows = [(f"TP{n}", "8.5", "0", "-0.25", "100.000", "12.345", "12.345", "12.345", "1234.5") for n in range(1, 11)]
     lines = printed(RESULTS, rows, range(1, 9), 80)
     assert max(map(len, lines)) <= 80
     assert len(lines) == len(rows) + 3  # a heading of two lines, and a rule

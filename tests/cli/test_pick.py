@@ -41,10 +41,7 @@ def test_at_a_target_it_finds_the_best_for_that_target(call, run_copy: Path, fin
     told = json.loads(finished_run[1].stdout)["targets"]["TP7"]
     picked = json.loads(call("pick", run_copy, "5.5", "0.0", "-0.4", "--json").stdout)
     assert picked["distance"] == pytest.approx(told["distance"], abs=1e-9)
-    assert (
-        StoredAgent.read(Path(picked["agent"])).genome
-        == StoredAgent.read(run_copy / "best/TP7/agent.json").genome
-    )
+    assert StoredAgent.read(Path(picked["agent"])).genome == StoredAgent.read(run_copy / "best/TP7/agent.json").genome
 
 
 def test_the_agent_serves_other_commands_and_flies_past_the_point_again(call, run_copy: Path) -> None:
@@ -85,9 +82,7 @@ def test_options_may_stand_before_the_coordinates(call, run_copy: Path) -> None:
     assert json.loads(call("pick", "--json", run_copy, "4", "0", "-.9").stdout)["point"] == [4.0, 0.0, -0.9]
 
 
-def test_the_database_is_left_as_it_is_also_where_another_process_works_on_the_run(
-    call, run_copy: Path
-) -> None:
+def test_the_database_is_left_as_it_is_also_where_another_process_works_on_the_run(call, run_copy: Path) -> None:
     before = (run_copy / "run.db").read_bytes()
     with lock_run(run_copy):
         assert call("pick", run_copy, *ANYWHERE).exit_code == 0
@@ -165,9 +160,7 @@ def test_an_unchecked_flight_is_flown_again_and_may_turn_out_not_to_be_the_close
     flight, point = flights[worse], np.array([float(value) for value in ANYWHERE])
     with Store.open(run_copy / "run.db") as writer:
         # It claims to pass the point exactly, but its genome is that of another flight.
-        claimed = replace(
-            flight, position=flight.position - flight.position[len(flight.t) // 2] + point, error=None
-        )
+        claimed = replace(flight, position=flight.position - flight.position[len(flight.t) // 2] + point, error=None)
         other = writer.read_record(worse, ("TP1", "TP7"))
         genome = other.candidate.genome
         record = Record(20, Candidate(genome), Evaluation(genome, np.zeros(2), claimed), other.seed)

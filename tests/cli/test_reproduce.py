@@ -124,9 +124,7 @@ def test_the_same_seed_gives_the_same_tables_also_after_an_interruption(
     assert (out / "results.md").read_text() == (reproduced[0] / "results.md").read_text()
 
 
-def test_other_settings_in_the_same_directory_are_refused(
-    reproduced: tuple[Path, dict[str, Any]], start: Any
-) -> None:
+def test_other_settings_in_the_same_directory_are_refused(reproduced: tuple[Path, dict[str, Any]], start: Any) -> None:
     process = start(
         *("reproduce", "--repeats", "2", "--seed", "3", "--simulator", "fake", "--out", reproduced[0]),
         *("--set", "flow.speed=0.5"),

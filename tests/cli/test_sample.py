@@ -40,6 +40,4 @@ def test_a_sample_says_why_most_of_its_misfits_cannot_be_released(call: Call) ->
     assert "mm across, in a bore of 25 mm" in found["commonest_failure"]["reason"]
     line = f"{found['failed']} of 6 cannot be released, {found['commonest_failure']['count']} of them like this: "
     assert line in text
-    assert (
-        json.loads(call("sample", "--out", "fit", "--count", 2, "--json").stdout)["commonest_failure"] is None
-    )
+    assert json.loads(call("sample", "--out", "fit", "--count", 2, "--json").stdout)["commonest_failure"] is None

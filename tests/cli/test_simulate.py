@@ -50,9 +50,7 @@ def test_a_figure_for_a_paper_has_the_width_that_is_asked_for(call: Call) -> Non
         ),
     ],
 )
-def test_a_style_that_cannot_be_is_refused_before_the_flight(
-    call: Call, options: tuple[str, ...], line: str
-) -> None:
+def test_a_style_that_cannot_be_is_refused_before_the_flight(call: Call, options: tuple[str, ...], line: str) -> None:
     result = call("simulate", FIGURE_2, *options)
     assert (result.exit_code, result.stderr) == (2, f"error: {line}\n")
     assert not Path("flights").exists()
@@ -70,7 +68,9 @@ def test_a_simulator_that_raises_is_told_in_one_line(call: Call, fakes: None) ->
     result = call("simulate", FIGURE_2, "--simulator", "fake", "--set", "simulator.fail=1")
     assert result.exit_code == 1
     [line] = result.stderr.splitlines()
-    fault = r"simulator 'fake' failed in simulate\(\): RuntimeError: genome .* not to my taste \(in simulate, line \d+\)"
+    fault = (
+        r"simulator 'fake' failed in simulate\(\): RuntimeError: genome .* not to my taste \(in simulate, line \d+\)"
+    )
     assert re.fullmatch(rf"error: word-\w+: cannot be flown: {fault}", line)
 
 
@@ -88,9 +88,7 @@ def test_a_plugin_of_the_command_line_takes_the_place_of_that_of_the_agent(
 
 
 def test_inspect_warns_of_added_mass_that_lagging_simulators_cannot_take(call: Call) -> None:
-    light = call(
-        "inspect", FIGURE_2, "--json", "--set", "builder.core_mass=0.001", "--set", "builder.hull_density=20"
-    )
+    light = call("inspect", FIGURE_2, "--json", "--set", "builder.core_mass=0.001", "--set", "builder.hull_density=20")
     facts = json.loads(light.stdout)
     assert facts["lambda_max"] > 17 / 3
     assert any("diverge" in warning for warning in facts["warnings"])

@@ -100,9 +100,7 @@ def test_without_an_encoder_it_says_what_to_install_and_flies_nothing(
 
 @pytest.mark.peers
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_an_interrupted_film_leaves_nothing(
-    start: Callable[..., subprocess.Popen[str]], tmp_path: Path
-) -> None:
+def test_an_interrupted_film_leaves_nothing(start: Callable[..., subprocess.Popen[str]], tmp_path: Path) -> None:
     quick = ("--set", "renderer.exudyn.view=side", "--set", "renderer.exudyn.rays=1")
     with start("simulate", WORD, "--film", "films/flight.mp4", *quick, cwd=tmp_path) as process:
         assert process.stderr is not None

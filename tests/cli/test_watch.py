@@ -106,9 +106,7 @@ def test_a_run_is_followed_to_its_end_while_others_come_and_go(start: Start, tmp
                 add(store, index)
                 assert stays.stdout is not None
                 line = stays.stdout.readline()
-                assert re.match(rf"{store.count()}/8 evaluations(, \S+/s)?(, .* left)?: A 50\.00$", line), (
-                    line
-                )
+                assert re.match(rf"{store.count()}/8 evaluations(, \S+/s)?(, .* left)?: A 50\.00$", line), line
         out, err = stays.communicate(timeout=60)
     assert (stays.returncode, err) == (0, "")
     assert out == "finished: 8 evaluations (0 failed), best agents in run/best/\n"
@@ -125,10 +123,7 @@ def test_a_run_that_was_killed_has_stopped_and_its_log_is_left_to_whoever_resume
     result = run("watch", "run", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     done = look(tmp_path / "run").status.done
-    assert (
-        result.stdout
-        == f"stopped after {done} of {EVALUATIONS} evaluations; resume with: driftform resume run\n"
-    )
+    assert result.stdout == f"stopped after {done} of {EVALUATIONS} evaluations; resume with: driftform resume run\n"
     assert sorted(path.name for path in (tmp_path / "run").glob("run.db*")) == before
 
 
@@ -147,9 +142,7 @@ def test_what_is_told_of_a_finished_run_is_what_the_run_told(
             assert (target["fitness"], target["error_percent"]) == (best["fitness"], best["error_percent"])
             # One generation of ten for each target.
             own = [r for r in store.read_records((name,)) if r.candidate.target == name]
-            assert target["mean_fitness"] == pytest.approx(
-                sum(float(r.evaluation.fitness[0]) for r in own) / 10
-            )
+            assert target["mean_fitness"] == pytest.approx(sum(float(r.evaluation.fitness[0]) for r in own) / 10)
             assert target["generation"] == 0
 
 
@@ -170,9 +163,7 @@ def test_a_run_is_watched_without_the_plugins_that_it_needs(run_copy: Path, call
     assert call("watch", run_copy, "--once").exit_code == 0
 
 
-def test_nothing_is_read_twice_but_what_lies_behind_a_gap(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nothing_is_read_twice_but_what_lies_behind_a_gap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[int] = []
     original = Store.read_summaries
 

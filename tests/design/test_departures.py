@@ -41,10 +41,7 @@ def test_each_departure_is_named_with_its_numbers(agent: str, setting: str, word
 def test_the_net_buoyancy_of_both_waters_is_right(agent: str) -> None:
     fresh = open_agent(agent, settings=["fluid.density=1000"])
     there = fresh.mass.volume * 1000 * 9.81 - fresh.mass.mass * 9.81
-    assert (
-        f"(net buoyancy {there:+.3f} N, and {open_agent(agent).net_buoyancy:+.3f} N"
-        in fresh.list_departures()[-1]
-    )
+    assert f"(net buoyancy {there:+.3f} N, and {open_agent(agent).net_buoyancy:+.3f} N" in fresh.list_departures()[-1]
 
 
 def test_a_word_has_no_design_to_depart_from() -> None:

@@ -65,9 +65,7 @@ def test_a_given_current_replaces_that_of_bends(design) -> None:
     flight.step(0.05)
     flight.step(0.05, current=(0.1, 0.0, 0.05))
     assert flight.end is None
-    np.testing.assert_allclose(
-        field.water_velocity(flight.position, 0.0, flight.scenario), [[0.1, 0.0, 0.05]]
-    )
+    np.testing.assert_allclose(field.water_velocity(flight.position, 0.0, flight.scenario), [[0.1, 0.0, 0.05]])
 
 
 def test_steps_follow_a_current_that_accelerates(design) -> None:

@@ -38,9 +38,7 @@ def test_a_gram_of_hull_is_a_denser_hull(opened: Design, neutral: str) -> None:
     hull = hull_mass(opened.agent.body)
     for change, errors in ((-GRAM, found.lighter), (0.0, found.as_simulated), (GRAM, found.heavier)):
         density = opened.agent.body.hull_density * (hull + change) / hull
-        other = open_agent(
-            WORD, "paper", settings=[neutral, SHORT, f"builder.hull_density={density!r}"], use=NATIVE
-        )
+        other = open_agent(WORD, "paper", settings=[neutral, SHORT, f"builder.hull_density={density!r}"], use=NATIVE)
         [flight] = other.pipeline.simulate([other.agent], "agent")
         np.testing.assert_allclose(errors, 100 - flight.fitness, atol=PERCENT)
     # A gram is 2 % of its mass, and takes it to another wall.

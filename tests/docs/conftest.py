@@ -58,9 +58,7 @@ def docs() -> Path:
 @pytest.fixture(scope="session")
 def pages() -> dict[str, str]:
     """Text of every page by its path within ``docs``."""
-    return {
-        str(path.relative_to(DOCS)): path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))
-    }
+    return {str(path.relative_to(DOCS)): path.read_text(encoding="utf-8") for path in sorted(DOCS.rglob("*.md"))}
 
 
 @pytest.fixture(scope="session")

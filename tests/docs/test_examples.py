@@ -64,10 +64,7 @@ def test_the_merging_rules_are_as_told(study_folder: dict[str, str]) -> None:
     assert "population" not in other.document["strategy"]
     # --set comes after the choice of plugins, and numbers of the run last.
     assert load_study("paper", ["run.seed=1"], run={"seed": 2}).seed == 2
-    assert (
-        load_study("paper", ["strategy.batch=7"], use={"strategy": "random"}).document["strategy"]["batch"]
-        == 7
-    )
+    assert load_study("paper", ["strategy.batch=7"], use={"strategy": "random"}).document["strategy"]["batch"] == 7
     # A word that is no TOML value is a string.
     assert load_study("paper", ["grammar.occupied=skip"]).document["grammar"]["occupied"] == "skip"
     # --set adds a target, or moves one; a file states them anew.
@@ -136,9 +133,7 @@ def run_python(folder: Path, *arguments: str) -> str:
 
 
 def run_driftform(folder: Path, *arguments: str) -> Any:
-    return json.loads(
-        run_python(folder, "-c", "from driftform.cli import main; main()", *arguments, "--json")
-    )
+    return json.loads(run_python(folder, "-c", "from driftform.cli import main; main()", *arguments, "--json"))
 
 
 def test_the_plugin_is_found(plugin_folder: Path) -> None:
@@ -161,9 +156,7 @@ def test_the_plugin_scores_a_flight(plugin_folder: Path) -> None:
 
 
 def test_the_plugin_passes_its_contract(plugin_folder: Path) -> None:
-    out = run_python(
-        plugin_folder, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-c", "pyproject.toml", "tests"
-    )
+    out = run_python(plugin_folder, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-c", "pyproject.toml", "tests")
     assert "passed" in out
 
 
@@ -300,6 +293,4 @@ def test_a_run_directory_holds_what_dataflow_tells(pages: dict[str, str], output
     section = pages["dataflow.md"].partition("## The run directory")[2].partition("\n## ")[0]
     names = {path.name for path in run.iterdir() if not path.name.startswith(".") and "-" not in path.suffix}
     files = {path.name for path in (run / "best" / "TP1").iterdir()}
-    assert [
-        name for name in sorted(names | files) if f"`{name}" not in section and f"{name}`" not in section
-    ] == []
+    assert [name for name in sorted(names | files) if f"`{name}" not in section and f"{name}`" not in section] == []

@@ -186,9 +186,7 @@ def test_every_command_has_a_written_part_and_every_part_a_command() -> None:
     every = {" ".join(path) for path, _ in commands(root) if path}
     written = set(parts()) - {"intro"}
     assert leaves <= written, f"describe the JSON of {sorted(leaves - written)} in tests/docs/{PARTS.name}"
-    assert written <= every, (
-        f"tests/docs/{PARTS.name} describes commands that are not: {sorted(written - every)}"
-    )
+    assert written <= every, f"tests/docs/{PARTS.name} describes commands that are not: {sorted(written - every)}"
 
 
 def test_every_command_and_option_has_help() -> None:
@@ -296,9 +294,7 @@ def description(d: Distribution) -> str:
 def plugin_page(d: Distribution) -> str:
     core = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     included = d.page == "core" or any(need.startswith(f"{d.name}==") for need in core["dependencies"])
-    extras = [
-        e for e, n in core["optional-dependencies"].items() if any(x.startswith(f"{d.name}==") for x in n)
-    ]
+    extras = [e for e, n in core["optional-dependencies"].items() if any(x.startswith(f"{d.name}==") for x in n)]
     lines = [
         f"# {d.name}",
         "",
@@ -491,8 +487,7 @@ def test_validity_page(docs: Path, up_to_date: Check) -> None:
     ]
     for formula, ranges in RANGES.items():
         lines += [
-            f"| {formula} | {r.quantity} | {r.symbol} | {r.describe()} | {r.source} | {r.outside} |"
-            for r in ranges
+            f"| {formula} | {r.quantity} | {r.symbol} | {r.describe()} | {r.source} | {r.outside} |" for r in ranges
         ]
     lines += [
         "",
@@ -505,8 +500,7 @@ def test_validity_page(docs: Path, up_to_date: Check) -> None:
         "|---|---|---|---|---|",
     ]
     lines += [
-        f"| `{name}` | {f.density:g} | {f.viscosity:.3g} | {f.state} | {f.source} |"
-        for name, f in FLUIDS.items()
+        f"| `{name}` | {f.density:g} | {f.viscosity:.3g} | {f.state} | {f.source} |" for name, f in FLUIDS.items()
     ]
     up_to_date(docs / "validity.md", "\n".join(lines) + "\n")
 

@@ -82,9 +82,7 @@ def picture() -> str:
         "Sections along the axis: each part has a colour, the core is grey.",
     )
     for index, title in enumerate(JOINTS):
-        panel(
-            root, title, 20 + (index % 2) * (WIDTH + 20), 20 + HEAD / 2 + (index // 2) * (HEIGHT + HEAD + 10)
-        )
+        panel(root, title, 20 + (index % 2) * (WIDTH + 20), 20 + HEAD / 2 + (index // 2) * (HEIGHT + HEAD + 10))
     return render(root)
 
 

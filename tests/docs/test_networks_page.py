@@ -46,9 +46,7 @@ def test_the_commands_print_what_the_page_shows(
 
 
 def test_a_run_becomes_a_fleet_and_a_fleet_becomes_parts(blocks: list[Any]) -> None:
-    plain = [
-        block for block in blocks if block.page == PAGE and block.language == "console" and not block.words
-    ]
+    plain = [block for block in blocks if block.page == PAGE and block.language == "console" and not block.words]
     lines = [line for block in plain for line in block.text.splitlines()]
     assert [shlex.split(line)[2] for line in lines] == ["evolve", "network", "export"]
     for line in lines[:2]:

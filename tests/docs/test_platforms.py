@@ -49,9 +49,7 @@ def test_platforms_and_extras_are_those_that_the_pages_name(
 ) -> None:
     document = read(ROOT)
     project, dated = document["project"], document["tool"]["uv"]["exclude-newer"]
-    versions = [
-        f"3.{line.removeprefix(PYTHON)}" for line in project["classifiers"] if line.startswith(PYTHON)
-    ]
+    versions = [f"3.{line.removeprefix(PYTHON)}" for line in project["classifiers"] if line.startswith(PYTHON)]
     extras = project["optional-dependencies"]
     named = " ".join(need for needs in extras.values() for need in needs)
     names = {read(path.parent)["project"]["name"] for path in ROOT.glob("plugins/*/pyproject.toml")}

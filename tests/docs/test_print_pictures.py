@@ -14,9 +14,7 @@ from driftform.interfaces import ExportJob
 from driftform.study import load_study
 from driftform.types import FloatArray
 
-BOTH_SIDES = (
-    "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
-)
+BOTH_SIDES = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
 
 # How each is made: a word, or the genome of that number among random ones, and the settings of its study.
 AGENTS: dict[str, tuple[str | int, tuple[str, ...]]] = {

@@ -14,9 +14,7 @@ NOTEBOOK = Path(__file__).parents[2] / "docs" / "notebooks" / "first-steps.ipynb
 
 
 @pytest.fixture(scope="module")
-def printed(
-    tmp_path_factory: pytest.TempPathFactory, blocks: list[Any]
-) -> Iterator[tuple[Path, dict[str, str]]]:
+def printed(tmp_path_factory: pytest.TempPathFactory, blocks: list[Any]) -> Iterator[tuple[Path, dict[str, str]]]:
     """The directory in which the examples ran, and what each printed."""
     from contextlib import redirect_stdout
     from io import StringIO
@@ -140,9 +138,7 @@ def test_a_notebook_shows_one_bar_and_one_line_of_an_error(tmp_path: Path) -> No
         "import driftform as df\ndf.load_study('tank', ['flow.sped=1'])",
     ]
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
-    client = NotebookClient(
-        notebook, timeout=300, allow_errors=True, resources={"metadata": {"path": str(tmp_path)}}
-    )
+    client = NotebookClient(notebook, timeout=300, allow_errors=True, resources={"metadata": {"path": str(tmp_path)}})
     client.execute()
     [bar], [error] = (cell.outputs for cell in notebook.cells)
     assert bar.output_type == "display_data", "one display, which changes; nothing on stderr"

@@ -57,10 +57,7 @@ def test_the_default_study(default: dict[str, Any], pages: dict[str, str]) -> No
     assert set(default["modules"]) == {39}
     assert f"{percent(default['net'] > 0)} float with `first`" in notes
     assert f"And {percent(default['one_sided'])} of random agents have modules on one side only" in notes
-    assert (
-        f"the median {median:+.2f} among random agents (5 % are below {low:.2f}, 5 % above {high:+.1f})"
-        in notes
-    )
+    assert f"the median {median:+.2f} among random agents (5 % are below {low:.2f}, 5 % above {high:+.1f})" in notes
     assert f"{np.sum(np.abs(default['net']) < 0.01)} of the 2000 are within 1 % of neutral" in notes
     assert f"instead of {default['diameter'].max():.2f} m" in notes
     assert not default["wide"].any()

@@ -204,9 +204,7 @@ def test_the_site_shows_them_all(package: Any, shown: dict[str, list[str]], site
 
 
 @pytest.mark.peers
-def test_the_reference_limits_modules_to_names_that_there_are(
-    package: Any, shown: dict[str, list[str]]
-) -> None:
+def test_the_reference_limits_modules_to_names_that_there_are(package: Any, shown: dict[str, list[str]]) -> None:
     for module, only in shown.items():
         assert set(only) <= set(package[module].members), module
 
@@ -241,7 +239,5 @@ def test_a_name_without_a_word_would_be_found(tmp_path: Path) -> None:
         "    length: float\n    width: float\n\n    def tell(self): ...\n\n\ndef untold(): ...\n"
     )
     module = griffe.load("bad", search_paths=[tmp_path])
-    assert sorted(undocumented(module, [])) == [
-        *("bad.LIMIT", "bad.Told.tell", "bad.Told.width", "bad.untold")
-    ]
+    assert sorted(undocumented(module, [])) == [*("bad.LIMIT", "bad.Told.tell", "bad.Told.width", "bad.untold")]
     assert list(bare(ast.parse((tmp_path / "bad.py").read_text()))) == ["Told.tell", "untold"]

@@ -179,12 +179,7 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
     for name, text in prose.items():
         for span in re.findall(r"(?<!`)`([^`\n]+)`(?!`)", text):
             found = re.fullmatch(r"([a-z]+)\.([a-z_0-9]+)(?: ?= ?(.+))?", span)
-            if (
-                not found
-                or found[1] not in tables
-                or found[1] == "targets"
-                or found[2] in ("py", "db", "toml", "svg")
-            ):
+            if not found or found[1] not in tables or found[1] == "targets" or found[2] in ("py", "db", "toml", "svg"):
                 continue
             if found[2] not in tables[found[1]] and found[2] != "use":
                 wrong.append(f"{name}: {span}: no such key")
@@ -214,9 +209,7 @@ def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
     assert f"each of at most {execution.MAX_BATCH} genomes" in pages["dataflow.md"]
     assert f"A task holds at most {execution.MAX_BATCH} genomes" in pages["running.md"]
     assert execution.ATTEMPTS == 2 and "whose process dies twice" in pages["dataflow.md"]
-    assert execution.KILLS == 5 and "whose process is killed five times" in " ".join(
-        pages["dataflow.md"].split()
-    )
+    assert execution.KILLS == 5 and "whose process is killed five times" in " ".join(pages["dataflow.md"].split())
     assert execution.STARTS == 5 and "five workers in a row die" in pages["running.md"]
 
 

@@ -256,17 +256,13 @@ def make_stl() -> bytes:
 
 def make_obj() -> bytes:
     lines = [f"v {x:g} {y:g} {z:g}" for x, y, z in CORNERS]
-    return "\n".join(
-        [*lines, "usemtl red", *(f"f {a + 1} {b + 1} {c + 1}" for a, b, c in TRIANGLES), ""]
-    ).encode()
+    return "\n".join([*lines, "usemtl red", *(f"f {a + 1} {b + 1} {c + 1}" for a, b, c in TRIANGLES), ""]).encode()
 
 
 def make_ply() -> bytes:
     head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
     lines = [f"{x:g} {y:g} {z:g}" for x, y, z in CORNERS] + [f"3 {a} {b} {c}" for a, b, c in TRIANGLES]
-    return (
-        head + "element face 4\nproperty list uchar int vertex_indices\nend_header\n" + "\n".join(lines)
-    ).encode()
+    return (head + "element face 4\nproperty list uchar int vertex_indices\nend_header\n" + "\n".join(lines)).encode()
 
 
 def make_glb(folder: Path) -> bytes:
@@ -494,9 +490,7 @@ def test_a_changed_file_is_read_or_refused_in_one_line(
         # In rounds, each from its own seed: a round ends in good time, and a failure is shrunk and repeats.
         number += 1
         run = given(st.sampled_from(corpus), changes)(check)
-        quiet = settings(
-            max_examples=100, deadline=None, database=None, suppress_health_check=list(HealthCheck)
-        )
+        quiet = settings(max_examples=100, deadline=None, database=None, suppress_health_check=list(HealthCheck))
         seed(number)(quiet(run))()
     print(f"{name}: {found['read']} read, {found['refused']} refused")
     assert found.total(), "no time"

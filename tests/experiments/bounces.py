@@ -110,9 +110,7 @@ def find_bounces(t, height, count):
     tops = 1 + np.flatnonzero((rises[:-1] > 0) & (rises[1:] <= 0) & (height[1:-1] > 1e-4))
     touches = 1 + np.flatnonzero((height[:-1] > 0) & (height[1:] <= 0))
     apexes = [(float(height[k]), float(t[k])) for k in tops[:count]]
-    return apexes, [
-        float(t[touches[t[touches] > when][0]]) for _, when in apexes if (t[touches] > when).any()
-    ]
+    return apexes, [float(t[touches[t[touches] > when][0]]) for _, when in apexes if (t[touches] > when).any()]
 
 
 def measure():

@@ -77,9 +77,7 @@ def measure():
         rows.append((f"C_d broadside, {aspect} diameters long, Re = {reynolds:.1e}", measured, found))
     for aspect, measured in ((1, "upright"), (4, "constant, oblique")):
         least, most, drift = end_heavy(aspect)
-        rows.append(
-            (f"end-heavy, {aspect} diameters long: tilt, degrees", measured, f"{least:.0f} to {most:.0f}")
-        )
+        rows.append((f"end-heavy, {aspect} diameters long: tilt, degrees", measured, f"{least:.0f} to {most:.0f}"))
         rows.append(
             (
                 f"the same, {aspect} diameters long: drift over fall",

@@ -35,9 +35,7 @@ def roll(speed, ratio=0.7, density=2.7, horizon=6.0):
     radius = ratio * BORE / 2
     body = spheroid_body(radius, radius, edges=100)
     added = FLUID.density * 4 / 3 * math.pi * radius**3 / 2
-    coefficients = Coefficients(
-        np.diag([added] * 3 + [0.0] * 3), drag=estimate_drag(body, FLUID.viscosity, 0.0)
-    )
+    coefficients = Coefficients(np.diag([added] * 3 + [0.0] * 3), drag=estimate_drag(body, FLUID.viscosity, 0.0))
     scenario = Scenario(
         pipe=Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(20.0, 0.0, 0.0), radius=BORE / 2),)),
         flow=LogLawFlow(speed=speed),
@@ -46,9 +44,7 @@ def roll(speed, ratio=0.7, density=2.7, horizon=6.0):
         contact=Contact(friction=0.3),
         flight=FlightLimits(horizon=horizon),
     )
-    return NativeSimulator(NativeOptions()).simulate(
-        solid_agent(body, density * FLUID.density, coefficients), scenario
-    )
+    return NativeSimulator(NativeOptions()).simulate(solid_agent(body, density * FLUID.density, coefficients), scenario)
 
 
 def measure():

@@ -78,6 +78,4 @@ def measure():
     """Return rows of what is compared, measured and found."""
     found, ideal = derivatives(), derivatives(("wake",))
     rows = [(f"{name}, thousandths", value, found[name]) for name, value in MEASURED.items()]
-    return rows + [
-        (f"{name} without the wake term, thousandths", v, ideal[name]) for name, v in MEASURED.items()
-    ]
+    return rows + [(f"{name} without the wake term, thousandths", v, ideal[name]) for name, v in MEASURED.items()]

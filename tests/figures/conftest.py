@@ -44,9 +44,7 @@ def points_of(element: ET.Element) -> FloatArray:
         case "text":
             size = get("font-size")
             width = text_width(element.text or "", size, bold=element.get("font-weight") is not None)
-            left = (
-                get("x") - width * {"start": 0, "middle": 0.5, "end": 1}[element.get("text-anchor", "start")]
-            )
+            left = get("x") - width * {"start": 0, "middle": 0.5, "end": 1}[element.get("text-anchor", "start")]
             return np.array([[left, get("y") - 0.8 * size], [left + width, get("y") + 0.25 * size]])
         case _:
             return np.zeros((0, 2))
@@ -217,9 +215,7 @@ def pipe() -> Scenario:
 def fly() -> Callable[..., Trajectory]:
     """Flights that go straight with 1 m/s, from the origin, pitched (positive nose down)."""
 
-    def make(
-        *, rise: float = 0.0, sideways: float = 0.0, pitch: float = 0.0, samples: int = 50
-    ) -> Trajectory:
+    def make(*, rise: float = 0.0, sideways: float = 0.0, pitch: float = 0.0, samples: int = 50) -> Trajectory:
         t = np.linspace(0.0, 9.0, samples) if samples > 1 else np.zeros(1)
         course = np.array([1.0, sideways, rise])
         c, s = np.cos(pitch), np.sin(pitch)

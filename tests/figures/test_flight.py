@@ -19,9 +19,7 @@ from driftform.water import Pipe, Scenario, Segment
     pitch=st.floats(-1.5, 1.5),
     title=st.text(max_size=200),
 )
-def test_any_body_on_any_course_keeps_to_the_page(
-    read, fly, pipe, agents, data, rise, sideways, pitch, title
-):
+def test_any_body_on_any_course_keeps_to_the_page(read, fly, pipe, agents, data, rise, sideways, pitch, title):
     flight = fly(rise=rise, sideways=sideways, pitch=pitch, samples=12)
     picture = read(flight_svg(flight, pipe, title, data.draw(agents).body))
     assert picture.outside() == []
@@ -114,9 +112,7 @@ def test_every_end_has_its_words(read, fly, pipe, end):
 
 
 def test_the_same_flight_gives_the_same_bytes(fly, pipe, make_agent):
-    pictures = {
-        flight_svg(fly(rise=0.05), pipe, "twice", make_agent(0.1, 0.1, [0.02, 0.03]).body) for _ in range(2)
-    }
+    pictures = {flight_svg(fly(rise=0.05), pipe, "twice", make_agent(0.1, 0.1, [0.02, 0.03]).body) for _ in range(2)}
     assert len(pictures) == 1
 
 

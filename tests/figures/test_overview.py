@@ -15,9 +15,7 @@ RISE = {"TP5": 0.001, "TP6": 0.07, "TP7": -0.07, "TP8": 0.098, "TP9": -0.024, "T
 @pytest.fixture(scope="module")
 def flights(fly, make_agent):
     return [
-        GalleryEntry(
-            name, make_agent(0.02 + 0.02 * i, 0.05, [0.012, 0.03 + 0.01 * i, 0.02]), fly(rise=rise), 0.1 * i
-        )
+        GalleryEntry(name, make_agent(0.02 + 0.02 * i, 0.05, [0.012, 0.03 + 0.01 * i, 0.02]), fly(rise=rise), 0.1 * i)
         for i, (name, rise) in enumerate(RISE.items())
     ]
 

@@ -52,12 +52,9 @@ def draw(pipe, fly, make_agent) -> dict[str, Callable[[Page], str]]:
         GalleryEntry(name, body, fly(rise=0.02 * i - 0.05), 0.1 * i)
         for i, (name, body) in enumerate(zip(pipe.targets, bodies, strict=True))
     ]
-    reach = map_coverage(
-        [(i, flight.trajectory) for i, flight in enumerate(flights)], PipeGrid.of_scenario(pipe)
-    )
+    reach = map_coverage([(i, flight.trajectory) for i, flight in enumerate(flights)], PipeGrid.of_scenario(pipe))
     trends = [
-        Trend(n, np.array([1.0, 60, 500]), np.array([[90.0, 95, 99]]), np.array([[80.0, 81, 82]]))
-        for n in pipe.targets
+        Trend(n, np.array([1.0, 60, 500]), np.array([[90.0, 95, 99]]), np.array([[80.0, 81, 82]])) for n in pipe.targets
     ]
     strips = [Strip(n, 0.01, np.array([0.01, 0.1, 1.0]), 1.0) for n in pipe.targets]
     effects = [Effect("speed of the current", 0.1, ""), Effect("mass of the hull", 0.02, "")]
@@ -86,13 +83,9 @@ def test_a_figure_has_its_width_text_of_8_pt_and_no_title(read, draw, name: str,
     assert TITLE not in picture.texts
     assert picture.root.find("{http://www.w3.org/2000/svg}title").text == TITLE, "readers aloud need it"
     [width, height] = (float(v) for v in picture.root.get("viewBox").split()[2:])
-    assert float(picture.root.get("height").removesuffix("mm")) == pytest.approx(
-        width_mm * height / width, abs=0.01
-    )
+    assert float(picture.root.get("height").removesuffix("mm")) == pytest.approx(width_mm * height / width, abs=0.01)
     sizes = [
-        float(e.get("font-size")) * width_mm / 25.4 * 72 / width
-        for e in picture.root.iter()
-        if e.get("font-size")
+        float(e.get("font-size")) * width_mm / 25.4 * 72 / width for e in picture.root.iter() if e.get("font-size")
     ]
     assert min(sizes) > 7.3 and max(sizes) < 8.7, "pt"
     assert picture.outside() == []

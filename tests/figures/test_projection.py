@@ -7,9 +7,7 @@ from driftform.figures.projection import PLAN, SIDE, drawing_times, silhouette, 
 from driftform.motion.approach import closest_approach
 from driftform.motion.interpolation import interpolate_positions
 
-unit = (
-    st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda q: np.linalg.norm(q) > 0.1)
-)
+unit = st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda q: np.linalg.norm(q) > 0.1)
 
 
 @settings(deadline=None, max_examples=40)

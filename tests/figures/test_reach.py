@@ -111,9 +111,7 @@ def test_any_pipe_keeps_to_the_page_and_its_labels_apart(read, segment, name):
     middle = tuple(np.add(segment.start, segment.end) / 2)
     scenario = Scenario(pipe=Pipe(segments=(segment,)), targets={name: middle})
     picture = read(
-        reach_svg(
-            CoverageMap(PipeGrid.of_scenario(scenario)), scenario, "Any pipe there may be, with a title " * 4
-        )
+        reach_svg(CoverageMap(PipeGrid.of_scenario(scenario)), scenario, "Any pipe there may be, with a title " * 4)
     )
     assert picture.outside() == []
     assert picture.overlapping_texts() == []

@@ -16,9 +16,7 @@ def bare():
     angles = np.linspace(0, np.pi, 41)
     sphere = np.column_stack([-np.cos(angles), np.sin(angles)])
     body = Body(0.01145 * sphere, 0.0102 * sphere, [0.0], Core(0.01, 0.05), 0.00125, 1050.0)
-    return Agent(
-        body, MassProperties(0.052, np.zeros(3), np.eye(3), 6e-6, np.zeros(3)), Coefficients(np.eye(6))
-    )
+    return Agent(body, MassProperties(0.052, np.zeros(3), np.eye(3), 6e-6, np.zeros(3)), Coefficients(np.eye(6)))
 
 
 def printed_mm_per_px(picture):
@@ -44,9 +42,7 @@ def test_printed_at_its_size_the_outline_is_to_the_stated_scale(read, points, ag
     true = 1000 * np.array([agent.body.length, agent.body.max_diameter])
     assert drawn == pytest.approx(true * scale, abs=0.02)
     bar = np.ptp(points(picture.one("scale-bar"))[:, 0]) * printed_mm_per_px(picture)
-    assert bar == pytest.approx(
-        float(picture.one("scale-bar-label").text.removesuffix(" mm")) * scale, abs=0.02
-    )
+    assert bar == pytest.approx(float(picture.one("scale-bar-label").text.removesuffix(" mm")) * scale, abs=0.02)
 
 
 @settings(deadline=None, max_examples=40)
@@ -103,9 +99,7 @@ def test_the_fore_end_is_on_the_right_and_the_core_at_the_origin(read, points, m
 
 
 @pytest.mark.parametrize("distance", [0.0, 1e-5, 0.001, 0.03])
-def test_the_centres_are_marked_where_they_are_and_their_labels_keep_apart(
-    read, points, make_agent, distance
-):
+def test_the_centres_are_marked_where_they_are_and_their_labels_keep_apart(read, points, make_agent, distance):
     agent = make_agent(0.08, 0.08, [0.03, 0.02, 0.03])
     mass = replace(agent.mass, cog=[0.01, 0, 0], cob=[0.01 - distance, 0, 0])
     picture = read(section_svg(replace(agent, mass=mass)))

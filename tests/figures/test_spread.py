@@ -24,16 +24,10 @@ def test_every_path_ends_at_its_closest_approach(fly):
 
 def test_there_is_a_panel_with_all_flights_for_each_target(read, pipe, fly, points):
     repeats = [
-        FlightSpread(name, tuple(fly(rise=rise) for rise in (0.0, 0.02, 0.04)), "a note")
-        for name in pipe.targets
+        FlightSpread(name, tuple(fly(rise=rise) for rise in (0.0, 0.02, 0.04)), "a note") for name in pipe.targets
     ]
     picture = read(spread_svg(repeats, pipe, "Flown again", "Three times each."))
-    assert (
-        len(picture.all("mean"))
-        == len(picture.all("band"))
-        == len(picture.all("target"))
-        == len(pipe.targets)
-    )
+    assert len(picture.all("mean")) == len(picture.all("band")) == len(picture.all("target")) == len(pipe.targets)
     assert picture.outside() == []
     assert picture.overlapping_texts() == []
 

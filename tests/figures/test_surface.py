@@ -106,9 +106,7 @@ def test_net_buoyancy_is_that_of_the_scenario_s_water(read, tube):
     agent = tube(0.5)
     newtons = 0.5 * DENSITY * agent.mass.volume * 9.81
     assert f"+{newtons:.3g} N" in read(section_svg(agent, "", water())).texts
-    assert any(
-        "N" in text and text.startswith(MINUS) for text in read(section_svg(tube(1.2), "", water())).texts
-    )
+    assert any("N" in text and text.startswith(MINUS) for text in read(section_svg(tube(1.2), "", water())).texts)
     assert not any(text.endswith(" N") for text in read(section_svg(agent)).texts)
 
 

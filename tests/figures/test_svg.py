@@ -60,9 +60,7 @@ def overlap_area(one: Box, other: Box) -> float:
 
 def test_labels_of_neighbours_keep_off_each_other_and_stay_on_the_page():
     rng = np.random.default_rng(1)
-    anchors = np.vstack(
-        [[[50, 50], [58, 50], [50, 58], [398, 5], [2, 198]], rng.uniform((0, 0), (400, 200), (6, 2))]
-    )
+    anchors = np.vstack([[[50, 50], [58, 50], [50, 58], [398, 5], [2, 198]], rng.uniform((0, 0), (400, 200), (6, 2))])
     page = Box(0, 0, 400, 200)
     boxes = place_labels(anchors, [40] * len(anchors), 14, np.zeros((0, 2)), page)
     for i, box in enumerate(boxes):
@@ -70,9 +68,7 @@ def test_labels_of_neighbours_keep_off_each_other_and_stay_on_the_page():
         assert all(overlap_area(box, other) == 0 for other in boxes[:i])
 
 
-@pytest.mark.parametrize(
-    ("value", "nice"), [(0.99, 0.5), (1.0, 1.0), (4.9, 2.0), (130.0, 100.0), (0.05, 0.05)]
-)
+@pytest.mark.parametrize(("value", "nice"), [(0.99, 0.5), (1.0, 1.0), (4.9, 2.0), (130.0, 100.0), (0.05, 0.05)])
 def test_nice_steps_are_1_2_5(value, nice):
     assert floor_to_nice_number(value) == pytest.approx(nice)
 

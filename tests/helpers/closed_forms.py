@@ -59,9 +59,7 @@ class Libration:
         sine, cosine = -self._k * cn / dn, self._rest / dn
         surge, sway = -self._impulse * sine / self._along, self._impulse * cosine / self._across
         yaw_rate = -self._sigma * self._k * self._rest * sn / dn
-        return np.column_stack(
-            [surge, sway, yaw_rate, self._start - (np.arctan2(sine, cosine) + math.pi / 2)]
-        )
+        return np.column_stack([surge, sway, yaw_rate, self._start - (np.arctan2(sine, cosine) + math.pi / 2)])
 
 
 def invariants(
@@ -191,9 +189,7 @@ class ClosedForms(SimulatorContract):
         trajectory = self.fly(SPHEROID.agent(), water_scenario(1.3, (1.0, 0.01, 0.0)))
         expected = motion.motion_at(trajectory.t)
         size = np.abs(expected[:, :3]).max(axis=0)
-        np.testing.assert_allclose(
-            trajectory.velocity[:, [0, 1, 5]] / size, expected[:, :3] / size, atol=self.accuracy
-        )
+        np.testing.assert_allclose(trajectory.velocity[:, [0, 1, 5]] / size, expected[:, :3] / size, atol=self.accuracy)
         heading = np.unwrap(2 * np.arctan2(trajectory.quaternion[:, 3], trajectory.quaternion[:, 0]))
         np.testing.assert_allclose(heading, np.unwrap(expected[:, 3]), atol=self.accuracy * math.pi)
         assert np.abs(trajectory.velocity[:, [2, 3, 4]]).max() < 1e-6, "the motion has left its plane"
@@ -250,9 +246,7 @@ class ClosedForms(SimulatorContract):
         agent = tumbling_agent()
         scenario = water_scenario(3.0, (1.0, 0.2, -0.1), pitch_deg=20.0, speed=0.5, gravity=0.0)
         trajectory = self.fly(agent, scenario)
-        assert (np.abs(trajectory.velocity[:, 3:]).max(axis=0) > 1).all(), (
-            "the body must tumble about all three axes"
-        )
+        assert (np.abs(trajectory.velocity[:, 3:]).max(axis=0) > 1).all(), "the body must tumble about all three axes"
         _, energy, impulse, angular_impulse = invariants(agent, scenario, trajectory)
         assert largest_drift(energy) <= self.drift * energy[0]
         scale = float(np.linalg.norm(impulse[0]))

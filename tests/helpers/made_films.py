@@ -61,9 +61,7 @@ def place_drop(pipeline: Pipeline, morphology: Morphology, pitch_deg: float, dep
     pipe = bench.scenario.pipe.model_copy(
         update={"segments": (segment.model_copy(update={"start": ends[0], "end": ends[1]}),)}
     )
-    release = bench.scenario.release.model_copy(
-        update={"pitch_deg": float(pitch_deg), "position": (0.0, 0.0, start)}
-    )
+    release = bench.scenario.release.model_copy(update={"pitch_deg": float(pitch_deg), "position": (0.0, 0.0, start)})
     return replace(bench, scenario=bench.scenario.model_copy(update={"pipe": pipe, "release": release}))
 
 
@@ -139,6 +137,4 @@ def _keep_frames(count: int, lost: float, rng: np.random.Generator) -> npt.NDArr
 def _release_by_hand(rng: np.random.Generator, share: float) -> ReleaseError:
     pitch, yaw = share * rng.normal(0.0, RELEASE_ANGLE, 2)
     right, up = share * rng.normal(0.0, RELEASE_SPEED, 2)
-    return ReleaseError(
-        float(pitch), float(yaw), (float(right), 0.0, float(up)), share * rng.normal(0.0, RELEASE_RISE)
-    )
+    return ReleaseError(float(pitch), float(yaw), (float(right), 0.0, float(up)), share * rng.normal(0.0, RELEASE_RISE))

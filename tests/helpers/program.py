@@ -51,9 +51,7 @@ def ideal_water(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def install(
-    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Callable[..., None]]:
+def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., None]]:
     """Install modules as distributions ``<module>-plugin 1.0``, beside the directory that the program works in."""
     from driftform.cli.added import load_added
 

@@ -68,9 +68,7 @@ def textbook_rate(agent: Agent, scenario: Scenario, state: FloatArray) -> FloatA
 def distance_from_textbook(trajectory: Trajectory, agent: Agent, scenario: Scenario, until: float) -> float:
     """Return the greatest distance (m) from the textbook's flight between the release and ``until`` (s)."""
     times = np.linspace(0, until, int(until / SPACING) + 2)
-    return largest_distance(
-        interpolate_positions(trajectory, times), textbook_states(agent, scenario, times)[:, :3]
-    )
+    return largest_distance(interpolate_positions(trajectory, times), textbook_states(agent, scenario, times)[:, :3])
 
 
 def random_case(seed: int, horizon: float = 3.0) -> tuple[Agent, Scenario]:

@@ -29,9 +29,7 @@ def spread_evenly(count: int, radius: float) -> FloatArray:
     return np.column_stack([np.zeros(count), r * np.cos(angle), r * np.sin(angle)])
 
 
-def carry(
-    scenario: Scenario, start: FloatArray, times: FloatArray, size: float = 0.0, seed: int = 0
-) -> FloatArray:
+def carry(scenario: Scenario, start: FloatArray, times: FloatArray, size: float = 0.0, seed: int = 0) -> FloatArray:
     """Return positions (k, n, 3) at ``times`` (s, (k,)) of tracers from ``start`` (n, 3), each in a part of its own of a walk.
 
     Bodies of half a diameter ``size`` (m) have the gusts of theirs.
@@ -48,9 +46,7 @@ def carry(
         )
         for _ in range(-(-len(start) // 20))
     ]
-    begin = (
-        rng.uniform(0, 20, len(start)) + (np.arange(len(start)) % 20) * KNOTS * scenario.gusts.smoothing / 20
-    )
+    begin = rng.uniform(0, 20, len(start)) + (np.arange(len(start)) % 20) * KNOTS * scenario.gusts.smoothing / 20
     return _carry(np.ascontiguousarray(start), begin, times, pipe_rows(scenario), flow, np.concatenate(walks))
 
 

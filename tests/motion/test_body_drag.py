@@ -196,9 +196,7 @@ def test_the_page_has_the_errors_of_the_drag(published):
 
 def test_drag_changes_continuously_from_slender_bodies_to_spheres():
     lengths = np.linspace(0.9, 2.5, 161)
-    drags = np.array(
-        [[f(spheroid_body(a * RADIUS, RADIUS, edges=200), 0.5) for f in (along, across)] for a in lengths]
-    )
+    drags = np.array([[f(spheroid_body(a * RADIUS, RADIUS, edges=200), 0.5) for f in (along, across)] for a in lengths])
     assert np.abs(np.diff(drags, axis=0)).max() < 0.01
     # An ellipsoid twice as long as thick, with a laminar layer: White, table 7.3.
     assert along(spheroid_body(2 * RADIUS, RADIUS, edges=200), 0.5) == pytest.approx(0.27, rel=0.2)
@@ -222,9 +220,7 @@ def test_only_bodies_that_are_nearly_spheres_have_the_drag_of_one():
 
 
 def test_round_ends_have_less_drag_across_than_flat_ones_and_the_less_the_shorter_the_body():
-    ratios = [
-        across(make_body(RADIUS * capsule_contour(a)), 0.5) / across(cylinder(a), 0.5) for a in (2, 4, 8)
-    ]
+    ratios = [across(make_body(RADIUS * capsule_contour(a)), 0.5) / across(cylinder(a), 0.5) for a in (2, 4, 8)]
     assert 0.85 < ratios[0] < ratios[1] < ratios[2] < 1
 
 
@@ -242,9 +238,7 @@ def test_five_strips_are_as_good_as_hundreds(morphology, aside, turning):
     body = BUILDER.build(morphology)
     x, r = outer_radii(body.outer, 800)
     few = estimate_drag(body, NU)
-    many = replace(
-        few, strips=np.column_stack([x, 2 * r, np.full(800, x[1] - x[0]), np.full(800, few.strips[0, 3])])
-    )
+    many = replace(few, strips=np.column_stack([x, 2 * r, np.full(800, x[1] - x[0]), np.full(800, few.strips[0, 3])]))
     motion = (0.0, *aside), (0.0, *turning)
     found, expected = (still_water_wrench(d, *motion, 1000.0, NU) for d in (few, many))
     # The force if the whole side moved like its fastest part, and the moment of that force on the longer end.

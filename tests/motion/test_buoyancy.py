@@ -238,9 +238,7 @@ def test_nothing_jumps_as_the_surface_is_crossed(name, pitch):
 
 def test_slices_of_a_model_keep_the_volume_and_the_centre_that_the_agent_is_given():
     agent = Spheroid(0.06, 0.02).agent()
-    agent = replace(
-        agent, mass=replace(agent.mass, volume=1.1 * agent.mass.volume, cob=np.array([0.004, 0, 0]))
-    )
+    agent = replace(agent, mass=replace(agent.mass, volume=1.1 * agent.mass.volume, cob=np.array([0.004, 0, 0])))
     x, r, volume, width = flight_model(agent, Scenario(fluid=Fluid(water_level=0.0))).slices.T
     assert volume.sum() == pytest.approx(agent.mass.volume, rel=1e-12)
     assert volume @ x / volume.sum() == pytest.approx(0.004, abs=1e-15)

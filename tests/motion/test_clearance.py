@@ -61,9 +61,7 @@ def test_a_rod_that_is_pitched_comes_nearest_at_a_rim(off, pitch):
 @given(offsets)
 def test_a_rod_across_the_pipe_comes_nearest_at_its_upper_corners(off):
     flight = rest((1.0, 0.0, off), (0.0, 0.0, math.pi / 2))
-    np.testing.assert_allclose(
-        wall_clearances(flight, PIPE, ROD), RADIUS - math.hypot(0.1, off + 0.02), atol=1e-4
-    )
+    np.testing.assert_allclose(wall_clearances(flight, PIPE, ROD), RADIUS - math.hypot(0.1, off + 0.02), atol=1e-4)
 
 
 def test_the_inner_wall_of_a_bend_is_nearest_to_the_middle_of_a_rod():

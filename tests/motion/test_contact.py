@@ -77,9 +77,7 @@ def force_on(position, velocity=(0, 0, 0), omega=(0, 0, 0), R=None, surfaces=RIM
     """Force and torque in body axes; position in the world frame, velocities in body axes."""
     R = np.eye(3) if R is None else np.asarray(R)
     model = model_of(surfaces, **parts)
-    return np.concatenate(
-        wall_wrench(vector(position), rotation(R), vector(R @ velocity), vector(omega), model)
-    )
+    return np.concatenate(wall_wrench(vector(position), rotation(R), vector(R @ velocity), vector(omega), model))
 
 
 def potential(position, R, surfaces, pipe=PIPE):
@@ -161,8 +159,7 @@ def test_springs_push_and_turn_with_the_gradient_of_one_potential(surfaces, pitc
         expected.append((ends[1] - ends[0]) / (2 * h))
     for axis in np.eye(3):
         ends = [
-            potential(position, R @ Rotation.from_rotvec(d * h * axis).as_matrix(), surfaces, pipe)
-            for d in (1, -1)
+            potential(position, R @ Rotation.from_rotvec(d * h * axis).as_matrix(), surfaces, pipe) for d in (1, -1)
         ]
         expected.append((ends[1] - ends[0]) / (2 * h))
     # A body 1e3 m from the axis: its place is rounded to 1e-13 m.
@@ -319,9 +316,7 @@ def test_friction_opposes_sliding_with_mu_times_the_push(speed, angle, mu):
     assert force[:2] == pytest.approx(mu * force[2] * slide[:2] / speed, rel=1e-2, abs=1e-2 * abs(force[2]))
 
 
-@given(
-    turns, st.tuples(*[st.floats(-3, 3)] * 3), st.tuples(*[st.floats(-30, 30)] * 3), angles, st.floats(0, 3)
-)
+@given(turns, st.tuples(*[st.floats(-3, 3)] * 3), st.tuples(*[st.floats(-30, 30)] * 3), angles, st.floats(0, 3))
 def test_friction_never_does_work_on_the_body(turn, velocity, omega, angle, mu):
     R = Rotation.from_rotvec(turn).as_matrix()
     position = np.array([2.0, 0.96 * np.cos(angle), 0.96 * np.sin(angle)])

@@ -51,9 +51,7 @@ def test_a_dry_body_with_these_forces_accelerates_as_the_state_does(scenario, se
     water.fill_mass(coordinates, added)
     R, omega, dry = Rotation.from_rotvec(turn).as_matrix(), speeds[3:], rigid_body_mass(agent.mass)
     axes = np.block([[R, np.zeros((3, 3))], [np.zeros((3, 3)), np.eye(3)]])
-    assert added == pytest.approx(
-        axes @ added_mass_at(agent.coefficients, np.zeros(3)) @ axes.T, rel=1e-9, abs=1e-12
-    )
+    assert added == pytest.approx(axes @ added_mass_at(agent.coefficients, np.zeros(3)) @ axes.T, rel=1e-9, abs=1e-12)
     up, mass = R[2], agent.mass
     weight = -mass.mass * scenario.fluid.gravity
     loads = (weight + water.lift) * np.array([0.0, 0.0, 1.0])

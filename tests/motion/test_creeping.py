@@ -106,9 +106,7 @@ def test_what_is_nearly_a_sphere_has_its_resistance(radius):
 
 def test_a_creeping_disc_has_the_resistance_of_its_closed_form():
     # Happel and Brenner, section 5-11: 16 mu a broadside, 32/3 mu a edgewise and as a couple.
-    assert creeping_resistance(cylinder_body(1e-5, 1.0).outer)[:3] == pytest.approx(
-        (16, 32 / 3, 32 / 3), rel=0.025
-    )
+    assert creeping_resistance(cylinder_body(1e-5, 1.0).outer)[:3] == pytest.approx((16, 32 / 3, 32 / 3), rel=0.025)
 
 
 @pytest.mark.parametrize("aspect", [2, 3, 5, 10, 20, 30])

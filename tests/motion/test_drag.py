@@ -142,10 +142,7 @@ def test_friction_does_not_jump_where_the_layer_becomes_turbulent():
 @given(st.floats(1, 9).map(lambda e: 10**e), st.floats(1.001, 2))
 def test_more_speed_is_more_friction(reynolds, more):
     # The force is C_f Re^2 times what does not depend on the speed.
-    assert (
-        friction_coefficient(more * reynolds) * (more * reynolds) ** 2
-        > friction_coefficient(reynolds) * reynolds**2
-    )
+    assert friction_coefficient(more * reynolds) * (more * reynolds) ** 2 > friction_coefficient(reynolds) * reynolds**2
 
 
 # One strip.

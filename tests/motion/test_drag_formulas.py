@@ -87,9 +87,7 @@ def test_cones_have_the_drag_of_the_table(degrees, c):
     assert nose_coefficient(math.radians(degrees), 0.0) + 0.2 == pytest.approx(c, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("afterbody", "c"), [(0, 1.17), (0.5, 1.15), (1, 0.9), (2, 0.85), (4, 0.87), (8, 0.99)]
-)
+@pytest.mark.parametrize(("afterbody", "c"), [(0, 1.17), (0.5, 1.15), (1, 0.9), (2, 0.85), (4, 0.87), (8, 0.99)])
 def test_flat_faced_cylinders_have_the_drag_of_the_table(afterbody, c):
     assert nose_coefficient(math.pi / 2, afterbody) + 0.2 == pytest.approx(c, rel=1e-12)
 
@@ -137,9 +135,7 @@ def test_a_tail_across_the_flow_and_one_at_an_angle_have_allens_factor():
     for alpha in (0.1, 0.8, 1.5):
         u, v = 0.7 * math.cos(alpha), 0.7 * math.sin(alpha)
         expected = -RHO * 3e-4 * u * v * math.cos(alpha / 2)
-        assert wake_drag(u, 0.6 * v, -0.8 * v, RHO, 3e-4) == pytest.approx(
-            (0, 0.6 * expected, -0.8 * expected)
-        )
+        assert wake_drag(u, 0.6 * v, -0.8 * v, RHO, 3e-4) == pytest.approx((0, 0.6 * expected, -0.8 * expected))
 
 
 @pytest.mark.parametrize("speed", [1e-149, 1e-100])

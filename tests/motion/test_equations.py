@@ -29,9 +29,7 @@ turns = st.tuples(*[st.floats(-3, 3)] * 3).map(lambda turn: Rotation.from_rotvec
 def accelerated(model, R=None, position=STILL, velocity=STILL, omega=STILL, t=0.0):
     """Acceleration of the origin (world) and of rotation (body), (6,)."""
     rows = tuple(tuple(row) for row in (np.eye(3) if R is None else R).tolist())
-    position, velocity, omega = (
-        tuple(np.asarray(v, dtype=float).tolist()) for v in (position, velocity, omega)
-    )
+    position, velocity, omega = (tuple(np.asarray(v, dtype=float).tolist()) for v in (position, velocity, omega))
     return np.concatenate(accelerations(float(t), position, rows, velocity, omega, model))
 
 
@@ -191,9 +189,7 @@ def test_an_acceleration_of_zero_leaves_uniform_water_steady(seed, velocity, ome
         )
         assert steady.numbers[0]["is_steady"] == 1.0
         expected = accelerated(steady, R, [3.0, 0.5, -0.2], velocity, omega)
-        assert accelerated(calm, R, [3.0, 0.5, -0.2], velocity, omega, 1.0) == pytest.approx(
-            expected, rel=1e-12
-        )
+        assert accelerated(calm, R, [3.0, 0.5, -0.2], velocity, omega, 1.0) == pytest.approx(expected, rel=1e-12)
 
 
 def test_water_that_accelerates_turns_a_body_whose_mass_is_not_where_its_volume_is():
@@ -244,9 +240,7 @@ places = st.tuples(st.floats(0.5, 8.5), st.floats(0.05, 0.8), st.floats(0, 2 * n
 
 
 @given(st.sampled_from(list(SHEARED)), places, vectors)
-def test_a_neutral_sphere_that_crosses_shear_feels_a_third_of_its_change_along_its_own_path(
-    what, place, velocity
-):
+def test_a_neutral_sphere_that_crosses_shear_feels_a_third_of_its_change_along_its_own_path(what, place, velocity):
     model = sphere_in(what, "paper")
     change = change_along(model, place, velocity)
     # The change downstream of developing flow's radial velocity is left out of the gradient: 1e-3 1/s at most.
@@ -262,17 +256,13 @@ def test_with_its_pressure_a_neutral_sphere_follows_the_waters_own_acceleration(
     change = change_along(model, place, stream)
     slack = 1e-6 + (what == "developing") * 2e-3 * stream[0]
     if what != "developing":
-        assert change == pytest.approx(STILL, abs=1e-6), (
-            "parallel flow does not accelerate along its own path"
-        )
+        assert change == pytest.approx(STILL, abs=1e-6), "parallel flow does not accelerate along its own path"
     found = accelerated(model, position=place, velocity=velocity)
     assert found == pytest.approx([*change, 0, 0, 0], abs=slack)
 
 
 @given(places, vectors, st.floats(0.1, 9.0), vectors)
-def test_gusty_water_accelerates_as_its_gust_and_its_mean_flow_change_along_its_path(
-    place, velocity, tau, drift
-):
+def test_gusty_water_accelerates_as_its_gust_and_its_mean_flow_change_along_its_path(place, velocity, tau, drift):
     agent = sphere_agent(0.01, NEUTRAL)
     for mode, share in (("full", 1.0), ("paper", 1 / 3)):
         model = flight_model(agent, scenario_of(TurbulentFlow(speed=1.2), mode=mode))

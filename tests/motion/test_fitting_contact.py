@@ -90,9 +90,7 @@ def test_the_deepest_point_of_a_rim_is_that_of_many_points_around_it(name):
                 gap, normal, _ = fitting_gap(vector(centre), f)
                 if gap > r or abs(normal @ turned[2]) > 0.99:
                     continue
-                circle = centre + r * (
-                    np.cos(angles)[:, None] * turned[0] + np.sin(angles)[:, None] * turned[1]
-                )
+                circle = centre + r * (np.cos(angles)[:, None] * turned[0] + np.sin(angles)[:, None] * turned[1])
                 deepest = min(fitting_gap(vector(p), f)[0] for p in circle)
                 surfaces = rows_of(np.array([[0.0, r, 0.0, 0.0, 0.0]]), scenario)
                 depth, lever, wall, _, _ = touch_fitting(vector(centre), vector(turned[2]), surfaces, 0, f)
@@ -111,9 +109,7 @@ def test_a_rim_flat_against_the_wall_touches_with_its_centre():
     outward = np.array([math.sin(0.5), 0.0, -math.cos(0.5)])
     centre = np.array([0.3, 0.0, 0.2]) + 0.301 * outward
     flat = FLATNESS * 0.01 / 0.1
-    gap, point, normal = deepest_rim_point(
-        vector(centre), vector(outward), 0.01, flat, vector(outward), 0.0, f
-    )
+    gap, point, normal = deepest_rim_point(vector(centre), vector(outward), 0.01, flat, vector(outward), 0.0, f)
     assert normal == pytest.approx(outward, abs=1e-9)
     # The bore falls by r^2 / (2 R) within the rim.
     assert gap == pytest.approx(-0.001 - 0.5e-3, abs=0.0625e-3 + 1e-6)
@@ -156,9 +152,7 @@ def test_a_nearly_flat_rim_is_pushed_as_its_depth_changes(name):
         return -gap, np.array(point), np.array(wall)
 
     def slope(change):
-        return np.array(
-            [(touch(*change(+1e-6 * e))[0] - touch(*change(-1e-6 * e))[0]) / 2e-6 for e in np.eye(3)]
-        )
+        return np.array([(touch(*change(+1e-6 * e))[0] - touch(*change(-1e-6 * e))[0]) / 2e-6 for e in np.eye(3)])
 
     for k in rng.integers(2, len(line.points) - 2, size=60):
         along = line.points[k + 1] - line.points[k - 1]
@@ -202,16 +196,10 @@ def test_rims_are_added_until_no_flank_is_longer_than_the_spacing(make):
     rims = refined[refined[:, 2] == 0.0]
     domes = refined[refined[:, 2] > 0.0]
     # A dome ends in a rim of its own.
-    ends = [
-        (x + radius * s, radius * math.sqrt(1 - s * s), 0, 0, 0)
-        for x, _, radius, *sines in domes
-        for s in sines
-    ]
+    ends = [(x + radius * s, radius * math.sqrt(1 - s * s), 0, 0, 0) for x, _, radius, *sines in domes for s in sines]
     rims = np.vstack([rims, *ends])
     # Every point of the contour is within half a spacing of a rim, or on a dome.
-    outer = np.concatenate(
-        [np.linspace(a, b, 50) for a, b in zip(body.outer[:-1], body.outer[1:], strict=True)]
-    )
+    outer = np.concatenate([np.linspace(a, b, 50) for a, b in zip(body.outer[:-1], body.outer[1:], strict=True)])
     for x, r in outer:
         near = np.hypot(rims[:, 0] - x, rims[:, 1] - r).min() if len(rims) else np.inf
         round_ = np.abs(np.hypot(domes[:, 0] - x, r) - domes[:, 2]).min() if len(domes) else np.inf

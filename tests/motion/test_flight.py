@@ -23,9 +23,7 @@ NEUTRAL = DENSITY * 4 / 3 * np.pi * 0.01**3
 TIGHT = Accuracy(position=math.inf, tolerance=1e-10, tightest=1e-11)
 
 
-def scenario_of(
-    horizon, *, radius=None, end=(9.0, 0.0, 0.0), flow=None, level=None, gravity=GRAVITY, **release
-):
+def scenario_of(horizon, *, radius=None, end=(9.0, 0.0, 0.0), flow=None, level=None, gravity=GRAVITY, **release):
     segments = (Segment(start=(0, 0, 0), end=end, radius=radius),) if radius else ()
     return Scenario(
         pipe=Pipe(segments=segments),
@@ -41,9 +39,7 @@ def flown(agent, scenario, accuracy=TIGHT):
     """The trajectory, and the raw samples and the model that it was made of."""
     model, horizon = flight_model(agent, scenario), scenario.flight.horizon
     raw = integrate(model, release_state(model, scenario), horizon, accuracy)
-    trajectory = finish_trajectory(
-        raw.samples, model, horizon, accuracy.step_limit, raw.error, accuracy.position
-    )
+    trajectory = finish_trajectory(raw.samples, model, horizon, accuracy.step_limit, raw.error, accuracy.position)
     return trajectory, raw.samples, model
 
 
@@ -69,9 +65,7 @@ def test_a_tumbling_flight_passes_the_outlet_when_a_finer_one_does():
         9.0, radius=1.0, end=(2.0, 0.3, -0.4), flow=UniformFlow(speed=1.0), velocity=(1.0, 0.2, -0.1)
     )
     coarse, _, _ = flown(tumbling_agent(), scenario, Accuracy(position=math.inf, tolerance=1e-9))
-    fine, _, _ = flown(
-        tumbling_agent(), scenario, Accuracy(position=math.inf, tolerance=1e-12, max_step=1e-3)
-    )
+    fine, _, _ = flown(tumbling_agent(), scenario, Accuracy(position=math.inf, tolerance=1e-12, max_step=1e-3))
     axis = np.array([2.0, 0.3, -0.4]) / np.linalg.norm([2.0, 0.3, -0.4])
     for trajectory in (coarse, fine):
         assert trajectory.end == End.OUTLET
@@ -159,9 +153,7 @@ def reach_beyond(agent, rows, radius):
 @pytest.mark.parametrize("pitch", [0.0, 25.0])
 def test_a_tumbling_body_touches_when_a_fine_search_finds_it(pitch):
     agent, radius = tumbling_agent(), 0.15
-    scenario = scenario_of(
-        2.0, radius=radius, velocity=(0.8, 0.1, 0.15), pitch_deg=pitch, flow=UniformFlow(speed=1.0)
-    )
+    scenario = scenario_of(2.0, radius=radius, velocity=(0.8, 0.1, 0.15), pitch_deg=pitch, flow=UniformFlow(speed=1.0))
     _, fine, _ = flown(agent, scenario, Accuracy(position=math.inf, tolerance=1e-11, max_step=5e-4))
     depth = reach_beyond(agent, fine, radius)
     k = int(np.argmax(depth > 0))
@@ -245,9 +237,7 @@ def test_rounding_is_no_drift_of_a_body_that_does_not_move_in_the_water(gravity,
 
 
 def test_energy_drifts_up_to_the_contact_only():
-    scenario = scenario_of(
-        2.0, radius=0.2, velocity=(0.8, 0.0, 0.5), flow=UniformFlow(speed=1.0), pitch_deg=-20.0
-    )
+    scenario = scenario_of(2.0, radius=0.2, velocity=(0.8, 0.0, 0.5), flow=UniformFlow(speed=1.0), pitch_deg=-20.0)
     trajectory, _, _ = flown(Spheroid(0.06, 0.01).agent(), scenario)
     assert trajectory.contact is not None
     assert trajectory.energy_drift < 1e-6, "the wall takes energy, and that is no drift"

@@ -65,9 +65,7 @@ def test_a_sphere_rolls_down_a_slope_with_the_acceleration_of_rolling():
 
 
 def test_a_sphere_rolls_without_friction_nowhere():
-    scenario = scenario_of(
-        1.0, 0.0, slope=0.1, position=(1.0, 0.0, RADIUS - 0.5), velocity="rest", yaw_deg=30
-    )
+    scenario = scenario_of(1.0, 0.0, slope=0.1, position=(1.0, 0.0, RADIUS - 0.5), velocity="rest", yaw_deg=30)
     assert np.abs(flown(heavy_sphere(), scenario)[-1, 11:]).max() < 1e-9
 
 

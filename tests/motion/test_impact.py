@@ -63,9 +63,7 @@ def test_beyond_its_deepest_a_spring_weakens_with_the_square_of_the_depth():
     at = [spring(0.1, 0.06, 0.012, DEEPEST * (1 + e), law) for e in (-1e-9, 1e-9)]
     assert at[1] == pytest.approx(at[0], rel=1e-7)
     for times in (2.0, 10.0):
-        assert spring(0.1, 0.06, 0.012, times * DEEPEST, law)[2] == pytest.approx(
-            at[1][2] / times**2, rel=1e-7
-        )
+        assert spring(0.1, 0.06, 0.012, times * DEEPEST, law)[2] == pytest.approx(at[1][2] / times**2, rel=1e-7)
     assert pytest.approx(1e-3) == DEEPEST
 
 

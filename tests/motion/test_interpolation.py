@@ -74,8 +74,7 @@ def test_resampled_flights_lie_on_the_path_and_have_its_slope(
     assert np.diff(fine.t)[:-1] == pytest.approx(1e-3) and fine.t[-1] == trajectory.t[-1]
     assert fine.position == pytest.approx(interpolate_positions(trajectory, fine.t))
     slope = (
-        interpolate_positions(trajectory, fine.t[1:-1] + 1e-5)
-        - interpolate_positions(trajectory, fine.t[1:-1] - 1e-5)
+        interpolate_positions(trajectory, fine.t[1:-1] + 1e-5) - interpolate_positions(trajectory, fine.t[1:-1] - 1e-5)
     ) / 2e-5
     assert world_velocity(fine)[1:-1] == pytest.approx(slope, abs=1e-6)
 
@@ -160,17 +159,13 @@ def test_a_turn_about_a_wandering_axis_is_followed_to_the_fourth_order() -> None
         )
         omega = np.column_stack([3 + 0 * times, 2 * np.sin(3 * times), 2 * np.cos(3 * times)])
         still = np.zeros((len(times), 3))
-        return Trajectory(
-            times, still, quaternion, np.column_stack([still, omega]), drifting_trajectory().end
-        )
+        return Trajectory(times, still, quaternion, np.column_stack([still, omega]), drifting_trajectory().end)
 
     off = []
     for count in (11, 21):
         fine = resample(sample(np.linspace(0, 2, count)), 500.0)
         off.append(
-            np.abs(
-                matrix_from_quaternion(fine.quaternion) - matrix_from_quaternion(sample(fine.t).quaternion)
-            ).max()
+            np.abs(matrix_from_quaternion(fine.quaternion) - matrix_from_quaternion(sample(fine.t).quaternion)).max()
         )
     assert off[0] < 1e-4
     assert off[0] > 12 * off[1]

@@ -38,9 +38,7 @@ def exact_distance(path, point):
         offset = (cubic - np.outer([1, 0, 0, 0], point))[::-1]
         square = sum(np.convolve(component, component) for component in offset.T)
         roots = np.roots(np.polyder(square))
-        squares += [
-            np.polyval(square, u) for u in (0, 1, *roots[np.abs(roots.imag) < 1e-6].real) if 0 <= u <= 1
-        ]
+        squares += [np.polyval(square, u) for u in (0, 1, *roots[np.abs(roots.imag) < 1e-6].real) if 0 <= u <= 1]
     return np.sqrt(min(squares))
 
 
@@ -63,16 +61,12 @@ def test_a_curved_path_agrees_with_a_brute_force_search_on_the_true_curve(point)
 
     fine = np.linspace(0, 5, 5001)
     guess = fine[np.argmin(np.linalg.norm(helix(fine)[0] - point, axis=1))]
-    best = minimize_scalar(
-        true_distance, bounds=(max(0, guess - 0.01), min(5, guess + 0.01)), method="bounded"
-    )
+    best = minimize_scalar(true_distance, bounds=(max(0, guess - 0.01), min(5, guess + 0.01)), method="bounded")
     # Hermite error of a stretch h: h^4 / 384 max |x''''| = 0.05^4 / 384 * 0.3 * 2^4 = 8e-8 m.
     assert distance == pytest.approx(min(best.fun, true_distance(0), true_distance(5)), abs=2e-7)
 
 
-@given(
-    st.integers(2, 120), st.tuples(st.floats(-1, 6), st.floats(-1, 1), st.floats(-1, 1)), st.integers(0, 99)
-)
+@given(st.integers(2, 120), st.tuples(st.floats(-1, 6), st.floats(-1, 1), st.floats(-1, 1)), st.integers(0, 99))
 def test_no_point_of_a_smooth_path_is_nearer(count, point, seed):
     rng = np.random.default_rng(seed)
     t = np.linspace(0, count * 0.04, count) + 0.01 * rng.random(count)
@@ -103,9 +97,7 @@ def test_on_a_path_however_wild_no_station_is_passed_by(count, speed, seed):
 def test_a_path_that_comes_straight_up_and_goes_back_is_nearest_where_it_turns(turn, gap):
     t = np.arange(200.0)
     along = np.array([0.6, 0, 0.8])
-    path = make_trajectory(
-        t, np.outer(gap + 0.01 * np.abs(t - turn), along), np.outer(0.01 * np.sign(t - turn), along)
-    )
+    path = make_trajectory(t, np.outer(gap + 0.01 * np.abs(t - turn), along), np.outer(0.01 * np.sign(t - turn), along))
     [distance], [when] = closest_approach(path, np.zeros((1, 3)))
     assert (distance, when) == pytest.approx((gap, turn), rel=1e-12)
 

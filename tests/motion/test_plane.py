@@ -41,17 +41,13 @@ def in_plane(agent, scenario):
     return stays_in_plane(release_state(model, scenario), model)
 
 
-SLOPING = pytest.mark.parametrize(
-    "end", [(9.0, 0.0, 0.0), (7.0, 0.0, -5.0), (0.0, 0.0, 9.0), (-6.0, 0.0, 2.0)]
-)
+SLOPING = pytest.mark.parametrize("end", [(9.0, 0.0, 0.0), (7.0, 0.0, -5.0), (0.0, 0.0, 9.0), (-6.0, 0.0, 2.0)])
 
 
 @pytest.mark.long
 @SLOPING
 @pytest.mark.parametrize("pipeline", [PIPELINE, DRAGGED], ids=["ideal", "drag"])
-@pytest.mark.parametrize(
-    "flow", [UniformFlow(), LogLawFlow(roughness=1e-3), PowerLawFlow()], ids=lambda f: f.kind
-)
+@pytest.mark.parametrize("flow", [UniformFlow(), LogLawFlow(roughness=1e-3), PowerLawFlow()], ids=lambda f: f.kind)
 @given(
     seed=st.integers(0, 10**6),
     along=st.floats(-1, 8),

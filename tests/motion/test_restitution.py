@@ -109,9 +109,7 @@ def test_a_sphere_hardly_rebounds_below_a_stokes_number_of_ten():
 def test_the_energy_never_rises_over_a_contact(body, pitch, restitution):
     samples, model = hit(BODIES[body][0], 1.0, restitution, pitch=pitch)
     kinetic = np.array([energies(row, model)[0] for row in samples])
-    assert any(
-        deepest_depth(tuple(row[1:4]), rotation_from_quaternion(*row[4:8]), model) > 0 for row in samples
-    )
+    assert any(deepest_depth(tuple(row[1:4]), rotation_from_quaternion(*row[4:8]), model) > 0 for row in samples)
     # Springs hold energy in between: what counts is how far the kinetic energy gets above its least since then.
     assert kinetic.max() <= kinetic[0] * 1.002
     touching = np.array(
@@ -125,9 +123,7 @@ def test_the_energy_never_rises_over_a_contact(body, pitch, restitution):
 def test_a_body_sinks_into_the_wall_by_less_than_a_millimetre(body):
     for speed in (0.3, 1.0, 3.0):
         samples, model = hit(BODIES[body][0], speed, 0.7)
-        depths = [
-            deepest_depth(tuple(row[1:4]), rotation_from_quaternion(*row[4:8]), model) for row in samples
-        ]
+        depths = [deepest_depth(tuple(row[1:4]), rotation_from_quaternion(*row[4:8]), model) for row in samples]
         assert 0 < max(depths) < DEEPEST * (1.0 if speed <= 1 else 1.5)
 
 

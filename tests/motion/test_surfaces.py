@@ -26,9 +26,7 @@ def test_a_sphere_is_one_dome_however_finely_it_is_divided(edges):
 
 
 def test_a_half_sphere_is_a_dome_that_ends_in_a_rim():
-    assert touching_surfaces(dome_body(0.02)) == pytest.approx(
-        np.array([[0.0, 0.0, 0.02, -1.0, 0.0]]), abs=1e-12
-    )
+    assert touching_surfaces(dome_body(0.02)) == pytest.approx(np.array([[0.0, 0.0, 0.02, -1.0, 0.0]]), abs=1e-12)
 
 
 def test_only_vertices_of_the_convex_hull_can_touch():

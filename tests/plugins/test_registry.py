@@ -253,9 +253,7 @@ def driftform_fitness():
     "error", ["ImportError", "ImportError()", "RuntimeError", "ValueError('')", "OSError('a\\nb')"]
 )
 def test_any_error_in_a_plugin_is_one_line_in_its_row(install, error):
-    broken = row(
-        install(ext_wild=MISSING.replace("import a_library_that_is_not_there", f"raise {error}")), "ext_wild"
-    )
+    broken = row(install(ext_wild=MISSING.replace("import a_library_that_is_not_there", f"raise {error}")), "ext_wild")
     assert broken.state.startswith("unavailable: ")
     assert len(broken.state.removeprefix("unavailable: ").strip()) > 1
     assert len(broken.state.splitlines()) == 1
@@ -265,9 +263,7 @@ def test_a_hook_may_return_several_classes_or_none(install):
     several = SOUND.format(name="one").replace(
         "    return Mine", "    return [Mine, type('Other', (Mine,), {'name': 'two'})]"
     )
-    found = install(
-        ext_several=several, ext_none=SOUND.format(name="x").replace("return Mine", "return None")
-    )
+    found = install(ext_several=several, ext_none=SOUND.format(name="x").replace("return Mine", "return None"))
     names = {r.name for r in found.seam("fitness")}
     assert {"one", "two"} <= names
     assert "x" not in names
@@ -428,10 +424,7 @@ def test_a_module_without_a_hook_is_listed_with_a_remark(install, source, remedy
 
 def test_a_hook_that_returns_no_class_is_reported_in_its_row(install):
     source = "from driftform import hookimpl\n@hookimpl\ndef driftform_fitness():\n    return []\n"
-    assert (
-        row(install(ext_empty=source), "ext_empty").state
-        == "unavailable: TypeError: the hook returned no class"
-    )
+    assert row(install(ext_empty=source), "ext_empty").state == "unavailable: TypeError: the hook returned no class"
 
 
 def test_a_class_may_not_inherit_the_name_of_ours(install):

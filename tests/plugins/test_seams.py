@@ -29,9 +29,7 @@ def make_coupled(coupling: float) -> FloatArray:
     return matrix
 
 
-@pytest.mark.parametrize(
-    "matrix", [make_diagonal(0.0), make_diagonal(-1e-8), make_coupled(0.999), np.eye(6) * 1e200]
-)
+@pytest.mark.parametrize("matrix", [make_diagonal(0.0), make_diagonal(-1e-8), make_coupled(0.999), np.eye(6) * 1e200])
 def test_an_added_mass_may_be_semidefinite_within_rounding(matrix: FloatArray) -> None:
     np.testing.assert_array_equal(cross_seam(matrix).added_mass, matrix)
 

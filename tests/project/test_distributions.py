@@ -119,9 +119,7 @@ def test_pip_installs_a_program_that_evolves_outside_the_repository(
 
 def test_every_plugin_is_found_there(installed: Path, outside: Callable[..., str], tmp_path: Path) -> None:
     rows = json.loads(outside(installed / "driftform", "plugins", "list", "--json", cwd=tmp_path))["plugins"]
-    hooked = {
-        project(folder)["name"] for folder in PROJECTS if "driftform" in project(folder)["entry-points"]
-    }
+    hooked = {project(folder)["name"] for folder in PROJECTS if "driftform" in project(folder)["entry-points"]}
     assert {row["distribution"] for row in rows} == hooked - set(COMMANDS_ALONE)
     assert {row["state"] for row in rows} == {"ok"}
     for command in COMMANDS_ALONE.values():

@@ -145,9 +145,7 @@ def test_a_circle_is_found() -> None:
 def test_the_core_imports_no_plugin() -> None:
     names = {path.name for path in PLUGINS}
     assert "driftform_native" in names
-    found = {
-        name.split(".")[0] for file in CORE.rglob("*.py") for name in list_imports(file.read_text("utf-8"))
-    }
+    found = {name.split(".")[0] for file in CORE.rglob("*.py") for name in list_imports(file.read_text("utf-8"))}
     assert found & names == set()
 
 

@@ -77,9 +77,7 @@ def test_packages_whose_internals_are_used_have_an_upper_bound(folder: Path) -> 
     }
     project = read_project(folder)
     needs = [*project["dependencies"], *chain(*project.get("optional-dependencies", {}).values())]
-    assert [
-        n for n in needs if re.match(r"[\w-]+", n)[0] in {*bounded, "trimesh", "typer"} and ",<" not in n
-    ] == []
+    assert [n for n in needs if re.match(r"[\w-]+", n)[0] in {*bounded, "trimesh", "typer"} and ",<" not in n] == []
 
 
 def test_the_core_installs_every_plugin_of_the_default_study() -> None:
@@ -114,9 +112,7 @@ def test_ci_runs_every_group_of_tests_that_is_not_slow(pytestconfig: pytest.Conf
     assert 'bash -c "$test_command"\n' in script and "uv sync --quiet --all-groups\n" in script
     [default] = [word for word in pytestconfig.getini("addopts") if word.startswith("not slow")]
     groups = {
-        line.partition(":")[0]
-        for line in pytestconfig.getini("markers")
-        if f"not {line.partition(':')[0]}" in default
+        line.partition(":")[0] for line in pytestconfig.getini("markers") if f"not {line.partition(':')[0]}" in default
     }
     selections = {
         "long": '"long and not peers and not slow and not installs"',
@@ -134,8 +130,7 @@ def test_a_release_is_published_without_a_stored_token() -> None:
     publish = jobs["publish"]
     assert publish["environment"] and publish["permissions"] == {"id-token": "write"}
     assert any(
-        step["uses"].startswith("pypa/gh-action-pypi-publish@") and "with" not in step
-        for step in publish["steps"]
+        step["uses"].startswith("pypa/gh-action-pypi-publish@") and "with" not in step for step in publish["steps"]
     )
 
 

@@ -13,7 +13,5 @@ PROGRAM = Path(__file__).parents[1] / "mutations.py"
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="mutants run in forks")
 def test_no_mutant_of_the_core_formulas_lives() -> None:
-    ended = subprocess.run(
-        [sys.executable, PROGRAM, "--count", "60"], capture_output=True, text=True, check=False
-    )
+    ended = subprocess.run([sys.executable, PROGRAM, "--count", "60"], capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stdout + ended.stderr

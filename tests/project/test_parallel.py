@@ -43,9 +43,7 @@ def test_the_default_selection_of_folders_takes_all_cores(
     monkeypatch.setattr("os.cpu_count", lambda: 6)
     monkeypatch.setenv("UPDATE_DOCS", update)
     [usual] = [word for word in pytestconfig.getini("addopts") if word.startswith("not slow")]
-    config = SimpleNamespace(
-        args=args, option=SimpleNamespace(markexpr=markexpr or usual), getini=pytestconfig.getini
-    )
+    config = SimpleNamespace(args=args, option=SimpleNamespace(markexpr=markexpr or usual), getini=pytestconfig.getini)
     assert hooks.pytest_xdist_auto_num_workers(config) == workers
 
 

@@ -20,9 +20,7 @@ def conftest() -> ModuleType:
 
 def skipped(*markers: str, program: str = "openscad") -> pytest.TestReport:
     longrepr = ("conftest.py", 3, f"Skipped: {program} is not installed")
-    return pytest.TestReport(
-        "test_a", ("a.py", 1, "a"), dict.fromkeys(markers, 1), "skipped", longrepr, "setup"
-    )
+    return pytest.TestReport("test_a", ("a.py", 1, "a"), dict.fromkeys(markers, 1), "skipped", longrepr, "setup")
 
 
 @pytest.mark.parametrize(

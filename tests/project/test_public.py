@@ -54,8 +54,6 @@ def test_the_templates_of_new_plugins_import_public_names_alone() -> None:
 
 
 def test_an_import_of_a_private_module_is_found() -> None:
-    source = (
-        "from driftform.water import Scenario\ndef fly():\n    from driftform.motion.flight import SAMPLE\n"
-    )
+    source = "from driftform.water import Scenario\ndef fly():\n    from driftform.motion.flight import SAMPLE\n"
     found = list(find_private_imports(source, list_public()))
     assert found == ["line 3: driftform.motion.flight.SAMPLE"]

@@ -17,9 +17,7 @@ def run_with_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of twenty flights for ten targets, with its page."""
     directory = tmp_path_factory.mktemp("runs") / "run"
     directory.mkdir()
-    study = load_study(
-        "paper", use={"simulator": "native", "strategy": "random"}, run={"seed": 4, "evaluations": 20}
-    )
+    study = load_study("paper", use={"simulator": "native", "strategy": "random"}, run={"seed": 4, "evaluations": 20})
     with Store.create(directory / DATABASE, dict(study.document)) as store:
         run_search(study, store, InProcess(study.make_pipeline()))
     report(directory)

@@ -220,9 +220,7 @@ def test_a_magnified_agent_does_not_pierce_the_wall(page, run_with_page):
         )
         angles = np.linspace(0, 2 * np.pi, 100)
         x, r = np.array(agent["outer"]).T[:, :, None]
-        body = np.stack(np.broadcast_arrays(x, r * np.cos(angles), r * np.sin(angles)), axis=-1).reshape(
-            -1, 3
-        )
+        body = np.stack(np.broadcast_arrays(x, r * np.cos(angles), r * np.sin(angles)), axis=-1).reshape(-1, 3)
         drawn = moved + data["magnification"] * body @ matrix_from_quaternion(attitude).T
         assert np.hypot(drawn[:, 1], drawn[:, 2]).max() < 1.005
         inside = page.execute_script(
@@ -241,9 +239,7 @@ def test_the_current_drifts_as_fast_as_the_profile_says(page, run_with_page):
     # The power law with the bulk speed U: u/U = (n + 1)(2 n + 1) / (2 n^2) (1 - r/R)^(1/n).
     assert segment["speeds"][:-1] == pytest.approx(1.5 * 8 * 15 / 98 * (1 - r) ** (1 / 7))
     before, after = (
-        np.array(page.execute_script("return drift([arguments[0]])(arguments[1])", segment, t)).reshape(
-            -1, 6, 3
-        )
+        np.array(page.execute_script("return drift([arguments[0]])(arguments[1])", segment, t)).reshape(-1, 6, 3)
         for t in (0, 0.01)
     )
     way = after[:, 1] - before[:, 1]

@@ -27,9 +27,7 @@ def shown(browser, tmp_path, monkeypatch):
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [light]})
     browser.get((tmp_path / "r1" / "report.html").as_uri())
     [choice] = [
-        button
-        for button in browser.find_elements("css selector", "[data-agent]")
-        if button.text.strip() == SHOWN
+        button for button in browser.find_elements("css selector", "[data-agent]") if button.text.strip() == SHOWN
     ]
     choice.click()
     return browser

@@ -122,9 +122,7 @@ def test_the_centre_of_every_cell_is_in_it_and_goes_to_the_world_and_back(segmen
     centres = cells.to_world(cells.centres())
     np.testing.assert_array_equal(cells.cell_of(centres), np.arange(cells.cell_count))
     np.testing.assert_allclose(cells.to_map(centres)[:, :2], cells.centres(), atol=1e-12)
-    assert all(
-        Pipe(segments=(segment,)).contains(tuple(centre)) for centre in centres[:: cells.cell_count // 5 + 1]
-    )
+    assert all(Pipe(segments=(segment,)).contains(tuple(centre)) for centre in centres[:: cells.cell_count // 5 + 1])
 
 
 ELBOW_AND_TEE = Pipe(
@@ -251,10 +249,7 @@ def test_a_flight_of_a_single_sample_is_in_the_cell_of_its_point():
     )
     np.testing.assert_allclose(CELLS.centres()[crossed], [[0.15, 0.05]])
     np.testing.assert_allclose(distance, np.linalg.norm([0.03, 0.01, 0.03]))
-    assert (
-        len(CELLS.find_crossed(make_trajectory(np.zeros(1), np.array([[-1.0, 0, 0]]), np.ones((1, 3))))[0])
-        == 0
-    )
+    assert len(CELLS.find_crossed(make_trajectory(np.zeros(1), np.array([[-1.0, 0, 0]]), np.ones((1, 3))))[0]) == 0
 
 
 @settings(deadline=None, max_examples=40)

@@ -92,9 +92,7 @@ def fresh(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
 
 @given(st.data())
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_records_read_back_as_a_live_strategy_has_seen_them(
-    fresh: Callable[[], Path], data: st.DataObject
-) -> None:
+def test_records_read_back_as_a_live_strategy_has_seen_them(fresh: Callable[[], Path], data: st.DataObject) -> None:
     written = [data.draw(records(index)) for index in range(data.draw(st.integers(0, 3)))]
     path = fresh()
     with Store.create(path, {}) as store:
@@ -108,9 +106,7 @@ def test_records_read_back_as_a_live_strategy_has_seen_them(
     assert [(r.index, r.candidate) for r in read] == [(r.index, r.candidate) for r in written]
     sound = {r.index: r.evaluation for r in read if r.evaluation.failure is None and r.evaluation.trajectory}
     assert list(flights) == list(sound)
-    assert all(
-        same(Evaluation(e.genome, e.fitness, flights[i], None, e.seconds), e) for i, e in sound.items()
-    )
+    assert all(same(Evaluation(e.genome, e.fitness, flights[i], None, e.seconds), e) for i, e in sound.items())
     for before, after in zip(written, read, strict=True):
         assert same(after.evaluation, compress_evaluation(before.evaluation))
         assert after.evaluation.fitness.tobytes() == before.evaluation.fitness.tobytes()
@@ -283,9 +279,7 @@ def test_the_scores_come_in_the_order_that_is_asked_for(store: Store) -> None:
     assert store.read_record(0, ("B", "A")).evaluation.fitness.tolist() == [2.0, 1.0]
 
 
-def test_a_committed_evaluation_is_seen_by_others_at_once_and_survives_a_crash(
-    store: Store, tmp_path: Path
-) -> None:
+def test_a_committed_evaluation_is_seen_by_others_at_once_and_survives_a_crash(store: Store, tmp_path: Path) -> None:
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     connection = sqlite3.connect(tmp_path / "run.db")
     assert connection.execute("SELECT COUNT(*) FROM score").fetchone() == (2,)

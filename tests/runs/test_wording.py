@@ -73,9 +73,7 @@ def promise(hit, p90):
 
 
 def result_of(printed, weighed, idle, p90=(0.073, 0.07, 0.5)):
-    one, other, nothing = (
-        promise(hit, miss) for hit, miss in zip((printed, weighed, idle), p90, strict=True)
-    )
+    one, other, nothing = (promise(hit, miss) for hit, miss in zip((printed, weighed, idle), p90, strict=True))
     return {"fitness": 99.9, "within": 0.4, "robust": {**one, "weighed": other, "baseline": nothing}}
 
 
@@ -102,9 +100,7 @@ def test_a_summary_counts_who_keeps_the_targets():
         "C": result_of(0.5, 0.5, 0.0),
     }
     found = summarise(ClosestApproach(Table()), results)
-    assert found == (
-        "2 of 3 targets are kept if the print is weighed, 1 as it comes, 1 by a body that does nothing"
-    )
+    assert found == ("2 of 3 targets are kept if the print is weighed, 1 as it comes, 1 by a body that does nothing")
 
 
 def test_a_shape_that_is_hardly_better_than_nothing_is_said_to_matter_little():

@@ -173,9 +173,7 @@ def test_the_next_steps_are_those_of_the_installer(
     assert document["next"][1:4] == steps
 
 
-def test_one_distribution_brings_plugins_of_several_seams(
-    call: Call, tmp_path: Path, monkeypatch: Any
-) -> None:
+def test_one_distribution_brings_plugins_of_several_seams(call: Call, tmp_path: Path, monkeypatch: Any) -> None:
     seams = ("grammar", "fitness", "strategy")
     options = [word for seam in seams for word in ("--seam", seam)]
     document = json.loads(call("plugins", "new", "driftform-try", *options, "--json").stdout)
@@ -206,9 +204,7 @@ def test_no_placeholder_is_left_to_fill_in(tmp_path: Path) -> None:
 
 
 @pytest.mark.peers
-@pytest.mark.parametrize(
-    "words", [["format", "--check"], ["check", "--select", "E,F,W,I,N,UP,B,SIM,PTH,RUF"]]
-)
+@pytest.mark.parametrize("words", [["format", "--check"], ["check", "--select", "E,F,W,I,N,UP,B,SIM,PTH,RUF"]])
 def test_a_scaffold_is_formatted_and_passes_the_linter(words: list[str], installed: Path) -> None:
     ruff = [sys.executable, "-m", "ruff", *words, "--isolated", "--no-cache", "--line-length", "110", "."]
     for seam in KINDS:
@@ -238,9 +234,7 @@ def test_an_invalid_or_taken_name_is_refused(name: str, message: str, refused: C
 
 
 def test_a_name_that_would_hide_a_class_of_driftform_is_refused(refused: Callable[..., str]) -> None:
-    assert "the name of a class of driftform" in refused(
-        "plugins", "new", "driftform-phenotype", "--seam", "builder"
-    )
+    assert "the name of a class of driftform" in refused("plugins", "new", "driftform-phenotype", "--seam", "builder")
     line = refused("plugins", "new", "driftform-hydrodynamics", "--seam", "hydrodynamics")
     assert "the name of a class of driftform" in line
 
@@ -289,9 +283,7 @@ def test_a_scaffold_installs_in_an_empty_environment_and_passes_there(
 
 
 @pytest.mark.installs
-def test_all_scaffolds_are_found_where_they_are_installed(
-    environment: tuple[Path, Path], outside: Call
-) -> None:
+def test_all_scaffolds_are_found_where_they_are_installed(environment: tuple[Path, Path], outside: Call) -> None:
     folder, programs = environment
     rows = json.loads(outside(programs / "driftform", "plugins", "list", "--json", cwd=folder))["plugins"]
     found = {row["distribution"]: row for row in rows if row["distribution"].startswith("driftform-try")}

@@ -57,9 +57,7 @@ def test_a_run_on_a_cluster_is_the_run_of_one_process(
 def test_a_worker_flies_one_genome_at_a_time_however_many_threads_it_has(
     dask: Dask, dask_scheduler: Scheduler, tmp_path: Path, fakes: None
 ) -> None:
-    study = load_study(
-        None, ["simulator.pause=0.05"], use={"simulator": "fake"}, targets=["TP1"], run={"seed": 1}
-    )
+    study = load_study(None, ["simulator.pause=0.05"], use={"simulator": "fake"}, targets=["TP1"], run={"seed": 1})
     jobs = [Job(index, job(study).genome) for index in range(20)]
     with dask_scheduler() as (address, _), dask("worker", address, "--nthreads", 4, cwd=tmp_path) as worker:
         with closing(Cluster.join(study.document, address)) as executor:
@@ -177,9 +175,7 @@ def test_other_versions_on_a_worker_are_refused(
     monkeypatch.setattr(cluster, "find_versions", lambda _: other)
     with (
         closing(Cluster.join(study.document, dask_cluster)) as executor,
-        pytest.raises(
-            InputError, match=r"^worker tcp://\S+ has driftform-fake 1\.0, this run has 2\.0: install"
-        ),
+        pytest.raises(InputError, match=r"^worker tcp://\S+ has driftform-fake 1\.0, this run has 2\.0: install"),
     ):
         list(executor.evaluate([job(study)]))
 
@@ -205,9 +201,7 @@ def test_workers_that_cannot_import_the_task_report_it(
     monkeypatch.setattr(cluster, "_work", work_that_breaks)
     with (
         closing(Cluster.join(study.document, dask_cluster)) as executor,
-        pytest.raises(
-            WorkFailedError, match=r"its workers cannot evaluate \(No module .*\); install the same"
-        ),
+        pytest.raises(WorkFailedError, match=r"its workers cannot evaluate \(No module .*\); install the same"),
     ):
         list(executor.evaluate([job(study)]))
 
@@ -264,9 +258,7 @@ def test_a_run_is_unchanged_if_the_cluster_does_not_answer(
     assert "no Dask scheduler answers" in line
 
 
-def test_without_the_extra_it_prints_how_to_install_it(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_the_extra_it_prints_how_to_install_it(refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     line = refused("evolve", "--executor", "dask", "--out", "run")
     assert line.startswith("error: --executor dask needs Dask (")

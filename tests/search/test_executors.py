@@ -212,9 +212,7 @@ def test_a_worker_that_is_killed_while_it_starts_costs_nothing(jobs: list[Job]) 
     assert_same(outcomes, collect(InProcess(study_of().make_pipeline()).evaluate(jobs)))
 
 
-def test_a_genome_whose_flight_never_ends_fails_and_all_others_are_evaluated(
-    jobs: list[Job], make: Make
-) -> None:
+def test_a_genome_whose_flight_never_ends_fails_and_all_others_are_evaluated(jobs: list[Job], make: Make) -> None:
     guilty = {job.index for job in jobs if number(job.genome) < 0.08}
     sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
     with closing(make(study_of(hang=0.08, timeout=2.0))) as executor:
@@ -239,9 +237,7 @@ def test_whatever_a_plugin_raises_costs_its_genome_alone(jobs: list[Job], make: 
         outcomes = collect(executor.evaluate(jobs[:4]))
     assert len(outcomes) == 4
     for evaluation in outcomes.values():
-        assert evaluation.failure is not None and evaluation.failure.startswith(
-            "simulator 'fake' failed in simulate()"
-        )
+        assert evaluation.failure is not None and evaluation.failure.startswith("simulator 'fake' failed in simulate()")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows does not clone processes")
@@ -353,24 +349,16 @@ def test_a_function_that_ends_its_process_once_is_called_again_in_a_new_one(tmp_
 
 @pytest.mark.parametrize(("deed", "text"), [("exit", "exit code 3"), ("segfault", "SIGSEGV")])
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_function_that_always_ends_its_process_is_named_by_its_place_and_its_end(
-    deed: str, text: str
-) -> None:
+def test_a_function_that_always_ends_its_process_is_named_by_its_place_and_its_end(deed: str, text: str) -> None:
     with closing(LocalProcesses(study_of().document, 2)) as executor:
-        with pytest.raises(
-            FunctionDiedError, match=re.escape(f"its process died 2 times ({text})")
-        ) as caught:
-            executor.call(
-                [partial(abs, 1), partial(abs, 2), partial(harm("end_process"), deed), partial(abs, 3)]
-            )
+        with pytest.raises(FunctionDiedError, match=re.escape(f"its process died 2 times ({text})")) as caught:
+            executor.call([partial(abs, 1), partial(abs, 2), partial(harm("end_process"), deed), partial(abs, 3)])
         assert caught.value.index == 2
         assert workers_of(executor) == []
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_worker_that_dies_while_it_sends_its_result_is_not_waited_for(
-    jobs: list[Job], tmp_path: Path
-) -> None:
+def test_a_worker_that_dies_while_it_sends_its_result_is_not_waited_for(jobs: list[Job], tmp_path: Path) -> None:
     executor = LocalProcesses(study_of().document, 1)
     list(executor.evaluate(jobs[:1]))
     found: list[object] = []

@@ -240,9 +240,7 @@ def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score:
     study = study_of(f"robustness.score='{score}'", *chosen, evaluations=count)
     undisturbed = rng.uniform(level, 101, (count, 2)).clip(max=100)
     reliable = rng.uniform(50, 100, (count, 1, 2))
-    disturbed = (
-        np.minimum(reliable + rng.normal(0, 10, (count, 12 + 3 * len(Specimen), 2)), 100).clip(min=0).round()
-    )
+    disturbed = np.minimum(reliable + rng.normal(0, 10, (count, 12 + 3 * len(Specimen), 2)), 100).clip(min=0).round()
     executor = Table(study, undisturbed, disturbed)
     with TemporaryDirectory() as folder, Store.create(Path(folder) / "run.db", dict(study.document)) as store:
         run_search(study, store, executor)
@@ -252,9 +250,7 @@ def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score:
     reaching, near = undisturbed >= 99, undisturbed >= 95
     may = np.where(reaching.any(axis=0), reaching, np.where(near.any(axis=0), near, True))
     finalists = {
-        row
-        for n in (0, 1)
-        for row in sorted(np.flatnonzero(may[:, n]), key=lambda row: -undisturbed[row, n])[:2]
+        row for n in (0, 1) for row in sorted(np.flatnonzero(may[:, n]), key=lambda row: -undisturbed[row, n])[:2]
     }
     for number, winner in enumerate(found):
         scores = {

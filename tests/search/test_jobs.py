@@ -41,15 +41,11 @@ def test_of_a_disturbed_flight_no_more_comes_back_than_a_run_stores() -> None:
     genome = pipeline.grammar.random(np.random.default_rng(1))
     [condition] = draw_conditions(study.scenario.robustness, 1, (1,))
     [whole] = pipeline.evaluate([genome], conditions=[condition])
-    (_, kept), (_, disturbed) = evaluate_batch(
-        pipeline, [Job(0, genome), Job(1, genome, condition=condition)]
-    )
+    (_, kept), (_, disturbed) = evaluate_batch(pipeline, [Job(0, genome), Job(1, genome, condition=condition)])
     assert kept.trajectory is not None
     assert kept.offsets is None
     assert disturbed.trajectory is None
-    np.testing.assert_array_equal(
-        find_offsets(disturbed, study.scenario), find_offsets(whole, study.scenario)
-    )
+    np.testing.assert_array_equal(find_offsets(disturbed, study.scenario), find_offsets(whole, study.scenario))
 
 
 @pytest.mark.parametrize("conditions", [0, 5])

@@ -171,9 +171,7 @@ def screened_study(strategy: str) -> Study:
 
 @pytest.mark.long
 @pytest.mark.parametrize("strategy", ["random", "evolution"])
-def test_what_a_run_shows_is_checked_and_what_is_not_checked_is_not_among_its_best(
-    store: Store, strategy: str
-) -> None:
+def test_what_a_run_shows_is_checked_and_what_is_not_checked_is_not_among_its_best(store: Store, strategy: str) -> None:
     study = screened_study(strategy)
     run_search(study, store, InProcess(study.make_pipeline()))
     records = list(store.read_records(study.scenario.target_names))
@@ -189,9 +187,7 @@ def test_what_a_run_shows_is_checked_and_what_is_not_checked_is_not_among_its_be
     np.testing.assert_array_equal(expected.max(axis=0), fitness.max(axis=0))
 
 
-def test_which_flights_are_checked_depends_neither_on_their_order_nor_on_a_stop(
-    store: Store, tmp_path: Path
-) -> None:
+def test_which_flights_are_checked_depends_neither_on_their_order_nor_on_a_stop(store: Store, tmp_path: Path) -> None:
     study = screened_study("evolution")
     targets = study.scenario.target_names
     with Store.create(tmp_path / "whole.db", {}) as whole:
@@ -251,10 +247,7 @@ def test_failures_are_recorded_with_their_reason_and_the_run_goes_on(store: Stor
     run_search(study, store, Counting(study))
     assert 0 < store.count_failed() < store.count() == 25
     failures = {r.evaluation.failure for r in store.read_records(study.scenario.target_names)} - {None}
-    assert all(
-        "simulator 'fake' failed in simulate(): RuntimeError: genome 0." in str(failure)
-        for failure in failures
-    )
+    assert all("simulator 'fake' failed in simulate(): RuntimeError: genome 0." in str(failure) for failure in failures)
     # The failures differ in their numbers alone.
     reason, count = store.find_commonest_failure()
     assert reason in failures

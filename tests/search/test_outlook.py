@@ -9,9 +9,7 @@ from driftform.search.outlook import FIRST, Outlook
 from driftform.study import load_study
 from driftform.types import End, Evaluation, Genome, Trajectory
 
-SCENARIO = load_study(
-    "paper", ["targets={near=[2,0,0],far=[6,0,0.3]}", "flight.horizon=40"], run={"seed": 1}
-).scenario
+SCENARIO = load_study("paper", ["targets={near=[2,0,0],far=[6,0,0.3]}", "flight.horizon=40"], run={"seed": 1}).scenario
 
 
 def flight(length: float, end: End) -> Evaluation:

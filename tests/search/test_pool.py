@@ -159,9 +159,7 @@ def test_a_kill_from_outside_is_not_the_fault_of_a_genome_unless_it_never_ends()
         group.take(numbered(0), 1)
     group.die(Cause.KILL, "SIGKILL")
     [(_, evaluation)] = group.collect()
-    assert (
-        evaluation.failure == "its process was killed 5 times (SIGKILL), from outside or for want of memory"
-    )
+    assert evaluation.failure == "its process was killed 5 times (SIGKILL), from outside or for want of memory"
 
 
 def test_a_genome_that_takes_too_long_alone_fails_at_once() -> None:

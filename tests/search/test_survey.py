@@ -46,9 +46,7 @@ def candidates_of(study: Study, thresholds: list[tuple[float, float] | None]) ->
     return [Candidate(grammar.random(rng), threshold=threshold) for threshold in thresholds]
 
 
-def fly_batch(
-    study: Study, store: Store, candidates: list[Candidate]
-) -> tuple[list[Evaluation], list[Evaluation]]:
+def fly_batch(study: Study, store: Store, candidates: list[Candidate]) -> tuple[list[Evaluation], list[Evaluation]]:
     """The undisturbed flights, and what a strategy receives for them."""
     executor = InProcess(study.make_pipeline())
     jobs = [Job(number, candidate.genome) for number, candidate in enumerate(candidates)]
@@ -120,9 +118,7 @@ def test_a_search_with_a_survey_is_resumed_without_loss(tmp_path: Path) -> None:
             for evaluations in parts:
                 part = study_of(evaluations=evaluations)
                 run_search(part, store, InProcess(part.make_pipeline()))
-            rows = [
-                (r.index, r.candidate, r.evaluation.fitness.tobytes()) for r in store.read_records(TARGETS)
-            ]
+            rows = [(r.index, r.candidate, r.evaluation.fitness.tobytes()) for r in store.read_records(TARGETS)]
             kept.append((rows, store.list_disturbed(), read_scores(study, store).keys()))
     assert kept[0] == kept[1]
     assert 0 < len(kept[0][1]) < 3 * 24

@@ -36,10 +36,7 @@ def sensitivity() -> Callable[[Agent, Scenario], float]:
     def times_farther(agent: Agent, scenario: Scenario) -> float:
         x, y, z = scenario.release_position()
         aside = scenario.release.model_copy(update={"position": (x, y, z + NUDGE)})
-        flights = [
-            exact.simulate(agent, where)
-            for where in (scenario, scenario.model_copy(update={"release": aside}))
-        ]
+        flights = [exact.simulate(agent, where) for where in (scenario, scenario.model_copy(update={"release": aside}))]
         times = np.arange(0.0, min(trajectory.t[-1] for trajectory in flights), 0.01)
         here, there = (interpolate_positions(trajectory, times) for trajectory in flights)
         return largest_distance(here, there) / NUDGE

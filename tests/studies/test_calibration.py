@@ -76,9 +76,7 @@ def trials() -> list[dict[str, Any]]:
     return [done[number] for number in range(TRIALS)]
 
 
-def test_intervals_hold_the_truth(
-    trials: list[dict[str, Any]], publish: Callable[[str, Sequence[str]], None]
-) -> None:
+def test_intervals_hold_the_truth(trials: list[dict[str, Any]], publish: Callable[[str, Sequence[str]], None]) -> None:
     lines = [
         "| factor | known in | interval holds the truth | half of the interval, median | else, mostly |",
         "|---|---|---|---|---|",
@@ -142,9 +140,7 @@ def test_intervals_hold_the_truth_where_a_camera_looks_down_or_up_by_8_degrees_a
     assert 0.05 <= sum(outside.values()) / sum(known.values()) <= 0.15
 
 
-@pytest.mark.parametrize(
-    "filming", [Filming(barrel=0.03), Filming(lost=0.02), Filming(lost=0.05), Filming(lost=-0.1)]
-)
+@pytest.mark.parametrize("filming", [Filming(barrel=0.03), Filming(lost=0.02), Filming(lost=0.05), Filming(lost=-0.1)])
 def test_no_factor_is_known_outside_its_interval_in_more_than_a_tenth_of_the_trials_where(
     filming: Filming,
 ) -> None:
@@ -165,9 +161,7 @@ def test_heights_of_a_sphere_alone_show_its_drag_within_the_interval() -> None:
         world = Factors(cross_drag=float(rng.uniform(0.7, 1.3)))
         film = film_flight(place_drop(pipeline, sphere, 0.0, 2.0), world, rng, Filming(noise=5e-4))
         [marker] = film.track.markers
-        heights = replace(
-            marker, points=np.column_stack([np.full(len(film.track.t), np.nan), marker.points[:, 1]])
-        )
+        heights = replace(marker, points=np.column_stack([np.full(len(film.track.t), np.nan), marker.points[:, 1]]))
         found = fit_factors([replace(film, track=replace(film.track, markers=(heights,)))], ["cross_drag"])
         estimate = found.estimates["cross_drag"]
         if estimate.low is not None and estimate.high is not None:

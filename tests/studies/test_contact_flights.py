@@ -105,9 +105,7 @@ def history(agent, trajectory: Trajectory, radius: float) -> str:
     later = axis[trajectory.t >= (trajectory.t[-1] if trajectory.contact is None else trajectory.contact)]
     turned = np.arccos(np.clip((later[1:] * later[:-1]).sum(axis=1), -1, 1)).sum()
     first = "never" if trajectory.contact is None else f"at {trajectory.contact:.2f} s first"
-    return (
-        f"touches the wall {touches} times, {first}, and turns end over end {turned / (2 * np.pi):.1f} times"
-    )
+    return f"touches the wall {touches} times, {first}, and turns end over end {turned / (2 * np.pi):.1f} times"
 
 
 def test_a_tighter_tolerance_changes_no_fitness(flown, sensitivity):
@@ -140,9 +138,7 @@ def test_both_simulators_find_the_same_fitness(flown, publish, sensitivity):
     native, exudyn = (fly(use) for use in SIMULATORS)
     change = changes(native, exudyn)
     away = [
-        distance(
-            a, b, min(np.inf if trajectory.contact is None else trajectory.contact for trajectory in (a, b))
-        )
+        distance(a, b, min(np.inf if trajectory.contact is None else trajectory.contact for trajectory in (a, b)))
         for a, b in zip(native.flights, exudyn.flights, strict=True)
     ]
     lines = [
@@ -164,8 +160,7 @@ def test_both_simulators_find_the_same_fitness(flown, publish, sensitivity):
 def test_both_simulators_fly_the_same_in_water_with_drag_and_friction(agents, publish, count_of):
     genomes, kept = [agent.genome for agent in agents(count_of("AGENTS", 20))], []
     lines = [
-        "| friction | agents | not converged | apart: median mm | worst mm | flights per CPU second: native "
-        "| exudyn |",
+        "| friction | agents | not converged | apart: median mm | worst mm | flights per CPU second: native | exudyn |",
         "|---|---|---|---|---|---|---|",
     ]
     for friction in (0.0, 0.3):
@@ -180,9 +175,7 @@ def test_both_simulators_fly_the_same_in_water_with_drag_and_friction(agents, pu
             rates.append(len(flyers) / (time.process_time() - began))
         sound = [pair for pair in zip(*paths, strict=True) if not any(flight.end.failed for flight in pair)]
         apart = np.array([distance(*pair) for pair in sound])
-        assert all(
-            gap <= sum(flight.error for flight in pair) for gap, pair in zip(apart, sound, strict=True)
-        )
+        assert all(gap <= sum(flight.error for flight in pair) for gap, pair in zip(apart, sound, strict=True))
         lines.append(
             f"| {friction:g} | {len(genomes)} | {len(genomes) - len(sound)} | {1e3 * np.median(apart):.2g} "
             f"| {1e3 * apart.max():.2g} | {rates[0]:.3g} | {rates[1]:.2g} |"
@@ -227,9 +220,7 @@ def test_flights_that_hit_the_wall_are_as_exact_as_they_say(flown, publish):
         counted = known & ~failed
         beyond = counted & (errors > MILLIMETRE)
         for index in np.flatnonzero(beyond):
-            print(
-                f"{use}, agent {index}: {1e3 * errors[index]:.2g} mm off, says {1e3 * estimates[index]:.2g} mm"
-            )
+            print(f"{use}, agent {index}: {1e3 * errors[index]:.2g} mm off, says {1e3 * estimates[index]:.2g} mm")
         for index in np.flatnonzero(failed):
             print(f"{use}, agent {index}: {flights[index].end}, {1e3 * errors[index]:.2g} mm off")
         some = 1e3 * errors[counted]

@@ -82,8 +82,6 @@ def test_a_search_finds_an_agent_for_each_outlet_in_nine_of_ten_seeds(tmp_path, 
         ):
             best = advance_run(run, executor)
         shares = [found.robust["reached"] for found in best]
-        print(
-            f"seed {seed}: {', '.join(f'{share:.0%}' for share in shares)} of the fresh flights", flush=True
-        )
+        print(f"seed {seed}: {', '.join(f'{share:.0%}' for share in shares)} of the fresh flights", flush=True)
         sound += min(shares) >= 0.9
     assert sound >= 0.9 * seeds

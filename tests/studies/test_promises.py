@@ -163,9 +163,7 @@ def kept_of(outcomes: Sequence[Outcome], specimen: Specimen) -> FloatArray:
 
 def reached(outcomes: Sequence[Outcome], specimen: Specimen) -> FloatArray:
     """Miss that 9 of 10 sound fresh flights stay within, m, (runs, targets)."""
-    return np.array(
-        [[estimate_quantile(m[~np.isnan(m)], PROMISED) for m in o.fresh[specimen]] for o in outcomes]
-    )
+    return np.array([[estimate_quantile(m[~np.isnan(m)], PROMISED) for m in o.fresh[specimen]] for o in outcomes])
 
 
 def hits_of(outcomes: Sequence[Outcome], specimen: Specimen) -> FloatArray:
@@ -260,10 +258,7 @@ def test_the_search_of_tuned_bodies_finds_better_agents_with_as_many_flights(
     ]
     for way, runs in outcomes.items():
         flights, nominal = np.mean([o.flights for o in runs]), 1000 * np.array([o.nominal for o in runs])
-        each = [
-            f"{1000 * np.median(reached(runs, s), axis=1).mean():.0f}"
-            for s in (Specimen.PRINT, Specimen.WEIGHED)
-        ]
+        each = [f"{1000 * np.median(reached(runs, s), axis=1).mean():.0f}" for s in (Specimen.PRINT, Specimen.WEIGHED)]
         misses = f"{np.median(nominal):.1f}, {nominal.max():.0f}"
         lines.append(f"| `{way}` | {flights:.0f} | {misses} | {' | '.join(each)} |")
     publish("ways to search", lines)

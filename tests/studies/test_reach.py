@@ -92,9 +92,7 @@ def runs(tmp_path_factory) -> list[Lit]:
     # The searches of tuned bodies need a builder that can tune.
     others = ("evolution", "paper")
     whole = [lit(folder, name, 1, flights) for name in ("ribs", "random")]
-    return whole + [
-        lit(folder, name, 2 if name == "ribs" else 1, flights // SHORTER) for name in ("ribs", *others)
-    ]
+    return whole + [lit(folder, name, 2 if name == "ribs" else 1, flights // SHORTER) for name in ("ribs", *others)]
 
 
 def missed_text(points: np.ndarray, missed: np.ndarray) -> str:
@@ -113,15 +111,12 @@ def test_ribs_reaches_what_any_strategy_ever_reached_and_points_that_were_no_tar
     lines = [
         f"Any of these runs crosses {everything} of {cells.cell_count} cells; shares are of those {everything}.",
         "",
-        "| strategy | seed | "
-        + " | ".join(f"{count} flights" for count in counts)
-        + " | within 5 cm | within 1 cm |",
+        "| strategy | seed | " + " | ".join(f"{count} flights" for count in counts) + " | within 5 cm | within 1 cm |",
         "|---|---|" + "---|" * (len(counts) + 2),
     ]
     for run in runs:
         shares = [
-            f"{100 * run.milestones[count] / everything:.1f} %" if count in run.milestones else ""
-            for count in counts
+            f"{100 * run.milestones[count] / everything:.1f} %" if count in run.milestones else "" for count in counts
         ]
         tight = int(np.count_nonzero(run.distances <= 0.01))
         lines.append(

@@ -32,9 +32,7 @@ def test_the_experiment_is_repeated_and_told(
 ) -> None:
     out = tmp_path / "out"
     before = cpu_of_children()
-    process = start(
-        "reproduce", "--simulator", simulator, "--workers", "2", "--out", out, "--json", cwd=tmp_path
-    )
+    process = start("reproduce", "--simulator", simulator, "--workers", "2", "--out", out, "--json", cwd=tmp_path)
     printed, told = process.communicate(timeout=3600)
     seconds = cpu_of_children() - before
     assert process.returncode == 0, told

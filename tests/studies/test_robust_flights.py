@@ -86,13 +86,10 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
     trajectory, scenario = flown.trajectory, flown.scenario
     [pipe] = scenario.pipe.segments
     if not all(
-        np.isfinite(v).all()
-        for v in (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity)
+        np.isfinite(v).all() for v in (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity)
     ):
         yield "is not finite"
-    if (np.diff(trajectory.t) <= 0).any() or np.abs(
-        np.linalg.norm(trajectory.quaternion, axis=1) - 1
-    ).max() > 1e-9:
+    if (np.diff(trajectory.t) <= 0).any() or np.abs(np.linalg.norm(trajectory.quaternion, axis=1) - 1).max() > 1e-9:
         yield "has times out of order, or quaternions of another length than 1"
     if trajectory.end.failed:
         return
@@ -149,9 +146,7 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
         sound, failed, found = [], [], []
         for flown in flights_of(study, name in WITH_DRAG, count, workers):
             counts[flown.trajectory.end] += 1
-            found += [
-                f"{occupied}, {name}, agent {flown.index} {what}" for what in complaints(flown, pipeline)
-            ]
+            found += [f"{occupied}, {name}, agent {flown.index} {what}" for what in complaints(flown, pipeline)]
             if flown.trajectory.end.failed:
                 failed.append(flown)
             elif flown.index % SPOT_CHECK == 0:
@@ -169,9 +164,7 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
             f"| {name} | {' | '.join(str(counts[end]) for end in ends)} "
             f"| {len(found)} | {len(errors)} | {worst:.2g} | {far} |"
         )
-        print(
-            f"{occupied}, {name}: {len(failed)} of {count} fail; of those checked {unknown} have no exact flight"
-        )
+        print(f"{occupied}, {name}: {len(failed)} of {count} fail; of those checked {unknown} have no exact flight")
         print(f"    {' '.join(str(flown.index) for flown in failed)}")
         for flown in (*failed[:LOOKED_AT], *sound[:LOOKED_AT]):
             trajectory, factor = flown.trajectory, sensitivity(flown.agent, flown.scenario)

@@ -80,8 +80,7 @@ def test_the_searches_are_told(errors: Errors, publish: Callable[[str, Sequence[
     lines = [f"| target | {' | '.join(heads)} |", "|---" * (1 + len(heads)) + "|"]
     for number, name in enumerate(names):
         cells = [
-            f"{e[:, number].mean():.2f} ({e[:, number].std():.2f}, {e[:, number].max():.2f})"
-            for e in shown.values()
+            f"{e[:, number].mean():.2f} ({e[:, number].std():.2f}, {e[:, number].max():.2f})" for e in shown.values()
         ]
         lines.append(f"| {name} | {' | '.join(cells)} |")
     publish("searches", lines)
@@ -101,9 +100,7 @@ def tell_worst(errors: Errors) -> list[str]:
     ]
     for (strategy, flights), e in errors.items():
         worst = e.max(axis=1)
-        lines.append(
-            f"| `{strategy}` | {flights} | {e.mean():.3f} | {worst.mean():.2f} | {worst.max():.2f} |"
-        )
+        lines.append(f"| `{strategy}` | {flights} | {e.mean():.3f} | {worst.mean():.2f} | {worst.max():.2f} |")
     return lines
 
 
@@ -132,7 +129,9 @@ def test_no_seed_of_many_leaves_a_target_missed_by_more_than_a_percent(
     seeds = range(100, 100 + int(os.environ.get("MANY_SEEDS", MANY_SEEDS)))
     with closing(LocalProcesses(study_of("tuned", 1, 1, "pipe-inspection").document, 2)) as executor:
         worst = [errors.max() for errors in _runs("tuned", 500, "pipe-inspection", executor, tmp_path, seeds)]
-    line = f"After 500 flights, no target is missed by more than {np.max(worst):.4f} % in any of {len(worst)} other seeds."
+    line = (
+        f"After 500 flights, no target is missed by more than {np.max(worst):.4f} % in any of {len(worst)} other seeds."
+    )
     publish("many seeds", [line])
     assert np.max(worst) <= 1
 

@@ -74,8 +74,7 @@ def test_free_flights_agree_with_the_textbook_to_a_millimetre(pipelines, agents,
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(scenario)))
         assert {trajectory.end for trajectory in flights} <= {End.HORIZON, End.NOT_CONVERGED}
         errors[use] = [
-            largest_distance(interpolate_positions(f, times), e[:, :3])
-            for f, e in zip(flights, expected, strict=True)
+            largest_distance(interpolate_positions(f, times), e[:, :3]) for f, e in zip(flights, expected, strict=True)
         ]
         failed = [index for index, trajectory in enumerate(flights) if trajectory.end.failed]
         print(f"{use}: not converged: {failed}")
@@ -99,9 +98,7 @@ def test_flights_in_the_pipe_agree_with_the_textbook_up_to_the_wall(pipelines, a
     lines, worst, reached = list(HEAD), {}, {}
     for use, pipeline in pipelines.items():
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(scenario)))
-        untils = [
-            trajectory.t[-1] if trajectory.contact is None else trajectory.contact for trajectory in flights
-        ]
+        untils = [trajectory.t[-1] if trajectory.contact is None else trajectory.contact for trajectory in flights]
         instants = [np.linspace(0, until, int(100 * until) + 2) for until in untils]
         expected = list(workers.map(textbook_states, drawn, repeat(scenario), instants))
         errors = [
@@ -116,9 +113,7 @@ def test_flights_in_the_pipe_agree_with_the_textbook_up_to_the_wall(pipelines, a
         ]
         worst[use], reached[use] = max(errors), max(map(abs, touching))
         lines.append(row("in the pipe, up to the wall", use, flights, errors))
-        print(
-            f"{use}: {len(touching)} reach the wall; at its first contact the textbook's agent is off it by"
-        )
+        print(f"{use}: {len(touching)} reach the wall; at its first contact the textbook's agent is off it by")
         print(f"    {1e3 * reached[use]:.3g} mm at most; {sum(f.end.failed for f in flights)} fail later on")
     publish("flights up to the wall", lines)
     for use in SIMULATORS:
@@ -126,12 +121,9 @@ def test_flights_in_the_pipe_agree_with_the_textbook_up_to_the_wall(pipelines, a
         assert reached[use] < MILLIMETRE, use
 
 
-def test_flights_with_drag_in_the_logarithmic_law_agree_with_the_textbook_up_to_the_wall(
-    agents, workers, publish
-):
+def test_flights_with_drag_in_the_logarithmic_law_agree_with_the_textbook_up_to_the_wall(agents, workers, publish):
     pipelines = {
-        use: load_study("paper", DRAG_IN_LOG_LAW, use={"simulator": use}).make_pipeline()
-        for use in SIMULATORS
+        use: load_study("paper", DRAG_IN_LOG_LAW, use={"simulator": use}).make_pipeline() for use in SIMULATORS
     }
     native, rng = pipelines["native"], np.random.default_rng(3)
     drawn = [native.make_agent(agent.genome) for agent in agents(2)]

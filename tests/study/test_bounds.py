@@ -45,9 +45,7 @@ def walk(model: type[BaseModel], path: str, above: tuple[type[BaseModel], ...] =
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         if not extra.get("unbounded"):
-            yield from find_unbounded(
-                field.annotation, read_bounds(field.metadata), f"{path}.{name}", (*above, model)
-            )
+            yield from find_unbounded(field.annotation, read_bounds(field.metadata), f"{path}.{name}", (*above, model))
 
 
 def list_plugins() -> list[type[Plugin[Any]]]:

@@ -121,8 +121,6 @@ def test_a_test_that_does_not_end_fails_after_the_time_limit() -> None:
 def test_every_contract_states_what_each_of_its_tests_asks() -> None:
     contracts = [getattr(testing, name) for name in testing.__all__]
     assert all(issubclass(contract, Contract) for contract in contracts)
-    tests = [
-        test for contract in contracts for name, test in vars(contract).items() if name.startswith("test_")
-    ]
+    tests = [test for contract in contracts for name, test in vars(contract).items() if name.startswith("test_")]
     assert len(tests) > 100
     assert [test.__qualname__ for test in tests if not test.__doc__] == []

@@ -22,9 +22,7 @@ print(slice_depth(0.1, still, 0.5, (0.0, 0.0, 0.02), 1.0))
 def package(tmp_path):
     """A copy of driftform, which may be changed."""
     folder = tmp_path / "driftform"
-    return shutil.copytree(
-        Path(driftform.__file__).parent, folder, ignore=shutil.ignore_patterns("__pycache__")
-    )
+    return shutil.copytree(Path(driftform.__file__).parent, folder, ignore=shutil.ignore_patterns("__pycache__"))
 
 
 @pytest.mark.long
@@ -70,9 +68,7 @@ def run_kernel(cache, script=SCRIPT, timeout=None, **variables):
     return done.stderr
 
 
-def test_a_compiler_that_does_not_suit_numba_is_replaced_by_that_of_numba_with_one_line_once(
-    tmp_path, package
-):
+def test_a_compiler_that_does_not_suit_numba_is_replaced_by_that_of_numba_with_one_line_once(tmp_path, package):
     compiler = package / "util" / "compiler.py"
     text = compiler.read_text(encoding="utf-8")
     cache, variables = tmp_path / "cache", {"PYTHONPATH": str(tmp_path)}
@@ -91,9 +87,7 @@ def test_a_compilation_is_announced_once_to_the_processes_of_a_run_and_again_to_
 
     def announce(**options):
         environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-        return subprocess.run(
-            command, env=environment, capture_output=True, text=True, check=True, **options
-        ).stderr
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True, **options).stderr
 
     assert announce() == "compiling the equations of motion, about 9 s, once per machine\n"
     assert announce() == ""
@@ -179,9 +173,7 @@ def test_a_kernel_that_counts_no_references_and_gets_hold_of_an_array_is_refused
         part(values)
         return len(values)
 
-    with pytest.raises(
-        Exception, match=f"{fails}: a kernel that returns or receives new arrays must be @allocating"
-    ):
+    with pytest.raises(Exception, match=f"{fails}: a kernel that returns or receives new arrays must be @allocating"):
         (enter if enters else part)(np.ones(3))
 
 

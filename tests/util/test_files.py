@@ -21,9 +21,7 @@ def test_a_new_folder_replaces_the_former_one(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("interruption", [RuntimeError, KeyboardInterrupt])
-def test_an_interruption_leaves_the_former_folder_as_it_was(
-    tmp_path: Path, interruption: type[BaseException]
-) -> None:
+def test_an_interruption_leaves_the_former_folder_as_it_was(tmp_path: Path, interruption: type[BaseException]) -> None:
     (tmp_path / "model").mkdir()
     (tmp_path / "model" / "old.xml").write_text("old")
     with pytest.raises(interruption), write_folder(tmp_path / "model") as part:

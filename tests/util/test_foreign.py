@@ -14,9 +14,7 @@ from driftform.util import foreign
 
 def test_numbers_texts_and_arrays_come_back_as_they_went() -> None:
     array = np.arange(6.0).reshape(2, 3).T
-    back = foreign.call_apart(
-        parsers.give_back, array, {"a": [1, 2.5, None, "é"]}, (True, b"x"), np.float64(2)
-    )
+    back = foreign.call_apart(parsers.give_back, array, {"a": [1, 2.5, None, "é"]}, (True, b"x"), np.float64(2))
     np.testing.assert_array_equal(back[0], array)
     assert back[1:] == ({"a": [1, 2.5, None, "é"]}, (True, b"x"), 2.0)
 
@@ -60,9 +58,7 @@ def test_memory_is_limited() -> None:
         foreign.call_apart(parsers.take_memory, memory=500 << 20)
 
 
-@pytest.mark.parametrize(
-    ("function", "words"), [(parsers.crash, "SIGABRT"), (parsers.leave, "SystemExit: 3")]
-)
+@pytest.mark.parametrize(("function", "words"), [(parsers.crash, "SIGABRT"), (parsers.leave, "SystemExit: 3")])
 def test_a_crash_is_an_error_of_one_line(function: Any, words: str) -> None:
     with pytest.raises(ValueError, match=words) as raised:
         foreign.call_apart(function)

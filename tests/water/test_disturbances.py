@@ -56,9 +56,7 @@ def test_the_share_beyond_the_largest_deviation_is_that_of_a_normal_distribution
 
 
 def test_the_conditions_follow_the_distributions_that_the_scenario_gives():
-    asked = Robustness(
-        position=0.05, angle_deg=4.0, current=0.1, density=0.02, mass=0.03, wall=1e-4, drag=0.15
-    )
+    asked = Robustness(position=0.05, angle_deg=4.0, current=0.1, density=0.02, mass=0.03, wall=1e-4, drag=0.15)
     drawn = draw_conditions(asked, 2000, (1,))
     deviation = 0.98658  # of a standard normal cut off at three: sqrt(1 - 6 phi(3) / (2 Phi(3) - 1))
     for found, wanted in (
@@ -79,8 +77,7 @@ def test_the_conditions_follow_the_distributions_that_the_scenario_gives():
     assert len({c.gusts for c in drawn}) == 2000
     assert (
         np.abs(
-            np.corrcoef([[*c.across, c.pitch, c.yaw, c.current, c.mass] for c in drawn], rowvar=False)
-            - np.eye(6)
+            np.corrcoef([[*c.across, c.pitch, c.yaw, c.current, c.mass] for c in drawn], rowvar=False) - np.eye(6)
         ).max()
         < 0.1
     )
@@ -88,9 +85,7 @@ def test_the_conditions_follow_the_distributions_that_the_scenario_gives():
 
 def test_the_same_seed_draws_the_same_conditions_and_another_one_others():
     asked = Robustness()
-    assert (
-        draw_conditions(asked, 5, (3,)) == draw_conditions(asked, 5, (3,)) != draw_conditions(asked, 5, (4,))
-    )
+    assert draw_conditions(asked, 5, (3,)) == draw_conditions(asked, 5, (3,)) != draw_conditions(asked, 5, (4,))
     assert draw_conditions(asked, 0, (3,)) == ()
 
 
@@ -102,9 +97,7 @@ def test_a_condition_without_deviations_changes_nothing():
 
 def test_every_disturbance_changes_its_quantity():
     scenario = pipe(flow={"kind": "turbulent", "speed": 2.0}, release={"pitch_deg": 10.0})
-    there = disturb_scenario(
-        changed(across=(0.1, -0.2), pitch=0.1, yaw=-0.2, current=1.5, density=0.9), scenario
-    )
+    there = disturb_scenario(changed(across=(0.1, -0.2), pitch=0.1, yaw=-0.2, current=1.5, density=0.9), scenario)
     assert there.release.position == pytest.approx((0.0, 0.1, -0.2))
     assert there.release.pitch_deg == pytest.approx(10 + np.rad2deg(0.1))
     assert there.release.yaw_deg == pytest.approx(np.rad2deg(-0.2))
@@ -145,9 +138,7 @@ def test_a_disturbed_wall_weighs_as_much_as_a_hull_with_a_thicker_wall():
 
 @given(st.floats(-3, 3), st.floats(-3, 3))
 def test_a_disturbed_release_stays_in_the_bore(y, z):
-    position = disturb_scenario(
-        changed(across=(y, z)), pipe(release={"position": (0.0, 0.5, -0.7)})
-    ).release.position
+    position = disturb_scenario(changed(across=(y, z)), pipe(release={"position": (0.0, 0.5, -0.7)})).release.position
     assert np.hypot(position[1], position[2]) <= 1.0
     if np.hypot(0.5 + y, z - 0.7) < 0.9:
         assert position == pytest.approx((0.0, 0.5 + y, z - 0.7))
@@ -210,9 +201,7 @@ def test_what_does_nothing_is_a_neutral_sphere_of_the_same_volume_in_the_same_wa
     pipeline = study.make_pipeline()
     genome = pipeline.grammar.random(np.random.default_rng(5))
     idle = pipeline.make_agent(genome, changed(density=1.002, mass=1.1, specimen=Specimen.IDLE))
-    assert idle.mass.volume == pytest.approx(
-        mass_properties(pipeline.make_agent(genome).body).volume, rel=0.01
-    )
+    assert idle.mass.volume == pytest.approx(mass_properties(pipeline.make_agent(genome).body).volume, rel=0.01)
     assert idle.mass.mass == pytest.approx(1.002 * 999.1 * idle.mass.volume, rel=1e-9)
     assert idle.mass.cog == pytest.approx(idle.mass.cob, abs=1e-12)
     [calm] = pipeline.evaluate([genome], conditions=[changed(gusts=None, specimen=Specimen.IDLE)])

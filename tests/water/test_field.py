@@ -42,9 +42,7 @@ def test_open_water_has_no_wall() -> None:
 
 
 def test_the_distance_in_a_bend_is_that_in_a_torus() -> None:
-    scenario = scenario_of(
-        [{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"length": 0.5}]
-    )
+    scenario = scenario_of([{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"length": 0.5}])
     # The pipe turns right, towards -y, about a point beside the bend's entry.
     rng = np.random.default_rng(1)
     turn, far, z = rng.uniform(0.1, 1.4, 50), rng.uniform(0.21, 0.39, 50), rng.uniform(-0.09, 0.09, 50)
@@ -117,9 +115,7 @@ def test_a_bend_has_the_free_vortex_with_the_flux_of_the_mean_speed() -> None:
 
 
 def test_behind_a_reducer_and_a_tee_the_water_has_the_speed_of_its_share_of_the_flux() -> None:
-    reducer = scenario_of(
-        [{"kind": "reducer", "length": 0.4, "radius": 0.05}, {"length": 1.0}], flow={"speed": 0.5}
-    )
+    reducer = scenario_of([{"kind": "reducer", "length": 0.4, "radius": 0.05}, {"length": 1.0}], flow={"speed": 0.5})
     assert water_velocity([[0.9, 0.0, 0.02]], 0.0, reducer) == pytest.approx(np.array([[2.0, 0.0, 0.0]]))
     tee = scenario_of(TEE, flow={"speed": 0.5})
     on, up = (next(o.opening for o in tee.pipe.layout.outlets if o.name == name) for name in ("on", "up"))

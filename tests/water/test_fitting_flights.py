@@ -67,9 +67,7 @@ def test_a_neutral_sphere_of_1_mm_follows_the_streamline(place):
 
 
 def test_a_straight_pipe_of_parts_flies_bit_for_bit_as_a_segment():
-    agent = solid_agent(
-        cylinder_body(0.1, 0.02), 1000.0, Coefficients(np.diag([0.01, 0.1, 0.1, 0, 1e-4, 1e-4]))
-    )
+    agent = solid_agent(cylinder_body(0.1, 0.02), 1000.0, Coefficients(np.diag([0.01, 0.1, 0.1, 0, 1e-4, 1e-4])))
     release = {"position": [0.2, 0.01, 0.0], "pitch_deg": 3.0, "yaw_deg": 2.0}
     parts = scenario_of([{"length": 1.5}, {"length": 1.5}], release=release)
     segment = {"start": [0.0, 0.0, 0.0], "end": [3.0, 0.0, 0.0], "radius": 0.1}
@@ -82,9 +80,7 @@ def test_a_straight_pipe_of_parts_flies_bit_for_bit_as_a_segment():
 
 
 def test_a_heavy_body_slides_along_the_bottom_of_a_bend_and_leaves_by_the_outlet():
-    agent = solid_agent(
-        cylinder_body(0.05, 0.012), 1100.0, Coefficients(np.diag([0.005, 0.02, 0.02, 0, 4e-6, 4e-6]))
-    )
+    agent = solid_agent(cylinder_body(0.05, 0.012), 1100.0, Coefficients(np.diag([0.005, 0.02, 0.02, 0, 4e-6, 4e-6])))
     scenario = scenario_of(flow={"kind": "uniform", "speed": 1.0}, release={"position": [0.1, 0.0, -0.05]})
     flight = fly(agent, scenario)
     assert flight.end is End.OUTLET and flight.contact is not None

@@ -41,9 +41,7 @@ FLOWS = {
 
 def scenario_of(parts=PARTS, flow="uniform"):
     fluid = {"viscosity": 1e-3} if flow == "laminar" else {}
-    return Scenario.model_validate(
-        {"pipe": {"radius": R, "parts": parts}, "flow": FLOWS[flow], "fluid": fluid}
-    )
+    return Scenario.model_validate({"pipe": {"radius": R, "parts": parts}, "flow": FLOWS[flow], "fluid": fluid})
 
 
 class Water:
@@ -67,9 +65,7 @@ def flux_through(water, centre, axes, radius, order=40):
     total = 0.0
     for a in angles:
         across = np.cos(a) * axes[1] + np.sin(a) * axes[2]
-        total += sum(
-            wi * (water.at(centre + ri * across)[0] @ axes[0]) for ri, wi in zip(r, weights, strict=True)
-        )
+        total += sum(wi * (water.at(centre + ri * across)[0] @ axes[0]) for ri, wi in zip(r, weights, strict=True))
     return total * 2 * np.pi / len(angles)
 
 
@@ -296,9 +292,7 @@ def test_a_streamline_keeps_its_place_through_a_bend_between_straights():
 def test_water_at_rest_stays_at_rest(flow):
     parts = [{"length": 0.5}, {"kind": "bend", "radius": 0.3}, {"length": 0.5}]
     speed = 0.0 if flow == "uniform" else 1e-4
-    scenario = Scenario.model_validate(
-        {"pipe": {"radius": R, "parts": parts}, "flow": {**FLOWS[flow], "speed": speed}}
-    )
+    scenario = Scenario.model_validate({"pipe": {"radius": R, "parts": parts}, "flow": {**FLOWS[flow], "speed": speed}})
     velocity, gradient = Water(scenario).at((0.55, 0.0, 0.01))
     assert np.isfinite(gradient).all()
     assert np.linalg.norm(velocity) <= 1.5 * speed

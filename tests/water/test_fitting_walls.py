@@ -100,14 +100,10 @@ def test_the_gap_in_a_tee_is_the_distance_from_balls_that_roll_in_its_wall(ratio
     [tee, _] = [placed.part for placed in pipe.layout.parts]
     f, rng = wall_array(pipe), np.random.default_rng(0)
     up, down, side = tee.legs
-    p = rng.uniform(
-        [-up, -RUN - 0.002, -RUN - 0.002], [down, RUN + 0.002, side * math.sin(tee.angle)], (12_000, 3)
-    )
+    p = rng.uniform([-up, -RUN - 0.002, -RUN - 0.002], [down, RUN + 0.002, side * math.sin(tee.angle)], (12_000, 3))
     a, b = beyond_bores(tee, p)
     along = p @ [math.cos(tee.angle), 0, math.sin(tee.angle)]
-    near = (np.abs(np.minimum(a, b) + 0.3 * BRANCH) < 0.3 * BRANCH + 0.002) & (
-        along < side - tee.branch_radius
-    )
+    near = (np.abs(np.minimum(a, b) + 0.3 * BRANCH) < 0.3 * BRANCH + 0.002) & (along < side - tee.branch_radius)
     p = p[near & (p[:, 0] > -up + RUN) & ((p[:, 0] < down - RUN) | (b < 0))]
     expected = distance_by_rolling_ball(tee, p)
     # The deep end of a ball is no wall that anything reaches.

@@ -90,9 +90,7 @@ def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, v
     with pytest.raises(ValidationError) as caught:
         scenario(flow=table)
     document = {"pipe": PIPE, "flow": table}
-    [line] = format_errors(
-        caught.value, (), Scenario, document, [Source("study.toml", document, {("flow", key): 3})]
-    )
+    [line] = format_errors(caught.value, (), Scenario, document, [Source("study.toml", document, {("flow", key): 3})])
     assert line.startswith(f"study.toml:3: flow.{key} = {value}: should be ")
 
 
@@ -166,9 +164,7 @@ def test_a_kind_set_on_the_command_line_drops_the_keys_that_only_the_kind_of_the
 
 def test_all_faults_of_a_flow_are_reported_together():
     with pytest.raises(InputError) as caught:
-        load_study(
-            "paper", settings=["flow.kind=turbulent", "flow.speed=-1", "flow.roughness=x", "flow.memry=1"]
-        )
+        load_study("paper", settings=["flow.kind=turbulent", "flow.speed=-1", "flow.roughness=x", "flow.memry=1"])
     assert [line.split(": ")[0] for line in caught.value.args] == [
         "--set flow.memry=1",
         "--set flow.speed=-1",

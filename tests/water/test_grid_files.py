@@ -104,9 +104,7 @@ def write_unstructured_vtk(path: Path, grid):
 
     table = table_of(grid)
     table = table[~np.isnan(table).any(axis=1)]
-    mesh = meshio.Mesh(
-        table[:, :3], [("vertex", np.arange(len(table))[:, None])], point_data={"U": table[:, 3:]}
-    )
+    mesh = meshio.Mesh(table[:, :3], [("vertex", np.arange(len(table))[:, None])], point_data={"U": table[:, 3:]})
     mesh.write(path)
 
 

@@ -18,9 +18,7 @@ def sample(velocity, low=(-0.1, -0.2, -0.2), high=(1.1, 0.2, 0.2), spacing=SPACI
     low = np.array(low)
     shape = np.rint((np.array(high) - low) / spacing).astype(int) + 1
     grid = VelocityGrid(low, np.full(3, spacing), np.zeros((*shape, 3)))
-    return VelocityGrid(
-        grid.origin, grid.spacing, np.broadcast_to(velocity(grid.nodes()), (*shape, 3)).copy()
-    )
+    return VelocityGrid(grid.origin, grid.spacing, np.broadcast_to(velocity(grid.nodes()), (*shape, 3)).copy())
 
 
 def along(nodes):
@@ -130,9 +128,7 @@ def test_a_grid_that_does_not_fit_the_pipe_is_refused(tmp_path, grid, flow, word
 def test_a_grid_that_ends_within_a_spacing_of_the_wall_is_enough(tmp_path):
     """Programs write the nodes of the water, the last of which lie up to a cell inside the wall."""
     grid = sample(along, low=(-0.1, -0.09, -0.09), high=(1.1, 0.09, 0.09))
-    assert inlet_speed(fitting_array(in_pipe(tmp_path, grid)), in_pipe(tmp_path, grid).pipe) == pytest.approx(
-        1
-    )
+    assert inlet_speed(fitting_array(in_pipe(tmp_path, grid)), in_pipe(tmp_path, grid).pipe) == pytest.approx(1)
 
 
 def test_in_open_water_every_node_needs_a_velocity():

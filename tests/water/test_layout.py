@@ -221,9 +221,7 @@ def test_errors_name_the_line_of_the_part(tmp_path):
     ):
         load_study(str(file))
     file.write_text(text.partition("[[pipe.parts.branch]]")[0] + 'branch = []\n[targets]\nT = "A"\n')
-    with pytest.raises(
-        InputError, match=r"study.toml:12: pipe.parts\[1\].branch = \[\]: should not be empty$"
-    ):
+    with pytest.raises(InputError, match=r"study.toml:12: pipe.parts\[1\].branch = \[\]: should not be empty$"):
         load_study(str(file))
     file.write_text(text % 'radius = "wide"')
     with pytest.raises(

@@ -48,9 +48,7 @@ def test_a_vertical_pipe_takes_an_agent_along_its_axis():
     body = make_body(0.204, 0.02)
     up = {"start": (3.0, 2.0, 1.0), "end": (3.0, 2.0, 10.0)}
     assert find_misfit(body, make_scenario(**up)) is None
-    assert (
-        find_misfit(body, make_scenario(**up, release={"frame": "world", "position": [3, 2, 1]})) is not None
-    )
+    assert find_misfit(body, make_scenario(**up, release={"frame": "world", "position": [3, 2, 1]})) is not None
 
 
 @pytest.mark.parametrize("end", [(0, 0, 9), (0, 0, -9), (-9, 0, 0), (0, 9, 0), (3, 4, 5), (-3, 1, -5)])
@@ -124,9 +122,7 @@ def test_an_evaluation_says_why_its_genome_does_not_fit_and_flies_the_others():
 
 
 def test_a_single_flight_is_refused_with_the_name_of_the_agent():
-    study = load_study(
-        "paper", settings=["pipe.segments.0.radius=0.05", "targets={A=[1,0,0]}", "release.pitch_deg=90"]
-    )
+    study = load_study("paper", settings=["pipe.segments.0.radius=0.05", "targets={A=[1,0,0]}", "release.pitch_deg=90"])
     pipeline = study.make_pipeline()
     agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(0)))
     with pytest.raises(WorkFailedError, match="long one: it is released in the wall"):

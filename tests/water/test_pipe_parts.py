@@ -38,9 +38,7 @@ def test_axes_are_right_handed_and_the_third_points_up(direction, roll):
     assert axes[2, 2] >= (-VERTICAL if riser else 0) and abs(axes[1, 2]) < (VERTICAL if riser else 1e-12)
 
 
-@pytest.mark.parametrize(
-    ("clock", "up"), [(0, (0, 0, 1)), (90, (0, -1, 0)), (180, (0, 0, -1)), (270, (0, 1, 0))]
-)
+@pytest.mark.parametrize(("clock", "up"), [(0, (0, 0, 1)), (90, (0, -1, 0)), (180, (0, 0, -1)), (270, (0, 1, 0))])
 def test_a_roll_is_the_hand_of_a_clock_seen_downstream(clock, up):
     # Looking along x with z up, y is on the left.
     assert roll_axes(LEVEL, math.radians(clock))[2].tolist() == list(up)
@@ -60,9 +58,7 @@ def test_a_vertical_bore_keeps_the_axes_of_the_bore_before_it():
     [exit_] = bend.list_exits()
     assert exit_.axes[0] == pytest.approx([0, 0, 1])
     assert upright_axes(exit_.axes[0], exit_.axes) is exit_.axes
-    assert upright_axes(exit_.axes[0]) == pytest.approx(exit_.axes), (
-        "the same as without a bore before it, along x"
-    )
+    assert upright_axes(exit_.axes[0]) == pytest.approx(exit_.axes), "the same as without a bore before it, along x"
 
 
 def test_sines_of_right_angles_are_exact():
@@ -103,8 +99,7 @@ def test_the_legs_of_a_tee_end_beyond_its_rounded_edge(branch, degrees, fillet):
     phi = np.linspace(0, 2 * np.pi, 721)
     rho, height = branch * (1 + fillet), radius + fillet * branch
     along = (
-        np.sqrt(height**2 - np.minimum(height, rho * np.abs(np.sin(phi))) ** 2)
-        + rho * np.cos(phi) * np.cos(angle)
+        np.sqrt(height**2 - np.minimum(height, rho * np.abs(np.sin(phi))) ** 2) + rho * np.cos(phi) * np.cos(angle)
     ) / np.sin(angle)
     x = along * np.cos(angle) + rho * np.cos(phi) * np.sin(angle)
     assert -x.min() == pytest.approx(up - 2 * radius, abs=1e-4)

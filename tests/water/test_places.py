@@ -78,9 +78,7 @@ def test_a_study_may_name_its_targets_by_places() -> None:
 
 
 def test_a_target_outside_names_its_distance_and_the_nearest_point_inside() -> None:
-    with pytest.raises(
-        InputError, match=r"lies outside the pipe, 0\.3 m from it; the nearest point inside is \["
-    ):
+    with pytest.raises(InputError, match=r"lies outside the pipe, 0\.3 m from it; the nearest point inside is \["):
         load_study("pipe-inspection", ["targets.TP1=[1.0,0.0,-1.3]"], run={"seed": 0})
 
 

@@ -111,9 +111,7 @@ def test_laminar_and_turbulent_bores_of_one_pipe_have_their_own_profiles():
     assert 1.1 < narrow / (0.01 * 6.25) < 1.5
 
 
-@pytest.mark.parametrize(
-    ("reynolds", "diameters"), [(1000, 60), (2000, 120), (4000, 17.5), (1e4, 20.4), (1e6, 44)]
-)
+@pytest.mark.parametrize(("reynolds", "diameters"), [(1000, 60), (2000, 120), (4000, 17.5), (1e4, 20.4), (1e6, 44)])
 def test_a_pipe_shorter_than_its_entry_length_is_named(reynolds, diameters):
     # The turbulent ones are those of White's table of eq. 6.6.
     entry, bore = entry_length(reynolds, reynolds < 2300), 0.2 if reynolds <= 1e5 else 20.0

@@ -22,9 +22,7 @@ LEG = 2.0
 
 def make_field(junction: Junction, share: float) -> np.ndarray:
     """The flow at a mean speed of 1 m/s through a run of 1 m radius."""
-    return tee_field(
-        1.0, junction.branch, junction.angle, junction.fillet, math.pi * (1 - share), math.pi * share
-    )
+    return tee_field(1.0, junction.branch, junction.angle, junction.fillet, math.pi * (1 - share), math.pi * share)
 
 
 def end_planes(junction: Junction) -> tuple[float, float, float]:
@@ -145,9 +143,7 @@ def test_the_flux_is_that_of_each_leg_at_every_section(junction: Junction, share
     c, s, r = math.cos(junction.angle), math.sin(junction.angle), junction.branch
 
     def run_flux(x: float) -> float:
-        return float(
-            sum(w * tee_motion((x, y, z), field)[0][0] for (y, z), w in zip(disc, weight, strict=True))
-        )
+        return float(sum(w * tee_motion((x, y, z), field)[0][0] for (y, z), w in zip(disc, weight, strict=True)))
 
     for x in np.linspace(left, left + LEG, 4):
         assert run_flux(x) / np.pi == pytest.approx(1, abs=3e-4)
@@ -183,9 +179,7 @@ def test_the_gradient_is_that_of_the_velocity_symmetric_and_almost_without_trace
     for point in water_points(junction):
         gradient = np.array(tee_motion(tuple(point), field)[1])
         slopes = [
-            np.subtract(
-                tee_motion(tuple(point + h * e), field)[0], tee_motion(tuple(point - h * e), field)[0]
-            )
+            np.subtract(tee_motion(tuple(point + h * e), field)[0], tee_motion(tuple(point - h * e), field)[0])
             / (2 * h)
             for e in np.eye(3)
         ]
@@ -204,9 +198,7 @@ def test_the_flow_decays_to_plug_flow_as_the_slowest_mode_of_a_pipe(junction: Ju
     left, right, _ = end_planes(junction)
 
     def deviation(x: float, mean: float) -> float:
-        return max(
-            float(np.linalg.norm(np.subtract(tee_motion((x, y, z), field)[0], (mean, 0, 0)))) for y, z in disc
-        )
+        return max(float(np.linalg.norm(np.subtract(tee_motion((x, y, z), field)[0], (mean, 0, 0)))) for y, z in disc)
 
     upstream = [deviation(left + d, 1.0) for d in (1.0, 0.5)]
     assert 0.9 * 1.8412 < math.log(upstream[0] / upstream[1]) / 0.5 < 3.0542

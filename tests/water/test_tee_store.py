@@ -56,9 +56,7 @@ def test_the_clock_of_an_evaluation_stops_while_a_tee_is_solved(
 
 
 @pytest.mark.usefixtures("fakes")
-def test_a_search_solves_the_tees_of_its_pipe_before_its_first_flight(
-    solved: list[Junction], tmp_path: Path
-) -> None:
+def test_a_search_solves_the_tees_of_its_pipe_before_its_first_flight(solved: list[Junction], tmp_path: Path) -> None:
     study = load_study(
         "t-junction",
         ["pipe.parts.3.fillet=0.012", "robustness.conditions=0"],

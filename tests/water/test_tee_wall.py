@@ -67,8 +67,7 @@ def test_the_level_is_a_distance(junction: Junction, seed: int) -> None:
     if abs(level) > 0.3 * junction.fillet:
         return
     slope = [
-        (wall_level(*(point + h * e), wall)[0] - wall_level(*(point - h * e), wall)[0]) / (2 * h)
-        for e in np.eye(3)
+        (wall_level(*(point + h * e), wall)[0] - wall_level(*(point - h * e), wall)[0]) / (2 * h) for e in np.eye(3)
     ]
     assert slope == pytest.approx(normal, abs=1e-4)
     foot = point - level * np.array(normal)

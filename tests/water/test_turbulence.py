@@ -172,9 +172,7 @@ def test_the_page_shows_what_tracers_do(published):
     scenario, times = straight_pipe(0.1, 1.0), [0.5, 1.0, 2.0]
     lines += ["", "| quantity | tracers | computed otherwise |", "|---|---|---|"]
     pairs = zip(times, spread_of_tracers(scenario, times), spread_by_diffusion(times), strict=True)
-    lines += [
-        f"| rms distance from the axis over R, after {t:g} R/u* | {a:.3f} | {b:.3f} |" for t, a, b in pairs
-    ]
+    lines += [f"| rms distance from the axis over R, after {t:g} R/u* | {a:.3f} | {b:.3f} |" for t, a, b in pairs]
     found, expected = dispersion_of_tracers(scenario), dispersion_by_integral(scenario)
     lines.append(f"| dispersion along the pipe over R u* | {found:.2f} | {expected:.2f} |")
     published("turbulence", lines)

@@ -164,9 +164,7 @@ def test_a_pipe_of_9_m_ends_before_its_boundary_layers_meet():
     layer = 0.37 * 9.0 * (9.0 / 1.05e-6) ** -0.2
     core = [stream.velocity([9.0, 0.0, r])[0] for r in (0.0, 0.4, 0.999 * (1 - layer))]
     assert core == pytest.approx([core[0]] * 3, rel=1e-12)
-    assert stream.velocity([9.0, 0.0, 1 - 0.5 * layer])[0] == pytest.approx(
-        core[0] * 0.5 ** (1 / 7), rel=1e-9
-    )
+    assert stream.velocity([9.0, 0.0, 1 - 0.5 * layer])[0] == pytest.approx(core[0] * 0.5 ** (1 / 7), rel=1e-9)
     assert stream.velocity([1e-3, 0.0, 0.0])[0] == pytest.approx(1.0, abs=1e-3), "it enters uniformly"
 
 

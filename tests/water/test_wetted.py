@@ -39,9 +39,7 @@ def mean_below(scenario: Scenario, height: float) -> float:
 
 @pytest.mark.parametrize("share", [-0.8, 0.0, 0.5])
 @pytest.mark.parametrize("flow", FLOWS, ids=lambda flow: flow["kind"])
-def test_the_mean_over_the_wetted_section_is_the_speed_of_the_study(
-    flow: dict[str, object], share: float
-) -> None:
+def test_the_mean_over_the_wetted_section_is_the_speed_of_the_study(flow: dict[str, object], share: float) -> None:
     height = share * RADIUS
     assert mean_below(half_full(height, **flow), height) == pytest.approx(SPEED, rel=2e-3)
 

@@ -33,9 +33,7 @@ def film(design: Design) -> Callable[..., list[Filmed]]:
         morphology = design.agent.morphology
         assert morphology is not None
         return [
-            film_flight(
-                place_drop(design.pipeline, morphology, pitch, depth), world, rng, filming, f"{number}.csv"
-            )
+            film_flight(place_drop(design.pipeline, morphology, pitch, depth), world, rng, filming, f"{number}.csv")
             for number, pitch in enumerate(pitches, 1)
         ]
 

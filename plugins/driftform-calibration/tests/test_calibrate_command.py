@@ -73,9 +73,7 @@ def test_the_document_has_factors_residual_and_files(call: Call, track: Path) ->
     assert page.count("<svg") == 2 and "cross_drag = [" in page and 'class="seen"' in page
     # The agent remembers it, and any study takes it.
     remembered = call("inspect", "found/agent.json", "--json")
-    assert json.loads(remembered.stdout)["calibration"]["cross_drag"]["value"] == pytest.approx(
-        drag["value"], rel=1e-3
-    )
+    assert json.loads(remembered.stdout)["calibration"]["cross_drag"]["value"] == pytest.approx(drag["value"], rel=1e-3)
     shown = call("inspect", "found/agent.json")
     assert "calibrated cross drag" in shown.stdout
     study = load_study("pipe-inspection", calibration="found/calibration.toml")

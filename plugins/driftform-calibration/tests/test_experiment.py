@@ -52,9 +52,7 @@ def test_more_drops_and_less_noise_make_intervals_narrower(design: Design, plan:
         assert quiet.expected[name][0] < half < one.expected[name][0]
 
 
-def test_fits_of_the_planned_drops_have_the_intervals_that_the_plan_expects(
-    design: Design, plan: Plan
-) -> None:
+def test_fits_of_the_planned_drops_have_the_intervals_that_the_plan_expects(design: Design, plan: Plan) -> None:
     assert design.agent.morphology is not None
     bench, rng = Bench.of(design.pipeline, design.agent.morphology), np.random.default_rng(11)
     films = [

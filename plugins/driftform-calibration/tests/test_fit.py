@@ -121,9 +121,7 @@ def test_lost_frames_are_the_reason_why_nothing_is_known(noisy: list[Filmed]) ->
     first, *others = noisy
     kept = np.delete(np.arange(len(first.track.t)), [10, 17])
     marker = replace(first.track.markers[0], points=first.track.markers[0].points[kept])
-    short = replace(
-        first.track, t=first.track.t[: len(kept)], markers=(marker,), angle=first.track.angle[kept]
-    )
+    short = replace(first.track, t=first.track.t[: len(kept)], markers=(marker,), angle=first.track.angle[kept])
     track = check_track("1.csv", short)
     # The first was lost while the agent was still slow.
     assert track.lost == pytest.approx(short.t[[16]])
@@ -145,9 +143,7 @@ def test_what_films_cannot_show_is_named_and_left_at_1(film: Film) -> None:
 def test_a_calibrated_study_flies_as_the_world_did(design: Design, film: Film, exact: Fit) -> None:
     [shown] = film(WORLD, EXACT, (0.0,))
     table = exact.calibration(design.name)
-    pipeline = replace(
-        design.pipeline, scenario=shown.bench.scenario.model_copy(update={"calibration": table})
-    )
+    pipeline = replace(design.pipeline, scenario=shown.bench.scenario.model_copy(update={"calibration": table}))
     assert design.agent.morphology is not None
     calibrated = pipeline.realise(design.agent.morphology)
     there = shown.bench.agent(table.factors)

@@ -59,15 +59,11 @@ def test_a_bounce_of_a_tenth_of_a_second_does_not_tell_drag_from_restitution() -
 
 
 def test_the_tracks_have_the_apexes_and_speeds_of_the_papers() -> None:
-    heights = [
-        tuple(map(float, line.split(","))) for line in BOUNCING.read_text(encoding="utf-8").splitlines()[1:]
-    ]
+    heights = [tuple(map(float, line.split(","))) for line in BOUNCING.read_text(encoding="utf-8").splitlines()[1:]]
     for when, apex in ((0.0384, 7.466), (0.1064, 2.234), (0.1404, 0.520)):
         assert (when, apex) in heights
     (t0, z0), (t1, z1) = heights[0], heights[6]
     assert (z0 - z1) / (t1 - t0) / 1000 == pytest.approx(0.585, rel=0.01)
-    fall = [
-        tuple(map(float, line.split(","))) for line in SETTLING.read_text(encoding="utf-8").splitlines()[1:]
-    ]
+    fall = [tuple(map(float, line.split(","))) for line in SETTLING.read_text(encoding="utf-8").splitlines()[1:]]
     speeds = [(z0 - z1) / (t1 - t0) / 1000 for (t0, z0), (t1, z1) in pairwise(fall)]
     assert max(speeds) == pytest.approx(0.1226, rel=0.02)

@@ -53,10 +53,7 @@ class Lines:
         return (self.designs[number] @ x)[None, :, None], None
 
     def residuals(self, x: FloatArray) -> FloatArray:
-        parts = [
-            ((A @ x - u) / s)[np.isfinite(u)]
-            for A, u, s in zip(self.designs, self.seen, self.noise, strict=True)
-        ]
+        parts = [((A @ x - u) / s)[np.isfinite(u)] for A, u, s in zip(self.designs, self.seen, self.noise, strict=True)]
         return np.concatenate([*parts, self.prior_rows @ x])
 
     def jacobian(self, x: FloatArray) -> FloatArray:
@@ -148,12 +145,8 @@ def test_the_correlation_time_of_a_short_pattern_is_the_sum_of_its_correlations(
 def test_two_coordinates_share_one_correlation_time() -> None:
     rng = np.random.default_rng(5)
     a, b = draw_series(rng, 5000, 0.8), draw_series(rng, 5000, 0.0)
-    film = SimpleNamespace(
-        observed=np.stack([a, b], axis=1)[None], track=SimpleNamespace(t=np.arange(5000.0))
-    )
-    zero: Any = SimpleNamespace(
-        films=[film], see=lambda *_: (np.zeros((1, 5000, 2)), None), paths=lambda _: [None]
-    )
+    film = SimpleNamespace(observed=np.stack([a, b], axis=1)[None], track=SimpleNamespace(t=np.arange(5000.0)))
+    zero: Any = SimpleNamespace(films=[film], see=lambda *_: (np.zeros((1, 5000, 2)), None), paths=lambda _: [None])
     # Both have the variance 1, so that the correlations are means of 0.8^k and 0.
     assert correlation_time(zero, np.zeros(2), 0) == pytest.approx(1 + 0.8 / 0.2, rel=0.15)
 
@@ -173,9 +166,7 @@ def test_residuals_of_a_model_that_fits_exactly_have_no_correlation() -> None:
 def test_a_wild_point_hardly_shortens_the_correlation_time() -> None:
     series = draw_series(np.random.default_rng(6), 4000, 0.8)
     series[2000] = 300.0
-    assert correlation_time(as_problem(Lines([series], [1.0])), np.zeros(2), 0) == pytest.approx(
-        9.0, rel=0.15
-    )
+    assert correlation_time(as_problem(Lines([series], [1.0])), np.zeros(2), 0) == pytest.approx(9.0, rel=0.15)
 
 
 def test_the_spread_of_normal_residuals_is_their_standard_deviation() -> None:
@@ -230,9 +221,7 @@ def test_solutions_that_fit_as_well_widen_the_covariance_by_their_distance() -> 
     other = Solution(problem, best.x + away, np.diag([9.0, 9.0]))
     merged = merge_solutions([other, best])
     assert merged.x is best.x
-    soft = [
-        2 * ROBUST**2 * (np.sqrt(1 + (lines.residuals(s.x) / ROBUST) ** 2) - 1).sum() for s in (best, other)
-    ]
+    soft = [2 * ROBUST**2 * (np.sqrt(1 + (lines.residuals(s.x) / ROBUST) ** 2) - 1).sum() for s in (best, other)]
     weight = np.exp((soft[0] - soft[1]) / 2)
     assert 0.1 < weight < 0.99
     assert merged.covariance == pytest.approx(own + weight * np.outer(away, away), rel=1e-9)
@@ -246,9 +235,7 @@ def test_a_solution_of_correlated_residuals_counts_less_beside_the_best() -> Non
     best, other = (Solution(problem, np.zeros(2) + shift, np.zeros((2, 2))) for shift in (0 * away, -away))
     time = correlation_time(problem, best.x, 0)
     assert time > 5
-    costs = [
-        2 * ROBUST**2 * (np.sqrt(1 + (lines.residuals(s.x) / ROBUST) ** 2) - 1).sum() for s in (best, other)
-    ]
+    costs = [2 * ROBUST**2 * (np.sqrt(1 + (lines.residuals(s.x) / ROBUST) ** 2) - 1).sum() for s in (best, other)]
     assert costs[0] < costs[1]
     weight = np.exp((costs[0] - costs[1]) / (2 * time))
     assert merge_solutions([best, other]).covariance == pytest.approx(weight * np.outer(away, away), rel=1e-9)

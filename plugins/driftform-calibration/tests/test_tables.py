@@ -161,7 +161,9 @@ TRACKMATE = (
     ",,,(quality),({unit}),({unit}),({unit}),({time}),\n"
     "ID1,1,A,5,300,400,0,{first},7\nID2,2,A,5,301,404,0,{second},8\n"
 )
-TRACKPY = ",y,x,mass,size,ecc,signal,raw_mass,ep,frame,particle\n0,400,300,9,2,.1,5,9,.1,7,A\n1,404,301,9,2,.1,5,9,.1,8,A\n"
+TRACKPY = (
+    ",y,x,mass,size,ecc,signal,raw_mass,ep,frame,particle\n0,400,300,9,2,.1,5,9,.1,7,A\n1,404,301,9,2,.1,5,9,.1,8,A\n"
+)
 
 
 @pytest.mark.parametrize(
@@ -173,9 +175,7 @@ TRACKPY = ",y,x,mass,size,ecc,signal,raw_mass,ep,frame,particle\n0,400,300,9,2,.
         (TRACKMATE.format(unit="mm", time="frame", first=7, second=8), "", "mm", [7, 8]),
     ],
 )
-def test_programs_with_a_row_for_each_object_and_frame_count_downward_from_the_top(
-    write, text, point, unit, t
-):
+def test_programs_with_a_row_for_each_object_and_frame_count_downward_from_the_top(write, text, point, unit, t):
     table = read_table(write(text))
     seen = table.points[point]
     assert seen[np.isfinite(seen).all(axis=1)].tolist() == [[300.0, 400.0], [301.0, 404.0]]
@@ -229,9 +229,7 @@ def test_commas_that_separate_both_columns_and_decimals_are_joined_or_named(writ
     assert table.t.tolist() == [0.0, 0.5]
     assert table.points[""].tolist() == [[0.1, 0.5], [0.2, -0.4]]
     assert "taken from two cells" in table.notes[0]
-    with pytest.raises(
-        InputError, match=r"row 1 below the names has 5 cells for 3 names: if commas separate"
-    ):
+    with pytest.raises(InputError, match=r"row 1 below the names has 5 cells for 3 names: if commas separate"):
         read_table(write("t,x,y\n0,0,1,0,5\n0,5,0,2,0,4\n"))
     quoted = read_table(write('t,x,y\n"0,0","0,1","0,5"\n"0,5","0,2","0,4"\n'))
     assert quoted.points[""].tolist() == [[0.1, 0.5], [0.2, 0.4]]

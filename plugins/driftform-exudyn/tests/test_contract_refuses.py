@@ -28,9 +28,7 @@ def with_coefficients_about_the_origin(agent, scenario):
 
 
 def without_damping(agent, scenario):
-    return sound(
-        replace(agent, coefficients=replace(agent.coefficients, quadratic_damping=np.zeros((6, 6)))), scenario
-    )
+    return sound(replace(agent, coefficients=replace(agent.coefficients, quadratic_damping=np.zeros((6, 6)))), scenario)
 
 
 def without_buoyancy_at_its_centre(agent, scenario):

@@ -70,18 +70,14 @@ def test_a_thing_is_where_the_laws_of_perspective_put_it(distance, focus):
     for place in np.array([(0.0, 0, 0), (0.1, 0, 0.05), (-0.1, 0.3, 0.1), (0.05, -0.2, -0.08)]):
         image = stage.render((200, 120), np.array(focus), Pose(place + focus, np.eye(3)), [])
         shrunk = 400 / (1 + place[1] / distance)
-        assert middle(image, NOSE) == pytest.approx(
-            (99.5 + shrunk * place[0], 59.5 - shrunk * place[2]), abs=0.8
-        )
+        assert middle(image, NOSE) == pytest.approx((99.5 + shrunk * place[0], 59.5 - shrunk * place[2]), abs=0.8)
 
 
 def test_a_line_is_seen_before_and_behind_the_point_that_is_looked_at():
     stage = Stage(make_ball((0, 0, 0), 1e-4, BLUE), Camera(UPRIGHT, 400.0, 0.6), rays=1)
     for y in (-0.2, -0.05, 0.0, 0.05, 0.2):
         across = [(x, y, 0.05) for x in np.linspace(-0.3, 0.3, 9)]
-        image = stage.render(
-            (200, 120), np.zeros(3), Pose(np.zeros(3), np.eye(3)), [make_line(across, VERMILLION)]
-        )
+        image = stage.render((200, 120), np.zeros(3), Pose(np.zeros(3), np.eye(3)), [make_line(across, VERMILLION)])
         assert middle(image, TARGET)[1] == pytest.approx(59.5 - 20 / (1 + y / 0.6), abs=1.0)
 
 
@@ -112,9 +108,7 @@ def test_the_path_grows_behind_it(agent):
 
 @pytest.mark.parametrize("captioned", [False, True])
 def test_an_image_that_was_painted_over_is_the_same_as_one_that_was_painted_anew(agent, captioned):
-    flying = scene(
-        agent, drifting_trajectory(0.8, turn=2.0), Scenario(pipe=PIPE, targets={"leak": (0.4, 0, 0.05)})
-    )
+    flying = scene(agent, drifting_trajectory(0.8, turn=2.0), Scenario(pipe=PIPE, targets={"leak": (0.4, 0, 0.05)}))
     view = SideView(flying, (240, 120), rays=1, captioned=captioned)
     for frame in range(5):
         kept = view.render(frame)
@@ -273,9 +267,7 @@ def test_slow_motion_has_as_many_more_frames(agent, tmp_path):
 
 def film(agent, path):
     options = FilmOptions(width=64, height=64, fps=5, view="side", rays=1)
-    return ExudynRenderer(options).film(
-        agent, drifting_trajectory(), Scenario(pipe=PIPE), path, lambda *_: None
-    )
+    return ExudynRenderer(options).film(agent, drifting_trajectory(), Scenario(pipe=PIPE), path, lambda *_: None)
 
 
 @pytest.mark.peers

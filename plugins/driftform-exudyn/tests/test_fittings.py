@@ -18,9 +18,7 @@ SEED, DENSITY = 24, 1182.0
     [((0.8, 0.0, 0.0), 0.0, 0, 1.0), ((1.3, -1.25, 0.03), -90.0, 1, -1.45)],
     ids=["bend", "junction"],
 )
-def test_a_flight_through_a_part_is_that_of_the_other_simulator_until_it_touches_the_wall(
-    place, yaw, axis, passed
-):
+def test_a_flight_through_a_part_is_that_of_the_other_simulator_until_it_touches_the_wall(place, yaw, axis, passed):
     settings = [
         "flight.horizon=2",
         f"fluid.density={DENSITY}",

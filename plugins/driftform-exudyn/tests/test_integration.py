@@ -36,8 +36,7 @@ def test_a_flight_is_that_of_the_other_integrator(seed):
 def test_agents_with_log_law_drag_and_contact_fly_alike_by_both():
     settings = ["contact.friction=0", "flight.horizon=6"]
     pipelines = [
-        load_study("pipe-inspection", settings, use={"simulator": use}).make_pipeline()
-        for use in ("native", "exudyn")
+        load_study("pipe-inspection", settings, use={"simulator": use}).make_pipeline() for use in ("native", "exudyn")
     ]
     rng, touched = np.random.default_rng(5), 0
     for _ in range(4):

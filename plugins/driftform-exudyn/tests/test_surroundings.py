@@ -49,9 +49,7 @@ def test_the_cut_of_the_main_is_open_where_the_branch_leaves(junction: Scenario)
 
 
 def test_a_bore_that_runs_towards_the_viewer_shows_its_lower_half():
-    scenario = Scenario.model_validate(
-        {"pipe": {"segments": [{"start": (0, 0, 0), "end": (0, 2, 0), "radius": 0.5}]}}
-    )
+    scenario = Scenario.model_validate({"pipe": {"segments": [{"start": (0, 0, 0), "end": (0, 2, 0), "radius": 0.5}]}})
     [bore] = list_bores(scenario.pipe, np.array([0.0, -1.0, 0.0]))
     np.testing.assert_allclose(bore.axes[2], [0, 0, -1], atol=1e-12)
     np.testing.assert_allclose(bore.axes @ bore.axes.T, np.eye(3), atol=1e-12)

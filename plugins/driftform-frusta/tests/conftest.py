@@ -63,9 +63,7 @@ def _wavy() -> Body:
 _BODIES: dict[str, Callable[[], Body]] = {
     "capped cylinder": lambda: chain_of([0.1], [0.02, 0.02]),
     "solid cone": lambda: body_of([(-0.02, 0), (-0.02, 0.03), (0.05, 0)]),
-    "hollow cone": lambda: body_of(
-        [(-0.02, 0), (-0.02, 0.03), (0.05, 0)], [(-0.018, 0), (-0.018, 0.02), (0.03, 0)]
-    ),
+    "hollow cone": lambda: body_of([(-0.02, 0), (-0.02, 0.03), (0.05, 0)], [(-0.018, 0), (-0.018, 0.02), (0.03, 0)]),
     "double cone": lambda: body_of([(-0.05, 0), (0, 0.03), (0.05, 0)], [(-0.04, 0), (0, 0.024), (0.04, 0)]),
     "stepped cylinder": lambda: body_of(
         [(-0.05, 0), (-0.05, 0.01), (0, 0.01), (0, 0.03), (0.05, 0.03), (0.05, 0)],

@@ -60,9 +60,7 @@ def test_untilted_modules_make_a_capped_tube():
 def test_a_one_sided_agent_is_closed_by_the_dome():
     body = build(cylinder(5))
     half_dome = 2 / 3 * np.pi * DOME**3
-    assert solid_of_revolution(body.outer).volume == pytest.approx(
-        np.pi * DOME**2 * 0.05 + half_dome, rel=2e-4
-    )
+    assert solid_of_revolution(body.outer).volume == pytest.approx(np.pi * DOME**2 * 0.05 + half_dome, rel=2e-4)
     assert body.outer[0] == pytest.approx([-DOME, 0], abs=1e-9)
 
 
@@ -76,9 +74,7 @@ def test_radii_follow_the_tilt_along_the_slant():
 def test_the_paper_s_figure_2_word_narrows_twice_and_widens_once():
     aft = (Module(0.005, np.deg2rad(-10)), Module(0.0025, np.deg2rad(-20)), Module(0.01, np.deg2rad(10)))
     body = build(Morphology(aft=aft))
-    x = -np.cumsum(
-        [0.005 * np.cos(np.deg2rad(10)), 0.0025 * np.cos(np.deg2rad(20)), 0.01 * np.cos(np.deg2rad(10))]
-    )
+    x = -np.cumsum([0.005 * np.cos(np.deg2rad(10)), 0.0025 * np.cos(np.deg2rad(20)), 0.01 * np.cos(np.deg2rad(10))])
     r = DOME + np.cumsum(
         [-0.005 * np.sin(np.deg2rad(10)), -0.0025 * np.sin(np.deg2rad(20)), 0.01 * np.sin(np.deg2rad(10))]
     )
@@ -226,9 +222,7 @@ def test_a_wall_too_thick_for_the_least_radius_is_refused():
         FrustaOptions(wall=0.002)
 
 
-@pytest.mark.parametrize(
-    ("length", "tilt"), [(0.0, 0.0), (float("nan"), 0.0), (0.01, np.pi / 2), (0.01, 2.0)]
-)
+@pytest.mark.parametrize(("length", "tilt"), [(0.0, 0.0), (float("nan"), 0.0), (0.01, np.pi / 2), (0.01, 2.0)])
 def test_a_module_that_cannot_be_built_is_named(length, tilt):
     sound = Module(0.01, 0.1)
     with pytest.raises(ValueError, match="module 2 aft of the core cannot be built: it is"):

@@ -97,9 +97,7 @@ def test_a_ball_by_its_profile_is_the_ball(kind, tmp_path):
 
 
 def test_a_waist_gets_the_room_of_what_passes_it(tmp_path):
-    waist = np.array(
-        [(0, 0), (0, 0.01), (0.02, 0.01), (0.03, 0.006), (0.04, 0.0125), (0.05, 0.0125), (0.05, 0)]
-    )
+    waist = np.array([(0, 0), (0, 0.01), (0.02, 0.01), (0.03, 0.006), (0.04, 0.0125), (0.05, 0.0125), (0.05, 0)])
     core = around(tmp_path, waist).build(Morphology()).core
     # Its widest part, 40 to 50 mm from the nose, has its middle at the origin.
     assert core.ends == pytest.approx((-0.005, 0.045), abs=1e-9)
@@ -124,9 +122,7 @@ def test_a_study_finds_the_file_beside_it_and_needs_it_no_more(tmp_path):
     assert again.document["builder"] == study.document["builder"]
     assert again.document["builder"]["core_radius"] == R
     # The size of a capsule does not stay if a ball takes its place.
-    steel = load_study(Document("resolved", study.document), ['builder.core="steel-20mm"']).document[
-        "builder"
-    ]
+    steel = load_study(Document("resolved", study.document), ['builder.core="steel-20mm"']).document["builder"]
     assert steel["core_mass"] == CORES["steel-20mm"].mass and not steel["core_profile"]
 
 

@@ -32,9 +32,7 @@ class TestFrustaWithAThickWall(BuilderContract):
 class TestFrustaAroundACapsule(BuilderContract):
     def plugin(self) -> FrustaBuilder:
         profile = ((0.0, 0.0), (0.0, 0.01), (0.003, 0.0125), (0.057, 0.0125), (0.06, 0.01), (0.06, 0.0))
-        return FrustaBuilder(
-            FrustaOptions(core_profile=profile, core_radius=0.0125, core_mass=0.02, core_cog=0.03)
-        )
+        return FrustaBuilder(FrustaOptions(core_profile=profile, core_radius=0.0125, core_mass=0.02, core_cog=0.03))
 
 
 class TestStl(ExporterContract):

@@ -59,9 +59,7 @@ def test_a_body_has_the_core_that_was_named():
 
 
 def test_an_unknown_core_is_refused_with_the_names():
-    with pytest.raises(
-        ValidationError, match=r"did you mean 'steel-20mm'.*'custom'.*tungsten-carbide.*20, 25, 30 mm"
-    ):
+    with pytest.raises(ValidationError, match=r"did you mean 'steel-20mm'.*'custom'.*tungsten-carbide.*20, 25, 30 mm"):
         FrustaOptions(core="steal-20mm")
 
 
@@ -79,7 +77,5 @@ def test_the_core_of_a_resolved_study_can_be_replaced_by_another():
     assert steel["builder"]["core_mass"] == CORES["steel-20mm"].mass
     brass = load_study(Document("stored", steel), ['builder.core="brass-16mm"']).document
     assert brass["builder"]["core_radius"] == 0.008
-    with pytest.raises(
-        InputError, match=r"--set builder.core_mass=0.1: core 'steel-20mm' has a radius of 0.01 m"
-    ):
+    with pytest.raises(InputError, match=r"--set builder.core_mass=0.1: core 'steel-20mm' has a radius of 0.01 m"):
         load_study(Document("stored", steel), ["builder.core_mass=0.1"])

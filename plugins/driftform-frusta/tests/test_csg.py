@@ -72,9 +72,7 @@ def test_frustums_and_the_revolved_section_are_the_same_solid(body):
 
 @settings(max_examples=8, deadline=None)
 @given(
-    modules=st.lists(
-        st.tuples(st.sampled_from([2.5e-3, 5e-3, 10e-3]), st.integers(-45, 45)), min_size=40, max_size=40
-    )
+    modules=st.lists(st.tuples(st.sampled_from([2.5e-3, 5e-3, 10e-3]), st.integers(-45, 45)), min_size=40, max_size=40)
 )
 def test_frustums_and_the_revolved_section_are_the_same_solid_for_any_chain(modules, make_chain):
     radii = [0.012]
@@ -86,9 +84,7 @@ def test_frustums_and_the_revolved_section_are_the_same_solid_for_any_chain(modu
 def stack_frustums(contour, segments):
     """The inside of a contour as a union of cones of manifold3d, mm from the core's centre."""
     cones = [
-        Manifold.cylinder(z1 - z0, *(area_factor(segments) * np.array([r0, r1])), segments).translate(
-            (0, 0, z0)
-        )
+        Manifold.cylinder(z1 - z0, *(area_factor(segments) * np.array([r0, r1])), segments).translate((0, 0, z0))
         for (z0, r0), (z1, r1) in pairwise((1e3 * contour).tolist())
         if z1 > z0 and r0 + r1 > 0
     ]

@@ -109,9 +109,7 @@ def test_a_cavity_is_what_no_piece_of_wall_covers(contour):
     assert area(cavity) == pytest.approx(found / MM**2, rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("tilt", "depth"), [(30, 1 / math.cos(math.radians(30))), (59, 1.9416), (61, 1), (80, 1)]
-)
+@pytest.mark.parametrize(("tilt", "depth"), [(30, 1 / math.cos(math.radians(30))), (59, 1.9416), (61, 1), (80, 1)])
 def test_a_mitre_is_cut_off_at_one_wall_if_it_is_longer_than_two(tilt, depth):
     slope = math.tan(math.radians(tilt))
     notch = np.array([[-0.1, 0], [-0.1, 1 + 0.1 * slope], [0, 1], [0.1, 1 + 0.1 * slope], [0.1, 0]])

@@ -134,18 +134,14 @@ def test_a_number_of_segments_out_of_range_is_refused(exporter, segments):
             "mm3, its section",
             id="a contour that crosses itself",
         ),
-        pytest.param(
-            [(0.05, 0), (0.0, 0.03), (-0.05, 0)], (), "mm3, its section", id="a contour from fore to aft"
-        ),
+        pytest.param([(0.05, 0), (0.0, 0.03), (-0.05, 0)], (), "mm3, its section", id="a contour from fore to aft"),
         pytest.param(
             [(-0.05, 0), (-0.02, 0.03), (0, 0), (0.02, 0.03), (0.05, 0)],
             (),
             "outer contour touches the axis at x = 0.000000 m",
             id="two parts that touch in a point",
         ),
-        pytest.param(
-            [(-0.05, 0), (0, math.nan), (0.05, 0)], (), "not finite", id="a coordinate that is no number"
-        ),
+        pytest.param([(-0.05, 0), (0, math.nan), (0.05, 0)], (), "not finite", id="a coordinate that is no number"),
     ],
 )
 def test_a_body_without_a_closed_solid_is_refused_and_nothing_written(
@@ -158,9 +154,7 @@ def test_a_body_without_a_closed_solid_is_refused_and_nothing_written(
 
 
 @EACH
-def test_a_solid_that_is_not_what_was_simulated_is_refused(
-    exporter, wavy_body, specimen_of, tmp_path, monkeypatch
-):
+def test_a_solid_that_is_not_what_was_simulated_is_refused(exporter, wavy_body, specimen_of, tmp_path, monkeypatch):
     monkeypatch.setattr(printable, "hull_volume", lambda body: hull_volume(body) * (1 + 1e-5))
     with pytest.raises(WorkFailedError, match="mm3, its section"):
         exporter_of(exporter).write(specimen_of(wavy_body), tmp_path / "hull")

@@ -109,9 +109,7 @@ def check_all_formats(job, folder, **options):
         assert len(found) == len(parts), exporter.name
         # Sorted by volume, as not every reader keeps names.
         found.sort(key=lambda part: Mesh(*part[1:]).volume)
-        for (_, vertices, triangles), part in zip(
-            found, sorted(parts, key=lambda p: p.solid.volume), strict=True
-        ):
+        for (_, vertices, triangles), part in zip(found, sorted(parts, key=lambda p: p.solid.volume), strict=True):
             assert_sound(vertices, triangles, len(part.solid.shells), part.solid.volume)
         if len(parts) == 1:
             assert Mesh(*found[0][1:]).volume == pytest.approx(1e9 * hull_volume(body), rel=1e-4)
@@ -144,9 +142,7 @@ def kit():
 def test_a_format_for_one_solid_has_a_file_for_each_part_that_stands_on_the_bed(exporter, kit, tmp_path):
     files = export(exporter, kit, tmp_path, kit=True)
     names = [part.name for part in make_parts(kit.agent.body, StlExporter.Options(kit=True))]
-    assert [Path(f.path).name for f in files] == [
-        f"agent-{name.replace(' ', '-')}{exporter.suffix}" for name in names
-    ]
+    assert [Path(f.path).name for f in files] == [f"agent-{name.replace(' ', '-')}{exporter.suffix}" for name in names]
     for _, vertices, _ in reload(files):
         assert vertices[:, 2].min() == 0
         assert np.abs(vertices[:, :2].min(axis=0) + vertices[:, :2].max(axis=0)).max() < 1e-3
@@ -174,9 +170,7 @@ def test_a_glb_file_is_laid_out_as_gltf_says(kit, tmp_path):
     document = json.loads(data[20 : 20 + size])
     assert size % 4 == 0 and data[16:20] == b"JSON"
     assert int(np.frombuffer(data[20 + size : 24 + size], "<u4")[0]) == document["buffers"][0]["byteLength"]
-    heights = [
-        document["accessors"][m["primitives"][0]["attributes"]["POSITION"]] for m in document["meshes"]
-    ]
+    heights = [document["accessors"][m["primitives"][0]["attributes"]["POSITION"]] for m in document["meshes"]]
     assert min(a["min"][1] for a in heights) == pytest.approx(0, abs=1e-9)
     assert max(a["max"][1] for a in heights) == pytest.approx(kit.agent.body.length, rel=1e-6)
     for view in document["bufferViews"]:
@@ -306,9 +300,7 @@ def info(slicer, path):
 @pytest.mark.slow
 @pytest.mark.parametrize("occupied", ["insert", "skip"])
 @pytest.mark.parametrize("kit", [False, True], ids=["sealed", "kit"])
-def test_the_g_code_of_prusa_slicer_lays_as_much_filament_as_the_solids_hold(
-    occupied, kit, tmp_path, requires_program
-):
+def test_the_g_code_of_prusa_slicer_lays_as_much_filament_as_the_solids_hold(occupied, kit, tmp_path, requires_program):
     slicer = requires_program("prusa-slicer")
     # Sealed hulls are too tall for most printers, so these have one that is not.
     bed = (0.25, 0.21, 0.21 if kit else 0.4)
@@ -319,8 +311,6 @@ def test_the_g_code_of_prusa_slicer_lays_as_much_filament_as_the_solids_hold(
             command = [slicer, "--export-gcode", "--dont-arrange", "--filament-density", "1.05"]
             command += ["--layer-height", "0.2", "--perimeters", "3", "--fill-density", "15%"]
             command += ["--bed-shape", "0x0,250x0,250x210,0x210", "--max-print-height", "400"]
-            subprocess.run(
-                [*command, "-o", str(gcode), file.path], capture_output=True, timeout=600, check=True
-            )
+            subprocess.run([*command, "-o", str(gcode), file.path], capture_output=True, timeout=600, check=True)
             used = float(re.search(r"; filament used \[cm3\] = ([\d.]+)", gcode.read_text())[1])
             assert 0.95 < 1e3 * used / file.facts["volume_mm3"] < 1.03

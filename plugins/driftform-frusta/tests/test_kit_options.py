@@ -41,7 +41,5 @@ def test_an_o_ring_that_fits_its_sleeve_is_taken():
 def test_a_third_ball_of_ballast_is_refused_with_what_to_do():
     two = [[-0.04, 0.006], [0.045, 0.008]]
     assert len(PartOptions(kit=True, ballast=two).ballast) == 2
-    with pytest.raises(
-        ValueError, match="a kit holds at most 2 balls of ballast, not 3: replace two of them"
-    ):
+    with pytest.raises(ValueError, match="a kit holds at most 2 balls of ballast, not 3: replace two of them"):
         PartOptions(kit=True, ballast=[*two, [0.05, 0.004]])

@@ -34,10 +34,7 @@ def test_every_material_can_be_named_in_a_study_and_found_by_its_density():
 def test_a_material_replaces_that_of_a_resolved_study_but_no_density_of_ones_own():
     first = load_study("paper", settings=["builder.material=PETG"], run={"seed": 0})
     assert first.document["builder"]["hull_density"] == 1270.0
-    assert (
-        FrustaOptions(**{**FrustaOptions(material="PETG").model_dump(), "material": "PLA"}).hull_density
-        == 1240.0
-    )
+    assert FrustaOptions(**{**FrustaOptions(material="PETG").model_dump(), "material": "PLA"}).hull_density == 1240.0
     assert FrustaOptions(hull_density=1111.0).material == "custom"
     with pytest.raises(
         ValidationError, match=r"PETG' has 1270 kg/m3: leave out hull_density, or set material to 'custom'"
@@ -53,11 +50,7 @@ def test_densities_are_those_of_the_slicers_profiles(name: str, requires_program
     requires_program("prusa-slicer")
     text = Path("/usr/share/PrusaSlicer/profiles/PrusaResearch.ini").read_text(encoding="utf-8")
     found = [
-        float(
-            re.search(
-                rf"^\[filament:{re.escape(kind)}\]$[^\[]*?^filament_density = (\S+)", text, re.MULTILINE
-            )[1]
-        )
+        float(re.search(rf"^\[filament:{re.escape(kind)}\]$[^\[]*?^filament_density = (\S+)", text, re.MULTILINE)[1])
         for kind in PROFILES[name]
     ]
     assert 1000 * min(found) <= MATERIALS[name].density <= 1000 * max(found)

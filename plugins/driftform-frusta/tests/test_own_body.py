@@ -51,9 +51,7 @@ def tube(bend, radius=12.0, length=100.0, rings=13, around=32):
     for a in np.linspace(0, bend, rings):
         middle = [R * np.sin(a), R * (1 - np.cos(a)), 0]
         across = np.array([-np.sin(a), np.cos(a), 0])
-        vertices.append(
-            middle + radius * (np.outer(np.cos(turn), across) + np.outer(np.sin(turn), [0, 0, 1]))
-        )
+        vertices.append(middle + radius * (np.outer(np.cos(turn), across) + np.outer(np.sin(turn), [0, 0, 1])))
     ends = [vertices[0].mean(axis=0), vertices[-1].mean(axis=0)]
     k, n = np.arange(around), rings * around
     after = (k + 1) % around
@@ -83,9 +81,7 @@ def test_remus_has_the_added_mass_that_panels_find(unit, tmp_path):
 
 
 def test_suboff_has_the_added_mass_that_panels_find(tmp_path):
-    station = np.array(
-        [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 1, 2, 3, 4, 7.7143, 15.1429, 16, 17, 18, 19, 20, 20.4167]
-    )
+    station = np.array([0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 1, 2, 3, 4, 7.7143, 15.1429, 16, 17, 18, 19, 20, 20.4167])
     radius = np.ones(len(station))
     radius[:12] = [
         0,
@@ -165,9 +161,7 @@ def test_the_axis_is_found_also_where_moments_of_inertia_are_alike(height, tmp_p
 )
 def test_what_is_no_solid_of_revolution_is_refused_with_the_number(mesh, least, most, tmp_path):
     mesh().export(tmp_path / "part.stl")
-    with pytest.raises(
-        InputError, match=r"part\.stl: is not a solid of revolution: .* (\d+\.\d) %"
-    ) as refusal:
+    with pytest.raises(InputError, match=r"part\.stl: is not a solid of revolution: .* (\d+\.\d) %") as refusal:
         read_profile(tmp_path / "part.stl")
     assert least < float(str(refusal.value).partition("deviates by ")[2].partition(" %")[0]) < most
 
@@ -244,15 +238,9 @@ def test_the_agent_is_one_for_other_commands(call, tmp_path):
     facts = json.loads(made.stdout)
     assert (facts["length"], facts["cob"]) == pytest.approx((0.06, 0.03), rel=1e-3)
     shown = call("inspect", "capsule.json")
-    assert (
-        shown.exit_code == 0
-        and "modules" not in shown.stdout
-        and "2.000 mm from the volume's" in shown.stdout
-    )
+    assert shown.exit_code == 0 and "modules" not in shown.stdout and "2.000 mm from the volume's" in shown.stdout
     design = open_agent("capsule.json").under("flight.horizon=1.0", use={"simulator": "native"})
     assert len(design.disturb(2).offsets) == 2
     assert json.loads(call("export", "capsule.json", "--format", "stl,svg,scad", "--json").stdout)
-    turned = call(
-        "body", "capsule.csv", "--mass", 0.02, "--cog", 0.028, "--flip", "--out", "back.json", "--json"
-    )
+    turned = call("body", "capsule.csv", "--mass", 0.02, "--cog", 0.028, "--flip", "--out", "back.json", "--json")
     assert json.loads(turned.stdout)["added_mass"] == pytest.approx(facts["added_mass"], rel=1e-3)

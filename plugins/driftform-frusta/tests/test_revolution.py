@@ -100,6 +100,4 @@ def test_manifold3d_finds_any_profile_closed_and_counts_the_same_shells(heights,
     assert Mesh(solid.vertices, solid.triangles).is_closed
     again = solid.to_manifold()
     assert again.volume() == pytest.approx(solid.volume, rel=1e-9)
-    assert sorted(shell.volume() for shell in again.decompose()) == pytest.approx(
-        sorted(solid.shells), rel=1e-9
-    )
+    assert sorted(shell.volume() for shell in again.decompose()) == pytest.approx(sorted(solid.shells), rel=1e-9)

@@ -36,9 +36,7 @@ BALL = Revolve(tuple((8 * math.sin(a), -8 * math.cos(a)) for a in np.linspace(0,
 
 BRACKET = Union(
     (
-        Named(
-            "plate\nwith a hole", Difference(frustum(5, 20, 20), (Translate((0, 0, -1), frustum(7, 4, 6)),))
-        ),
+        Named("plate\nwith a hole", Difference(frustum(5, 20, 20), (Translate((0, 0, -1), frustum(7, 4, 6)),))),
         Translate((0, 0, 20), BALL),
         Translate((5, 5, 4), Rotate((20, -35, 50), frustum(30, 3, 0))),
         Translate((15, 5, 4), Intersection((frustum(10, 4, 4), BALL))),

@@ -76,8 +76,7 @@ def test_faces_are_cones_cylinders_and_planes_and_no_facets(wavy_body, write):
     edges = sum(len(c) - 1 for c in (wavy_body.outer, wavy_body.cavity))
     assert file.facts["faces"] <= edges
     kinds = {
-        kind: len(re.findall(rf"= {kind}\(", text))
-        for kind in ("CONICAL_SURFACE", "CYLINDRICAL_SURFACE", "PLANE")
+        kind: len(re.findall(rf"= {kind}\(", text)) for kind in ("CONICAL_SURFACE", "CYLINDRICAL_SURFACE", "PLANE")
     }
     assert sum(kinds.values()) == file.facts["faces"]
     assert kinds["CONICAL_SURFACE"] > 70
@@ -87,9 +86,7 @@ def test_faces_are_cones_cylinders_and_planes_and_no_facets(wavy_body, write):
 def test_facts_tell_what_the_file_holds(wavy_body, write):
     facts = write(wavy_body).facts
     assert facts["volume_mm3"] == pytest.approx(1e9 * hull_volume(wavy_body), rel=1e-9)
-    assert facts["size_mm"] == pytest.approx(
-        [1e3 * wavy_body.max_diameter] * 2 + [1e3 * wavy_body.length], abs=1e-4
-    )
+    assert facts["size_mm"] == pytest.approx([1e3 * wavy_body.max_diameter] * 2 + [1e3 * wavy_body.length], abs=1e-4)
     assert facts["shells"] == 2
 
 

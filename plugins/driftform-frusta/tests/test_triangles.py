@@ -57,9 +57,7 @@ def test_area_vectors_point_outward_and_close():
     assert vectors.shape == (12, 3)
     assert np.allclose(vectors.sum(axis=0), 0)
     assert sorted(np.linalg.norm(vectors, axis=1)) == pytest.approx([1] * 4 + [1.5] * 4 + [3] * 4)
-    assert (
-        ((box.vertices[box.triangles].mean(axis=1) - box.vertices.mean(axis=0)) * vectors).sum(axis=1) > 0
-    ).all()
+    assert (((box.vertices[box.triangles].mean(axis=1) - box.vertices.mean(axis=0)) * vectors).sum(axis=1) > 0).all()
 
 
 def test_an_obj_file_counts_its_vertices_from_the_number_given():

@@ -14,9 +14,7 @@ from driftform.interfaces import Printer, PrintJob
 from driftform.plugins.registry import registry
 from driftform.types import Finding
 
-WORD = (
-    "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
-)
+WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
 
 
 @pytest.fixture(scope="session")

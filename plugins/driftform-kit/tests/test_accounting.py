@@ -19,9 +19,7 @@ from driftform_kit.cutting.accounting import kit_mass, list_facts
 
 TILTS = st.sampled_from([-0.3, 0.0, 0.3])
 SIDES = st.lists(st.builds(Module, st.sampled_from([0.005, 0.01]), TILTS), max_size=6).map(tuple)
-BODIES = st.builds(
-    lambda fore, aft: FrustaBuilder(FrustaOptions()).build(Morphology(fore, aft)), SIDES, SIDES
-)
+BODIES = st.builds(lambda fore, aft: FrustaBuilder(FrustaOptions()).build(Morphology(fore, aft)), SIDES, SIDES)
 STRAIGHT = FrustaBuilder(FrustaOptions()).build(
     Morphology(tuple(Module(0.01, 0.0) for _ in range(4)), tuple(Module(0.01, 0.0) for _ in range(3)))
 )
@@ -160,9 +158,7 @@ def test_an_agent_made_as_a_kit_is_simulated_with_the_mass_of_the_meshes_of_its_
     assert simulated.mass - plain.mass > 2e-4
     exported = kit_mass(body, PartOptions(kit=True, **options))
     assert (simulated.mass, simulated.volume) == pytest.approx((exported.mass, exported.volume), rel=1e-12)
-    assert (simulated.cog[0], simulated.cob[0]) == pytest.approx(
-        (exported.cog[0], exported.cob[0]), abs=1e-12
-    )
+    assert (simulated.cog[0], simulated.cob[0]) == pytest.approx((exported.cog[0], exported.cob[0]), abs=1e-12)
 
 
 def test_the_balance_of_an_agent_made_as_a_kit_is_the_same_printed_and_simulated():

@@ -45,11 +45,7 @@ def test_the_cut_that_is_advised_for_a_slender_hull_leaves_parts_that_do_not_swa
     bed, count = re.search(r"(?:--kit )?--bed ([\d.,]+) makes (\d) that do not", sways.detail).groups()
     assert ("--kit --bed" in sways.detail) != kit
     sides = tuple(float(side) / 1000 for side in bed.split(","))
-    cut = {
-        part: f
-        for (check, part), f in check_slim(tmp_path, kit=True, bed=sides).items()
-        if check == "slender"
-    }
+    cut = {part: f for (check, part), f in check_slim(tmp_path, kit=True, bed=sides).items() if check == "slender"}
     assert len(cut) == int(count) and not any("it sways" in f.detail for f in cut.values())
 
 
@@ -76,7 +72,5 @@ def test_where_no_cut_helps_the_check_says_so(tmp_path):
     job = job_of(rod)
     [file] = StlExporter(PartOptions()).write(job, tmp_path / "a.stl")
     printing = PrintJob((Path(file.path),), Printer(), job, 1e-9 * file.facts["volume_mm3"])
-    lines = [
-        f.detail for f in MeshChecker(MeshOptions(stiffness=1e8)).check(printing) if f.check == "slender"
-    ]
+    lines = [f.detail for f in MeshChecker(MeshOptions(stiffness=1e8)).check(printing) if f.check == "slender"]
     assert "print it slowly; no joint has room for a cut that helps" in lines[0]

@@ -66,9 +66,7 @@ def test_print_and_ballast_weigh_and_balance_as_simulated(missing: float, x: flo
     assert trimmed.cog[0] == pytest.approx(SIMULATED.cog[0], abs=1e-7)
 
 
-@given(
-    mass=st.floats(1e-5, 0.3), x=st.floats(-0.045, 0.075), density=st.sampled_from(list(MATERIALS.values()))
-)
+@given(mass=st.floats(1e-5, 0.3), x=st.floats(-0.045, 0.075), density=st.sampled_from(list(MATERIALS.values())))
 @settings(deadline=None)
 def test_pieces_lie_in_the_bore_beside_the_core(mass: float, x: float, density: float) -> None:
     for piece in place_ballast(BODY, RequiredBallast(mass, mass * x), density):
@@ -211,9 +209,7 @@ def test_no_filling_is_thinner_than_a_millimetre(mass: float, x: float) -> None:
 
 @given(mass=st.floats(1e-5, 0.1), x=st.floats(-0.045, 0.075), bore=st.sampled_from([0.0105, 0.012, 0.03]))
 @settings(deadline=None)
-def test_what_is_laid_by_hand_counts_its_putty_and_has_mass_and_moment(
-    mass: float, x: float, bore: float
-) -> None:
+def test_what_is_laid_by_hand_counts_its_putty_and_has_mass_and_moment(mass: float, x: float, bore: float) -> None:
     body = tube(bore)
     found = place_by_hand(body, RequiredBallast(mass, mass * x), LEAD)
     assume(found)

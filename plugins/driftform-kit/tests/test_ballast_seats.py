@@ -38,9 +38,7 @@ class Held:
         self.kit = make_kit(body, self.options)
         [self.held] = self.kit.ballast
         lift = 1e3 * body.outer[0, 0]
-        self.solids = [
-            part.solid.to_manifold().translate((0.0, 0.0, lift)) for part in make_parts(body, self.options)
-        ]
+        self.solids = [part.solid.to_manifold().translate((0.0, 0.0, lift)) for part in make_parts(body, self.options)]
         self.core = Manifold.sphere(1e3 * body.core.radius, 96)
         self.mine = self.solids[self.held.part]
 
@@ -228,9 +226,7 @@ def test_the_kit_of_a_tuned_body_weighs_and_balances_as_simulated():
         assert printed.mass + ball == pytest.approx(simulated.mass, abs=5e-6)
         # Where the ball makes room for the core, its seat moves the centre of gravity a little.
         cog = (printed.mass * printed.cog[0] + ball * x) / simulated.mass
-        assert cog == pytest.approx(
-            simulated.cog[0], abs=1e-5 if x != round(body.ballast.centroid, 7) else 5e-4
-        )
+        assert cog == pytest.approx(simulated.cog[0], abs=1e-5 if x != round(body.ballast.centroid, 7) else 5e-4)
         tried += 1
         if tried == 5:
             return
@@ -238,9 +234,7 @@ def test_the_kit_of_a_tuned_body_weighs_and_balances_as_simulated():
 
 
 def test_a_ball_whose_seat_weighs_more_than_the_ballast_is_refused():
-    body = FrustaBuilder(FrustaOptions(tuning="ballast")).build(
-        Morphology((Module(0.05, 0.2), Module(0.02, 0.0)), ())
-    )
+    body = FrustaBuilder(FrustaOptions(tuning="ballast")).build(Morphology((Module(0.05, 0.2), Module(0.02, 0.0)), ()))
     light = replace(body, ballast=Moments(1e-9, 2e-11), ballast_density=LEAD)
     with pytest.raises(WorkFailedError, match="no kit can be made"):
         place_ballast(light, PartOptions(kit=True))

@@ -65,9 +65,7 @@ def nested(levels: int, copies: int) -> str:
     ],
     ids=["components of components", "many items", "many copies of many vertices", "much air"],
 )
-def test_a_3mf_that_grows_without_end_is_refused(
-    tmp_path: Path, objects: str, items: str, reason: str
-) -> None:
+def test_a_3mf_that_grows_without_end_is_refused(tmp_path: Path, objects: str, items: str, reason: str) -> None:
     path = write_3mf(tmp_path / "bomb.3mf", objects, items)
     assert path.stat().st_size < 1 << 20
     began = time.process_time()

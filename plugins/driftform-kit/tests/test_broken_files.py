@@ -39,9 +39,7 @@ def known(opened: Design) -> dict[str, object]:
     return {"export": opened.export_job(), "volume": hull_volume(opened.agent.body)}
 
 
-def alone(
-    *failed: str, skipped: tuple[str, ...] = (), warned: tuple[str, ...] = ("standing",)
-) -> dict[str, str]:
+def alone(*failed: str, skipped: tuple[str, ...] = (), warned: tuple[str, ...] = ("standing",)) -> dict[str, str]:
     """States where these lines are as told, and every other one passes."""
     told = dict.fromkeys(LINES, "pass")
     told |= dict.fromkeys(warned, "warn") | dict.fromkeys(skipped, "skipped") | dict.fromkeys(failed, "fail")
@@ -54,29 +52,21 @@ def test_the_sound_file_passes(check_mesh: CheckMesh, sound: Path, opened: Desig
     assert "better fore end down" in found["standing"].detail
 
 
-def test_missing_faces(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design
-) -> None:
+def test_missing_faces(check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design) -> None:
     # Two that share no vertex: two holes of three edges each.
     first = 0
     other = int(np.flatnonzero(~np.isin(mesh.faces, mesh.faces[first]).any(axis=1))[-1])
     path = written(mesh.vertices, np.delete(mesh.faces, [first, other], axis=0))
     found = check_mesh(path, **known(opened))
-    assert states(found) == alone(
-        "closed", skipped=("shells", "mass", "wall", "standing", "slender"), warned=()
-    )
+    assert states(found) == alone("closed", skipped=("shells", "mass", "wall", "standing", "slender"), warned=())
     assert "6 open edges round 2 holes" in found["closed"].detail
 
 
-def test_flipped_faces(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design
-) -> None:
+def test_flipped_faces(check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design) -> None:
     faces = mesh.faces.copy()
     faces[[10, 500, 3000]] = faces[[10, 500, 3000], ::-1]
     found = check_mesh(written(mesh.vertices, faces), **known(opened))
-    assert states(found) == alone(
-        "oriented", skipped=("shells", "mass", "wall", "standing", "slender"), warned=()
-    )
+    assert states(found) == alone("oriented", skipped=("shells", "mass", "wall", "standing", "slender"), warned=())
     assert found["oriented"].detail.startswith("3 faces ")
 
 
@@ -132,9 +122,7 @@ def test_metres_instead_of_millimetres(
     assert "in metres" in found["unit"].detail and "1000" in found["unit"].detail
 
 
-def test_millimetres_in_a_format_of_metres(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written
-) -> None:
+def test_millimetres_in_a_format_of_metres(check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written) -> None:
     found = check_mesh(written(mesh.vertices, mesh.faces, "broken.glb"))
     assert [check for check, finding in found.items() if finding.state is State.FAIL] == ["unit"]
     assert "0.001" in found["unit"].detail
@@ -152,9 +140,7 @@ def test_a_wall_of_a_fifth_of_a_millimetre(check_mesh: CheckMesh, tmp_path: Path
     assert check_mesh(path, Printer(nozzle=0.0001))["wall"].state is State.WARN
 
 
-def test_duplicate_faces(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design
-) -> None:
+def test_duplicate_faces(check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design) -> None:
     # Once as they are, and once turned round: both are copies.
     faces = np.concatenate((mesh.faces, mesh.faces[:5], mesh.faces[7:9, ::-1]))
     found = check_mesh(written(mesh.vertices, faces), **known(opened))
@@ -170,9 +156,7 @@ def test_too_tall_for_the_bed(check_mesh: CheckMesh, sound: Path, opened: Design
     assert small.state is State.FAIL and "too wide" in small.detail and "--kit" in small.detail
 
 
-def test_a_surface_that_three_faces_meet_in(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written
-) -> None:
+def test_a_surface_that_three_faces_meet_in(check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written) -> None:
     # A fin on one edge: a triangle with a vertex of its own.
     a, b, _ = mesh.faces[100]
     vertices = np.vstack((mesh.vertices, mesh.vertices[a] + [0, 0, 70.0]))

@@ -61,10 +61,7 @@ def test_a_line_that_fails_is_exit_code_1_and_named_in_the_verdict(call: Call) -
     assert verdict.startswith("not printable as it is, for bed: ") and "1 fail" in verdict
     shouted = [line for line in result.stdout.splitlines() if line.startswith("FAIL")]
     assert len(shouted) == 1 and "bed" in shouted[0]
-    assert any(
-        line.startswith("warn") and "lines of the 0.8 mm nozzle" in line
-        for line in result.stdout.splitlines()
-    )
+    assert any(line.startswith("warn") and "lines of the 0.8 mm nozzle" in line for line in result.stdout.splitlines())
     assert "\x1b" not in result.stdout
 
 
@@ -257,9 +254,7 @@ def attach(path: Path, name: str, data: bytes) -> None:
         ("bed=[0.2,0.2,0.06]", "drain=0.002", "joint=rabbet"),
     ],
 )
-def test_a_3mf_of_a_kit_is_checked_with_the_options_that_it_was_made_with(
-    call: Call, options: tuple[str, ...]
-) -> None:
+def test_a_3mf_of_a_kit_is_checked_with_the_options_that_it_was_made_with(call: Call, options: tuple[str, ...]) -> None:
     path = exported_kit(call, *options)
     result = call("check", path, "--no-programs", "--json")
     assert result.exit_code == 0, result.stdout + result.stderr
@@ -309,9 +304,7 @@ def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(
     assert line.isprintable() and len(line) < 300
 
 
-def test_options_of_a_kit_in_a_file_of_a_format_without_kits_are_refused(
-    call: Call, refused: Refused
-) -> None:
+def test_options_of_a_kit_in_a_file_of_a_format_without_kits_are_refused(call: Call, refused: Refused) -> None:
     path = exported_kit(call).rename("kit.svg")
     attach(path, "Metadata/kit.json", b"{}")
     assert "exporter 'svg' has no option 'kit'" in refused("check", path, "--no-programs")

@@ -89,9 +89,7 @@ def test_kits_have_the_clearance_that_is_chosen():
 
 
 def test_the_command_writes_one_small_file_without_an_agent(call: Call, tmp_path: Path) -> None:
-    found = json.loads(
-        call("export", "--coupon", "--format", "stl,3mf", "--out", str(tmp_path), "--json").stdout
-    )
+    found = json.loads(call("export", "--coupon", "--format", "stl,3mf", "--out", str(tmp_path), "--json").stdout)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["coupon.3mf", "coupon.stl"]
     assert {file["coupon"]["core_mm"] for file in found["files"]} == {20.0}
     [mesh] = read_meshes(tmp_path / "coupon.stl")
@@ -132,9 +130,7 @@ def test_a_file_holds_what_a_printer_needs_of_kits(call: Call, tmp_path: Path) -
 
 
 @pytest.mark.peers
-def test_prusa_slicer_slices_the_coupon(
-    call: Call, ask: Callable[..., dict[str, Finding]], tmp_path: Path
-) -> None:
+def test_prusa_slicer_slices_the_coupon(call: Call, ask: Callable[..., dict[str, Finding]], tmp_path: Path) -> None:
     call("export", "--coupon", "--out", str(tmp_path))
     found = ask("prusa-slicer", PrintJob((tmp_path / "coupon.stl",), Printer()), infill=1.0)
     assert {name: finding.state for name, finding in found.items()} == {

@@ -11,9 +11,7 @@ import trimesh
 
 pytestmark = pytest.mark.usefixtures("ideal_water")
 
-LONG = (
-    "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB-addB-tiltn-1-L-moveB"
-)
+LONG = "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB-addB-tiltn-1-L-moveB"
 """Straight ahead of the core, narrower behind it."""
 
 Call = Callable[..., Any]
@@ -99,9 +97,7 @@ def test_an_option_is_given_to_every_format(call: Call, tmp_path: Path) -> None:
         (("--kit", "--option", "o_ring=0.0015"), "needs a sleeve of 0.0014 m or more, not 0.0012"),
     ],
 )
-def test_what_makes_no_sense_is_one_line(
-    refused: Callable[..., str], arguments: tuple[str, ...], message: str
-) -> None:
+def test_what_makes_no_sense_is_one_line(refused: Callable[..., str], arguments: tuple[str, ...], message: str) -> None:
     assert message in refused("export", LONG, *arguments, "--out", "parts")
 
 
@@ -117,9 +113,7 @@ def test_what_is_told_of_the_kit_is_read_without_knowing_its_keys(call: Call, tm
     assert "joint: sleeve at x +" in out and "kind" not in out and "why" not in out
     # Without ballast nothing is said of it.
     assert "ballast" not in out
-    loaded = call(
-        "export", LONG, "--kit", "--option", "ballast=[[0.03,0.008]]", "--out", str(tmp_path)
-    ).stdout
+    loaded = call("export", LONG, "--kit", "--option", "ballast=[[0.03,0.008]]", "--out", str(tmp_path)).stdout
     assert "lead" in loaded and "with ballast" in loaded and "None" not in loaded
 
 
@@ -127,9 +121,7 @@ def test_ballast_is_weighed_in_the_balance_of_the_kit(call: Call, tmp_path: Path
     ballast = ("--option", "ballast=[[0.03,0.008]]", "--option", "ballast_density=7850")
     kit = files(call, "--kit", *ballast, "--out", str(tmp_path))[0]["kit"]
     [ball] = kit["ballast"]
-    assert ball["material"] == "steel" and ball["mass_kg"] == pytest.approx(
-        7850 * 0.008**3 * 3.14159 / 6, rel=1e-5
-    )
+    assert ball["material"] == "steel" and ball["mass_kg"] == pytest.approx(7850 * 0.008**3 * 3.14159 / 6, rel=1e-5)
     simulated, printed, loaded = kit["balance"]
     assert loaded["of"] == "with ballast"
     # The parts are printed so much lighter that they and their ballast weigh what was simulated.

@@ -359,9 +359,7 @@ def test_an_o_ring_is_squeezed_between_its_groove_and_the_bore():
     made = check_sleeve(cylinder(0.02, 0.03), o_ring=0.0015, sleeve=0.0019)
     joint = made.kit.core_joint.joint
     middle = joint.z - joint.side * (joint.lap / 2 - 0.3)
-    radii = np.hypot(
-        *np.asarray(made.slice(1, middle - 0.05, middle + 0.05).to_mesh64().vert_properties)[:, :2].T
-    )
+    radii = np.hypot(*np.asarray(made.slice(1, middle - 0.05, middle + 0.05).to_mesh64().vert_properties)[:, :2].T)
     bottom = radii.max() / area_factor(64)
     # 80 % of the cord lies between the bore of 18.75 mm and the bottom of the groove.
     assert 18.75 - bottom == pytest.approx(0.8 * 1.5, abs=0.01)
@@ -421,9 +419,7 @@ def test_kits_of_a_hundred_random_agents(occupied):
 
 
 @pytest.mark.parametrize("side", [1, -1])
-@pytest.mark.parametrize(
-    "radii", [(12.0, 12.0, 11.8, 11.8), (12.0, 11.5, 11.8, 11.8), (11.8, 12.0, 11.9, 11.0)]
-)
+@pytest.mark.parametrize("radii", [(12.0, 12.0, 11.8, 11.8), (12.0, 11.5, 11.8, 11.8), (11.8, 12.0, 11.9, 11.0)])
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_socket_beside_a_ledge_of_the_cavity_does_not_cut_into_the_wall(side, radii, turned):
     # The cavity has a ledge 3 mm behind the cut.

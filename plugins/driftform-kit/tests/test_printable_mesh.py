@@ -12,9 +12,7 @@ from typer.testing import CliRunner
 from driftform.cli.app import app
 
 FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
-BOTH_SIDES = (
-    "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
-)
+BOTH_SIDES = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
 ABS = 1050.0
 
 
@@ -25,16 +23,12 @@ def run_json(*arguments):
 
 
 def output_of(*command):
-    done = subprocess.run(
-        command, capture_output=True, encoding="utf-8", errors="replace", check=True, timeout=300
-    )
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", check=True, timeout=300)
     assert "ERROR" not in done.stderr, done.stderr
     return done.stdout + done.stderr
 
 
-@pytest.fixture(
-    scope="module", params=[FIGURE_2, BOTH_SIDES, "C"], ids=["figure 2", "both sides", "bare core"]
-)
+@pytest.fixture(scope="module", params=[FIGURE_2, BOTH_SIDES, "C"], ids=["figure 2", "both sides", "bare core"])
 def exported(request, tmp_path_factory):
     """The exported files by format, and the mass (kg) of the hull that ``inspect`` states; not to be changed."""
     folder = tmp_path_factory.mktemp("exported")

@@ -60,6 +60,4 @@ def test_the_header_of_a_copied_part_ends_with_a_nul(sound: Path, tmp_path: Path
     data = copy.read_bytes()
     assert not data.startswith(b"solid")
     assert data[79] == 0
-    assert [len(part.triangles) for part in read_meshes(copy)] == [
-        len(part.triangles) for part in read_meshes(sound)
-    ]
+    assert [len(part.triangles) for part in read_meshes(copy)] == [len(part.triangles) for part in read_meshes(sound)]

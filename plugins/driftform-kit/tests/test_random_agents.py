@@ -17,9 +17,7 @@ OURS = ("unit", "duplicate faces", "closed", "oriented", "shells", "mass", "wall
 
 
 def look_at(folder: Path, occupied: str, seed: int, kit: bool) -> None:
-    study = load_study(
-        "paper", settings=[f"grammar.occupied={occupied}", f"exporter.3mf.kit={str(kit).lower()}"]
-    )
+    study = load_study("paper", settings=[f"grammar.occupied={occupied}", f"exporter.3mf.kit={str(kit).lower()}"])
     pipeline, rng = study.make_pipeline(), np.random.default_rng(seed)
     agent = pipeline.make_agent(pipeline.grammar.random(rng))
     job = ExportJob(f"agent-{seed}", agent, study.scenario)

@@ -40,9 +40,7 @@ def write_3mf(path: Path, resources: str, build: str, unit: str = "millimeter") 
     relationship = f'<Relationship Id="r" Target="/3D/parts.model" Type="{START}"/>'
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("3D/parts.model", model)
-        archive.writestr(
-            "_rels/.rels", f'<Relationships xmlns="{RELATIONSHIPS}">{relationship}</Relationships>'
-        )
+        archive.writestr("_rels/.rels", f'<Relationships xmlns="{RELATIONSHIPS}">{relationship}</Relationships>')
     return path
 
 
@@ -55,9 +53,7 @@ def mesh_of(block: trimesh.Trimesh, scale: float = 1.0) -> str:
 def same(part: Mesh, block: trimesh.Trimesh, offset: tuple[float, float, float] = (0, 0, 0)) -> bool:
     found = {tuple(np.round(v, 4)) for v in part.vertices}
     volume = part.volume
-    return found == {tuple(np.round(v + offset, 4)) for v in block.vertices} and np.isclose(
-        volume, block.volume
-    )
+    return found == {tuple(np.round(v + offset, 4)) for v in block.vertices} and np.isclose(volume, block.volume)
 
 
 @pytest.mark.parametrize("name", ["block.stl", "text.stl", "block.obj", "block.ply", "BLOCK.STL"])
@@ -90,9 +86,7 @@ def test_a_scene_s_parts_are_where_their_nodes_put_them(block: trimesh.Trimesh, 
 
 
 def test_3mf_places_each_item_of_the_build(block: trimesh.Trimesh, tmp_path: Path) -> None:
-    resources = (
-        f'<object id="1" name="fore shell">{mesh_of(block)}</object><object id="2">{mesh_of(block)}</object>'
-    )
+    resources = f'<object id="1" name="fore shell">{mesh_of(block)}</object><object id="2">{mesh_of(block)}</object>'
     build = '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 40 50 0"/><item objectid="2" partnumber="aft"/>'
     fore, aft = read_meshes(write_3mf(tmp_path / "two.3mf", resources, build))
     assert (fore.name, aft.name) == ("fore shell", "aft")
@@ -153,9 +147,7 @@ def test_components_are_placed_within_their_object(block: trimesh.Trimesh, tmp_p
         ("<object", "", "not XML"),
     ],
 )
-def test_a_3mf_that_is_wrong_is_told_in_one_line(
-    tmp_path: Path, resources: str, build: str, told: str
-) -> None:
+def test_a_3mf_that_is_wrong_is_told_in_one_line(tmp_path: Path, resources: str, build: str, told: str) -> None:
     path = write_3mf(tmp_path / "wrong.3mf", resources, build)
     with pytest.raises(InputError, match=told) as caught:
         read_meshes(path)

@@ -30,9 +30,7 @@ NAMESPACE = "{http://www.w3.org/2000/svg}"
 A4 = (210.0, 297.0)
 TILTS = st.sampled_from([-0.3, 0.0, 0.3])
 SIDES = st.lists(st.builds(Module, st.sampled_from([0.005, 0.01]), TILTS), max_size=30).map(tuple)
-BODIES = st.builds(
-    lambda fore, aft: FrustaBuilder(FrustaOptions()).build(Morphology(fore, aft)), SIDES, SIDES
-)
+BODIES = st.builds(lambda fore, aft: FrustaBuilder(FrustaOptions()).build(Morphology(fore, aft)), SIDES, SIDES)
 
 
 def straight(fore, aft, **options):
@@ -221,9 +219,7 @@ def test_however_much_the_sheet_says_its_parts_are_drawn_to_a_scale_that_can_be_
         assert min(float(text.get("font-size")) for text in root.iter(NAMESPACE + "text")) >= 9
 
 
-@pytest.mark.parametrize(
-    ("density", "name"), [(1050.0, "ABS, 1.05"), (1240.0, "PLA, 1.24"), (1127.5, "1.127")]
-)
+@pytest.mark.parametrize(("density", "name"), [(1050.0, "ABS, 1.05"), (1240.0, "PLA, 1.24"), (1127.5, "1.127")])
 def test_the_filament_has_its_name_if_it_is_known_and_its_density_in_the_unit_of_shops(density, name):
     assert dict(sheet_of(straight(3, 2, hull_density=density)).settings)["filament"] == f"{name}\u00a0g/cm³"
 
@@ -299,9 +295,7 @@ def test_ballast_with_a_seat_goes_in_before_its_part_is_joined():
     root = ET.fromstring(draw_pages(sheet)[0])
     [ball], [core] = find(root, "ballast", "circle"), find(root, "core", "circle")
     assert float(ball.get("r")) / float(core.get("r")) == pytest.approx(4 / 10, rel=1e-2)
-    assert (float(ball.get("cx")) - float(core.get("cx"))) / float(core.get("r")) == pytest.approx(
-        4.5, rel=1e-2
-    )
+    assert (float(ball.get("cx")) - float(core.get("cx"))) / float(core.get("r")) == pytest.approx(4.5, rel=1e-2)
 
 
 def test_a_sheet_is_written_as_svg_and_without_the_extra_as_nothing_else(tmp_path, monkeypatch):
@@ -327,18 +321,14 @@ def test_with_the_extra_each_page_is_one_of_a4_as_pdf_too(tmp_path, number):
 
 def test_ballast_beyond_a_neck_has_the_height_of_a_pause():
     narrow, wide = (Module(0.01, tilt) for tilt in (-math.radians(20), math.radians(20)))
-    body = FrustaBuilder(FrustaOptions()).build(
-        Morphology((*[narrow] * 3, *[wide] * 3, Module(0.02, 0.0)), ())
-    )
+    body = FrustaBuilder(FrustaOptions()).build(Morphology((*[narrow] * 3, *[wide] * 3, Module(0.02, 0.0)), ()))
     sheet = sheet_of(body, ballast=[[0.065, 0.010]])
     [held] = sheet.kit.ballast
     [text] = [text for text in sheet.steps if "is printed, pause" in text]
     assert f"pause at a height of {sheet.kit.find_pause(held):.1f}\u00a0mm" in text
 
 
-@pytest.mark.parametrize(
-    ("density", "material"), [(11_340.0, "lead"), (7850.0, "steel"), (5000.0, "5000 kg/m3")]
-)
+@pytest.mark.parametrize(("density", "material"), [(11_340.0, "lead"), (7850.0, "steel"), (5000.0, "5000 kg/m3")])
 def test_the_sheet_weighs_each_ball_and_names_its_size_and_material(density, material):
     balls = [[-0.04, 0.006], [0.045, 0.008]]
     body = straight(6, 5)
@@ -474,10 +464,6 @@ def test_the_sheet_says_what_the_material_needs_in_water_and_which_walls_let_it_
     resin = dict(sheet_of(straight(3, 2, material="resin")).shopping)["filament"]
     assert "of resin, 1.15\u00a0g/cm³" in resin and "varnish the parts" in resin
     # Two lines on either side fill a wall of 1.25 mm, one does not.
-    filled = {
-        (n, share): sheet_of(straight(3, 2), perimeters=n, infill=share)
-        for n in (1, 2)
-        for share in (0.5, 1.0)
-    }
+    filled = {(n, share): sheet_of(straight(3, 2), perimeters=n, infill=share) for n in (1, 2) for share in (0.5, 1.0)}
     creeps = {key: "set infill to 1, or perimeters to 2" in sheet.steps[0] for key, sheet in filled.items()}
     assert creeps == {(1, 0.5): True, (1, 1.0): False, (2, 0.5): False, (2, 1.0): False}

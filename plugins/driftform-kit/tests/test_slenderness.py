@@ -30,9 +30,7 @@ def revolve(*profile: tuple[float, float]) -> trimesh.Trimesh:
 
 
 @given(st.floats(2, 20), st.floats(2, 20), st.floats(0, 180))
-def test_a_rectangle_is_weakest_across_its_short_side_however_it_is_turned(
-    a: float, b: float, deg: float
-) -> None:
+def test_a_rectangle_is_weakest_across_its_short_side_however_it_is_turned(a: float, b: float, deg: float) -> None:
     second, width = measure_section(CrossSection.square((a, b)).rotate(deg).translate((3.0, -50.0)))
     assert second == pytest.approx(max(a, b) * min(a, b) ** 3 / 12, rel=1e-6)
     if abs(a - b) > 1e-3:

@@ -25,9 +25,7 @@ def test_a_box_stands_on_its_side_and_hangs_over_nowhere() -> None:
     assert found["lying"].size == pytest.approx([10, 30, 20])
 
 
-@pytest.mark.parametrize(
-    ("slope_deg", "hangs"), [(40, False), (44.9, False), (45, False), (45.2, True), (60, True)]
-)
+@pytest.mark.parametrize(("slope_deg", "hangs"), [(40, False), (44.9, False), (45, False), (45.2, True), (60, True)])
 def test_a_funnel_hangs_over_where_it_widens_by_more_than_45_degrees(slope_deg: float, hangs: bool) -> None:
     height = 10.0
     top = 5 + height * np.tan(np.radians(slope_deg))

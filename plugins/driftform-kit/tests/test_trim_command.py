@@ -45,8 +45,7 @@ def test_a_light_print_is_trimmed_to_fly_as_simulated(call: Call) -> None:
     # The ball is not where the material was, so that the inertia is another.
     assert facts["trimmed"] == pytest.approx(facts["simulated"], abs=0.2)
     off = {
-        name: max(abs(facts[name][t] - f) for t, f in facts["simulated"].items())
-        for name in ("trimmed", "untrimmed")
+        name: max(abs(facts[name][t] - f) for t, f in facts["simulated"].items()) for name in ("trimmed", "untrimmed")
     }
     assert off["untrimmed"] > 50 * off["trimmed"]
     assert sum(piece["mass"] for piece in facts["pieces"]) == pytest.approx(facts["ballast_mass"])
@@ -93,9 +92,7 @@ def test_what_balances_elsewhere_by_too_much_is_told_by_how_much_it_stays_off(ca
 
 
 def test_every_target_has_a_line_and_every_flight_an_end(call: Call) -> None:
-    lines = call(
-        "trim", WORD, *NEUTRAL, "--printed-mass", 0.0305, "--simulator", "native"
-    ).stdout.splitlines()
+    lines = call("trim", WORD, *NEUTRAL, "--printed-mass", 0.0305, "--simulator", "native").stdout.splitlines()
     assert sum(line.startswith("TP") for line in lines) == 10
     assert [line.split()[0] for line in lines[-3:]] == ["simulated", "untrimmed", "trimmed"]
     assert any("there is room for it:" in line for line in lines)
@@ -167,12 +164,8 @@ def test_the_last_gram_lies_on_the_seat_that_is_there_and_the_rest_is_told(call:
     facts = told(call, "--kit", "--printed-mass", 0.0292, *seat)
     assert facts["misfits"] == [] and facts["held"][0]["diameter"] == pytest.approx(diameter, abs=1e-5)
     assert [piece["x"] for piece in facts["pieces"]] == [0.02]
-    assert facts["residual_moment"] == pytest.approx(
-        facts["ballast_mass"] * (0.02 - facts["ballast_x"]), rel=1e-6
-    )
-    text = call(
-        "trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, *seat, "--simulator", "native"
-    ).stdout
+    assert facts["residual_moment"] == pytest.approx(facts["ballast_mass"] * (0.02 - facts["ballast_x"]), rel=1e-6)
+    text = call("trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, *seat, "--simulator", "native").stdout
     assert "its moment is then off by" in text
 
 
@@ -186,9 +179,7 @@ def test_a_seat_holds_only_a_ball_that_fits_it_else_the_seat_to_print_is_told(ca
     # The seat that is replaced was weighed with the print: what the other one weighs more is counted.
     whole = 0.0292 + facts["seat_mass"] + piece["mass"]
     assert whole == pytest.approx(facts["simulated_mass"], abs=2e-6)
-    text = call(
-        "trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, *seat, "--simulator", "native"
-    ).stdout
+    text = call("trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, *seat, "--simulator", "native").stdout
     assert "is for a ball of 2.0 mm, and does not hold this ballast" in text
     assert f"--option 'ballast=[[{ball['x']:.5g},{ball['diameter']:.5g}]]'" in text
 
@@ -274,9 +265,7 @@ def test_the_parts_of_a_real_kit_are_accounted_for(call: Call) -> None:
 def test_a_kit_that_holds_no_ballast_is_trimmed_with_putty(call: Call) -> None:
     facts = told(call, "--kit", "--printed-mass", 0.0292)
     assert facts["held"] == [] and facts["seat_mass"] == 0
-    assert facts["unheld"] and [piece["putty"] for piece in facts["pieces"]] == [
-        pytest.approx(facts["ballast_mass"])
-    ]
+    assert facts["unheld"] and [piece["putty"] for piece in facts["pieces"]] == [pytest.approx(facts["ballast_mass"])]
     assert facts["trimmed"] is not None
 
 

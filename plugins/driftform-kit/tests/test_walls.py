@@ -63,9 +63,7 @@ def test_sharp_edges_are_no_walls(angle_deg: float) -> None:
     half = np.radians(angle_deg / 2)
     long = 40.0
     wedge = trimesh.creation.extrude_triangulation(
-        np.array(
-            [[0, 0], [long * np.cos(half), -long * np.sin(half)], [long * np.cos(half), long * np.sin(half)]]
-        ),
+        np.array([[0, 0], [long * np.cos(half), -long * np.sin(half)], [long * np.cos(half), long * np.sin(half)]]),
         np.array([[0, 1, 2]]),
         height=20,
     )

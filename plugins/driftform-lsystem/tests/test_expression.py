@@ -174,9 +174,7 @@ def test_skipping_leaves_1_to_39_modules(seed):
     assert 1 <= len(grammar.express(random_genome(seed)).modules) <= 39
 
 
-@pytest.mark.parametrize(
-    ("quintuple", "modules"), [("addF tiltp 0 S moveN", 1), ("addF tiltp 0 S moveF", 39)]
-)
+@pytest.mark.parametrize(("quintuple", "modules"), [("addF tiltp 0 S moveN", 1), ("addF tiltp 0 S moveF", 39)])
 def test_the_bounds_of_the_number_with_skipping_are_reached(quintuple, modules):
     grammar = LSystemGrammar(LSystemOptions(occupied="skip"))
     assert len(grammar.express(uniform_genotype(quintuple)).modules) == modules
@@ -216,9 +214,7 @@ def test_the_last_of_a_run_counts_where_asked_for():
 
 
 def test_the_place_next_to_the_core_counts_as_occupied_by_it():
-    morphology = interpret(
-        read_instructions(RUNS, last=True), LSystemOptions(repetition="last", occupied="skip")
-    )
+    morphology = interpret(read_instructions(RUNS, last=True), LSystemOptions(repetition="last", occupied="skip"))
     assert describe(morphology.aft) == [("S", -20)]
     assert morphology.fore == ()
 
@@ -236,8 +232,7 @@ def test_a_genotype_builds_the_same_as_its_word_without_repetitions(repetition, 
 def test_a_module_is_inserted_next_to_the_reference():
     # The core stays the reference: each module pushes the earlier ones outward.
     morphology = express(
-        "addF tiltp 0 S moveN addB tiltp 0 S moveN addF tiltp 1 M moveN "
-        "addB tiltn 1 M moveN addF tiltp 2 L moveN"
+        "addF tiltp 0 S moveN addB tiltp 0 S moveN addF tiltp 1 M moveN addB tiltn 1 M moveN addF tiltp 2 L moveN"
     )
     assert describe(morphology.fore) == [("L", 20), ("M", 10), ("S", 0)]
     assert describe(morphology.aft) == [("M", -10), ("S", 0)]
@@ -260,8 +255,7 @@ def test_a_reference_passes_over_the_core():
     # S and L on either side of the core, on to S. S at 10 degrees fore of it, back to the core. S at 20 fore
     # of the core, back to L. M aft of L.
     morphology = express(
-        "addF tiltp 0 S moveN addB tiltp 0 L moveF addF tiltp 1 S moveB "
-        "addF tiltp 2 S moveB addB tiltp 1 M moveN"
+        "addF tiltp 0 S moveN addB tiltp 0 L moveF addF tiltp 1 S moveB addF tiltp 2 S moveB addB tiltp 1 M moveN"
     )
     assert describe(morphology.fore) == [("S", 20), ("S", 0), ("S", 10)]
     assert describe(morphology.aft) == [("L", 0), ("M", 10)]

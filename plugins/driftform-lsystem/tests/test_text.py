@@ -41,9 +41,7 @@ def test_a_leading_core_and_spaces_do_not_matter(text):
 
 def test_the_rules_stand_in_one_order_whatever_the_order_of_the_text():
     a, b = RULE, RULE.replace("addB", "addF")
-    assert GRAMMAR.parse(f"L:{b}|C:{a}|M : {a}| S: {b} ") == GRAMMAR.parse(
-        f"C: {a} | S: {b} | M: {a} | L: {b}"
-    )
+    assert GRAMMAR.parse(f"L:{b}|C:{a}|M : {a}| S: {b} ") == GRAMMAR.parse(f"C: {a} | S: {b} | M: {a} | L: {b}")
 
 
 @pytest.mark.parametrize(

@@ -94,9 +94,7 @@ def freeze(name: str, folder: Path) -> Path:
         for i, node in enumerate(network.nodes)
         if kinds[i] == "junction"
     ]
-    sources = [
-        f"{node} {head[i] / FOOT:.15g}" for i, node in enumerate(network.nodes) if kinds[i] != "junction"
-    ]
+    sources = [f"{node} {head[i] / FOOT:.15g}" for i, node in enumerate(network.nodes) if kinds[i] != "junction"]
     states = [
         f"{link} {'CLOSED' if abs(flow[i]) < 1e-9 else 'OPEN'}"
         for i, link in enumerate(network.links)
@@ -110,9 +108,7 @@ def freeze(name: str, folder: Path) -> Path:
             **{part: sections[part] for part in ("PIPES", "PUMPS", "VALVES", "CURVES", "COORDINATES")},
             "STATUS": "\n".join(states),
             # The default pattern, 1, applies to every demand.
-            "PATTERNS": "\n".join(
-                f"{pattern} 1" for pattern in {row[0] for row in list_rows(sections["PATTERNS"])}
-            ),
+            "PATTERNS": "\n".join(f"{pattern} 1" for pattern in {row[0] for row in list_rows(sections["PATTERNS"])}),
             "OPTIONS": "Units GPM\nHeadloss H-W\nAccuracy 1e-6\nTolerance 1e-6\nQuality None",
             "TIMES": "Duration 0",
             "END": "",
@@ -120,9 +116,7 @@ def freeze(name: str, folder: Path) -> Path:
     )
 
 
-def simulate_quality(
-    path: Path, quality: str, hours: float, step: float, tolerance: float = 1e-6
-) -> dict[str, float]:
+def simulate_quality(path: Path, quality: str, hours: float, step: float, tolerance: float = 1e-6) -> dict[str, float]:
     """EPANET's quality at each node after so many hours of constant flow: a share in %, or an age in h."""
     text = path.read_text("latin-1").replace("Quality None", f"Quality {quality}")
     text = text.replace("Tolerance 1e-6", f"Tolerance {tolerance}")
@@ -168,9 +162,7 @@ def follow_quality(path: Path, only_last: bool = False) -> tuple[list[str], Floa
 def epanet() -> SimpleNamespace:
     """The functions of this file."""
     names = (read_library, read_sections, list_rows, write_sections, freeze, simulate_quality, follow_quality)
-    return SimpleNamespace(
-        **{function.__name__: function for function in names}, find_library_file=find_library_file
-    )
+    return SimpleNamespace(**{function.__name__: function for function in names}, find_library_file=find_library_file)
 
 
 @pytest.fixture(scope="session")

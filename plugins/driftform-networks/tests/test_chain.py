@@ -102,9 +102,7 @@ def test_a_branch_of_a_loop_is_entered_with_the_probability_of_all_rounds() -> N
     passage = trace(network, "a", walks=0)
     seen = dict(zip(network.links, passage.seen, strict=True))
     # It returns at least once with 2/3, and leaves to either side with 1/2.
-    assert [seen["bc"], seen["cb"], seen["cd"], seen["ce"]] == pytest.approx(
-        [1, 2 / 3, 1 / 2, 1 / 2], rel=1e-6
-    )
+    assert [seen["bc"], seen["cb"], seen["cd"], seen["ce"]] == pytest.approx([1, 2 / 3, 1 / 2, 1 / 2], rel=1e-6)
 
 
 def test_what_cannot_leave_a_loop_circles() -> None:

@@ -63,9 +63,7 @@ def test_every_file_that_epanet_runs_loads_and_every_other_one_is_one_line(
     counts: Counter[tuple[str, str]] = Counter()
     for path in files:
         command = [sys.executable, "-c", ASK_EPANET, str(path), str(tmp_path / "report")]
-        asked = subprocess.run(
-            command, capture_output=True, text=True, timeout=600, check=False, cwd=tmp_path
-        )
+        asked = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, cwd=tmp_path)
         epanet = asked.stdout.strip() if asked.returncode == 0 else "breaks down"
         try:
             network = open_network(path, tmp_path)
@@ -164,10 +162,7 @@ def test_tracers_are_the_trace_and_the_age_of_epanet(files: list[Path], tmp_path
         source, sources = find_source(snapshot), np.flatnonzero(network.hydraulics.outflow[0] < -STILL)
         passages = {int(node): follow(route_tracers(snapshot), int(node)) for node in sources if len(snapshot.outlets[node])}  # fmt: skip
         passage = passages[source]
-        flux = sum(
-            np.where(one.visits > 0, one.visits, 0) * snapshot.departure[node]
-            for node, one in passages.items()
-        )
+        flux = sum(np.where(one.visits > 0, one.visits, 0) * snapshot.departure[node] for node, one in passages.items())
         ages = sum(np.where(one.visits > 0, one.visits * one.age, 0) * snapshot.departure[node] for node, one in passages.items())  # fmt: skip
         with np.errstate(invalid="ignore", divide="ignore"):
             mean = ages / flux
@@ -203,9 +198,7 @@ def find_unknown(snapshot: Snapshot, sources: Sequence[int]) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ["Net1", "Net3", "BWSN_Network_1", "L-TOWN", "Anytown"])
-def test_tracers_in_changing_flows_are_the_trace_of_epanet(
-    files: list[Path], name: str, tmp_path: Path
-) -> None:
+def test_tracers_in_changing_flows_are_the_trace_of_epanet(files: list[Path], name: str, tmp_path: Path) -> None:
     """Of bodies that come with the water of a day, as many pass each node as marked water does."""
     path = find_file(files, name)
     network = open_network(path, tmp_path)

@@ -132,9 +132,7 @@ def test_a_flat_surface_divides_the_bore_by_a_segment_of_the_circle(share: float
     assert (entered[points[:, 0] > edge] == 1).all()
 
 
-def test_bodies_in_one_band_take_the_outlet_on_its_side_and_keep_their_band(
-    fork_file: Path, sphere: Traveller
-) -> None:
+def test_bodies_in_one_band_take_the_outlet_on_its_side_and_keep_their_band(fork_file: Path, sphere: Traveller) -> None:
     network = open_network(fork_file)
     snapshot = take_snapshot(network)
     junction = describe_junction(snapshot, network.links.index("main"), "top")

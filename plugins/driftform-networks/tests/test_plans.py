@@ -31,9 +31,7 @@ def test_no_choice_of_nets_is_worth_more_than_the_bound(seed: int, places: int, 
     rng = np.random.default_rng(seed)
     times = rng.random((places, 7))
     # A body sees more until it comes to a later net.
-    worth = np.take_along_axis(
-        np.sort(rng.random((places, 7)), axis=0), times.argsort(axis=0).argsort(axis=0), axis=0
-    )
+    worth = np.take_along_axis(np.sort(rng.random((places, 7)), axis=0), times.argsort(axis=0).argsort(axis=0), axis=0)
     times[rng.random(times.shape) < 0.4] = np.inf
     chosen, value, bound = choose_nets(times, worth, size)
     assert value == pytest.approx(catch(times[chosen], worth[chosen])[0].sum())
@@ -45,15 +43,11 @@ def test_no_choice_of_nets_is_worth_more_than_the_bound(seed: int, places: int, 
     ]
     assert value <= max(every) + 1e-9 and max(every) <= bound + 1e-9
     _, caught, most = choose_nets(times, np.ones_like(times), size)
-    best = max(
-        np.isfinite(times[list(rows)]).any(axis=0).sum() for rows in combinations(range(places), count)
-    )
+    best = max(np.isfinite(times[list(rows)]).any(axis=0).sum() for rows in combinations(range(places), count))
     assert (1 - 1 / np.e) * best - 1e-9 <= caught <= best <= most + 1e-9
 
 
-def test_a_net_at_the_end_of_each_branch_catches_all_that_the_bodies_have_seen(
-    fork_file: Path, tmp_path: Path
-) -> None:
+def test_a_net_at_the_end_of_each_branch_catches_all_that_the_bodies_have_seen(fork_file: Path, tmp_path: Path) -> None:
     network, bodies = open_network(fork_file, tmp_path), [open_traveller("sphere:30mm")]
     found = plan_inspection(network, bodies, ["source"], 2, size=1, walks=400, cache=tmp_path)
     assert set(found.nets) == {"ahead", "branch"}
@@ -62,15 +56,11 @@ def test_a_net_at_the_end_of_each_branch_catches_all_that_the_bodies_have_seen(
     expected = [shares[network.find_node(net)] for net in found.nets]
     assert found.catches == pytest.approx(expected, abs=4 * np.sqrt(0.25 / 400))
     assert found.measure(found.recorded) == found.measure(found.alone) == pytest.approx(2 / 3)
-    [one] = plan_inspection(
-        network, bodies, ["source"], 1, size=1, walks=400, aim="caught", cache=tmp_path
-    ).nets
+    [one] = plan_inspection(network, bodies, ["source"], 1, size=1, walks=400, aim="caught", cache=tmp_path).nets
     assert one == "fork"
 
 
-def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(
-    fork_file: Path, tmp_path: Path
-) -> None:
+def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(fork_file: Path, tmp_path: Path) -> None:
     network, bodies = open_network(fork_file, tmp_path), [open_traveller("sphere:30mm")]
     # The water takes 470 s through the main, 707 s through the run and 1414 s through the branch.
     more = {"size": 1, "walks": 50, "cache": tmp_path}
@@ -83,9 +73,7 @@ def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(
     assert {end.kind for end in passage.ends} == {"demand", "under way"}
 
 
-def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(
-    call: Callable[..., Any], epanet: Any
-) -> None:
+def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(call: Callable[..., Any], epanet: Any) -> None:
     words = ["plan", "Net3", "--release", "61,101,237", "--hours", "6,12", "--nets", 4, "--walks", 100]
     files = [
         "--gis",
@@ -205,9 +193,7 @@ def test_clock_times_count_from_the_clock_at_which_the_simulation_begins(epanet:
     assert hydraulics.format_clock(18.0, 3600.0) == "1 d 01:00"
 
 
-def test_gdal_reads_the_maps_with_their_reference_system(
-    epanet: Any, tmp_path: Path, call: Callable[..., Any]
-) -> None:
+def test_gdal_reads_the_maps_with_their_reference_system(epanet: Any, tmp_path: Path, call: Callable[..., Any]) -> None:
     if shutil.which("ogrinfo") is None:
         pytest.skip("ogrinfo of gdal-bin is not installed")
     folder = tmp_path / "gis"

@@ -82,9 +82,7 @@ def write(folder: Path, text: str, encoding: str = "utf-8") -> Path:
         ("Nœud", "cp1252"),
     ],
 )
-def test_names_are_read_in_the_letters_in_which_they_were_written(
-    name: str, encoding: str, tmp_path: Path
-) -> None:
+def test_names_are_read_in_the_letters_in_which_they_were_written(name: str, encoding: str, tmp_path: Path) -> None:
     network = open_network(write(tmp_path, FORK.replace("fork", name), encoding), tmp_path)
     assert network.nodes[0] == name
     assert trace(network, "source", walks=0).probability[0] == 1
@@ -123,9 +121,7 @@ def test_a_file_that_epanet_cannot_run_is_one_line_that_names_what_is_wrong(
     assert expected in result.stderr
 
 
-def test_negative_pressures_are_a_warning_with_nodes_and_values(
-    tmp_path: Path, call: Callable[..., Any]
-) -> None:
+def test_negative_pressures_are_a_warning_with_nodes_and_values(tmp_path: Path, call: Callable[..., Any]) -> None:
     path = write(tmp_path, FORK.replace("source 60", "source 9"))
     for words in (["show"], ["tracers", "--release", "source"]):
         result = call(words[0], path, *words[1:])
@@ -134,9 +130,7 @@ def test_negative_pressures_are_a_warning_with_nodes_and_values(
         assert "ahead -1." in result.stdout
 
 
-def test_a_network_that_lacks_a_source_is_shown_and_not_travelled(
-    tmp_path: Path, call: Callable[..., Any]
-) -> None:
+def test_a_network_that_lacks_a_source_is_shown_and_not_travelled(tmp_path: Path, call: Callable[..., Any]) -> None:
     path = write(tmp_path, FORK.replace("200 300 100 0 Open\n on", "200 300 100 0 Closed\n on"))
     assert call("show", path).exit_code == 0
     assert call("tracers", path, "--release", "source").exit_code == 2
@@ -164,8 +158,7 @@ def test_a_valve_lets_bodies_pass_that_fit_its_opening_and_is_listed(tmp_path: P
     network = open_network(write(tmp_path, PUMPED), tmp_path)
     travel = Travel(clearance={"pump": 1.0})
     narrow, wide = (
-        route(network, f"sphere:{size}mm", "well", travel=travel, walks=0, cache=tmp_path)
-        for size in (70, 80)
+        route(network, f"sphere:{size}mm", "well", travel=travel, walks=0, cache=tmp_path) for size in (70, 80)
     )
     # A quarter of 300 mm.
     assert narrow.gates["reducer"] == ("pressure reducing valve, 75 of 300 mm open", pytest.approx(1))

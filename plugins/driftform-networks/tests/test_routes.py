@@ -41,9 +41,7 @@ def test_a_well_mixed_small_sphere_goes_where_tracers_go(epanet: Any, tmp_path: 
 
 
 def test_a_route_has_the_keys_of_the_contract(call: Callable[..., Any]) -> None:
-    result = call(
-        "route", "Net3", "sphere:60mm", "--release", "River", "--clearance", "pump=1", "--walks", 0, "--json"
-    )
+    result = call("route", "Net3", "sphere:60mm", "--release", "River", "--clearance", "pump=1", "--walks", 0, "--json")
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
     assert document["nodes"]["River"] == {"probability": 1.0, "age": 0.0}
@@ -130,9 +128,7 @@ def test_a_killed_command_loses_no_table_that_was_finished(fork_file: Path, tmp_
     words = ["network", "route", str(fork_file), "sphere:60mm", "--release", "source", "--buoyancy", "-0.01"]
     program = [sys.executable, "-c", "from driftform.cli import main; main()", *words]
     program += ["--workers", "1", "--cache", str(cache), "--json"]
-    process = subprocess.Popen(
-        program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
-    )
+    process = subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
     # The first file is the network.
     while len(list(cache.glob("*.npz"))) < 2 and process.poll() is None:
         time.sleep(0.05)
@@ -150,9 +146,7 @@ def test_a_killed_command_loses_no_table_that_was_finished(fork_file: Path, tmp_
 def test_a_trimmed_agent_has_the_buoyancy_that_was_asked_for() -> None:
     for buoyancy in (0.0, 0.002):
         traveller = open_traveller(WORD, buoyancy=buoyancy)
-        assert traveller.agent.mass.net_buoyancy(traveller.scenario.fluid) == pytest.approx(
-            buoyancy, abs=1e-9
-        )
+        assert traveller.agent.mass.net_buoyancy(traveller.scenario.fluid) == pytest.approx(buoyancy, abs=1e-9)
     sphere = open_traveller("sphere:60mm", buoyancy=-0.01)
     assert sphere.agent.mass.net_buoyancy(sphere.scenario.fluid) == pytest.approx(-0.01)
 

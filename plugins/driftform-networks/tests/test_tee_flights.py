@@ -67,9 +67,7 @@ def compare(traveller: Traveller, size: float, bore: float, share: float) -> Com
     # The thousandth keeps the releases off the wall.
     places = places * np.minimum(1.0, 0.999 * (1 - size) / np.linalg.norm(places, axis=1))[:, None]
     scenarios = [
-        Scenario.model_validate(
-            document | {"release": {"position": (BORE / 4, -right * BORE / 2, up * BORE / 2)}}
-        )
+        Scenario.model_validate(document | {"release": {"position": (BORE / 4, -right * BORE / 2, up * BORE / 2)}})
         for right, up in places.tolist()
     ]
     sphere = make_sphere(size * BORE, scenarios[0].fluid)
@@ -110,9 +108,7 @@ def test_spheres_take_the_branch_as_the_streamtubes_say_unless_they_are_wide_and
             assert found.flown < 0.02 and found.divided > 0.05
         # The tables of routes say what these flights do.
         tee = Tee(BORE, SPEED, bore, 90.0, 90.0, share)
-        table = fly_tee(
-            replace(traveller, agent=make_sphere(size * BORE, traveller.scenario.fluid)), tee, None
-        )
+        table = fly_tee(replace(traveller, agent=make_sphere(size * BORE, traveller.scenario.fluid)), tee, None)
         entered, held = table.onward[0, BRANCH].sum(), 1 - table.onward[0].sum()
         # Without friction, the spheres that the edge would hold move on, and some of them enter the branch.
         assert found.flown - 0.02 < entered < found.flown + found.held + 0.02

@@ -28,9 +28,7 @@ def is_junction(network: Network) -> np.ndarray:
 @pytest.mark.parametrize(
     ("name", "release", "hours"), [("Net3", "River", 200), ("ky4", "R-1", 400), ("ky10", "R-1", 400)]
 )
-def test_visits_are_the_trace_of_epanet(
-    name: str, release: str, hours: float, tmp_path: Path, epanet: Any
-) -> None:
+def test_visits_are_the_trace_of_epanet(name: str, release: str, hours: float, tmp_path: Path, epanet: Any) -> None:
     """p = TRACE Q_j / Q_s: the flux of marked water through a node, relative to that of the release."""
     path = epanet.freeze(name, tmp_path)
     network = open_network(path)
@@ -125,9 +123,7 @@ def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path: Path, epanet
     walks = walk(routings, [*h.times, h.end], river, began, rng)
     visits = np.bincount(walks.node[walks.node >= 0], minlength=len(network.nodes)) / count
     deviation = np.abs(visits - expected)[is_junction(network)]
-    assert (
-        deviation <= 4 * np.sqrt(np.maximum(expected * (1 - expected), 1e-4) / count)[is_junction(network)]
-    ).all()
+    assert (deviation <= 4 * np.sqrt(np.maximum(expected * (1 - expected), 1e-4) / count)[is_junction(network)]).all()
 
 
 def test_ends_and_coverage_add_up(epanet: Any) -> None:
@@ -140,7 +136,5 @@ def test_ends_and_coverage_add_up(epanet: Any) -> None:
 
 
 def test_the_same_seed_gives_the_same_walks(epanet: Any) -> None:
-    one, two, other = (
-        trace(epanet.read_library("Net3"), "River", unsteady=True, walks=500, seed=s) for s in (3, 3, 4)
-    )
+    one, two, other = (trace(epanet.read_library("Net3"), "River", unsteady=True, walks=500, seed=s) for s in (3, 3, 4))
     assert one.as_document() == two.as_document() != other.as_document()

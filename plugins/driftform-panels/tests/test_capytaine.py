@@ -73,8 +73,7 @@ def stored() -> list[Case]:
         return []
     document = json.loads(TABLE.read_text(encoding="utf-8"))
     return [
-        Case(row["name"], np.array(row["contour"]), row["panels"], np.array(row["found"]))
-        for row in document["cases"]
+        Case(row["name"], np.array(row["contour"]), row["panels"], np.array(row["found"])) for row in document["cases"]
     ]
 
 
@@ -143,11 +142,7 @@ def by_capytaine(contour: FloatArray, longest: float, around: int) -> tuple[int,
         for motion in motions
     ]
     results = capytaine.BEMSolver(method="direct").solve_all(problems, progress_bar=False)
-    A = {
-        (result.radiating_dof, motion): result.added_masses[motion]
-        for result in results
-        for motion in motions
-    }
+    A = {(result.radiating_dof, motion): result.added_masses[motion] for result in results for motion in motions}
     coupling = (A["sway", "yaw"] + A["yaw", "sway"]) / 2
     return len(x), np.array([A["surge", "surge"], A["sway", "sway"], A["yaw", "yaw"], coupling])
 
@@ -174,9 +169,7 @@ def lines_of(cases: Sequence[Case], version: str) -> list[str]:
         "|---|" + "---|" * len(models),
     ]
     for index, name in enumerate(("M11", "M22", "M55", "M26, of the root of M22 M66")):
-        errors = [
-            100 * np.abs(values[:, index] - limits[:, index]) / units[:, index] for values in models.values()
-        ]
+        errors = [100 * np.abs(values[:, index] - limits[:, index]) / units[:, index] for values in models.values()]
         lines.append(f"| {name} | " + " | ".join(f"{e.mean():.2g} ({e.max():.2g})" for e in errors) + " |")
     counts = np.median([case.panels for case in cases], axis=0)
     unknowns = np.median([solve(case.contour).unknowns for case in cases])
@@ -205,9 +198,7 @@ def test_what_capytaine_finds(random_bodies, publish):
         cases.append(case)
         off = 100 * (case.by_panels() - case.limit) / case.unit
         left = 100 * (case.found[-1] - case.limit) / case.unit
-        print(
-            f"{name}: {case.panels} panels, panels off by {off.round(3)} %, finest mesh by {left.round(3)} %"
-        )
+        print(f"{name}: {case.panels} panels, panels off by {off.round(3)} %, finest mesh by {left.round(3)} %")
     lines = lines_of([case for case in cases if case.name.startswith("agent")], capytaine.__version__)
     publish("coefficients", lines)
     if os.environ.get("UPDATE_DOCS") == "1":

@@ -21,9 +21,7 @@ FLUID = Fluid(density=1024.0)
 MODEL = PanelMethod(PanelOptions())
 BUILDER = FrustaBuilder(FrustaOptions())
 
-both_models = pytest.mark.parametrize(
-    "model", [MODEL, StripTheory(StripTheoryOptions())], ids=lambda model: model.name
-)
+both_models = pytest.mark.parametrize("model", [MODEL, StripTheory(StripTheoryOptions())], ids=lambda model: model.name)
 
 modules = st.lists(
     st.builds(
@@ -138,9 +136,7 @@ def test_a_nearly_straight_body_is_not_smoothed():
     assert np.abs(change - change.mean(axis=0)).max() < 5e-3
 
 
-@pytest.mark.parametrize(
-    "options", [{"panels": 3}, {"panels": 401}, {"corner": 0.0}, {"corner": 1.5}, {"panel": 10}]
-)
+@pytest.mark.parametrize("options", [{"panels": 3}, {"panels": 401}, {"corner": 0.0}, {"corner": 1.5}, {"panel": 10}])
 def test_options_without_panels_are_refused(options):
     with pytest.raises(ValidationError):
         PanelOptions(**options)
@@ -149,8 +145,7 @@ def test_options_without_panels_are_refused(options):
 def test_more_panels_are_used():
     body = cylinder_body(0.1, 0.02)
     few, many = (
-        PanelMethod(PanelOptions(panels=count)).coefficients(body, FLUID).added_mass[0, 0]
-        for count in (4, 60)
+        PanelMethod(PanelOptions(panels=count)).coefficients(body, FLUID).added_mass[0, 0] for count in (4, 60)
     )
     assert few != many
     assert few == pytest.approx(many, rel=1e-2)

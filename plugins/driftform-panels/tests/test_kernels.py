@@ -92,9 +92,7 @@ def identity_errors(contour):
     return np.abs(surge).max() / np.abs(x).max(), np.abs(sway).max() / r.max()
 
 
-@pytest.mark.parametrize(
-    ("body", "error"), [(cylinder_body(3.0, 1.0), 1e-5), (spheroid_body(1.0, 0.5, 512), 1e-4)]
-)
+@pytest.mark.parametrize(("body", "error"), [(cylinder_body(3.0, 1.0), 1e-5), (spheroid_body(1.0, 0.5, 512), 1e-4)])
 def test_a_uniform_flow_inside_satisfies_greens_identity(body, error, monkeypatch):
     # With points that crowd at corners, x and r would be no quadratics in a panel's parameter.
     monkeypatch.setattr(meridian, "CROWDING", 0.0)
@@ -127,7 +125,5 @@ def test_the_loop_over_rings_takes_several_square_roots_at_once(tmp_path):
     # For this processor, also where the other tests are compiled for any.
     environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CPU_NAME"}
     environment["NUMBA_CACHE_DIR"] = str(tmp_path)
-    done = subprocess.run(
-        [sys.executable, "-c", COMPILE], env=environment, capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", COMPILE], env=environment, capture_output=True, text=True, check=True)
     assert int(done.stdout) > 0

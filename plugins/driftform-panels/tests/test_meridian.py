@@ -29,9 +29,7 @@ def volume(divided):
     return total
 
 
-@pytest.mark.parametrize(
-    "contour", [CONE, CUP, cylinder_body(0.3, 0.01).outer], ids=["cone", "cup", "cylinder"]
-)
+@pytest.mark.parametrize("contour", [CONE, CUP, cylinder_body(0.3, 0.01).outer], ids=["cone", "cup", "cylinder"])
 def test_straight_edges_are_followed_exactly_from_axis_to_axis(contour):
     divided = make_panels(contour, 15, 0.2)
     np.testing.assert_allclose(at(divided, 0.0)[0], contour[0], atol=1e-15)

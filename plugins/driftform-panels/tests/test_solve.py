@@ -61,10 +61,7 @@ def halved(divided: Panels) -> Panels:
     """The same curves with every panel cut in two, at the middle of its parameter."""
     first = np.diag([1 / 8, 1 / 4, 1 / 2, 1])
     second = np.array([[1, 0, 0, 0], [3, 2, 0, 0], [3, 4, 4, 0], [1, 2, 4, 8]]) / 8
-    x, r = (
-        np.stack([curve @ first.T, curve @ second.T], axis=1).reshape(-1, 4)
-        for curve in (divided.x, divided.r)
-    )
+    x, r = (np.stack([curve @ first.T, curve @ second.T], axis=1).reshape(-1, 4) for curve in (divided.x, divided.r))
     return Panels(x, r, np.repeat(divided.lengths / 2, 2))
 
 
@@ -261,9 +258,7 @@ def test_it_solves_with_one_thread_and_leaves_the_others_alone(monkeypatch):
 
     before, during = threads(), []
     solver = np.linalg.solve
-    monkeypatch.setattr(
-        module.np.linalg, "solve", lambda *system: (during.append(threads()), solver(*system))[1]
-    )
+    monkeypatch.setattr(module.np.linalg, "solve", lambda *system: (during.append(threads()), solver(*system))[1])
     solve(CUP)
     assert during
     assert {count for found in during for count in found} == {1}

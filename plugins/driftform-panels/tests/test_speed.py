@@ -48,9 +48,7 @@ def test_the_default_panels_are_as_accurate_as_the_model_claims(random_bodies):
         reciprocity.append(a.reciprocity)
     percent = 100 * np.abs(errors)
     print(f"\nlargest change of A11, A22, A66, A26: {percent.max(axis=0).round(4)} %, 95 %:", end=" ")
-    print(
-        f"{np.quantile(percent, 0.95, axis=0).round(4)} %, with {np.median(ratios):.1f} times the unknowns;"
-    )
+    print(f"{np.quantile(percent, 0.95, axis=0).round(4)} %, with {np.median(ratios):.1f} times the unknowns;")
     print(f"largest error of reciprocity {max(reciprocity):.1e}")
     assert (percent.max(axis=0) < [0.1, 0.03, 0.03, 0.03]).all()
     assert max(reciprocity) < 1e-4

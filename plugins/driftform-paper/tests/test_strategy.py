@@ -92,17 +92,13 @@ def test_every_generation_has_one_population_of_constant_size_for_each_target(po
 
 def test_fifty_evaluations_for_a_target_are_five_generations_of_ten():
     assert PaperStrategy.evaluations_per_target == 50
-    assert PaperOptions() == PaperOptions(
-        population=10, crossover=0.9, mutation="per_symbol", mutation_rate=0.1
-    )
+    assert PaperOptions() == PaperOptions(population=10, crossover=0.9, mutation="per_symbol", mutation_rate=0.1)
 
 
 def test_a_population_descends_from_its_own_targets_individuals_by_that_targets_fitness():
     strategy = paper(2, ("left", "right"), population=10, crossover=1)
     candidates = strategy.ask(20)
-    where = {
-        target: [i for i, c in enumerate(candidates) if c.target == target] for target in ("left", "right")
-    }
+    where = {target: [i for i, c in enumerate(candidates) if c.target == target] for target in ("left", "right")}
     fitness = np.zeros((20, 2))
     # Each population's best for its own target is no good for the other one's, and the reverse.
     fitness[where["left"][3]] = fitness[where["right"][4]] = 50.0, 0.0

@@ -41,9 +41,7 @@ def strategy(seed: int = 0, **options) -> RibsStrategy:
 
 def test_heights_are_those_where_a_flight_first_passes_each_station():
     there_and_back = flight([[0, 0, 0], [4, 0, 0.4], [2, 0, -0.8], [9, 0, 0.6]])
-    np.testing.assert_allclose(
-        station_heights(CELLS, there_and_back, np.array([1.0, 3.0, 9.0])), [0.1, 0.3, 0.6]
-    )
+    np.testing.assert_allclose(station_heights(CELLS, there_and_back, np.array([1.0, 3.0, 9.0])), [0.1, 0.3, 0.6])
 
 
 def test_where_a_flight_does_not_come_to_a_station_the_height_of_its_end_counts():
@@ -52,9 +50,7 @@ def test_where_a_flight_does_not_come_to_a_station_the_height_of_its_end_counts(
 
 
 def test_a_flight_that_is_released_behind_a_station_has_the_height_of_its_release_there():
-    np.testing.assert_allclose(
-        station_heights(CELLS, flight([[3, 0, 0.2], [9, 0, 0.8]]), np.array([1.0])), [0.2]
-    )
+    np.testing.assert_allclose(station_heights(CELLS, flight([[3, 0, 0.2], [9, 0, 0.8]]), np.array([1.0])), [0.2])
 
 
 def test_a_grid_has_as_many_cells_in_each_measure_as_the_number_of_cells_allows():
@@ -97,9 +93,7 @@ def test_of_flights_alike_the_fitter_is_kept_and_breeds():
 @pytest.mark.parametrize(("objective", "kept"), [("best", 0), ("mean", 1)])
 def test_fitter_means_the_best_for_any_target_or_the_mean_over_all(objective, kept):
     space = SearchSpace(GRAMMAR, ("T", "U"), np.random.default_rng(0), SCENARIO)
-    search = RibsStrategy(
-        RibsOptions(archive="grid", cells=8, random=2, batch=20, objective=objective), space
-    )
+    search = RibsStrategy(RibsOptions(archive="grid", cells=8, random=2, batch=20, objective=objective), space)
     genomes = [candidate.genome for candidate in search.ask(2)]
     scores = [np.array([90.0, 0.0]), np.array([50.0, 60.0])]
     search.tell(0, [Evaluation(g, s, rising(0.1)) for g, s in zip(genomes, scores, strict=True)])

@@ -211,9 +211,7 @@ def our_accelerations() -> Callable[[ExportJob, State], np.ndarray]:
         rows = tuple(tuple(row) for row in R.tolist())
         position = np.array([4.0, 0.0, 0.0])
         velocity = state.velocity - R @ np.cross(omega, cog)
-        a, alpha = accelerations(
-            0.0, tuple(position), rows, tuple(velocity.tolist()), tuple(omega.tolist()), model
-        )
+        a, alpha = accelerations(0.0, tuple(position), rows, tuple(velocity.tolist()), tuple(omega.tolist()), model)
         at_cog = R.T @ np.array(a) + np.cross(alpha, cog) + np.cross(omega, np.cross(omega, cog))
         return np.concatenate((at_cog, alpha))
 
@@ -225,9 +223,7 @@ def inertia_of() -> Callable[[Any], np.ndarray]:
     """The inertia of an element or of attributes: ixx, ixy, ..., (3, 3)."""
 
     def read(get: Callable[[str], str]) -> np.ndarray:
-        entries = {
-            (i, j): float(get(f"i{'xyz'[min(i, j)]}{'xyz'[max(i, j)]}")) for i in range(3) for j in range(3)
-        }
+        entries = {(i, j): float(get(f"i{'xyz'[min(i, j)]}{'xyz'[max(i, j)]}")) for i in range(3) for j in range(3)}
         return np.array([[entries[i, j] for j in range(3)] for i in range(3)])
 
     return read

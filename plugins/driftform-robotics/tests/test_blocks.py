@@ -64,9 +64,7 @@ def test_every_element_of_a_block_is_that_of_the_exported_file(
             assert describe(element) in whole
 
 
-def test_the_matrices_of_fossen_are_those_of_the_uuv_simulator(
-    export: Callable[..., Path], job: ExportJob
-) -> None:
+def test_the_matrices_of_fossen_are_those_of_the_uuv_simulator(export: Callable[..., Path], job: ExportJob) -> None:
     found = tomllib.loads(FossenExporter(WaterOptions()).describe_water(job))
     root = ET.parse(export("uuv", job) / "urdf" / "agent.xacro").getroot()
 
@@ -96,9 +94,7 @@ def test_the_matrices_of_fossen_turn_like_those_of_a_tilted_body(job: ExportJob)
     assert turned @ np.array(found["linear_damping"]) @ turned == pytest.approx(
         there @ coefficients.linear_damping @ there, rel=1e-9, abs=1e-12
     )
-    assert turned[3:] @ np.array(found["inertia"]) @ turned[3:] == pytest.approx(
-        rates @ mass.inertia @ rates, rel=1e-9
-    )
+    assert turned[3:] @ np.array(found["inertia"]) @ turned[3:] == pytest.approx(rates @ mass.inertia @ rates, rel=1e-9)
 
 
 def test_a_block_says_in_which_program_the_added_mass_diverges(jobs: dict[str, ExportJob]) -> None:

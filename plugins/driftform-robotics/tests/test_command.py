@@ -35,15 +35,11 @@ def test_it_prints_the_file_to_open_and_counts_the_others(tmp_path: Path) -> Non
 
 def test_with_json_it_prints_all_files(tmp_path: Path) -> None:
     files = json.loads(export(tmp_path, "--json"))["files"]
-    assert sorted(file["path"] for file in files) == sorted(
-        str(p) for p in tmp_path.rglob("*") if p.is_file()
-    )
+    assert sorted(file["path"] for file in files) == sorted(str(p) for p in tmp_path.rglob("*") if p.is_file())
     assert [file["format"] for file in files if "mass_kg" in file] == ["sdf", "uuv", "urdf", "mjcf"]
 
 
-@pytest.mark.parametrize(
-    "setting", ["exporter.sdf.gazebo=classic", "exporter.uuv.depth=-1", "exporter.mjcf.step=0"]
-)
+@pytest.mark.parametrize("setting", ["exporter.sdf.gazebo=classic", "exporter.uuv.depth=-1", "exporter.mjcf.step=0"])
 def test_an_invalid_option_is_one_line_and_nothing_is_written(tmp_path: Path, setting: str) -> None:
     words = ["export", WORD, "--format", "sdf,uuv,mjcf", "--out", str(tmp_path / "out"), "--set", setting]
     result = CliRunner().invoke(app, words)

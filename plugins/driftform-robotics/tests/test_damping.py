@@ -86,9 +86,7 @@ def test_the_speed_of_reference_is_that_of_rising_and_never_nothing(cylinder: Ag
     assert reference_speed(neutral, fluid) == MIN_SPEED
 
 
-def test_files_say_that_drag_was_simplified_and_at_what_speed(
-    jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_files_say_that_drag_was_simplified_and_at_what_speed(jobs: dict[str, ExportJob], export: Callable) -> None:
     for format, name in (("sdf", "model.sdf"), ("uuv", "urdf/agent.xacro"), ("mjcf", "agent.xml")):
         text = (export(format, jobs["dragged"], drag_speed=0.25) / name).read_text(encoding="utf-8")
         assert "motion along one axis at 0.25 m/s" in text

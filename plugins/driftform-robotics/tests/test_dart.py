@@ -104,9 +104,7 @@ def test_dart_flies_as_we_do(
     assert np.linalg.norm(2 * fine - coarse - ours, axis=1).max() < 0.001
 
 
-def test_steps_of_the_gap_are_those_of_dart(
-    jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable
-) -> None:
+def test_steps_of_the_gap_are_those_of_dart(jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable) -> None:
     """A tumbling agent, and steps so long that their error after 1 s is centimetres: it has the same in both."""
     agent = jobs["dragged"].agent
     undamped = Coefficients(agent.coefficients.added_mass, agent.coefficients.origin)

@@ -47,8 +47,7 @@ def test_it_reads_the_mass_the_centre_and_the_inertia(
     np.testing.assert_allclose(cog, 0, atol=1e-15)
     np.testing.assert_allclose(inertia, expected.inertia, rtol=1e-9, atol=1e-9 * expected.inertia.max())
     ignored = {
-        re.search(r"nsupported (?:value for )?SDFormat element (?:in \w+: )?(\w+)", r.message)
-        for r in caplog.records
+        re.search(r"nsupported (?:value for )?SDFormat element (?:in \w+: )?(\w+)", r.message) for r in caplog.records
     }
     assert None not in ignored, caplog.text
     assert {match[1] for match in ignored} <= UNSUPPORTED

@@ -70,8 +70,7 @@ class UuvSimulator:
         self.g = -numbers(world.findtext("gravity"))[2]
         current = world.find("plugin[@name='underwater_current_plugin']/constant_current")
         speed, horizontal, vertical = (
-            float(current.findtext(f"{tag}/mean"))
-            for tag in ("velocity", "horizontal_angle", "vertical_angle")
+            float(current.findtext(f"{tag}/mean")) for tag in ("velocity", "horizontal_angle", "vertical_angle")
         )
         self.current = speed * np.array(
             [
@@ -137,11 +136,7 @@ class GzSim:
         self.linear, self.quadratic = np.zeros((6, 6)), np.zeros((6, 6))
         for element in plugin:
             assert "Dot" not in str(element.tag), "added mass would count twice"
-            if (
-                not isinstance(element.tag, str)
-                or element.tag[0] not in forces
-                or len(element.tag) not in (2, 6)
-            ):
+            if not isinstance(element.tag, str) or element.tag[0] not in forces or len(element.tag) not in (2, 6):
                 continue
             i, j = forces.index(element.tag[0]), rates.index(element.tag[1])
             (self.linear if len(element.tag) == 2 else self.quadratic)[i, j] = float(element.text)
@@ -181,9 +176,7 @@ def unsigned_volume(path: Path) -> float:
     """``SubMesh::Volume`` of gz-common as it was released up to 2026: tetrahedra without their sign."""
     lines = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
     points = np.array([line[1:] for line in lines if line[0] == "v"], dtype=float)
-    corners = (
-        np.array([[c.split("/")[0] for c in line[1:]] for line in lines if line[0] == "f"], dtype=int) - 1
-    )
+    corners = np.array([[c.split("/")[0] for c in line[1:]] for line in lines if line[0] == "f"], dtype=int) - 1
     a, b, c = points[corners].transpose(1, 0, 2)
     return float(np.abs(np.einsum("ij,ij->i", np.cross(a, b), c)).sum() / 6)
 
@@ -191,9 +184,7 @@ def unsigned_volume(path: Path) -> float:
 def largest_deviation(found: list[np.ndarray], expected: list[np.ndarray]) -> float:
     """Over forces and over moments apart, relative to the largest acceleration of each."""
     a, b = np.array(found), np.array(expected)
-    return max(
-        np.abs(a[:, part] - b[:, part]).max() / np.abs(b[:, part]).max() for part in (slice(3), slice(3, 6))
-    )
+    return max(np.abs(a[:, part] - b[:, part]).max() / np.abs(b[:, part]).max() for part in (slice(3), slice(3, 6)))
 
 
 def test_the_uuv_simulators_law_gives_our_accelerations(
@@ -331,18 +322,14 @@ def test_seen_from_the_water_gazebo_is_exact_in_a_current_too(
     assert not (folder / "push_drift.sh").exists()
 
 
-def test_the_whole_pipe_is_below_the_uuv_simulators_surface(
-    jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_the_whole_pipe_is_below_the_uuv_simulators_surface(jobs: dict[str, ExportJob], export: Callable) -> None:
     folder = export("uuv", jobs["random"])
     world = ET.parse(folder / "worlds/pipe.world").getroot().find("world")
     planks = [numbers(e.findtext("pose")) for e in world.findall("model[@name='pipe']/link/collision")]
     heights = np.array(planks)[:, 2]
     assert heights.max() < 0
     middle = (heights.max() + heights.min()) / 2
-    args = (
-        ET.parse(folder / "launch/start.launch").getroot().find(".//node[@name='spawn']").get("args").split()
-    )
+    args = ET.parse(folder / "launch/start.launch").getroot().find(".//node[@name='spawn']").get("args").split()
     place = {key: float(args[args.index(key) + 1]) for key in ("-x", "-y", "-z", "-R", "-P", "-Y")}
     cog = jobs["random"].agent.mass.cog
     assert place["-z"] == pytest.approx(middle)
@@ -392,9 +379,7 @@ def test_every_file_that_the_package_names_is_there(jobs: dict[str, ExportJob], 
     assert f"project({name})" in (folder / "CMakeLists.txt").read_text(encoding="utf-8")
 
 
-def test_the_release_launch_sets_the_speed_of_the_release(
-    jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_the_release_launch_sets_the_speed_of_the_release(jobs: dict[str, ExportJob], export: Callable) -> None:
     node = ET.parse(export("uuv", jobs["skewed"]) / "launch/release.launch").getroot().find("node")
     assert "twist: {linear: {x: 0.2, y: 0.1, z: -0.3}}" in node.get("args")
     half = np.deg2rad(-15)
@@ -432,9 +417,7 @@ def test_the_gap_in_the_file_is_that_of_gazebos_law_from_our_flight(
     np.testing.assert_allclose([gap[t] for t in times], apart, rtol=0.12)
 
 
-def steps_by_the_uuv_simulator(
-    simulator: UuvSimulator, R: np.ndarray, velocity: np.ndarray, step: float
-) -> np.ndarray:
+def steps_by_the_uuv_simulator(simulator: UuvSimulator, R: np.ndarray, velocity: np.ndarray, step: float) -> np.ndarray:
     """Displacement relative to the water after each step of 1 s, with the filtered acceleration of the step before."""
     nu, x, filtered, path = np.concatenate((R.T @ velocity, np.zeros(3))), np.zeros(3), np.zeros(6), []
     own = np.diag([simulator.m] * 3 + [0.0] * 3)

@@ -80,9 +80,7 @@ def test_a_lag_that_diverges_with_every_step_is_told_and_costs_no_short_steps(
     job = jobs["random"]
     link = make_link(job)
     assert link.added_mass_ratio > 1
-    gap = measure_gap(
-        replace(read_link("Gazebo", link, job.scenario.fluid.density), smoothing=1.0), job, link
-    )
+    gap = measure_gap(replace(read_link("Gazebo", link, job.scenario.fluid.density), smoothing=1.0), job, link)
     assert gap.step == 0.001 and gap.describe() == "The path by Gazebo diverges, with steps of 0.001 s."
 
 

@@ -107,9 +107,7 @@ def test_dart_steps_every_file_and_finds_mass_inertia_and_free_fall(
         assert found["models"] == (1 if world is None else len(world.findall("model")))
         assert found["meshes"] == pieces
         assert found["mass"] == pytest.approx(mass.mass, rel=1e-9)
-        np.testing.assert_allclose(
-            found["inertia"].reshape(3, 3), mass.inertia, atol=1e-7 * mass.inertia.max()
-        )
+        np.testing.assert_allclose(found["inertia"].reshape(3, 3), mass.inertia, atol=1e-7 * mass.inertia.max())
         # Before the wall of the pipe is near.
         gravity = 9.80665 if world is None else job.scenario.fluid.gravity
         start = 0.0 if world is None else float(world.findtext(f"model[@name='{name}']/pose").split()[2])

@@ -94,8 +94,7 @@ def test_seconds_in_the_plume_are_those_above_the_threshold() -> None:
 def test_the_result_hardly_depends_on_how_often_the_sensor_is_read() -> None:
     surroundings = scenario((2.0, 0.5, 0.0))
     often, seldom = (
-        Leak(LeakOptions(interval=interval)).score(along(0.35, 0.1), surroundings, FLOAT)
-        for interval in (0.01, 0.05)
+        Leak(LeakOptions(interval=interval)).score(along(0.35, 0.1), surroundings, FLOAT) for interval in (0.01, 0.05)
     )
     assert often == pytest.approx(seldom, rel=2e-3)
 

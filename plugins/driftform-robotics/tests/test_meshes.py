@@ -66,9 +66,7 @@ def test_a_convex_body_stays_in_one_piece() -> None:
 
 
 def test_a_contour_that_folds_back_stays_in_one_piece() -> None:
-    contour = np.array(
-        [(0, 0), (0.0, 0.02), (0.03, 0.02), (0.02, 0.01), (0.05, 0.01), (0.05, 0)], dtype=float
-    )
+    contour = np.array([(0, 0), (0.0, 0.02), (0.03, 0.02), (0.02, 0.01), (0.05, 0.01), (0.05, 0)], dtype=float)
     (piece,) = convex_pieces(contour)
     assert piece.volume == pytest.approx(solid_of_revolution(contour).volume)
 
@@ -128,18 +126,14 @@ def test_angles_make_the_rotation_that_they_came_from(roll: float, pitch: float,
     np.testing.assert_allclose(matrix(*roll_pitch_yaw(R)), R, atol=1e-7)
 
 
-def test_every_mesh_of_every_format_has_one_normal_for_each_vertex(
-    job: ExportJob, export: Callable[..., Path]
-) -> None:
+def test_every_mesh_of_every_format_has_one_normal_for_each_vertex(job: ExportJob, export: Callable[..., Path]) -> None:
     """DART crashes on a mesh without them."""
     for format in ("sdf", "uuv", "urdf", "mjcf"):
         paths = list(export(format, job).glob("meshes/*.obj"))
         assert len(paths) > 1
         for path in paths:
             lines = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
-            points, normals = (
-                np.array([line[1:] for line in lines if line[0] == key], float) for key in ("v", "vn")
-            )
+            points, normals = (np.array([line[1:] for line in lines if line[0] == key], float) for key in ("v", "vn"))
             assert normals.shape == points.shape
             assert np.linalg.norm(normals, axis=1) == pytest.approx(1, abs=1e-4)
             corners = [corner.split("/") for line in lines if line[0] == "f" for corner in line[1:]]

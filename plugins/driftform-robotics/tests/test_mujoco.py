@@ -77,9 +77,7 @@ def test_it_reads_the_urdf_as_a_body_that_floats(job: ExportJob, export: Callabl
     )
 
 
-def test_without_a_floating_joint_it_welds_the_urdf_to_the_world(
-    jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_without_a_floating_joint_it_welds_the_urdf_to_the_world(jobs: dict[str, ExportJob], export: Callable) -> None:
     model, _ = load(export("urdf", jobs["random"], floating=False) / "agent.urdf")
     assert model.nv == 0
 
@@ -123,9 +121,7 @@ def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(
         nu = slow.R.T @ (slow.velocity - job.scenario.current())
         momentum, turning = added[:3, :3] @ nu, added[3:, :3] @ nu
         expected = np.concatenate((np.zeros(3), np.cross(momentum, nu)))
-        assert (
-            np.abs(turning - np.cross([centre, 0, 0], momentum)).max() < 0.01 * np.abs(turning).max() + 1e-12
-        )
+        assert np.abs(turning - np.cross([centre, 0, 0], momentum)).max() < 0.01 * np.abs(turning).max() + 1e-12
         found = fluid_forces(folder / "agent.xml", slow)
         np.testing.assert_allclose(found[3:], expected[3:], atol=0.02 * np.abs(expected[3:]).max())
         np.testing.assert_allclose(found[:3], 0, atol=1e-9)
@@ -138,9 +134,7 @@ def test_added_mass_has_no_inertia_there(jobs: dict[str, ExportJob], export: Cal
     mass, fluid = job.agent.mass, job.scenario.fluid
     net = (fluid.density * mass.volume / mass.mass - 1) * fluid.gravity
     np.testing.assert_allclose(data.qacc[:3], [0, 0, net], atol=1e-6 * abs(net))
-    assert "ignores the inertia of added mass" in (export("mjcf", job) / "agent.xml").read_text(
-        encoding="utf-8"
-    )
+    assert "ignores the inertia of added mass" in (export("mjcf", job) / "agent.xml").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("axis", [0, 2, 4])

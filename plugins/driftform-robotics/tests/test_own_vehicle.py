@@ -34,9 +34,7 @@ def test_the_profile_of_the_docs_is_the_hull_of_remus() -> None:
     assert x[0] == 0 and x[-1] == pytest.approx(0.191 + 0.654 + 0.541 - 0.0165 - 0.0368)
 
 
-def test_the_commands_of_the_page_make_a_model_of_remus(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_commands_of_the_page_make_a_model_of_remus(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = (DOCS / "robotics.md").read_text(encoding="utf-8")
     commands = re.findall(r"^\$ driftform (.*remus.*)$", page, re.MULTILINE)
     assert [command.split()[0] for command in commands] == ["body", "inspect", "export"]

@@ -32,9 +32,7 @@ def crossing(x: float, radius: float) -> tuple[np.ndarray, np.ndarray]:
     phi, dphi = np.pi * s**3, 3 * np.pi * s**2 * weights
     grid_r, grid_phi = np.meshgrid(radius * r, phi, indexing="ij")
     area = np.outer(radius**2 * r * dr, dphi)
-    points = np.stack(
-        [np.full_like(grid_r, x), grid_r * np.cos(grid_phi), grid_r * np.sin(grid_phi)], axis=-1
-    )
+    points = np.stack([np.full_like(grid_r, x), grid_r * np.cos(grid_phi), grid_r * np.sin(grid_phi)], axis=-1)
     return points.reshape(-1, 3), area.ravel()
 
 
@@ -127,9 +125,7 @@ def test_far_downstream_it_is_mixed_evenly() -> None:
     st.floats(0.0, 1.0),
     st.floats(-np.pi, np.pi),
 )
-def test_a_concentration_is_finite_never_negative_and_the_same_on_both_sides(
-    tau: float, r: float, phi: float
-) -> None:
+def test_a_concentration_is_finite_never_negative_and_the_same_on_both_sides(tau: float, r: float, phi: float) -> None:
     found = relative_concentration(np.full(2, tau), np.full(2, r), np.array([phi, -phi]))
     assert np.isfinite(found).all() and (found >= 0).all()
     assert found[0] == pytest.approx(found[1], rel=1e-9, abs=1e-9)

@@ -154,9 +154,7 @@ def test_poses_and_velocities_are_those_of_the_flight(
         assert xyz(odometry.pose.pose.position) == list(flight.position[i])
         turned = odometry.pose.pose.orientation
         assert [turned.w, *xyz(turned)] == list(flight.quaternion[i])
-        assert [*xyz(odometry.twist.twist.linear), *xyz(odometry.twist.twist.angular)] == list(
-            flight.velocity[i]
-        )
+        assert [*xyz(odometry.twist.twist.linear), *xyz(odometry.twist.twist.angular)] == list(flight.velocity[i])
     for (_, moved), (_, odometry) in zip(read["/tf"], read["/agent/odom"], strict=True):
         [transform] = moved.transforms
         assert (transform.header.frame_id, transform.child_frame_id) == ("world", "agent/base_link")
@@ -199,9 +197,7 @@ def test_sensors_read_what_their_functions_say(
     assert [xyz(m.linear_acceleration) for _, m in read["/agent/imu"]] == force.tolist()
     assert [xyz(m.angular_velocity) for _, m in read["/agent/imu"]] == flight.velocity[:, 3:].tolist()
     depth = 1.0 - there[:, 2]
-    assert [m.fluid_pressure for _, m in read["/agent/pressure"]] == pytest.approx(
-        101_325 + 1024 * 9.81 * depth
-    )
+    assert [m.fluid_pressure for _, m in read["/agent/pressure"]] == pytest.approx(101_325 + 1024 * 9.81 * depth)
     assert [m.range for _, m in read["/agent/range"]] == pytest.approx(
         1.0 - np.hypot(there[:, 1], there[:, 2]), rel=1e-6
     )
@@ -227,21 +223,15 @@ def test_markers_show_the_pipe_the_targets_and_the_agent(
     assert agent.header.frame_id == "agent/base_link" and agent.frame_locked
 
 
-def test_a_database_holds_the_same_bytes_as_the_mcap_file(
-    job: ExportJob, flight: Trajectory, tmp_path: Path
-) -> None:
+def test_a_database_holds_the_same_bytes_as_the_mcap_file(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
     options = Rosbag2Options()
     folder, file = tmp_path / "agent-rosbag2", tmp_path / "agent.mcap"
     Rosbag2Recorder(options).write(job, flight, folder)
     McapRecorder(Ros2Options()).write(job, flight, file)
     with sqlite3.connect(f"file:{folder / 'agent-rosbag2.db3'}?mode=ro", uri=True) as database:
         topics = {i: (name, kind) for i, name, kind in database.execute("SELECT id, name, type FROM topics")}
-        rows = database.execute(
-            "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp"
-        ).fetchall()
-        definitions = dict(
-            database.execute("SELECT topic_type, encoded_message_definition FROM message_definitions")
-        )
+        rows = database.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp").fetchall()
+        definitions = dict(database.execute("SELECT topic_type, encoded_message_definition FROM message_definitions"))
     database.close()
     assert dict(topics.values()) == KINDS
     with file.open("rb") as stream:
@@ -360,9 +350,7 @@ def test_velocities_of_the_messages_lead_from_pose_to_pose(
     assert np.diff(stamps) == pytest.approx(np.diff(flight.t))
 
 
-def test_the_clock_shows_the_time_of_each_sample(
-    read: dict[str, list[tuple[int, Any]]], flight: Trajectory
-) -> None:
+def test_the_clock_shows_the_time_of_each_sample(read: dict[str, list[tuple[int, Any]]], flight: Trajectory) -> None:
     shown = [message.clock.sec * 10**9 + message.clock.nanosec for _, message in read["/clock"]]
     assert shown == [stamp for stamp, _ in read["/clock"]]
     assert np.diff(shown) / 1e9 == pytest.approx(np.diff(flight.t), abs=2e-9)

@@ -106,9 +106,7 @@ def test_roslaunch_reads_the_release(workspace: Path, run_system: Callable[..., 
 
 
 @pytest.fixture(scope="module")
-def environment(
-    requires_program: Callable[[str], str], system_environment: dict[str, str]
-) -> Iterator[dict[str, str]]:
+def environment(requires_program: Callable[[str], str], system_environment: dict[str, str]) -> Iterator[dict[str, str]]:
     """The environment of ROS with a master that runs."""
     requires_program("roscore")
     with run_master(system_environment) as (found, _):

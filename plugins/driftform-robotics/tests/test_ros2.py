@@ -59,9 +59,7 @@ def test_the_manifest_follows_rep_149(package: tuple[str, Path]) -> None:
     assert "package_format3.xsd" in (folder / "package.xml").read_text(encoding="utf-8").splitlines()[1]
 
 
-def test_both_packages_of_an_agent_fit_into_one_workspace(
-    job: ExportJob, export: Callable[..., Path]
-) -> None:
+def test_both_packages_of_an_agent_fit_into_one_workspace(job: ExportJob, export: Callable[..., Path]) -> None:
     assert len({name_of(export(format, job)) for format in ("sdf", "urdf", "uuv")}) == 3
 
 
@@ -125,12 +123,10 @@ def test_the_launch_file_starts_only_packages_that_the_manifest_names(package: t
     format, folder = package
     text = (folder / "launch" / FORMATS[format][1]).read_text(encoding="utf-8")
     tree = ast.parse(text)
-    assert "generate_launch_description" in [
-        node.name for node in tree.body if isinstance(node, ast.FunctionDef)
-    ]
-    imported = {
-        (node.module or "").split(".")[0] for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)
-    } - {"pathlib"}
+    assert "generate_launch_description" in [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
+    imported = {(node.module or "").split(".")[0] for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)} - {
+        "pathlib"
+    }
     started = set(re.findall(r"package='(\w+)'|FindPackageShare\('(\w+)'\)", text))
     named = {name for pair in started for name in pair if name} - {name_of(folder)}
     root = ET.parse(folder / "package.xml").getroot()
@@ -154,9 +150,7 @@ def test_the_launch_file_passes_the_linters_of_ros(package: tuple[str, Path]) ->
 
 
 @pytest.mark.parametrize("gazebo", ["harmonic", "fortress"])
-def test_the_bridge_connects_topics_of_this_world(
-    gazebo: str, job: ExportJob, export: Callable[..., Path]
-) -> None:
+def test_the_bridge_connects_topics_of_this_world(gazebo: str, job: ExportJob, export: Callable[..., Path]) -> None:
     folder = export("sdf", job, gazebo=gazebo)
     rows = yaml.safe_load((folder / "config" / "bridge.yaml").read_text(encoding="utf-8"))
     world = ET.parse(folder / "world.sdf").getroot().find("world").get("name")
@@ -225,9 +219,7 @@ def test_the_readme_tells_only_arguments_that_launch_takes_and_the_world_of_each
         given = re.findall(r"(\w+):=(\S*?)[`\s,)]", text)
         # `ros2 launch` refuses an argument without a value.
         assert all(value for _, value in given)
-        assert {argument for argument, _ in given} <= set(
-            re.findall(r"DeclareLaunchArgument\('(\w+)'", launch)
-        )
+        assert {argument for argument, _ in given} <= set(re.findall(r"DeclareLaunchArgument\('(\w+)'", launch))
         if (folder / "push.sh").exists() and (folder / "drift.sdf").exists():
             assert "in `world.sdf`, and there only" in text and "world:=world.sdf paused:=true" in text
 

@@ -106,9 +106,7 @@ def test_an_agent_released_at_rest_has_no_push_script(
     assert "push.sh" not in (folder / "world.sdf").read_text(encoding="utf-8")
 
 
-def test_at_a_free_surface_spheres_displace_what_the_hull_does(
-    jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_at_a_free_surface_spheres_displace_what_the_hull_does(jobs: dict[str, ExportJob], export: Callable) -> None:
     """Gazebo's graded buoyancy ignores meshes; the spheres must have the hull's volume and centre, without collision."""
     job = jobs["random"]
     fluid = job.scenario.fluid.model_copy(update={"water_level": 0.4})

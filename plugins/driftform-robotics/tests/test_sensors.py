@@ -104,9 +104,7 @@ def test_clearance_is_that_of_the_nearest_of_many_points_on_the_rims() -> None:
     turned = rng.normal(size=(count, 4))
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
     position = np.column_stack([rng.uniform(1, 8, count), rng.uniform(-0.4, 0.4, (count, 2))])
-    flight = Trajectory(
-        np.arange(count) / 10, position, turned, np.zeros((count, 6)), drifting_trajectory().end
-    )
+    flight = Trajectory(np.arange(count) / 10, position, turned, np.zeros((count, 6)), drifting_trajectory().end)
     around, offset = np.linspace(0, 2 * np.pi, 4001), np.array([0.25, 0.0, 0.0])
     rim = np.column_stack([0 * around, 0.15 * np.cos(around), 0.15 * np.sin(around)])
     points = np.concatenate([rim + offset, rim - offset])

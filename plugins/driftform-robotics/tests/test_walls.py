@@ -63,9 +63,7 @@ def signed_volume(mesh: Mesh) -> float:
 
 def test_the_mesh_is_closed_and_faces_outward(pipe: tuple[Scenario, Mesh]) -> None:
     _, mesh = pipe
-    edges = Counter(
-        (int(a), int(b)) for i, j in ((0, 1), (1, 2), (2, 0)) for a, b in mesh.triangles[:, [i, j]]
-    )
+    edges = Counter((int(a), int(b)) for i, j in ((0, 1), (1, 2), (2, 0)) for a, b in mesh.triangles[:, [i, j]])
     assert all(count == 1 and edges[b, a] == 1 for (a, b), count in list(edges.items()))
     assert signed_volume(mesh) > 0
 
@@ -131,10 +129,7 @@ def test_mujoco_displays_the_mesh_where_the_pipe_is(bent: ExportJob, export: Cal
     assert not geom.contype[0] and not geom.conaffinity[0]
     mesh = model.mesh(geom.dataid[0])
     first, count = int(mesh.vertadr[0]), int(mesh.vertnum[0])
-    seen = (
-        data.geom_xpos[geom.id]
-        + model.mesh_vert[first : first + count] @ data.geom_xmat[geom.id].reshape(3, 3).T
-    )
+    seen = data.geom_xpos[geom.id] + model.mesh_vert[first : first + count] @ data.geom_xmat[geom.id].reshape(3, 3).T
     wall = make_wall(bent.scenario.pipe).mesh.vertices
     np.testing.assert_allclose(seen.min(axis=0), wall.min(axis=0), atol=1e-5)
     np.testing.assert_allclose(seen.max(axis=0), wall.max(axis=0), atol=1e-5)

@@ -111,9 +111,7 @@ def test_a_current_that_arrives_in_flight_moves_the_agent_as_one_that_changes_th
     assert find_largest(undisturbed.t, undisturbed.position) > 0.15
 
 
-def test_services_evaluate_and_release_what_the_parameter_names(
-    master: dict[str, str], tmp_path: Path
-) -> None:
+def test_services_evaluate_and_release_what_the_parameter_names(master: dict[str, str], tmp_path: Path) -> None:
     with fly(master, "--rate", "0") as process:
         assert process.stdout is not None
         assert "ends after" in process.stdout.readline()

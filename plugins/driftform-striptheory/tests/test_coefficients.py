@@ -31,8 +31,7 @@ def strips(body: Body, power: int) -> float:
     """rho pi times the integral of x^power r(x)^2 dx, edge by edge."""
     x, r = body.outer[1:-1].T
     parts = [
-        quad(lambda s: s**power * np.interp(s, x, r) ** 2, a, b, epsabs=0, epsrel=1e-12)[0]
-        for a, b in pairwise(x)
+        quad(lambda s: s**power * np.interp(s, x, r) ** 2, a, b, epsabs=0, epsrel=1e-12)[0] for a, b in pairwise(x)
     ]
     return FLUID.density * np.pi * sum(parts)
 
@@ -75,9 +74,7 @@ def test_axial_added_mass_is_that_of_the_equivalent_ellipsoid(seed):
     assert MODEL.coefficients(body, FLUID).added_mass[0, 0] == pytest.approx(k11 * ellipsoid, rel=1e-12)
     volume = StripTheory(StripTheoryOptions(m11="volume")).coefficients(body, FLUID)
     assert volume.added_mass[0, 0] == pytest.approx(k11 * strips(body, 0), rel=1e-9)
-    np.testing.assert_array_equal(
-        volume.added_mass[1:, 1:], MODEL.coefficients(body, FLUID).added_mass[1:, 1:]
-    )
+    np.testing.assert_array_equal(volume.added_mass[1:, 1:], MODEL.coefficients(body, FLUID).added_mass[1:, 1:])
 
 
 @pytest.mark.parametrize("m11", ["ellipsoid", "volume"])

@@ -56,9 +56,7 @@ def test_it_grows_steadily_from_the_needle_to_the_disc():
     assert 1.99 < values[-1] < 2
 
 
-@pytest.mark.parametrize(
-    ("ratio", "k1"), [(2, 0.2100), (4, 0.0816), (6, 0.04518), (10, 0.0207)], ids="{}:1".format
-)
+@pytest.mark.parametrize(("ratio", "k1"), [(2, 0.2100), (4, 0.0816), (6, 0.04518), (10, 0.0207)], ids="{}:1".format)
 def test_published_axial_coefficients(ratio, k1):
     places = len(str(k1).rstrip("0").partition(".")[2])
     assert axial_coefficient(1 / ratio) == pytest.approx(k1, abs=0.51 * 10.0 ** -max(places, 4))

@@ -249,9 +249,7 @@ def terminal_search(folder: Path, long_draft: dict[str, Any]) -> Iterator[subpro
     folder.mkdir()
     (folder.parent / "long.toml").write_text(tomli_w.dumps(long_draft), encoding="utf-8")
     command = [PROGRAM, "evolve", "long.toml", "--out", "runs/mine", "--workers", "1"]
-    with subprocess.Popen(
-        command, cwd=folder.parent, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as search:
+    with subprocess.Popen(command, cwd=folder.parent, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as search:
         try:
             wait_until_true(lambda: (folder / "mine" / "run.db").exists() or search.poll() is not None)
             assert search.poll() is None, "the search ended at once"

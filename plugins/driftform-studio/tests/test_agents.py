@@ -105,9 +105,7 @@ def test_what_does_not_exist_is_refused_in_a_line(finished, wait_for):
         *(("agents/near/trim", {"grams": grams}, "enter the grams") for grams in (None, 0, -3, "x", [1])),
     ],
 )
-def test_work_on_what_is_no_point_or_no_weight_is_refused_in_a_line(
-    finished, wait_for, work, document, words
-):
+def test_work_on_what_is_no_point_or_no_weight_is_refused_in_a_line(finished, wait_for, work, document, words):
     task = finished.ask(f"api/runs/small/{work}", document)["task"]
     [line] = wait_for(lambda: finished.ask(f"api/tasks/{task}")["errors"])
     assert words in line

@@ -28,11 +28,7 @@ def test_the_text_is_a_study_file_that_the_command_line_reads(tmp_path):
     (tmp_path / "mine.toml").write_text(text)
     study = load_study(str(tmp_path / "mine.toml"))
     assert study.document == load_draft(text).document
-    assert (
-        study.scenario.flow.speed == 0.4
-        and study.scenario.targets == {"leak": (4, 0, -0.9)}
-        and study.seed == 3
-    )
+    assert study.scenario.flow.speed == 0.4 and study.scenario.targets == {"leak": (4, 0, -0.9)} and study.seed == 3
     assert load_draft(text).given == text
 
 

@@ -71,9 +71,7 @@ def test_a_form_of_another_page_cannot_begin_anything(finished):
 def test_a_study_of_ten_megabytes_is_refused_before_it_is_read(finished):
     body = b'{"base": "pipe-inspection", "title": "' + b"x" * 10_000_000 + b'"}'
     try:
-        status, _, answer = finished.send(
-            "POST", f"/{finished.token}/api/check", body, content_type="application/json"
-        )
+        status, _, answer = finished.send("POST", f"/{finished.token}/api/check", body, content_type="application/json")
     except (BrokenPipeError, ConnectionResetError):
         pass  # It hung up while the study was still on its way.
     else:
@@ -86,9 +84,7 @@ def test_a_study_of_ten_megabytes_is_refused_before_it_is_read(finished):
 )
 @pytest.mark.parametrize("path", ["api/check", "api/runs", "api/runs/small/pick"])
 def test_a_request_that_is_nonsense_is_refused_in_a_line(finished, path, body):
-    status, _, answer = finished.send(
-        "POST", f"/{finished.token}/{path}", body, content_type="application/json"
-    )
+    status, _, answer = finished.send("POST", f"/{finished.token}/{path}", body, content_type="application/json")
     assert status in (400, 422)
     assert len(json.loads(answer)["errors"]) == 1
 
@@ -122,10 +118,7 @@ def test_no_path_leads_out_of_the_folder(finished, finished_folder, name):
     ):
         status, _, body = finished.send("GET", f"/{finished.token}/{path}")
         assert status in (403, 404, 405, 422), path
-        assert (
-            b"secret" not in body.replace(b"../secret", b"").replace(b"named '", b"")
-            or b"did you mean" in body
-        )
+        assert b"secret" not in body.replace(b"../secret", b"").replace(b"named '", b"") or b"did you mean" in body
 
 
 def test_a_link_that_leads_out_of_the_folder_is_not_followed(serve, folder, finished_folder, tmp_path):
@@ -306,15 +299,11 @@ def test_half_characters_and_numbers_that_no_study_holds_are_refused_in_a_line(f
 
 
 def test_a_draft_names_no_file_but_those_that_were_given_to_it(finished, finished_folder, tmp_path):
-    grid = "x,y,z,u,v,w\n" + "".join(
-        f"{x},{y},{z},1,0,0\n" for x in (0, 9) for y in (-1, 0, 1) for z in (-1, 0, 1)
-    )
+    grid = "x,y,z,u,v,w\n" + "".join(f"{x},{y},{z},1,0,0\n" for x in (0, 9) for y in (-1, 0, 1) for z in (-1, 0, 1))
     (tmp_path / "secret.csv").write_text(grid)
     link = finished_folder / ".files" / "link.csv"
     draft = {"base": "pipe-inspection", "flow": {"kind": "grid", "speed": 1.0}, "targets": {}}
-    given = finished.ask("api/files", {"name": "../../my.csv", "content": b64encode(grid.encode()).decode()})[
-        "file"
-    ]
+    given = finished.ask("api/files", {"name": "../../my.csv", "content": b64encode(grid.encode()).decode()})["file"]
     assert Path(given).is_relative_to(finished_folder / ".files") and Path(given).read_text() == grid
     draft["flow"]["file"] = given
     assert "errors" in finished.ask("api/check", draft)

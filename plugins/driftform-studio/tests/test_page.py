@@ -88,9 +88,7 @@ class Page:
         # Another part after the # is not another page.
         self.browser.get("about:blank")
         self.browser.get(address)
-        self.wait_for(
-            lambda: self.run("return document.getElementById('views')?.dataset.drawn !== undefined")
-        )
+        self.wait_for(lambda: self.run("return document.getElementById('views')?.dataset.drawn !== undefined"))
 
     def run(self, script, *arguments):
         return self.browser.execute_script(script, *arguments)
@@ -147,9 +145,7 @@ class Page:
         from selenium.webdriver import ActionChains
 
         right, down = self.at(x, z)
-        ActionChains(self.browser).move_to_element_with_offset(
-            self.find("#side"), right, down
-        ).click().perform()
+        ActionChains(self.browser).move_to_element_with_offset(self.find("#side"), right, down).click().perform()
 
     def targets(self):
         """Return the places of the targets by their names, m."""
@@ -186,9 +182,7 @@ class Page:
         path = DOCS / f"studio-{name}.png"
         if UPDATE:
             # In a third of the bytes, with no difference that is seen.
-            Image.open(BytesIO(data)).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(
-                path, optimize=True
-            )
+            Image.open(BytesIO(data)).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
         kept = path.read_bytes()
         assert len(kept) < 200_000
         assert struct.unpack(">II", kept[16:24])[0] == width
@@ -318,9 +312,7 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     if seat := browser.find_elements("css selector", "[data-kind=trimmed]"):
         before = set(browser.downloads.iterdir())
         seat[0].click()
-        page.wait_for(
-            lambda: [p for p in set(browser.downloads.iterdir()) - before if p.suffix in (".3mf", ".zip")]
-        )
+        page.wait_for(lambda: [p for p in set(browser.downloads.iterdir()) - before if p.suffix in (".3mf", ".zip")])
     words = page.run(
         "return [...document.querySelectorAll('main > :not(#terminal)')].map((e) => e.innerText).join(' ')"
     )
@@ -463,9 +455,7 @@ def test_html_in_names_is_text(page, serve, folder, finished_folder, browser):
     page.find("[aria-label='Show the agent for near']").click()
     page.until("!document.getElementById('agent-shown').hidden")
     assert (
-        page.run(
-            "return document.querySelectorAll('main img[src=x], main script, #problems b, dialog img').length"
-        )
+        page.run("return document.querySelectorAll('main img[src=x], main script, #problems b, dialog img').length")
         == 0
     )
     assert "evil" not in browser.title.replace(evil, "")
@@ -486,9 +476,7 @@ def test_nothing_overflows_and_every_text_has_contrast(page, finished, width, sc
             page.wait_for(lambda: len(page.targets()) == 10)
             page.set("Mean speed", "500")
             page.wait_for(lambda: page.browser.find_elements("css selector", "form .error.own"))
-        for opened in page.browser.find_elements(
-            "css selector", "main > section > details:not([open]) > summary"
-        ):
+        for opened in page.browser.find_elements("css selector", "main > section > details:not([open]) > summary"):
             opened.click()
         assert page.run("return document.documentElement.scrollWidth") <= width
         wide = page.run(
@@ -613,9 +601,7 @@ def test_an_error_of_the_core_is_shown_at_its_field(page, finished):
     page.wait_for(lambda: not page.find("#start").is_enabled())
     field = page.field("Mean speed")
     page.wait_for(lambda: field.get_attribute("aria-invalid") == "true")
-    line = page.run(
-        "return document.getElementById(arguments[0].getAttribute('aria-describedby')).textContent", field
-    )
+    line = page.run("return document.getElementById(arguments[0].getAttribute('aria-describedby')).textContent", field)
     assert line == "At most 100 m/s."
     # The roughness that a wide pipe may have is too much for this one: only the core knows.
     page.set("Mean speed", "1")
@@ -782,9 +768,7 @@ def test_a_pipe_is_laid_of_parts_and_drawn_to_scale(page, finished):
     for outlet in "BA":
         page.find(f"button[data-outlet={outlet}]").click()
     page.wait_for(lambda: list(page.targets()) == ["outlet-B", "outlet-A"])
-    page.until(
-        "document.querySelectorAll('#side .mark').length === 2 && document.querySelector('#side .current')"
-    )
+    page.until("document.querySelectorAll('#side .mark').length === 2 && document.querySelector('#side .current')")
     page.picture("parts", ".stage")
     page.find("#show-space").click()
     page.wait_for(lambda: page.pixels("space")[0] > 0.002)

@@ -41,9 +41,7 @@ def test_a_run_that_the_command_line_made_is_shown_with_its_promise(finished):
     status = finished.ask("api/runs/small/status")
     assert status["state"] == "finished"
     for target in status["targets"]:
-        stored = json.loads((finished.folder / "small" / "best" / target["name"] / "agent.json").read_text())[
-            "result"
-        ]
+        stored = json.loads((finished.folder / "small" / "best" / target["name"] / "agent.json").read_text())["result"]
         for key in ("nominal", "median", "p90", "evaluation"):
             assert target[key] == stored[key]
         assert len(target["curve"]) == 120 and target["curve"][-1] is not None
@@ -119,10 +117,7 @@ def test_two_searches_of_one_name_are_two_runs(serve, draft):
         server.wait_until(name, "finished")
     seeds = {server.ask(f"api/runs/{name}")["seed"] for name in names}
     assert len(seeds) == 2
-    assert all(
-        f"seed = {seed}" in "".join(server.ask(f"api/runs/{name}")["text"] for name in names)
-        for seed in seeds
-    )
+    assert all(f"seed = {seed}" in "".join(server.ask(f"api/runs/{name}")["text"] for name in names) for seed in seeds)
 
 
 def test_more_flights_continue_a_finished_run(serve, draft, wait_for):

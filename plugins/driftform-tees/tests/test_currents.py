@@ -117,9 +117,7 @@ AGENTS = {
 @pytest.mark.parametrize("place", [(0.1, 0.0, 0.0), (0.1, 0.04, 0.03), (0.1, -0.05, 0.0)])
 def test_flights_on_the_grid_are_those_in_the_flow_until_the_wall_is_touched(file, name, place):
     release = {"position": place, "yaw_deg": 20.0}
-    one, other = (
-        fly(AGENTS[name], scenario) for scenario in (bend(release=release), read_back(file, release=release))
-    )
+    one, other = (fly(AGENTS[name], scenario) for scenario in (bend(release=release), read_back(file, release=release)))
     until = min(f.t[-1] if f.contact is None else f.contact for f in (one, other))
     assert until > 0.3
     times = np.linspace(0, until, 200)

@@ -31,9 +31,7 @@ def radii_at(contour: FloatArray, x: FloatArray) -> FloatArray:
     """Return the radius (m) of the contour at each of ``x`` (n,), as :func:`radius_at` does; zero beyond the ends."""
     low, high = contour[:-1], contour[1:]
     at, run = x[:, None], high[:, 0] - low[:, 0]
-    spans = (np.minimum(low[:, 0], high[:, 0]) <= at + 1e-9) & (
-        np.maximum(low[:, 0], high[:, 0]) >= at - 1e-9
-    )
+    spans = (np.minimum(low[:, 0], high[:, 0]) <= at + 1e-9) & (np.maximum(low[:, 0], high[:, 0]) >= at - 1e-9)
     steep = np.abs(run) < 1e-9
     s = np.clip((at - low[:, 0]) / np.where(steep, 1.0, run), 0, 1)
     radii = np.where(steep, np.maximum(low[:, 1], high[:, 1]), low[:, 1] + s * (high[:, 1] - low[:, 1]))

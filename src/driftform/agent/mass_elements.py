@@ -70,6 +70,4 @@ class MassElement:
         axial = sum(element.axial for element in elements)
         transverse = sum(element.transverse + element.mass * (element.x - x) ** 2 for element in elements)
         inertia = np.diag([axial, transverse, transverse])
-        return replace(
-            agent, mass=replace(agent.mass, mass=mass, cog=np.array([x, 0.0, 0.0]), inertia=inertia)
-        )
+        return replace(agent, mass=replace(agent.mass, mass=mass, cog=np.array([x, 0.0, 0.0]), inertia=inertia))

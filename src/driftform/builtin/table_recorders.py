@@ -16,9 +16,7 @@ from driftform.util.files import write_whole
 WRENCH_COLUMNS = (
     *(Column(f"force_{axis}", "float", "N", "net force on the body, body frame") for axis in "xyz"),
     *(
-        Column(
-            f"torque_{axis}", "float", "N m", "net torque on the body about the centre of gravity, body frame"
-        )
+        Column(f"torque_{axis}", "float", "N m", "net torque on the body about the centre of gravity, body frame")
         for axis in "xyz"
     ),
 )

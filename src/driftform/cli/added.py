@@ -37,9 +37,7 @@ class AddedCommand(Command):
             raise
         except (Exception, SystemExit) as error:
             name = ctx.command_path.partition(" ")[2]
-            raise WorkFailedError(
-                f"command '{name}' failed: {describe_error(error, with_place=True)}"
-            ) from None
+            raise WorkFailedError(f"command '{name}' failed: {describe_error(error, with_place=True)}") from None
 
 
 @dataclass(frozen=True)
@@ -68,9 +66,7 @@ def load_added() -> Added:
             continue
         for name, command in made.items():
             if name in owners:
-                problems[name] = (
-                    f"it is claimed by {owners[name]} and {plugin.distribution}; uninstall one of them"
-                )
+                problems[name] = f"it is claimed by {owners[name]} and {plugin.distribution}; uninstall one of them"
                 commands.pop(name, None)
             else:
                 owners[name], commands[name] = plugin.distribution, command

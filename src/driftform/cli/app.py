@@ -138,9 +138,7 @@ def _options(
     ] = False,
     verbose: Annotated[
         int,
-        typer.Option(
-            "--verbose", "-v", count=True, show_default=False, help="Log what is done; -vv in detail."
-        ),
+        typer.Option("--verbose", "-v", count=True, show_default=False, help="Log what is done; -vv in detail."),
     ] = 0,
 ) -> None:
     if quiet:

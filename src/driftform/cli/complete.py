@@ -48,9 +48,7 @@ def complete_setting(incomplete: str) -> list[str]:
     for seam in (seam for seam in SEAMS if incomplete[: len(seam)] == seam[: len(incomplete)]):
         above = f"{seam}." if seam in SELECTED else f"{seam}.{{}}."
         tables += [(above.format(p.name), p.cls.Options) for p in registry().seam(seam) if p.cls is not None]
-    return _begin_with(
-        incomplete, (f"{above}{row['option']}=" for above, model in tables for row in describe(model))
-    )
+    return _begin_with(incomplete, (f"{above}{row['option']}=" for above, model in tables for row in describe(model)))
 
 
 def _begin_with(incomplete: str, names: Iterable[str]) -> list[str]:

@@ -53,9 +53,7 @@ def format_throughput(status: RunStatus, throughput: Throughput) -> str:
     recent, overall = throughput.recent(status.done), throughput.overall(status.done)
     if recent is None or overall is None:
         return ""
-    speed = (
-        f"{recent:.3g}/s" if 0.9 < recent / overall < 1.1 else f"{recent:.3g}/s now, {overall:.3g}/s overall"
-    )
+    speed = f"{recent:.3g}/s" if 0.9 < recent / overall < 1.1 else f"{recent:.3g}/s now, {overall:.3g}/s overall"
     left = status.budget - status.done
     return f"{speed}, {format_duration(left / recent)} left" if left > 0 else speed
 

@@ -22,9 +22,7 @@ from driftform.cli.options import (
 
 def evolve(
     study: StudyName = "pipe-inspection",
-    target: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Keep only this target; repeatable.")
-    ] = None,
+    target: Annotated[list[str] | None, typer.Option(metavar="NAME", help="Keep only this target; repeatable.")] = None,
     strategy: StrategyName = None,
     evaluations: Annotated[
         int | None,

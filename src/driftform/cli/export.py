@@ -13,9 +13,7 @@ ANY_AGENT = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 
 def export(
     agent: Annotated[str | None, typer.Argument(metavar="AGENT", help=AGENT_HELP)] = None,
-    format: Annotated[
-        str, typer.Option(metavar="NAME[,NAME...]", help="Formats, see 'driftform plugins'.")
-    ] = "stl",
+    format: Annotated[str, typer.Option(metavar="NAME[,NAME...]", help="Formats, see 'driftform plugins'.")] = "stl",
     out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for the files.")] = Path("parts"),
     kit: Annotated[
         bool, typer.Option("--kit", help="Cut the hull into parts that take the core and are joined again.")

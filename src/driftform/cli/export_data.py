@@ -31,9 +31,7 @@ def export_data(
     opened = Run.open(run)
     rows = write_tables(opened, out, format, trajectories)
     folder = opened.path / FOLDER if out is None else out
-    files = [
-        {"table": table, "path": str(folder / f"{table}.{format}"), "rows": n} for table, n in rows.items()
-    ]
+    files = [{"table": table, "path": str(folder / f"{table}.{format}"), "rows": n} for table, n in rows.items()]
     columns = str(folder / COLUMNS)
     if json:
         print_json({"files": files, "columns": columns})

@@ -10,17 +10,13 @@ from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Se
 
 def export_flight(
     agent: Agent,
-    format: Annotated[
-        str, typer.Option(metavar="NAME[,NAME...]", help="Recorders, see 'driftform plugins'.")
-    ] = "csv",
+    format: Annotated[str, typer.Option(metavar="NAME[,NAME...]", help="Recorders, see 'driftform plugins'.")] = "csv",
     scenario: ScenarioOption = None,
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
     rate_hz: Annotated[
         float,
-        typer.Option(
-            metavar="HZ", help="Samples for each second of the flight; 0 for those of the simulator."
-        ),
+        typer.Option(metavar="HZ", help="Samples for each second of the flight; 0 for those of the simulator."),
     ] = 100.0,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default flights/AGENT.")
@@ -41,9 +37,7 @@ def export_flight(
 
     names = parse_formats(format, "recorder", "csv")
     check_rate(rate_hz)
-    design = open_agent(
-        agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
-    )
+    design = open_agent(agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics})
     folder = make_directory(out or Path("flights") / design.name)
     trajectory = design.trace()
     written = [

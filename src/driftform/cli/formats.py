@@ -60,9 +60,7 @@ def parse_page(style: str, width_mm: float | None) -> "Page":
         raise InputError(f"--style {style}: no such style{did_you_mean(style, STYLES)}")
     if style != "paper":
         if width_mm is not None:
-            raise InputError(
-                f"--width-mm {width_mm:g}: pictures for the screen have no width in mm; add --style paper"
-            )
+            raise InputError(f"--width-mm {width_mm:g}: pictures for the screen have no width in mm; add --style paper")
         return SCREEN
     try:
         import cairosvg  # noqa: F401

@@ -17,9 +17,7 @@ def inspect(
     settings: Settings = None,
     compare: Annotated[
         bool,
-        typer.Option(
-            "--compare", help="Show the added mass by all installed hydrodynamics models side by side."
-        ),
+        typer.Option("--compare", help="Show the added mass by all installed hydrodynamics models side by side."),
     ] = False,
     block: Annotated[
         str | None,
@@ -65,11 +63,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
     if modules or facts["core_mass"] > 0:
         origin, parts = "core's", ["hull", "core", *(["ballast"] if facts["ballast_mass"] else [])]
     rows = [
-        *(
-            [("modules", f"{len(modules)} ({aft} aft, {len(modules) - aft} fore of the core)")]
-            if parts
-            else []
-        ),
+        *([("modules", f"{len(modules)} ({aft} aft, {len(modules) - aft} fore of the core)")] if parts else []),
         ("length", f"{1000 * facts['length']:.2f} mm"),
         ("largest diameter", f"{1000 * facts['max_diameter']:.2f} mm"),
         ("mass", f"{1000 * facts['mass']:.3f} g"),

@@ -23,9 +23,7 @@ Agent: TypeAlias = Annotated[str, typer.Argument(metavar="AGENT", help=AGENT_HEL
 RunArgument: TypeAlias = Annotated[
     Path, typer.Argument(metavar="RUN", help="A run directory.", autocompletion=complete_run)
 ]
-Json: TypeAlias = Annotated[
-    bool, typer.Option("--json", help="Print one JSON document, and nothing else, on stdout.")
-]
+Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document, and nothing else, on stdout.")]
 Settings: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
@@ -117,9 +115,7 @@ MAX_WORKERS = 1024
 
 Workers: TypeAlias = Annotated[
     int | None,
-    typer.Option(
-        metavar="N", min=1, max=MAX_WORKERS, help="Worker processes; by default one for each processor."
-    ),
+    typer.Option(metavar="N", min=1, max=MAX_WORKERS, help="Worker processes; by default one for each processor."),
 ]
 ExecutorName: TypeAlias = Annotated[
     str | None,

@@ -56,9 +56,7 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Seq
         return
     widths = [max(len(row[i]) for row in [list(header), *rows]) for i in range(len(header))]
     for row in [list(header), *rows]:
-        cells = [
-            c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))
-        ]
+        cells = [c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))]
         print("  ".join(cells).rstrip())
 
 
@@ -71,9 +69,7 @@ def _draw_table(header: Sequence[str], rows: Sequence[Sequence[str]], right: Seq
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
     for number, title in enumerate(header):
         whole = max((len(row[number]) for row in rows), default=0) if number in right else None
-        table.add_column(
-            Text(title), justify="left" if whole is None else "right", min_width=whole, overflow="fold"
-        )
+        table.add_column(Text(title), justify="left" if whole is None else "right", min_width=whole, overflow="fold")
     for row in rows:
         table.add_row(*map(Text, row))
     Console(highlight=False).print(table)

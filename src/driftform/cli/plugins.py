@@ -26,9 +26,7 @@ app = make_group("List the installed plugins, show their options, and create a n
 
 
 @app.command("show", cls=Command)
-def show(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin.")], json: Json = False
-) -> None:
+def show(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin.")], json: Json = False) -> None:
     """Show what a plugin does, and its options with type, bounds, default and unit."""
     import inspect
 
@@ -43,9 +41,7 @@ def show(
         raise InputError(f"no plugin is named '{name}'{did_you_mean(name, [row.name for row in installed])}")
     found: list[dict[str, Any]] = []
     for row in rows:
-        entry: dict[str, Any] = {
-            k: getattr(row, k) for k in ("seam", "name", "distribution", "version", "state")
-        }
+        entry: dict[str, Any] = {k: getattr(row, k) for k in ("seam", "name", "distribution", "version", "state")}
         if row.cls is not None:
             # Not inspect.getdoc(), which returns what another class says of itself.
             entry["summary"] = inspect.cleandoc(row.cls.__doc__ or "")
@@ -69,15 +65,9 @@ def show(
 
 @app.command("new", cls=Command)
 def new(
-    name: Annotated[
-        str, typer.Argument(metavar="NAME", help="Name of the distribution, such as driftform-dwell.")
-    ],
-    seam: Annotated[
-        list[str], typer.Option(metavar="SEAM", help="What it is to bring, such as fitness; repeatable.")
-    ],
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default NAME.")
-    ] = None,
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the distribution, such as driftform-dwell.")],
+    seam: Annotated[list[str], typer.Option(metavar="SEAM", help="What it is to bring, such as fitness; repeatable.")],
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default NAME.")] = None,
     json: Json = False,
 ) -> None:
     """Write a plugin of your own to start from: a small distribution that installs, works, and passes its tests."""

@@ -40,9 +40,7 @@ class Progress(Observer):
         from rich.console import Console
         from rich.live import Live
 
-        with Live(
-            console=Console(stderr=True), refresh_per_second=REFRESH, get_renderable=self._view
-        ) as shown:
+        with Live(console=Console(stderr=True), refresh_per_second=REFRESH, get_renderable=self._view) as shown:
             yield
             # The results take the place of the table. It stays if the search is interrupted, or not yet the end.
             shown.transient = not self._flies_finalists

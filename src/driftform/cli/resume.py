@@ -11,9 +11,7 @@ def resume(
     run: RunArgument,
     evaluations: Annotated[
         int | None,
-        typer.Option(
-            metavar="N", min=1, help="Total budget, including finished evaluations (default: unchanged)."
-        ),
+        typer.Option(metavar="N", min=1, help="Total budget, including finished evaluations (default: unchanged)."),
     ] = None,
     workers: Workers = None,
     executor: ExecutorName = None,

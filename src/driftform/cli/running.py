@@ -64,10 +64,7 @@ def show_results(
                     best.target: {
                         **best.result,
                         "distance": best.result["nominal"],
-                        **{
-                            key: best.result.get("robust", {}).get(key)
-                            for key in ("hit", "weighed", "baseline")
-                        },
+                        **{key: best.result.get("robust", {}).get(key) for key in ("hit", "weighed", "baseline")},
                         "robust": best.result.get("robust", {}),
                         "agent": str(best.agent),
                         "files": [str(path) for path in best.files],
@@ -113,10 +110,7 @@ def _describe_stop(run: "Run") -> str:
         evaluations, _ = run.count()
     except DriftformError as error:
         return f"stopped; {error}"
-    return (
-        f"stopped after {evaluations} of {run.study.evaluations} evaluations; "
-        f"resume with: {run.resume_command}"
-    )
+    return f"stopped after {evaluations} of {run.study.evaluations} evaluations; resume with: {run.resume_command}"
 
 
 def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:

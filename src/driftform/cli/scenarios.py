@@ -61,9 +61,7 @@ def check(
     file: StudyName,
     picture: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Draw the pipe with its targets, and with what is wrong, to an SVG file."
-        ),
+        typer.Option(metavar="FILE", help="Draw the pipe with its targets, and with what is wrong, to an SVG file."),
     ] = None,
     settings: Settings = None,
     json: Json = False,
@@ -106,9 +104,7 @@ def check(
     if json:
         print_json(found)
         return
-    verdict = (
-        f"is valid, with {len(warnings)} warning{'s' * (len(warnings) != 1)}" if warnings else "is sound"
-    )
+    verdict = f"is valid, with {len(warnings)} warning{'s' * (len(warnings) != 1)}" if warnings else "is sound"
     print_text(f"{file} {verdict}" + (f": {escape_controls(found['title'])}" if found["title"] else ""))
     targets = f"{len(scenario.targets)}: {', '.join(scenario.targets)}" if scenario.targets else "none"
     outlets = found["outlets"]

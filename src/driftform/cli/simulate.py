@@ -44,9 +44,7 @@ def simulate(
     still_at: StillAt = None,
     renderer: Renderer = "exudyn",
     robust: Robust = None,
-    seed: Annotated[
-        int, typer.Option(metavar="N", min=0, help="Seed of the disturbed conditions of --robust.")
-    ] = 0,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the disturbed conditions of --robust.")] = 0,
     style: Style = "screen",
     width_mm: WidthMm = None,
     settings: Settings = None,
@@ -67,9 +65,7 @@ def simulate(
     from driftform.util.progress import count_progress
 
     page = parse_page(style, width_mm)
-    design = open_agent(
-        agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
-    )
+    design = open_agent(agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics})
     if still is None and still_at is not None:
         raise InputError("--still-at is the moment of a still: give --still FILE too")
     _check_pictures(design, film, still, renderer)
@@ -244,9 +240,7 @@ def _print_misses(misses: "DisturbedFlights", flight: "Flight") -> None:
 def _describe_accuracy(trajectory: "Trajectory") -> str:
     """How far the flight can be trusted, in one line; what the simulator does not report is left out."""
     facts = [
-        "touches no wall"
-        if trajectory.contact is None
-        else f"first touches the wall after {trajectory.contact:.3f} s"
+        "touches no wall" if trajectory.contact is None else f"first touches the wall after {trajectory.contact:.3f} s"
     ]
     if trajectory.energy_drift is not None:
         facts.append(f"energy drifts by {trajectory.energy_drift:.1e} until then")

@@ -14,9 +14,7 @@ if TYPE_CHECKING:
 def watch(
     run: RunArgument,
     once: Annotated[bool, typer.Option("--once", help="Print the state of the run now, and end.")] = False,
-    interval: Annotated[
-        float, typer.Option(metavar="S", min=0.1, help="Time between two readings, s.")
-    ] = 1.0,
+    interval: Annotated[float, typer.Option(metavar="S", min=0.1, help="Time between two readings, s.")] = 1.0,
     json: Json = False,
 ) -> None:
     """Monitor a running run from another terminal (read-only), until it ends or Ctrl-C."""

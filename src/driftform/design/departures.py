@@ -29,8 +29,7 @@ def list_departures(agent: Agent, pipeline: Pipeline, designed: Agent, design: P
         lines.append("the wall's restitution or friction is not that of its design")
     if pipeline.hydrodynamics.options.drag != design.hydrodynamics.options.drag:
         lines.append(
-            f"drag is '{pipeline.hydrodynamics.options.drag}', "
-            f"and '{design.hydrodynamics.options.drag}' in its design"
+            f"drag is '{pipeline.hydrodynamics.options.drag}', and '{design.hydrodynamics.options.drag}' in its design"
         )
     mass, planned = agent.mass.mass, designed.mass.mass
     if abs(mass - planned) > WEIGHT:

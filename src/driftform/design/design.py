@@ -83,11 +83,7 @@ class Design:
         if scenario is not None:
             # The agent stays the same; only its surroundings change.
             other = load_study(scenario).document
-            made = {
-                seam: stored.environment[seam]
-                for seam in ("grammar", "builder")
-                if seam in stored.environment
-            }
+            made = {seam: stored.environment[seam] for seam in ("grammar", "builder") if seam in stored.environment}
             source = Document(scenario, {**other, **made})
         study = load_study(source, settings, use=use, run={"seed": 0})
         pipeline = study.make_pipeline()
@@ -221,9 +217,7 @@ class Design:
 
         ``[robustness]`` of its scenario says what varies.
         """
-        conditions = draw_conditions(
-            self.scenario.robustness, flights, (seed, flights), self.scenario.calibration
-        )
+        conditions = draw_conditions(self.scenario.robustness, flights, (seed, flights), self.scenario.calibration)
         offsets: list[FloatArray] = []
         outlets: list[str | None] = []
         failures: list[str | None] = []
@@ -268,9 +262,7 @@ class Design:
             return ""
         return f"{self.name} was simulated as a kit, whose parts weigh {1000 * hull_mass(body):.2f} g"
 
-    def export_files(
-        self, format: str, path: str | os.PathLike[str] | None = None
-    ) -> tuple[WrittenFile, ...]:
+    def export_files(self, format: str, path: str | os.PathLike[str] | None = None) -> tuple[WrittenFile, ...]:
         """Write it as :meth:`export` does, and return the files with their facts."""
         exporter = self.study.make_exporter(format)
         file = Path(f"{self.name}{exporter.suffix}" if path is None else path)

@@ -93,9 +93,7 @@ class Flight:
 
     def _repr_html_(self) -> str:
         rows = ((t, f"{self.fitness[t]:.2f}", f"{1000 * self.closest[t]:.1f}") for t in self.fitness)
-        return show_picture(self._repr_svg_(), repr(self)) + show_table(
-            ("target", "fitness %", "closest mm"), rows
-        )
+        return show_picture(self._repr_svg_(), repr(self)) + show_table(("target", "fitness %", "closest mm"), rows)
 
 
 @dataclass(frozen=True, eq=False)

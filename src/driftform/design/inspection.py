@@ -54,9 +54,7 @@ def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | Non
     return {
         "agent": name,
         "genome": write_genome(pipeline.grammar, agent.genome),
-        "modules": [
-            {"side": side, "length": m.length, "tilt_deg": float(np.rad2deg(m.tilt))} for side, m in sides
-        ],
+        "modules": [{"side": side, "length": m.length, "tilt_deg": float(np.rad2deg(m.tilt))} for side, m in sides],
         "length": body.length,
         "max_diameter": body.max_diameter,
         "mass": mass.mass,
@@ -115,9 +113,7 @@ def compare_added_mass(pipeline: Pipeline, agent: Agent, name: str) -> dict[str,
             try:
                 coefficients = model.coefficients(agent.body, pipeline.scenario.fluid)
             except (ValueError, ArithmeticError, RuntimeError) as error:
-                raise WorkFailedError(
-                    f"{name}: no added mass by '{row.name}': {describe_error(error)}"
-                ) from None
+                raise WorkFailedError(f"{name}: no added mass by '{row.name}': {describe_error(error)}") from None
             found[row.name] = added_mass_at(coefficients, agent.mass.cob)
     return found
 
@@ -139,9 +135,7 @@ def _terminal_speeds(agent: Agent, fluid: Fluid, net: float, pitch: float) -> di
     return {"along": along, "across": across}
 
 
-def _measure_sensitivity(
-    pipeline: Pipeline, agent: Agent, name: str, target: str | None
-) -> dict[str, Any] | None:
+def _measure_sensitivity(pipeline: Pipeline, agent: Agent, name: str, target: str | None) -> dict[str, Any] | None:
     """Errors, in percent, of the agent and of one whose hull is a gram lighter or heavier; ``None`` if unknown."""
     names = pipeline.scenario.target_names
     try:
@@ -171,9 +165,7 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
         time = math.sqrt(2 * scenario.pipe.layout.inlet.radius * heaving / abs(net))
         if time < 1.0:
             verb = "rises" if net > 0 else "sinks"
-            warnings.append(
-                f"level, it {verb} from the axis to the wall in {time:.2g} s: it is far from neutral"
-            )
+            warnings.append(f"level, it {verb} from the axis to the wall in {time:.2g} s: it is far from neutral")
     if lambda_max > LARGEST_LAGGED_RATIO:
         warnings.append(
             f"added mass up to {lambda_max:.1f} times its own: simulators that take it from the step before, "

@@ -36,9 +36,7 @@ def closed_outline(contour: FloatArray) -> FloatArray:
     return np.vstack([contour, contour[::-1] * (1.0, -1.0)])
 
 
-def draw_shading(
-    parent: ET.Element, body: Body, place: Placement, colour: str, below: float, bands: int = 12
-) -> None:
+def draw_shading(parent: ET.Element, body: Body, place: Placement, colour: str, below: float, bands: int = 12) -> None:
     """Fill the outside with bands that are lightest a third of the radius above the axis, like a lit cylinder.
 
     ``below`` is how far the bands reach below the axis, in radii: 0 stops at the axis, 1 fills the body.
@@ -61,9 +59,7 @@ def inner_joints(body: Body) -> FloatArray:
     return inner
 
 
-def draw_rims(
-    parent: ET.Element, body: Body, place: Placement, colour: str, width: float, below: float
-) -> None:
+def draw_rims(parent: ET.Element, body: Body, place: Placement, colour: str, width: float, below: float) -> None:
     """Draw the joints between modules as faint lines across the outside."""
     x = inner_joints(body)
     if len(x):

@@ -19,9 +19,7 @@ def dependence_svg(effects: Sequence[Effect], title: str, page: Page = SCREEN) -
     height = TOP + ROW * len(effects) + MARGIN
     longest = max((effect.deviation for effect in effects), default=0.0)
     rows = "; ".join(f"{effect.name}: {_format_length(effect.deviation)}" for effect in effects)
-    root = svg.start_document(
-        width, height, title, f"What the miss depends on. {rows}.", page=page, header=26
-    )
+    root = svg.start_document(width, height, title, f"What the miss depends on. {rows}.", page=page, header=26)
     if not page.is_paper:
         write(root, MARGIN, 22, shorten(title, 14, width - 2 * MARGIN, bold=True), 14, bold=True)
     write(root, MARGIN, 40, "standard deviation of the closest approach by each cause", 11, MUTED)

@@ -154,9 +154,7 @@ def _draw_view(
         size = max(body.length, body.max_diameter) * magnification * window.px_per_m
         for t in _choose_times(trajectory, seen, size):
             pale = (tint(BLUE, 0.22), INK, ORANGE)
-            corners = draw_silhouette(
-                root, window, body, interpolate_pose(trajectory, t), magnification, pale
-            )
+            corners = draw_silhouette(root, window, body, interpolate_pose(trajectory, t), magnification, pale)
             ink.append(resample_polyline(corners, 4))
     x, y = seen[0]
     svg.add_circle(root, x, y, 4.5, "#ffffff", BLUE, 2, class_="start")

@@ -70,9 +70,7 @@ def arrange_rows(flights: Sequence[GalleryEntry], page: Page = SCREEN) -> tuple[
         # A short last row is aligned to the left, in cells as wide as those above.
         spare = (inner - sum(widths)) / len(row) if len(row) == columns else 0.0
         tallest = max(group[0].agent.body.max_diameter for group, _ in row) * low
-        rows.append(
-            Row([(g, c, w + spare) for (g, c), w in zip(row, widths, strict=True)], tallest, tallest + 66)
-        )
+        rows.append(Row([(g, c, w + spare) for (g, c), w in zip(row, widths, strict=True)], tallest, tallest + 66))
     return rows, low
 
 
@@ -91,9 +89,7 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float,
         for group, colour, cell in row.cells:
             x += cell / 2
             body = group[0].agent.body
-            _draw_body(
-                root, body, colour, Placement.centre_body(body, x, top + 12 + row.tallest / 2, px_per_m)
-            )
+            _draw_body(root, body, colour, Placement.centre_body(body, x, top + 12 + row.tallest / 2, px_per_m))
             base = top + row.tallest + 36
             error = ", ".join(f"{flight.value:.2f}" for flight in group) + f" {group[0].unit}"
             error = shorten(error, 12, cell - 12)

@@ -147,9 +147,7 @@ def place_labels(
         free[index] = np.nan
         area = widths[index] * height
         costs = _overlap_areas(boxes, free).sum(axis=1)
-        costs += 10 * (
-            area - _overlap_areas(boxes, np.array([[page.left, page.top, page.right, page.bottom]]))[:, 0]
-        )
+        costs += 10 * (area - _overlap_areas(boxes, np.array([[page.left, page.top, page.right, page.bottom]]))[:, 0])
         best = np.inf
         for box, cost, gap in zip(boxes, costs.tolist(), np.repeat(_GAPS, len(_DIRECTIONS)), strict=True):
             # To count the ink takes most of the time, and only adds: skip a box that is too dear without it.

@@ -30,9 +30,7 @@ def pipe_svg(
     """
     layout, top = scenario.pipe.layout, 92.0
     windows: list[Window] = []
-    places = np.vstack(
-        [scenario.release_position()[None], scenario.target_array(), *(point for _, point in wrong)]
-    )
+    places = np.vstack([scenario.release_position()[None], scenario.target_array(), *(point for _, point in wrong)])
     for view in (SIDE,) if scenario.pipe.straight is not None else (SIDE, PLAN):
         shown = np.vstack([places, pipe_points(scenario.pipe, view)])
         windows.append(Window.around(view, shown, _LEFT, top, page.width - _LEFT - _RIGHT, _TALLEST, 26))
@@ -45,9 +43,7 @@ def pipe_svg(
         write(root, _LEFT, top - 18 + _LINE * number, line, 12, WRONG)
     outlets = {} if scenario.pipe.straight is not None else {o.name: o.opening.centre for o in layout.outlets}
     for window in windows:
-        write(
-            root, _LEFT, window.box.top - 10, {SIDE: "Side view", PLAN: "From above"}[window.view], 12, MUTED
-        )
+        write(root, _LEFT, window.box.top - 10, {SIDE: "Side view", PLAN: "From above"}[window.view], 12, MUTED)
         draw_scene(root, window, scenario)
         release, *targets = window.to_page(places)
         svg.add_circle(root, release[0], release[1], 4.5, "#ffffff", INK, 1.6)

@@ -145,9 +145,7 @@ def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
     for a, b, c, d in _segment_corners(window, pipe):
         for ends in ((a, b), (d, c)):
             data = svg.path_data(np.array(ends))
-            svg.add(
-                root, "path", class_="wall", d=data, stroke=WALL, stroke_width=2.5, stroke_linecap="square"
-            )
+            svg.add(root, "path", class_="wall", d=data, stroke=WALL, stroke_width=2.5, stroke_linecap="square")
         for ends in ((a, d), (b, c)):
             data = svg.path_data(np.array(ends))
             svg.add(root, "path", d=data, stroke=WALL, stroke_width=0.8, stroke_dasharray="3 4")
@@ -292,8 +290,7 @@ def draw_silhouette(
     size = window.px_per_m * magnification
     centre = window.to_page(pose.position[None])[0]
     polygons = [
-        centre + size * polygon * (1.0, -1.0)
-        for polygon in silhouette(body, pose.quaternion, window.view, 0.2 / size)
+        centre + size * polygon * (1.0, -1.0) for polygon in silhouette(body, pose.quaternion, window.view, 0.2 / size)
     ]
     data = "".join(svg.path_data(polygon, closed=True) for polygon in polygons)
     # The filling covers the inner strokes, so that only the outline of the union remains.

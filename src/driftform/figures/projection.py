@@ -90,9 +90,7 @@ def simplify_polyline(points: FloatArray, tolerance: float) -> FloatArray:
     return points[find_corners(len(points), measure, tolerance)]
 
 
-def find_corners(
-    count: int, measure: Callable[[int, int], FloatArray], tolerance: float
-) -> npt.NDArray[np.bool_]:
+def find_corners(count: int, measure: Callable[[int, int], FloatArray], tolerance: float) -> npt.NDArray[np.bool_]:
     """Return which of ``count`` points a line must keep to stay within ``tolerance`` of the others.
 
     ``measure`` returns the squares of the distances of the points between two from the line that joins these. The

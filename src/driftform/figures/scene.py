@@ -56,9 +56,7 @@ def scene_data(scenario: Scenario, paths: Sequence[FloatArray] = ()) -> dict[str
         ],
         "streams": [_round(path, 4) for path in trace_streams(scenario)],
         "chords": [{"start": _round(a), "end": _round(b), "radius": r} for a, b, r in chords],
-        "targets": [
-            {"name": name, "position": list(point)} for name, point in scenario.target_points().items()
-        ],
+        "targets": [{"name": name, "position": list(point)} for name, point in scenario.target_points().items()],
         "water": scenario.fluid.water_level,
         "centre": _round((low + high) / 2),
         "extent": [_round(low[:2] - radius), _round(high[:2] + radius)],

@@ -103,9 +103,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
         write(root, MARGIN, 32, shorten(title or "Section", 17, width - 2 * MARGIN, bold=True), 17, bold=True)
         write(root, MARGIN, 52, facts, 12, MUTED)
     surface = (
-        None
-        if rest is None or rest.height is None
-        else find_surface(rest.pitch, rest.height, body, place, _AROUND)
+        None if rest is None or rest.height is None else find_surface(rest.pitch, rest.height, body, place, _AROUND)
     )
     if surface is not None:
         svg.add(root, "path", class_="water", d=svg.path_data(surface.wet, closed=True), fill=tint(BLUE, 0.1))
@@ -142,9 +140,7 @@ def _choose_ratio(body: Body) -> Ratio:
 
 def _describe_agent(agent: Agent) -> str:
     mass = agent.mass
-    modules = (
-        max(len(agent.body.joints) - 1, 0) if agent.morphology is None else len(agent.morphology.modules)
-    )
+    modules = max(len(agent.body.joints) - 1, 0) if agent.morphology is None else len(agent.morphology.modules)
     bare = "Bare core" if agent.body.core.radius > 0 else "No modules"
     count = {0: bare, 1: "1 module"}.get(modules, f"{modules} modules")
     density = f", mean density {mass.mass / mass.volume:.0f} kg/m³" if mass.volume > 0 else ""
@@ -158,11 +154,7 @@ def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]
         ("mass", f"{1000 * mass.mass:.1f} g"),
         ("hull", f"{1000 * hull_mass(body):.1f} g of {body.hull_density:.0f} kg/m³"),
         *([("core", f"{1000 * body.core.mass:.1f} g")] if body.core.radius > 0 else []),
-        *(
-            [("ballast", f"{1000 * body.ballast.volume * body.ballast_density:.2f} g")]
-            if body.ballast.volume
-            else []
-        ),
+        *([("ballast", f"{1000 * body.ballast.volume * body.ballast_density:.2f} g")] if body.ballast.volume else []),
         ("volume", f"{1e6 * mass.volume:.1f} cm³"),
     ]
     if scenario is not None:
@@ -195,8 +187,7 @@ def _plot_cut(body: Body, place: Placement) -> dict[str, Any]:
         "ballast": ballast,
         "core": body.core.radius * place.px_per_m,
         "capsule": [
-            place.to_page(np.array(body.core.contour or np.zeros((0, 2))) * (1.0, side))
-            for side in (1.0, -1.0)
+            place.to_page(np.array(body.core.contour or np.zeros((0, 2))) * (1.0, side)) for side in (1.0, -1.0)
         ],
         "outline": place.to_page(closed_outline(body.outer)),
     }
@@ -208,14 +199,10 @@ def hatch(polygons: list[FloatArray], spacing: float) -> FloatArray:
     The even-odd rule decides what is inside. An SVG pattern would do the same, but needs an id.
     """
     root = np.sqrt(0.5)
-    turned = [
-        np.column_stack([(p[:, 0] + p[:, 1]) * root, (p[:, 1] - p[:, 0]) * root]) for p in polygons if len(p)
-    ]
+    turned = [np.column_stack([(p[:, 0] + p[:, 1]) * root, (p[:, 1] - p[:, 0]) * root]) for p in polygons if len(p)]
     starts = np.vstack(turned)
     ends = np.vstack([np.roll(p, -1, axis=0) for p in turned])
-    lines = (
-        np.arange(np.ceil(starts[:, 0].min() / spacing), np.floor(starts[:, 0].max() / spacing) + 1) * spacing
-    )
+    lines = np.arange(np.ceil(starts[:, 0].min() / spacing), np.floor(starts[:, 0].max() / spacing) + 1) * spacing
     # Half-open intervals, so that a line through a corner meets only one of its two edges.
     line, edge = np.nonzero((starts[:, 0] <= lines[:, None]) != (ends[:, 0] <= lines[:, None]))
     a, b, u = starts[edge], ends[edge], lines[line]

@@ -63,10 +63,7 @@ def _trace(pipe: Pipe, flow: tuple[float, ...], fittings: bytes) -> list[FloatAr
 
     def velocity(points: FloatArray) -> FloatArray:
         return np.array(
-            [
-                water_motion((x, y, z), 0.0, no_pipe, current, AT_A_POINT, parts)[0]
-                for x, y, z in points.tolist()
-            ]
+            [water_motion((x, y, z), 0.0, no_pipe, current, AT_A_POINT, parts)[0] for x, y, z in points.tolist()]
         )
 
     inlet = pipe.layout.inlet

@@ -135,9 +135,7 @@ def add_circle(
 ) -> None:
     """Append a circle about a point; without ``stroke`` it has no edge, otherwise one ``width`` px wide."""
     wide = width if stroke else ""
-    add(
-        parent, "circle", "", class_=class_, cx=x, cy=y, r=radius, fill=fill, stroke=stroke, stroke_width=wide
-    )
+    add(parent, "circle", "", class_=class_, cx=x, cy=y, r=radius, fill=fill, stroke=stroke, stroke_width=wide)
 
 
 def path_data(points: npt.ArrayLike, closed: bool = False) -> str:

@@ -45,9 +45,7 @@ def closest_approach(trajectory: Trajectory, points: FloatArray) -> tuple[FloatA
         times[:] = trajectory.t[0]
     else:
         velocity = world_velocity(trajectory)
-        _find_closest(
-            trajectory.t, trajectory.position, velocity, np.array(points, order="C"), distances, times
-        )
+        _find_closest(trajectory.t, trajectory.position, velocity, np.array(points, order="C"), distances, times)
     return distances, times
 
 

@@ -51,9 +51,7 @@ SHEAR_LIFT = 0.5
 """Lift coefficient, on the volume, of a sphere in weakly sheared inviscid flow (Auton, J. Fluid Mech. 183, 1987)."""
 
 
-def estimate_drag(
-    body: Body, viscosity: float, wake_factor: float = 1.0, without: Collection[str] = ()
-) -> Drag:
+def estimate_drag(body: Body, viscosity: float, wake_factor: float = 1.0, without: Collection[str] = ()) -> Drag:
     """Return the drag of a body in water of kinematic ``viscosity``, m2/s.
 
     Between a sphericity of :data:`SLENDER` and 1, the drag changes linearly from that of a slender body to a sphere's.
@@ -67,11 +65,7 @@ def estimate_drag(
     slender, radius = 1 - sphere, body.max_diameter / 2
     strips = shape.strips
     aspect = body.length**2 / float(strips[:, 1] @ strips[:, 2])
-    finite = (
-        1.0
-        if "ends" in without
-        else finite_length_factor(aspect) * end_shape_factor(shape.sphericity, aspect)
-    )
+    finite = 1.0 if "ends" in without else finite_length_factor(aspect) * end_shape_factor(shape.sphericity, aspect)
     # Blunt ends have the pressure drag that the form factor adds to friction.
     smooth = max(0.0, 1 - (shape.end_ahead + shape.end_astern) / (2 * BLUNT * math.pi * radius**2))
     lift = 0.0 if "wake" in without else slender * wake_factor
@@ -79,9 +73,7 @@ def estimate_drag(
     bore = "bore" not in without
     return Drag(
         np.column_stack([strips, np.full(len(strips), slender * finite)]),
-        friction_area=slender
-        * shape.rubbed
-        * (1 + (form_factor(body.max_diameter / body.length) - 1) * smooth),
+        friction_area=slender * shape.rubbed * (1 + (form_factor(body.max_diameter / body.length) - 1) * smooth),
         length=body.length,
         ahead=slender * shape.end_ahead,
         astern=slender * shape.end_astern,
@@ -169,9 +161,7 @@ def _end_area(contour: FloatArray, rubbed: float, viscosity: float) -> float:
     radius = float(r.max())
     frontal = math.pi * radius**2
     widest = np.flatnonzero(r > (1 - 1e-9) * radius)
-    nose = nose_coefficient(
-        _shoulder_angle(contour[widest[-1] :]), float(x[widest[-1]] - x[0]) / (2 * radius)
-    )
+    nose = nose_coefficient(_shoulder_angle(contour[widest[-1] :]), float(x[widest[-1]] - x[0]) / (2 * radius))
     length = float(x.max() - x.min())
     friction = friction_coefficient(REFERENCE_SPEED * length / viscosity) * rubbed / frontal
     base = base_coefficient(separation_point(contour)[1] / radius, friction)

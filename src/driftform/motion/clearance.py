@@ -29,9 +29,7 @@ def wall_clearances(trajectory: Trajectory, scenario: Scenario, agent: Agent) ->
     if pipe.is_open:
         return np.full(len(trajectory.t), np.inf)
     body, walls = agent.body, wall_array(pipe)
-    surfaces = (
-        touching_surfaces(body) if pipe.straight is not None else refined_surfaces(body, body.length / RIMS)
-    )
+    surfaces = touching_surfaces(body) if pipe.straight is not None else refined_surfaces(body, body.length / RIMS)
     x, rim, dome, low, high = (surfaces[:, k, None] for k in range(5))
     rotation = matrix_from_quaternion(trajectory.quaternion)[:, None]
     axis = rotation[..., 0]

@@ -42,9 +42,7 @@ rim (x, r) that touches, m; of a dome, its centre."""
 
 
 @compiled
-def is_far_from_wall(
-    position: Vector, reach: float, pipe: FloatArray, fittings: FloatArray | None = None
-) -> bool:
+def is_far_from_wall(position: Vector, reach: float, pipe: FloatArray, fittings: FloatArray | None = None) -> bool:
     """Return True if nothing within ``reach`` (m) of ``position`` can touch a wall; ``fittings`` replace ``pipe``."""
     if fittings is not None:
         return is_far_in_fittings(position, reach, fittings)
@@ -182,9 +180,7 @@ def bristle_force(sliding: Vector, normal: Vector, most: float, k: int, model: F
     ``sliding`` is the velocity along the wall, m/s; see :func:`wall_wrench`.
     """
     bent, mass = (model.bristles[k, 0], model.bristles[k, 1], model.bristles[k, 2]), model.surfaces[k, 6]
-    trial = scale(
-        mass * model.numbers[0].law.frequency, add(sliding, subtract(bent, scale(dot(normal, bent), normal)))
-    )
+    trial = scale(mass * model.numbers[0].law.frequency, add(sliding, subtract(bent, scale(dot(normal, bent), normal))))
     size = math.sqrt(dot(trial, trial))
     force = trial if size <= most else scale(most / size, trial)
     for j in range(3):

@@ -85,9 +85,7 @@ def _find_cuts(cubic: Cubic, counts: tuple[int, int, int], cuts: FloatArray) -> 
         one, two = _turning_points(b[k], 2.0 * c[k], 3.0 * d[k])
         for low, high in ((0.0, one), (one, two), (two, 1.0)):
             if low < high:
-                first, last = _crossed_sides(
-                    _coordinate(cubic, k, low), _coordinate(cubic, k, high), counts[k]
-                )
+                first, last = _crossed_sides(_coordinate(cubic, k, low), _coordinate(cubic, k, high), counts[k])
                 for side in range(first, last + 1):
                     u = _locate_side(cubic, k, float(side), low, high)
                     place = found

@@ -23,9 +23,7 @@ SLOWEST = 1e-150
 
 
 @compiled
-def strip_drag(
-    moving: Vector, omega: Vector, shear: Vector, middle: float, water: Vector, strip: FloatArray
-) -> Vector:
+def strip_drag(moving: Vector, omega: Vector, shear: Vector, middle: float, water: Vector, strip: FloatArray) -> Vector:
     """Return the force on one strip, N, in body axes; its component along the axis is zero.
 
     Args:
@@ -133,9 +131,7 @@ def shear_lift(moving: Vector, curl: Vector, mass: float) -> Vector:
     return scale(mass, cross(curl, moving))
 
 
-def still_water_wrench(
-    drag: Drag, moving: Vector, omega: Vector, density: float, viscosity: float
-) -> FloatArray:
+def still_water_wrench(drag: Drag, moving: Vector, omega: Vector, density: float, viscosity: float) -> FloatArray:
     """Return force (N) and torque (N m) about the body's origin of a motion through still, open water, (6,).
 
     ``moving`` is the velocity of the origin (m/s), ``omega`` the angular velocity (rad/s), both in body axes.

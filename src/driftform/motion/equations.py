@@ -160,9 +160,7 @@ def water_motion_at_cob(
     place = add(position, to_world(R, centre))
     spread = (body_axis(R), n.spread_across, n.spread_along)
     mean, gradient, rate = water_motion(place, t, model.pipe, model.flow, spread, model.fittings)
-    gust, change, along = gust_at(
-        place, mean, model.pipe, model.flow, model.gusts, model.eddies, model.fittings
-    )
+    gust, change, along = gust_at(place, mean, model.pipe, model.flow, model.gusts, model.eddies, model.fittings)
     speed, rate = add(mean, gust), add(rate, change)
     # The velocity of the path along which the water's velocity changes: the water's own, or the body's.
     path = speed
@@ -193,9 +191,7 @@ def wrench_in_water(
     lift, displaced = scale(n.displaced_mass * n.gravity, R[2]), n.displaced_mass
     wrench = (ZERO, ZERO)
     if n.water_level < np.inf:
-        wrench, volume, x = buoyancy(
-            position[2], R, centre, n.water_level, n.density * n.gravity, model.slices
-        )
+        wrench, volume, x = buoyancy(position[2], R, centre, n.water_level, n.density * n.gravity, model.slices)
         centre, lift, displaced = (x, centre[1], centre[2]), ZERO, n.density * volume
     lift = add(lift, scale(displaced * n.has_pressure_gradient, pull))
     wrench = add_wrenches(wrench, add_wrenches(force_wrench(cog, weight), force_wrench(centre, lift)))

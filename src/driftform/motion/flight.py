@@ -36,9 +36,7 @@ def _water_velocity(point: Vector, model: FlightModel) -> tuple[float, ...]:
     """Return the water's velocity (m/s, world frame) at the release."""
     if model.numbers[0]["is_steady"] == 0.0:
         mean = water_motion(point, 0.0, model.pipe, model.flow, AT_A_POINT, model.fittings)[0]
-        return add(
-            mean, gust_at(point, mean, model.pipe, model.flow, model.gusts, model.eddies, model.fittings)[0]
-        )
+        return add(mean, gust_at(point, mean, model.pipe, model.flow, model.gusts, model.eddies, model.fittings)[0])
     # The same in uniform water, whose kernel need not be compiled then. Adding zero turns -0 into 0, as the kernel does.
     return tuple((model.numbers[0]["current"] + 0.0).tolist())
 
@@ -56,16 +54,10 @@ def is_finite(values: FloatArray) -> bool:
 def has_left_pipe(position: Vector, pipe: FloatArray, fittings: FloatArray | None = None) -> bool:
     """Return True if the body's origin is past an outlet, or more than a radius upstream of the inlet."""
     if fittings is not None:
-        return (
-            distance_past_outlet(position, pipe, fittings) >= 0.0
-            or distance_upstream(position, fittings) > 0.0
-        )
+        return distance_past_outlet(position, pipe, fittings) >= 0.0 or distance_upstream(position, fittings) > 0.0
     if pipe.shape[0] == 0:
         return False
-    return (
-        distance_past_outlet(position, pipe, fittings) >= 0.0
-        or _distance_along(position, pipe[0]) < -pipe[0, 7]
-    )
+    return distance_past_outlet(position, pipe, fittings) >= 0.0 or _distance_along(position, pipe[0]) < -pipe[0, 7]
 
 
 @compiled
@@ -111,9 +103,7 @@ def finish_trajectory(
     """
     samples, values, k = np.ascontiguousarray(samples), pack(model), len(samples)
     filled = np.empty(k), np.empty((k, 3)), np.empty((k, 4)), np.empty((k, 6))
-    count, broken, left, past, touched, time = _finish(
-        samples, values, model.fittings, *filled, np.empty((2, SAMPLE))
-    )
+    count, broken, left, past, touched, time = _finish(samples, values, model.fittings, *filled, np.empty((2, SAMPLE)))
     t, position, quaternion, velocity = (field if count == k else field[:count].copy() for field in filled)
     for field in (t, position, quaternion, velocity):
         field.setflags(write=False)
@@ -140,9 +130,7 @@ def finish_trajectory(
     drift = None
     if touched and _conserves_energy(model):
         drift = _energy_drift(samples, values, touched)
-    return Trajectory(
-        t, position, quaternion, velocity, end, contact=contact, energy_drift=drift, error=error
-    )
+    return Trajectory(t, position, quaternion, velocity, end, contact=contact, energy_drift=drift, error=error)
 
 
 def _count_agreeing(samples: FloatArray, other: FloatArray, accepted: float) -> int:

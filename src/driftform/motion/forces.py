@@ -42,9 +42,7 @@ def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario
     )
     for k, (t, position, quaternion, v, omega) in enumerate(rows):
         R = rotation_from_quaternion(*quaternion.tolist())
-        a, alpha = accelerations(
-            float(t), tuple(position.tolist()), R, tuple(v.tolist()), tuple(omega.tolist()), model
-        )
+        a, alpha = accelerations(float(t), tuple(position.tolist()), R, tuple(v.tolist()), tuple(omega.tolist()), model)
         out[k] = (*a, *alpha)
         touching[k] = len(model.bristles) > 0 and deepest_depth(tuple(position.tolist()), R, model) > 0.0
     if touching.any() and len(touching) > 1:

@@ -47,9 +47,7 @@ LUBRICATION = 35.0
 """-St ln(e / e_dry), Legendre et al. (2006)."""
 
 
-def contact_law(
-    inverse: FloatArray, frequency: float, restitution: float, viscosity: float, radius: float
-) -> Records:
+def contact_law(inverse: FloatArray, frequency: float, restitution: float, viscosity: float, radius: float) -> Records:
     """Return the law of the contacts of a body: one record of :data:`driftform.motion.fields.LAW`, (1,).
 
     Args:
@@ -80,16 +78,10 @@ def spring(s: float, x: float, r: float, depth: float, law: np.record) -> tuple[
     c, arm = math.sqrt(max(0.0, 1.0 - s * s)), r / smoothed_sine(s)
     along = x - arm * s
     lever, change = along * c, -along * s - arm
-    mobility = (
-        s * s * law.axial + c * c * law.lateral + lever * lever * law.turning + 2.0 * c * lever * law.coupling
-    )
+    mobility = s * s * law.axial + c * c * law.lateral + lever * lever * law.turning + 2.0 * c * lever * law.coupling
     if not mobility > 0.0:
         return math.inf, 0.0, 0.0, 0.0
-    slope = (
-        s * c * (law.axial - law.lateral)
-        + lever * change * law.turning
-        + (c * change - s * lever) * law.coupling
-    )
+    slope = s * c * (law.axial - law.lateral) + lever * change * law.turning + (c * change - s * lever) * law.coupling
     mass = 1.0 / mobility
     stiffness, square = mass * law.frequency * law.frequency, depth * depth
     if depth < DEEPEST:

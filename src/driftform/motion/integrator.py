@@ -167,9 +167,7 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
         return 0.0 if last_a == last_b else math.inf
     end = min(a[last_a, 0], b[last_b, 0])
     # They may end up to a step apart, past the outlet.
-    if max(a[last_a, 0], b[last_b, 0]) - end > max(
-        a[last_a, 0] - a[last_a - 1, 0], b[last_b, 0] - b[last_b - 1, 0]
-    ):
+    if max(a[last_a, 0], b[last_b, 0]) - end > max(a[last_a, 0] - a[last_a - 1, 0], b[last_b, 0] - b[last_b - 1, 0]):
         return math.inf
     greatest = 0.0
     k = 0

@@ -48,9 +48,7 @@ def interpolate_turns(trajectory: Trajectory, t: FloatArray) -> tuple[FloatArray
     (Chirikjian, Stochastic Models, Information Theory, and Lie Groups, volume 2, 2012).
     """
     if len(trajectory.t) == 1:
-        return np.repeat(trajectory.quaternion, len(t), axis=0), np.repeat(
-            trajectory.velocity[:, 3:], len(t), axis=0
-        )
+        return np.repeat(trajectory.quaternion, len(t), axis=0), np.repeat(trajectory.velocity[:, 3:], len(t), axis=0)
     i, step, u = locate_stretches(trajectory.t, t)
     first, omega = trajectory.quaternion[i], trajectory.velocity[:, 3:]
     gap = _multiply(first * [1, -1, -1, -1], trajectory.quaternion[i + 1])

@@ -222,11 +222,7 @@ def _take_steps(
         t = horizon if horizon - t <= h * (1.0 + 1e-12) else t + h
         copy(new, y)
         copy(slopes[1 if implicit else pair.b.shape[0]], slopes[0])
-        settled = (
-            implicit
-            and settles
-            and _is_settled(y, slopes[0], (horizon - t) / tolerance, places, angles, model)
-        )
+        settled = implicit and settles and _is_settled(y, slopes[0], (horizon - t) / tolerance, places, angles, model)
         # Gustafsson's controller uses the step before as well, and so rejects few steps.
         now = math.log(max(error, 1e-8))
         h *= min(5.0, max(0.2, 0.9 * math.exp((0.4 * earlier - 0.7 * now) / power)))

@@ -93,9 +93,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     n["water_level"] = np.inf if fluid.water_level is None else fluid.water_level
     n["current"] = current
     # Water that a pipe with parts does not guide, as it is given from outside, is the same everywhere.
-    n["is_steady"] = (
-        flow[0] == UNIFORM and flow[ACCELERATION] == 0.0 and (fittings is None or flow[SPEED] == 0.0)
-    )
+    n["is_steady"] = flow[0] == UNIFORM and flow[ACCELERATION] == 0.0 and (fittings is None or flow[SPEED] == 0.0)
     n["has_pressure_gradient"] = fluid.flow_force == "full"
     n["axial"] = drag.friction_area, drag.length, drag.ahead, drag.astern
     n["tails"] = *drag.wake_ahead, *drag.wake_astern

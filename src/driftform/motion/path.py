@@ -25,9 +25,7 @@ def hermite_coefficients(t: FloatArray, position: FloatArray, velocity: FloatArr
     return np.stack([p, m, 3 * (q - p) - 2 * m - n, 2 * (p - q) + m + n], axis=1)
 
 
-def locate_stretches(
-    samples: FloatArray, times: FloatArray
-) -> tuple[npt.NDArray[np.intp], FloatArray, FloatArray]:
+def locate_stretches(samples: FloatArray, times: FloatArray) -> tuple[npt.NDArray[np.intp], FloatArray, FloatArray]:
     """Return the stretch between two ``samples`` (s, (k,)) that each of ``times`` (s, (n,)) lies in.
 
     Returns:

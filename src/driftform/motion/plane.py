@@ -110,9 +110,7 @@ def _fill_drag(model: FlightModel) -> None:
     x, diameter, width, factor = model.strips.T
     p["creeping"] = n["creeping"] * ([2 * half * viscosity] * 3 + [1.0])
     whole, friction = half * factor * diameter * width, CROSSFLOW_FRICTION * n["rubbing"]
-    p["strips"] = np.column_stack(
-        [x, CROSSFLOW_PLATEAU * whole, friction * whole * np.sqrt(viscosity / diameter)]
-    )
+    p["strips"] = np.column_stack([x, CROSSFLOW_PLATEAU * whole, friction * whole * np.sqrt(viscosity / diameter)])
 
 
 @compiled
@@ -248,9 +246,7 @@ def press_in_plane(
 
 
 @compiled
-def depth_in_plane(
-    surfaces: FloatArray, k: int, s: float, share: float, gap: float
-) -> tuple[float, float, float]:
+def depth_in_plane(surfaces: FloatArray, k: int, s: float, share: float, gap: float) -> tuple[float, float, float]:
     """Return the depth (m) of a surface in the wall, negative if it is clear, and the rim (x, r) that touches, m.
 
     Of a dome, that is its centre. ``s`` and ``gap`` are those of :func:`press_in_plane`, ``share`` is (1 - s^2) over the
@@ -274,9 +270,7 @@ def _stream(off: float, n_a: float, n: np.record) -> tuple[float, float]:
 
 
 @compiled
-def _drag(
-    u: float, v: float, q: float, shear: float, curl: float, n: np.record
-) -> tuple[float, float, float]:
+def _drag(u: float, v: float, q: float, shear: float, curl: float, n: np.record) -> tuple[float, float, float]:
     """Return the forces (N) along x and z of the body and the moment (N m) of drag and lift.
 
     The same as :func:`driftform.motion.equations.drag_wrench` with shear lift, of motion in the plane: ``u``, ``v`` are

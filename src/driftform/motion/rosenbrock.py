@@ -202,9 +202,7 @@ def _factorise(rate: float, count: int, work: WorkSpace) -> None:
 
 
 @compiled
-def _solve(
-    rate: float, y: FloatArray, u: FloatArray, count: int, omega: float, eddies: int, work: WorkSpace
-) -> None:
+def _solve(rate: float, y: FloatArray, u: FloatArray, count: int, omega: float, eddies: int, work: WorkSpace) -> None:
     """Replace the right-hand side ``u`` of the equations of a stage by their solution; gusts have ``eddies`` states."""
     z, pose, places, step = work.unknowns, work.pose, work.places, 1.0 / rate
     v = pose.shape[0]

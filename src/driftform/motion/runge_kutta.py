@@ -51,9 +51,7 @@ def normalise(y: FloatArray, in_space: bool | None) -> None:
 
 
 @compiled
-def squared_error(
-    weights: FloatArray, slopes: FloatArray, y: FloatArray, new: FloatArray, tolerance: float
-) -> float:
+def squared_error(weights: FloatArray, slopes: FloatArray, y: FloatArray, new: FloatArray, tolerance: float) -> float:
     """Return the mean over all coordinates of ((weighted sum of slopes) / (tolerance (1 + |value|)))^2."""
     total = 0.0
     for j in range(y.shape[0]):

@@ -14,9 +14,7 @@ _ASTERN: Vector = (-1.0, 0.0, 0.0)
 _ACROSS: Vector = (0.0, 0.0, 1.0)
 
 
-def terminal_speeds(
-    drag: Drag, net: float, fore_first: bool, density: float, viscosity: float
-) -> tuple[float, float]:
+def terminal_speeds(drag: Drag, net: float, fore_first: bool, density: float, viscosity: float) -> tuple[float, float]:
     """Return the terminal speeds (m/s) along the axis and across it, in still water.
 
     Args:

@@ -106,9 +106,7 @@ def _farthest_distances(pipe: Pipe, targets: tuple[Vector, ...]) -> FloatArray:
     for target in targets:
         firsts, rests = _ways_to(pipe, target)
         ways = zip(walls, firsts, rests, strict=True)
-        farthest.append(
-            max(float(np.linalg.norm(wall - first, axis=1).max()) + rest for wall, first, rest in ways)
-        )
+        farthest.append(max(float(np.linalg.norm(wall - first, axis=1).max()) + rest for wall, first, rest in ways))
     return np.array(farthest)
 
 
@@ -135,9 +133,7 @@ def _ways_to(pipe: Pipe, target: Vector) -> tuple[FloatArray, FloatArray]:
     return np.array([first for first, _ in ways]), np.array([rest for _, rest in ways])
 
 
-def _approach(
-    trajectory: Trajectory, pipe: Pipe, firsts: FloatArray, rests: FloatArray
-) -> tuple[float, float]:
+def _approach(trajectory: Trajectory, pipe: Pipe, firsts: FloatArray, rests: FloatArray) -> tuple[float, float]:
     samples = trajectory.t
     if len(samples) == 1:
         times = samples

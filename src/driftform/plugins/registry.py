@@ -94,9 +94,7 @@ class Registry:
                     classes = _check_classes(implementation.function(), SEAMS[seam])
                 except (Exception, SystemExit) as error:
                     rows.append(
-                        Contribution(
-                            seam, short, distribution, version, f"unavailable: {describe_error(error)}"
-                        )
+                        Contribution(seam, short, distribution, version, f"unavailable: {describe_error(error)}")
                     )
                     continue
                 rows.extend(Contribution(seam, c.name, distribution, version, "ok", c) for c in classes)
@@ -178,9 +176,7 @@ def registry() -> Registry:
 
 def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plugin[Any]]]:
     if not isinstance(returned, type | list | tuple):
-        raise TypeError(
-            f"the hook returned a {type(returned).__name__}, expected a class or a list of classes"
-        )
+        raise TypeError(f"the hook returned a {type(returned).__name__}, expected a class or a list of classes")
     classes = [returned] if isinstance(returned, type) else list(returned)
     if not classes:
         raise TypeError("the hook returned no class")

@@ -99,10 +99,7 @@ def require_candidates(
         if candidate.target not in ("", *targets):
             what = f"a candidate for target {_show(candidate.target)}"
             raise _refuse(plugin, "ask", what, f"one of {', '.join(targets)}, or an empty text")
-        if (
-            not all(0 <= parent < first for parent in candidate.parents)
-            or not 0 <= candidate.generation < 2**63
-        ):
+        if not all(0 <= parent < first for parent in candidate.parents) or not 0 <= candidate.generation < 2**63:
             what = f"a candidate of generation {candidate.generation} with parents {_show(candidate.parents)}"
             raise _refuse(plugin, "ask", what, f"evaluations before number {first}, and a generation from 0")
         threshold = candidate.threshold
@@ -205,9 +202,7 @@ def require_file(file: object, plugin: Plugin[Any], method: str) -> WrittenFile:
     """
     found = require(file, WrittenFile, plugin, method)
     if not isinstance(found.path, str) or not Path(found.path).exists():
-        raise _refuse(
-            plugin, method, f"a WrittenFile of {_show(found.path)}", "the path of what it wrote, as text"
-        )
+        raise _refuse(plugin, method, f"a WrittenFile of {_show(found.path)}", "the path of what it wrote, as text")
     if not isinstance(found.facts, dict):
         raise _refuse(plugin, method, f"a WrittenFile with facts = {_show(found.facts)}", "a dict")
     return found
@@ -241,12 +236,9 @@ def require_facts(facts: object, inspector: Plugin[Any]) -> dict[str, Any]:
             raise _refuse(inspector, "describe", f"a fact named {_show(name)}", "a name")
         for item in value if isinstance(value, list | tuple | np.ndarray) else [value]:
             if not isinstance(item, str | bool | int | float | np.generic | None):
-                raise _refuse(
-                    inspector, "describe", f"{name} = {_show(item)}", "numbers, texts and lists of them"
-                )
+                raise _refuse(inspector, "describe", f"{name} = {_show(item)}", "numbers, texts and lists of them")
     return {
-        name: value.tolist() if isinstance(value, np.ndarray | np.generic) else value
-        for name, value in found.items()
+        name: value.tolist() if isinstance(value, np.ndarray | np.generic) else value for name, value in found.items()
     }
 
 
@@ -286,11 +278,7 @@ def _are_numbers(values: object, count: int, least: float, most: float) -> bool:
         array = np.asarray(values)
     except Exception:
         return False
-    return (
-        array.dtype.kind in "iuf"
-        and array.shape == (count,)
-        and bool(((array >= least) & (array <= most)).all())
-    )
+    return array.dtype.kind in "iuf" and array.shape == (count,) and bool(((array >= least) & (array <= most)).all())
 
 
 def _count_numbers(count: int) -> str:

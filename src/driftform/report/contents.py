@@ -108,14 +108,10 @@ def collect_contents(run: Run, page: Page = SCREEN) -> Contents:
                     one.trajectory,
                 )
             )
-        promises = {
-            target: one.misses for target, one in zip(targets, best, strict=True) if one.misses is not None
-        }
+        promises = {target: one.misses for target, one in zip(targets, best, strict=True) if one.misses is not None}
         figures = {
             "Flights and bodies": draw_overview(study, best, page),
-            "Search": trend_svg(
-                _read_trends(store, targets), "Best fitness so far", _strategy_name(study), page=page
-            ),
+            "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study), page=page),
             "Reach": reach_svg(map_run(study, store), scenario, study.title, page),
         }
         strips = [
@@ -125,9 +121,7 @@ def collect_contents(run: Run, page: Page = SCREEN) -> Contents:
         ]
         if strips:
             count = study.scenario.robustness.checks
-            subtitle = (
-                f"{count} flights of each best agent under disturbed conditions that the choice never saw."
-            )
+            subtitle = f"{count} flights of each best agent under disturbed conditions that the choice never saw."
             figures["Robustness"] = strip_svg(strips, "Misses under disturbed conditions", subtitle, page)
         return Contents(
             run.name,

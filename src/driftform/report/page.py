@@ -57,13 +57,9 @@ def write_figures(run: Run, folder: Path | None, page: style.Page) -> tuple[Path
     for [entry, *_] in contents.agents:
         drawn[f"section-{entry.target}"] = section_svg(entry.agent, entry.target, contents.scenario, page)
         body = entry.agent.body
-        drawn[f"flight-{entry.target}"] = flight_svg(
-            entry.trajectory, contents.scenario, entry.target, body, page
-        )
+        drawn[f"flight-{entry.target}"] = flight_svg(entry.trajectory, contents.scenario, entry.target, body, page)
     return tuple(
-        path
-        for name, picture in drawn.items()
-        for path in write_picture(folder / f"{name}.svg", picture, page)
+        path for name, picture in drawn.items() for path in write_picture(folder / f"{name}.svg", picture, page)
     )
 
 
@@ -72,9 +68,7 @@ def page_html(contents: Contents) -> str:
     import tomli_w
     from jinja2 import Environment, StrictUndefined
 
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"fixed": _format_fixed, "general": _format_general, "metres": _format_length}
     # The viewer reads tens of thousands of numbers; spaces between them would make the page larger.
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}

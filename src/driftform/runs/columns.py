@@ -59,7 +59,5 @@ SAMPLE_COLUMNS = (
 
 def evaluation_columns(targets: Sequence[str]) -> tuple[Column, ...]:
     """Return the columns of the evaluations, with a fitness for each target."""
-    fitness = (
-        Column(f"fitness_{t}", "float", "%", f"for {t}; 0 where the evaluation failed") for t in targets
-    )
+    fitness = (Column(f"fitness_{t}", "float", "%", f"for {t}; 0 where the evaluation failed") for t in targets)
     return (*_OUTCOME, *BODY_COLUMNS, *fitness)

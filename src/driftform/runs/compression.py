@@ -76,17 +76,13 @@ def encode(trajectory: Trajectory) -> bytes:
     """
     from driftform.motion.resampling import thin_samples
 
-    samples = thin_samples(
-        trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, SAMPLE_GAP
-    )
+    samples = thin_samples(trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, SAMPLE_GAP)
     if samples.nbytes > LARGEST_FLIGHT:
         raise ValueError(f"a flight of {trajectory.t[-1]:g} s has more samples than a run can hold")
     is_stored = np.array(samples.view(np.uint32).any(axis=1))
     # The times are always stored, and say how many samples there are.
     is_stored[0] = True
-    planes = np.ascontiguousarray(
-        samples[is_stored].astype("<f4", copy=False).view(np.uint8).reshape(-1, 4).T
-    )
+    planes = np.ascontiguousarray(samples[is_stored].astype("<f4", copy=False).view(np.uint8).reshape(-1, 4).T)
     bits = int(np.packbits(is_stored, bitorder="little").view("<u2")[0])
     header = _HEADER.pack(bits, samples.shape[1], zlib.adler32(planes.data))
     packer = zlib.compressobj(level=1, strategy=zlib.Z_RLE)

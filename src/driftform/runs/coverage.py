@@ -108,9 +108,7 @@ class PipeGrid:
     def centres(self) -> FloatArray:
         """Return the centres of all cells on the map, m, (cells, 2): upward first, then along."""
         column, row = np.divmod(np.arange(self.cell_count), self.shape[1])
-        return np.column_stack(
-            [(column + 0.5) * self.size[0], (row + 0.5 - self.shape[1] / 2) * self.size[1]]
-        )
+        return np.column_stack([(column + 0.5) * self.size[0], (row + 0.5 - self.shape[1] / 2) * self.size[1]])
 
     def cell_of(self, points: FloatArray) -> IntArray:
         """Return the cell that contains each world point (n, 3), or -1, (n,)."""
@@ -208,9 +206,7 @@ class UnrolledGrid(PipeGrid):
             start = self.starts[index] + np.zeros(len(along))
             if on_branch.any():
                 branch = next(
-                    k
-                    for k, placed in enumerate(self.layout.parts)
-                    if placed.by_branch and placed.upstream == index
+                    k for k, placed in enumerate(self.layout.parts) if placed.by_branch and placed.upstream == index
                 )
                 start[on_branch] = self.starts[branch]
             off = points[here] - foot

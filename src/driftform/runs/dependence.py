@@ -34,8 +34,7 @@ class Quantity:
 
 
 QUANTITIES = tuple(
-    Quantity(**row)
-    for row in tomllib.loads(Path(__file__).with_name("quantities.toml").read_text("utf-8"))["quantity"]
+    Quantity(**row) for row in tomllib.loads(Path(__file__).with_name("quantities.toml").read_text("utf-8"))["quantity"]
 )
 """The disturbed quantities; what none of them explains is due to gusts, and to effects that are not linear."""
 
@@ -71,8 +70,7 @@ def divide_spread(conditions: Sequence[Condition], offsets: FloatArray) -> list[
     if sound.sum() < MIN_FLIGHTS:
         return None
     columns = [
-        np.array([quantity.read(c) for c in conditions]).reshape(len(conditions), -1)[sound]
-        for quantity in QUANTITIES
+        np.array([quantity.read(c) for c in conditions]).reshape(len(conditions), -1)[sound] for quantity in QUANTITIES
     ]
     offsets = offsets[sound] - offsets[sound].mean(axis=0)
     deviations = np.hstack(columns)

@@ -53,9 +53,7 @@ def lock_run(directory: Path) -> Iterator[None]:
     try:
         lock.acquire(timeout=LOCK_TIMEOUT_S, poll_interval=LOCK_TIMEOUT_S / 10)
     except Timeout:
-        raise InputError(
-            f"{directory}: another driftform process is working on this run; wait for it to end"
-        ) from None
+        raise InputError(f"{directory}: another driftform process is working on this run; wait for it to end") from None
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to: {error.strerror}") from None
     try:

@@ -70,12 +70,10 @@ class RunMonitor:
         status = self.status
         if self.state == FINISHED:
             return (
-                f"finished: {status.done} evaluations ({status.failed} failed), "
-                f"best agents in {self.directory}/best/"
+                f"finished: {status.done} evaluations ({status.failed} failed), best agents in {self.directory}/best/"
             )
         return (
-            f"stopped after {status.done} of {status.budget} evaluations; "
-            f"resume with: {resume_command(self.directory)}"
+            f"stopped after {status.done} of {status.budget} evaluations; resume with: {resume_command(self.directory)}"
         )
 
     def document(self) -> dict[str, Any]:

@@ -107,9 +107,7 @@ class RunStatus:
         """The first of the commonest kind of failure, and how many there are; ``("", 0)`` without failures."""
         return self._reasons.commonest
 
-    def add(
-        self, index: int, generation: int, population: str, failure: str | None, fitness: Sequence[float]
-    ) -> None:
+    def add(self, index: int, generation: int, population: str, failure: str | None, fitness: Sequence[float]) -> None:
         """Count one evaluation; ``population`` is the target that its population works for, ``""`` for all."""
         failed = failure is not None
         self.done += 1

@@ -51,9 +51,7 @@ def _normalise(statement: str) -> str:
     return " ".join(re.sub(r"--[^\n]*", "", statement).split())
 
 
-_TABLES = {
-    statement.split()[2]: _normalise(statement) for statement in _SCHEMA.split(";\n") if statement.strip()
-}
+_TABLES = {statement.split()[2]: _normalise(statement) for statement in _SCHEMA.split(";\n") if statement.strip()}
 """The statement that made each table."""
 
 _HEADER = 100
@@ -173,9 +171,7 @@ class Store:
         if not path.is_file():
             raise InputError(f"{path}: no such file; a run directory holds one")
         if path.stat().st_size < _HEADER:
-            raise InputError(
-                f"{path}: is empty or cut short: the run never began, or its data is lost; {_NEXT_STEP}"
-            )
+            raise InputError(f"{path}: is empty or cut short: the run never began, or its data is lost; {_NEXT_STEP}")
         connection = _connect(path, read_only)
         try:
             application = connection.execute("PRAGMA application_id").fetchone()[0]
@@ -237,9 +233,7 @@ class Store:
         """Put another document in the place of the study's; when this returns it survives a crash."""
         try:
             with self._writing():
-                self._connection.execute(
-                    "UPDATE meta SET value = ? WHERE key = 'study'", (json.dumps(study),)
-                )
+                self._connection.execute("UPDATE meta SET value = ? WHERE key = 'study'", (json.dumps(study),))
         except sqlite3.Error as error:
             raise WorkFailedError(f"{self._path}: the study cannot be written: {error}") from None
 
@@ -297,18 +291,14 @@ class Store:
                 for record in records:
                     try:
                         self._connection.execute(_INSERT, _row(record))
-                        self._connection.executemany(
-                            "INSERT INTO score VALUES (?, ?, ?)", _scores(record, targets)
-                        )
+                        self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", _scores(record, targets))
                     except sqlite3.Error as error:
                         raise WorkFailedError(
                             f"{self._path}: evaluation {record.index} {_UNWRITTEN.format(error)}"
                         ) from None
         except sqlite3.Error as error:
             first, last = records[0].index, records[-1].index
-            raise WorkFailedError(
-                f"{self._path}: evaluations {first} to {last} {_UNWRITTEN.format(error)}"
-            ) from None
+            raise WorkFailedError(f"{self._path}: evaluations {first} to {last} {_UNWRITTEN.format(error)}") from None
 
     def add_disturbed(self, flights: Sequence[DisturbedResult], targets: Sequence[str]) -> None:
         """Write what flights under disturbed conditions scored, all or none.
@@ -321,9 +311,7 @@ class Store:
             (flight.evaluation, flight.condition, target, value, *offset, flight.failure)
             for flight in flights
             # SQLite stores NaN as NULL.
-            for target, value, offset in zip(
-                targets, flight.fitness.tolist(), flight.offsets.tolist(), strict=True
-            )
+            for target, value, offset in zip(targets, flight.fitness.tolist(), flight.offsets.tolist(), strict=True)
         ]
         try:
             with _transaction(self._connection):
@@ -336,14 +324,10 @@ class Store:
         with self._reading():
             return {
                 (check_integer(index, "an evaluation"), check_integer(condition, "a condition"))
-                for index, condition in self._connection.execute(
-                    "SELECT DISTINCT evaluation, condition FROM disturbed"
-                )
+                for index, condition in self._connection.execute("SELECT DISTINCT evaluation, condition FROM disturbed")
             }
 
-    def read_disturbed(
-        self, target: str, first: int = 0, end: int = MAX_INDEX
-    ) -> dict[int, dict[int, float]]:
+    def read_disturbed(self, target: str, first: int = 0, end: int = MAX_INDEX) -> dict[int, dict[int, float]]:
         """Return the fitness (%) of every disturbed flight, NaN if it failed: by evaluation, and by condition.
 
         Evaluations are those from ``first`` up to ``end``, exclusive.
@@ -367,9 +351,7 @@ class Store:
 
         It is the vector from the target to the closest approach, NaN for a failed flight.
         """
-        query = (
-            "SELECT condition, x, y, z FROM disturbed WHERE target = ? AND evaluation = ? ORDER BY condition"
-        )
+        query = "SELECT condition, x, y, z FROM disturbed WHERE target = ? AND evaluation = ? ORDER BY condition"
         with self._reading():
             rows = self._connection.execute(query, (target, evaluation)).fetchall()
             return {
@@ -402,9 +384,7 @@ class Store:
     def last_index(self) -> int:
         """The largest index of an evaluation, -1 before any; not each below it need be there yet."""
         with self._reading():
-            return check_integer(
-                self._scalar("SELECT COALESCE(MAX(id), -1) FROM evaluation"), "an evaluation", -1
-            )
+            return check_integer(self._scalar("SELECT COALESCE(MAX(id), -1) FROM evaluation"), "an evaluation", -1)
 
     def read_summaries(self, targets: Sequence[str], first: int = 0) -> Iterator[EvaluationSummary]:
         """Yield what is small of the evaluations from index ``first`` on, in their order, as of one moment."""
@@ -534,9 +514,7 @@ class Store:
             check_integer(generation, "a generation"),
             check_text(population, "a population"),
         )
-        return Record(
-            check_integer(index, "an evaluation"), candidate, evaluation, check_integer(seed, "a seed")
-        )
+        return Record(check_integer(index, "an evaluation"), candidate, evaluation, check_integer(seed, "a seed"))
 
 
 def _check_fitness(value: object) -> float:

@@ -53,10 +53,7 @@ def write_parquet(path: Path, columns: Sequence[Column], batches: Iterable[Batch
         "integers": pyarrow.list_(pyarrow.int64()),
     }
     schema = pyarrow.schema(
-        [
-            pyarrow.field(c.name, kinds[c.kind], metadata={"unit": c.unit, "meaning": c.meaning})
-            for c in columns
-        ]
+        [pyarrow.field(c.name, kinds[c.kind], metadata={"unit": c.unit, "meaning": c.meaning}) for c in columns]
     )
     rows = 0
     with parquet.ParquetWriter(path, schema, compression="zstd") as writer:
@@ -89,9 +86,7 @@ def write_trajectory(path: Path, trajectory: Trajectory) -> None:
         with part.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(FLIGHT_COLUMNS)
-            rows = zip(
-                trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True
-            )
+            rows = zip(trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True)
             writer.writerows([f"{v:.7g}" for v in (t, *p, *q, *u)] for t, p, q, u in rows)
 
     write_whole(path, write)

@@ -163,9 +163,7 @@ def _describer(study: Study) -> Callable[[Record], tuple[Any, ...]]:
     return describe
 
 
-def _body_facts(
-    grammar: Grammar[Any], builder: PhenotypeBuilder[Any], fluid: Fluid, genome: Genome
-) -> tuple[Any, ...]:
+def _body_facts(grammar: Grammar[Any], builder: PhenotypeBuilder[Any], fluid: Fluid, genome: Genome) -> tuple[Any, ...]:
     try:
         morphology = replace(grammar.express(genome), tuning=genome.tuning)
         body = builder.build(morphology)
@@ -204,7 +202,6 @@ def _join(flights: Sequence[tuple[int, npt.NDArray[np.float32]]]) -> Batch:
 def describe_tables(tables: Mapping[str, Sequence[Column]], facts: Mapping[str, Any]) -> str:
     """What the columns of some tables mean, with ``facts`` of where they come from, as JSON."""
     columns = {
-        name: {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns}
-        for name, columns in tables.items()
+        name: {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns} for name, columns in tables.items()
     }
     return json.dumps({**facts, "tables": columns}, indent=1) + "\n"

@@ -101,8 +101,7 @@ def describe_worth(results: Mapping[str, Result]) -> str:
         name
         for name, result in results.items()
         if is_promised(result)
-        and None
-        not in (mine := result["robust"]["weighed"]["p90"], nothing := result["robust"]["baseline"]["p90"])
+        and None not in (mine := result["robust"]["weighed"]["p90"], nothing := result["robust"]["baseline"]["p90"])
         and mine > (1 - WORTH) * nothing
     ]
     if not idle:

@@ -76,9 +76,7 @@ def make_names(name: str, seam: str) -> Names:
     if keyword.iskeyword(package) or package in sys.stdlib_module_names or util.find_spec(package):
         raise InputError(f"a module '{package}' already exists; did you mean 'driftform-{distribution}'?")
     if hasattr(interfaces, names.class_name) or hasattr(interfaces, names.options_name):
-        raise InputError(
-            f"'{name}' would give a class with the name of a class of driftform; choose another name"
-        )
+        raise InputError(f"'{name}' would give a class with the name of a class of driftform; choose another name")
     for row in registry().seam(seam) if seam in SEAMS else ():
         if row.name == plugin:
             raise InputError(

@@ -79,13 +79,9 @@ def finish_run(run: Run, executor: Executor, observer: Observer) -> list[Best]:
             store.check_place()
             raise
         if not any(best.problems for best in found):
-            files = {
-                best.target: [path.relative_to(run.path).as_posix() for path in best.files] for best in found
-            }
+            files = {best.target: [path.relative_to(run.path).as_posix() for path in best.files] for best in found}
             results = {best.target: best.result for best in found}
-            store.mark_ended(
-                {"versions": find_versions(run.study.document), "files": files, "results": results}
-            )
+            store.mark_ended({"versions": find_versions(run.study.document), "files": files, "results": results})
         return found
 
 

@@ -279,9 +279,7 @@ def _import_distributed(option: str) -> Any:
 
 
 def _make_missing_error(option: str, error: ImportError) -> InputError:
-    return InputError(
-        f"{option} needs Dask ({error}): uv sync --extra dask, or pip install 'driftform[dask]'"
-    )
+    return InputError(f"{option} needs Dask ({error}): uv sync --extra dask, or pip install 'driftform[dask]'")
 
 
 async def _identify(distributed: Any, address: str) -> str:
@@ -309,9 +307,7 @@ _one_at_a_time = threading.Lock()
 """A worker may have many threads, and a simulator need not be thread-safe."""
 
 
-def _work(
-    study: bytes, expected: Mapping[str, str], batch: Sequence[Job], timeout: float, topic: str
-) -> list[Outcome]:
+def _work(study: bytes, expected: Mapping[str, str], batch: Sequence[Job], timeout: float, topic: str) -> list[Outcome]:
     from distributed import get_worker
 
     with _one_at_a_time, keep_directory():

@@ -47,9 +47,7 @@ def fly_finalists(
     if not scores:
         return
     fitness = study.make_plugin("fitness")
-    reaching = np.column_stack(
-        [_find_reaching(fitness, store.read_fitness(t, list(scores))) for t in targets]
-    )
+    reaching = np.column_stack([_find_reaching(fitness, store.read_fitness(t, list(scores))) for t in targets])
     rows = choose_finalists(np.array(list(scores.values())), robustness.finalists, reaching)
     finalists = {list(scores)[row]: reaching[row] for row in rows}
     conditions = draw_rounds(study)
@@ -79,9 +77,7 @@ def choose_finalists(fitness: FloatArray, count: int, eligible: BoolArray) -> li
     """
     # With a stable sort the earlier of equal values is chosen.
     best = np.argsort(-np.where(eligible, fitness, -np.inf), axis=0, kind="stable")[:count]
-    return sorted(
-        {row for column, may in zip(best.T, eligible.T, strict=True) for row in column[may[column]].tolist()}
-    )
+    return sorted({row for column, may in zip(best.T, eligible.T, strict=True) for row in column[may[column]].tolist()})
 
 
 def _race(

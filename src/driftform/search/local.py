@@ -41,8 +41,7 @@ class LocalProcesses(PoolExecutor):
             while len(results) < len(functions):
                 missing = [index for index in range(len(functions)) if index not in results]
                 started = [
-                    (index, process.start(functions[index]))
-                    for process, index in zip(cycle(processes), missing)
+                    (index, process.start(functions[index])) for process, index in zip(cycle(processes), missing)
                 ]
                 for index, future in started:
                     try:

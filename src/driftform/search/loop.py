@@ -93,9 +93,7 @@ def run_search(
         at_end.callback(journal.write)
         while told < study.evaluations:
             # The order of these calls depends on no time: with any workers, and after an interruption, it is the same.
-            while asked < study.evaluations and (
-                not batches or (len(batches) <= AHEAD and strategy.can_ask_ahead())
-            ):
+            while asked < study.evaluations and (not batches or (len(batches) <= AHEAD and strategy.can_ask_ahead())):
                 batch = _ask(study, strategy, asked)
                 if asked < stored:
                     for record in store.read_records(targets, asked, len(batch.candidates)):

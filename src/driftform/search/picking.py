@@ -42,9 +42,7 @@ def pick_agent(run: Run, point: Vector) -> StoredAgent:
     return StoredAgent(name, genome, run.study.environment(found.evaluation), result)
 
 
-def _check_closest(
-    run: Run, store: Store, passes: Sequence[ClosestPass], point: Vector
-) -> ClosestPass | None:
+def _check_closest(run: Run, store: Store, passes: Sequence[ClosestPass], point: Vector) -> ClosestPass | None:
     """Return the closest of some passes, in ascending order, after unchecked ones that seem closer are flown again."""
     pipeline: Pipeline | None = None
     waiting, closest = deque(passes), None
@@ -110,8 +108,6 @@ def check_point(point: Vector, scenario: Scenario) -> None:
 def _describe_way(pipe: Pipe) -> str:
     segment = pipe.straight
     if segment is not None:
-        return (
-            f"which leads from {list(segment.start)} to {list(segment.end)} with radius {segment.radius:g} m"
-        )
+        return f"which leads from {list(segment.start)} to {list(segment.end)} with radius {segment.radius:g} m"
     names = [placed.name for placed in pipe.layout.parts]
     return f"whose parts are {', '.join(names)}"

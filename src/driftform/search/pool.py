@@ -147,8 +147,7 @@ class WorkerGroup(ABC):
                 self._start([self._suspects.popleft()], is_suspect=True)
             return False
         has_room = (
-            not (self._runs_suspect and self._running)
-            and len(self._running) < TASKS_PER_PROCESS * self.processes
+            not (self._runs_suspect and self._running) and len(self._running) < TASKS_PER_PROCESS * self.processes
         )
         if has_room and self._returned:
             self._start(self._returned.popleft(), is_suspect=False)
@@ -173,9 +172,7 @@ class WorkerGroup(ABC):
                 self.renew()
                 error = WorkerDiedError(Death(Cause.CRASH, "it answered what it was not asked"))
             if error is None:
-                found += [
-                    (job, evaluation) for job, (_, evaluation) in zip(batch, future.result(), strict=True)
-                ]
+                found += [(job, evaluation) for job, (_, evaluation) in zip(batch, future.result(), strict=True)]
                 self._deaths.clear()
                 self._failed_starts = 0
             elif (death := self.find_death(error)) is None:
@@ -227,9 +224,7 @@ class WorkerGroup(ABC):
 
 def is_answer(batch: Sequence[Job], outcomes: Sequence[Outcome]) -> bool:
     """Return whether outcomes are those of the jobs, in their order."""
-    return [(index, evaluation.genome) for index, evaluation in outcomes] == [
-        (job.index, job.genome) for job in batch
-    ]
+    return [(index, evaluation.genome) for index, evaluation in outcomes] == [(job.index, job.genome) for job in batch]
 
 
 class PoolExecutor(ABC):

@@ -72,9 +72,7 @@ class Survey:
         for stage in self._stages:
             pairs = [(first + number, condition) for number in alive for condition in range(flown, stage)]
             # The error of an unchecked flight is far below the differences that decide.
-            fly_disturbed(
-                self._study, store, executor, self._conditions, pairs, threshold=(inf,) * len(targets)
-            )
+            fly_disturbed(self._study, store, executor, self._conditions, pairs, threshold=(inf,) * len(targets))
             flights = read_flights(store, targets, stage, first, first + len(candidates))
             for number in alive:
                 mean = _mean_fitness(evaluations[number].fitness, flights[first + number])
@@ -94,9 +92,7 @@ def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:
     """
     targets, count = study.scenario.target_names, count_survey(study.scenario.robustness)
     undisturbed = {
-        brief.index: np.array(brief.fitness)
-        for brief in store.read_summaries(targets)
-        if brief.failure is None
+        brief.index: np.array(brief.fitness) for brief in store.read_summaries(targets) if brief.failure is None
     }
     surveyed = read_flights(store, targets, count, 0, store.last_index() + 1) if count else {}
     if surveyed:
@@ -110,9 +106,7 @@ def _mean_fitness(undisturbed: FloatArray, disturbed: FloatArray) -> FloatArray:
     return np.asarray(np.nanmean(flights, axis=0) if np.isnan(disturbed).any() else flights.mean(axis=0))
 
 
-def read_flights(
-    store: Store, targets: Sequence[str], count: int, first: int, end: int
-) -> dict[int, FloatArray]:
+def read_flights(store: Store, targets: Sequence[str], count: int, first: int, end: int) -> dict[int, FloatArray]:
     """Return the fitness of the first ``count`` disturbed flights, (count, targets), of evaluations that have all."""
     columns = [store.read_disturbed(target, first, end) for target in targets]
     return {

@@ -68,6 +68,5 @@ def _interpolate_inverse(points: Sequence[tuple[float, float]]) -> float:
     if len(set(heights)) < len(nearest):
         return nan
     return sum(
-        root * prod(other / (other - height) for other in heights if other != height)
-        for root, height in nearest
+        root * prod(other / (other - height) for other in heights if other != height) for root, height in nearest
     )

@@ -123,20 +123,14 @@ class _Advice:
         for segment in (self.scenario.pipe.straight,):
             if segment is None or level is None:
                 continue
-            axis = np.subtract(segment.end, segment.start) / np.linalg.norm(
-                np.subtract(segment.end, segment.start)
-            )
+            axis = np.subtract(segment.end, segment.start) / np.linalg.norm(np.subtract(segment.end, segment.start))
             top = max(segment.start[2], segment.end[2]) + segment.radius * float(np.hypot(axis[0], axis[1]))
             if level > top:
                 yield (
                     f"fluid.water_level = {level:g} m is above the whole pipe, whose top is at z {top:g} m: "
                     "leave it out for a full pipe"
                 )
-        heights = {
-            name: point[2] - level
-            for name, point in self.scenario.target_points().items()
-            if level is not None
-        }
+        heights = {name: point[2] - level for name, point in self.scenario.target_points().items() if level is not None}
         dry = {name: height for name, height in heights.items() if height > NEGLIGIBLE}
         if dry:
             yield (
@@ -215,9 +209,7 @@ class _Advice:
         scenario = self.scenario
         horizon, axis = scenario.flight.horizon, scenario.direction()
         low, high = self._find_drift(horizon)
-        off = {
-            name: float((np.array(p) - self._start) @ axis) for name, p in scenario.target_points().items()
-        }
+        off = {name: float((np.array(p) - self._start) @ axis) for name, p in scenario.target_points().items()}
         # A body is as long as the way to a target that counts as near.
         reach = 0.1
         upstream = {name: s for name, s in off.items() if s < low - reach}
@@ -366,9 +358,7 @@ class _Advice:
         reasons = [found for found in self._random_agents if isinstance(found, str)]
         if len(reasons) > SAMPLE // 4:
             reason, count = find_commonest(reasons)
-            yield (
-                f"{len(reasons)} of {SAMPLE} random agents cannot be released, {count} of them like this: {reason}"
-            )
+            yield (f"{len(reasons)} of {SAMPLE} random agents cannot be released, {count} of them like this: {reason}")
 
 
 def _find_time(drift: Callable[[float], tuple[float, float]], distance: float) -> float | None:

@@ -43,16 +43,13 @@ def format_errors(
             hint = did_you_mean(str(path[-1]), table.model_fields if table else ())
             # A key that is not misspelt may belong to another kind.
             kind = "" if "did you mean" in hint else _describe_kind(table)
-            lines.append(
-                f"{locate_key(layers, path)}: unknown key '{path[-1]}'{_name_table(path[:-1])}{kind}{hint}"
-            )
+            lines.append(f"{locate_key(layers, path)}: unknown key '{path[-1]}'{_name_table(path[:-1])}{kind}{hint}")
         elif item["type"] == "missing" and isinstance(names[-1], str):
             lines.append(f"{locate_key(layers, path)}: '{names[-1]}' is missing{_name_table(names[:-1])}")
         elif item["type"] in ("value_error", "assertion_error"):
             message = " ".join(str(item["ctx"]["error"]).split())
             message = (
-                message
-                or f"{_name_table(path).removeprefix(' in ')} is refused by its plugin, which gives no reason"
+                message or f"{_name_table(path).removeprefix(' in ')} is refused by its plugin, which gives no reason"
             )
             lines.append(f"{locate_key(layers, _find_key(message, path, document))}: {message}")
         elif item["type"] == "union_tag_invalid":
@@ -64,14 +61,10 @@ def format_errors(
                 f"unknown {path[-1]}{did_you_mean(item['ctx']['tag'], members)}"
             )
         else:
-            wrong.setdefault(path, {})[item["type"]] = _describe_expected(item) + _name_unit(
-                item, table, keys
-            )
+            wrong.setdefault(path, {})[item["type"]] = _describe_expected(item) + _name_unit(item, table, keys)
     for path, messages in wrong.items():
         key, value = join_path(path), find_value(document, path)
-        lines.append(
-            f"{locate_key(layers, path)}: {key} = {_show_value(value)}: {', or '.join(messages.values())}"
-        )
+        lines.append(f"{locate_key(layers, path)}: {key} = {_show_value(value)}: {', or '.join(messages.values())}")
     return lines
 
 

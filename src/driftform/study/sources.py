@@ -207,9 +207,7 @@ def say_in_python(function: Callable[P, T]) -> Callable[P, T]:
 def _name_argument(line: object) -> str:
     text = re.sub(r"^--set (.*?): ", r"settings: '\1': ", str(line))
     text = re.sub(r"^--(target|calibration) (.*?): ", r"\1: '\2': ", text)
-    return re.sub(
-        r"^--(\w+): ", lambda found: f"{'use' if found[1] in SEAMS else 'run'}['{found[1]}']: ", text
-    )
+    return re.sub(r"^--(\w+): ", lambda found: f"{'use' if found[1] in SEAMS else 'run'}['{found[1]}']: ", text)
 
 
 def merge_source(below: Mapping[str, Any], source: Source) -> dict[str, Any]:

@@ -171,9 +171,7 @@ class Study:
                 does not accept it.
         """
         if not self.scenario.targets:
-            raise InputError(
-                f"{self.name}: has no [targets]; add at least one, such as leak = [4.0, 0.0, -0.9]"
-            )
+            raise InputError(f"{self.name}: has no [targets]; add at least one, such as leak = [4.0, 0.0, -0.9]")
         grammar: Grammar[Any] = self.make_plugin("grammar")
         genome = None
         with suppress(Exception):
@@ -250,9 +248,7 @@ class Study:
         from driftform.util.notebook import show_table
 
         plugins = [(seam, self.document[seam]["use"]) for seam in SELECTED if seam in self.document]
-        targets = [
-            (name, *(f"{c:g}" for c in point)) for name, point in self.scenario.target_points().items()
-        ]
+        targets = [(name, *(f"{c:g}" for c in point)) for name, point in self.scenario.target_points().items()]
         return show_table(("step", "plugin"), plugins, repr(self)[1:-1]) + show_table(
             ("target", "x m", "y m", "z m"), targets
         )
@@ -361,9 +357,7 @@ def _check_document(
             errors.append(f"{locate_key(layers, (key,))}: {_describe_no_table(key, document[key])}")
     for key in ("title", "description"):
         if not isinstance(document.get(key, ""), str):
-            errors.append(
-                f"{locate_key(layers, (key,))}: {key} = {document[key]!r}: should be text in quotes"
-            )
+            errors.append(f"{locate_key(layers, (key,))}: {key} = {document[key]!r}: should be text in quotes")
     if errors:
         raise InputError(*errors)
 

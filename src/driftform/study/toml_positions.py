@@ -82,9 +82,7 @@ def find_key_lines(text: str) -> dict[Path, int]:
 
     def note(path: Path) -> None:
         if len(path) > MAX_KEY_NAMES:
-            raise ValueError(
-                f"line {begin}: a key of {len(path)} names; no study has more than {MAX_KEY_NAMES}"
-            )
+            raise ValueError(f"line {begin}: a key of {len(path)} names; no study has more than {MAX_KEY_NAMES}")
         for end in range(1, len(path) + 1):
             lines.setdefault(path[:end], begin)
 

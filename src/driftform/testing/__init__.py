@@ -22,9 +22,7 @@ from pathlib import Path
 import pytest
 
 # By default pytest rewrites assertions in test files only, and would not show the values of a failed one here.
-pytest.register_assert_rewrite(
-    *(f"{__name__}.{path.stem}" for path in Path(__file__).parent.glob("[a-z]*.py"))
-)
+pytest.register_assert_rewrite(*(f"{__name__}.{path.stem}" for path in Path(__file__).parent.glob("[a-z]*.py")))
 
 from driftform.testing.builder import BuilderContract as BuilderContract  # noqa: E402
 from driftform.testing.checker import CheckerContract as CheckerContract  # noqa: E402

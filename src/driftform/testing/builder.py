@@ -40,9 +40,7 @@ MORPHOLOGIES: dict[str, Callable[[], Morphology]] = {
     "all aft": lambda: Morphology(aft=_run(12, -5)),
     "all narrowing": lambda: Morphology(fore=_run(20, -20), aft=_run(19, -20)),
     "all widening": lambda: Morphology(fore=_run(20, 20), aft=_run(19, 20)),
-    "zigzag": lambda: Morphology(
-        fore=(*_run(1, 20), *_run(1, -20)) * 5, aft=(*_run(1, -20), *_run(1, 20)) * 5
-    ),
+    "zigzag": lambda: Morphology(fore=(*_run(1, 20), *_run(1, -20)) * 5, aft=(*_run(1, -20), *_run(1, 20)) * 5),
     **{f"39 random modules ({seed})": partial(random_morphology, seed) for seed in range(6)},
 }
 

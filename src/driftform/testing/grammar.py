@@ -34,9 +34,7 @@ class GrammarContract(SeamContract[Grammar[Any]]):
         """Assert that a genome, which a method returned, belongs to the grammar, and return its morphology."""
         grammar = self.plugin()
         require_genome(genome, grammar, method)
-        assert all(type(symbol) is str for symbol in genome.symbols), (
-            "a symbol is of a class that derives from str"
-        )
+        assert all(type(symbol) is str for symbol in genome.symbols), "a symbol is of a class that derives from str"
         return require_morphology(grammar.express(genome), grammar)
 
     @pytest.mark.parametrize("seed", SEEDS)

@@ -63,9 +63,7 @@ class HydrodynamicsContract(SeamContract[Hydrodynamics[Any]]):
         """Compare two 6x6 matrices in units in which their blocks are of similar size; ``length`` is in m."""
         scale = np.array([1.0, 1.0, 1.0, length, length, length])
         unit = float(np.abs(expected / np.outer(scale, scale)).max())
-        np.testing.assert_allclose(
-            (actual - expected) / np.outer(scale, scale) / unit, 0, atol=self.tolerance
-        )
+        np.testing.assert_allclose((actual - expected) / np.outer(scale, scale) / unit, 0, atol=self.tolerance)
 
     @every_body
     def test_translation_in_any_direction_moves_water(self, kind: str) -> None:

@@ -24,9 +24,7 @@ class RecorderContract(JobContract[Recorder[Any]]):
         """Record a flight that drifts and pitches."""
         return plugin.write(self.export_job(), drifting_trajectory(), path)
 
-    def record(
-        self, folder: Path, trajectory: Trajectory | None = None, scenario: Scenario | None = None
-    ) -> Path:
+    def record(self, folder: Path, trajectory: Trajectory | None = None, scenario: Scenario | None = None) -> Path:
         """Record a trajectory, by default one that drifts and pitches; return the path of the file or the folder."""
         job, path, recorder = self.export_job(), self.path(folder), self.plugin()
         job = job if scenario is None else replace(job, scenario=scenario)

@@ -28,9 +28,7 @@ def read_film(path: Path) -> Frames:
 
     # Read a sequence of PPM images, because each begins with its size.
     command = [get_ffmpeg_exe(), "-v", "error", "-i", path, "-fps_mode", "passthrough"]
-    done = subprocess.run(
-        [*command, "-f", "image2pipe", "-c:v", "ppm", "-"], capture_output=True, check=False
-    )
+    done = subprocess.run([*command, "-f", "image2pipe", "-c:v", "ppm", "-"], capture_output=True, check=False)
     assert done.returncode == 0, done.stderr.decode(errors="replace")
     magic, size, depth, _ = done.stdout.split(b"\n", 3)
     assert (magic, depth) == (b"P6", b"255")

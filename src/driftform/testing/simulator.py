@@ -65,9 +65,7 @@ def water_scenario(
 
 
 NOT_FINITE: dict[str, Callable[[], Agent]] = {
-    "an added mass that is not a number": lambda: replace(
-        HEAVY, coefficients=Coefficients(np.full((6, 6), np.nan))
-    ),
+    "an added mass that is not a number": lambda: replace(HEAVY, coefficients=Coefficients(np.full((6, 6), np.nan))),
     "a centre of gravity that is not a number": lambda: replace(
         HEAVY, mass=replace(HEAVY.mass, cog=np.full(3, np.nan))
     ),
@@ -240,9 +238,7 @@ class PointSimulatorContract(SeamContract[Simulator[Any]]):
     @pytest.mark.parametrize("what", NOT_FINITE)
     def test_an_impossible_agent_gives_a_failed_flight_instead_of_an_exception(self, what: str) -> None:
         """The flight has failed, and its trajectory holds the finite samples: at least the release."""
-        trajectory = self.plugin().simulate(
-            NOT_FINITE[what](), water_scenario(1.0, speed=1.0, pipe=(9.0, 1.0))
-        )
+        trajectory = self.plugin().simulate(NOT_FINITE[what](), water_scenario(1.0, speed=1.0, pipe=(9.0, 1.0)))
         assert trajectory.end.failed
         assert len(trajectory.t) >= 1 and trajectory.t[0] == 0.0
         _assert_finite(trajectory)
@@ -346,9 +342,7 @@ class SimulatorContract(PointSimulatorContract):
         scenario = water_scenario(0.5)
         release = scenario.release.model_copy(update={"roll_deg": 90.0, "rates": (0.0, 0.0, 0.8)})
         trajectory = self.fly(NEUTRAL, scenario.model_copy(update={"release": release}))
-        np.testing.assert_allclose(
-            trajectory.velocity[:, 3:], [[0.0, 0.0, 0.8]] * len(trajectory.t), atol=1e-6
-        )
+        np.testing.assert_allclose(trajectory.velocity[:, 3:], [[0.0, 0.0, 0.8]] * len(trajectory.t), atol=1e-6)
         nose = matrix_from_quaternion(trajectory.quaternion[-1])[:, 0]
         np.testing.assert_allclose(nose, (math.cos(0.4), 0.0, math.sin(0.4)), atol=1e-5)
 
@@ -370,9 +364,7 @@ class SimulatorContract(PointSimulatorContract):
             # The energy of the first is conserved.
             assert (trajectory.energy_drift is None) == (known.energy_drift is None)
             assert (trajectory.energy_drift or 0.0) <= self.drift
-        assert trajectory.error is None or apart <= 3 * trajectory.error + 1e-6, (
-            "its estimated error is too small"
-        )
+        assert trajectory.error is None or apart <= 3 * trajectory.error + 1e-6, "its estimated error is too small"
         R, Q = (matrix_from_quaternion(flight.quaternion[-1]) for flight in (trajectory, known))
         np.testing.assert_allclose(R, Q, atol=10 * self.agreement + 10 * self.accuracy)
 

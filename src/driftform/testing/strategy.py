@@ -61,9 +61,7 @@ class StrategyContract(Contract):
     def ask(self, strategy: Strategy[Any], limit: int, first: int = 0) -> Sequence[Candidate]:
         """Return the next candidates of a strategy that has received ``first`` evaluations."""
         space = strategy.space
-        return require_candidates(
-            strategy.ask(limit), limit, strategy, space.grammar.name, space.targets, first
-        )
+        return require_candidates(strategy.ask(limit), limit, strategy, space.grammar.name, space.targets, first)
 
     def play(
         self,
@@ -84,9 +82,7 @@ class StrategyContract(Contract):
         batches: list[Sequence[Candidate]] = []
         told = turn = 0
         while told < budget:
-            while len(asked) < budget and (
-                not batches or (ahead and len(batches) == 1 and strategy.can_ask_ahead())
-            ):
+            while len(asked) < budget and (not batches or (ahead and len(batches) == 1 and strategy.can_ask_ahead())):
                 limit = min(limits[turn % len(limits)], budget - len(asked))
                 batches.append(self.ask(strategy, limit, told if not ahead else len(asked)))
                 asked += batches[-1]

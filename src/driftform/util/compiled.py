@@ -52,9 +52,7 @@ def _is_plain() -> bool:
         with suppress(OSError):
             result.write_text("fails" if fault else "works")
     if fault:
-        text = (
-            f"kernels are compiled by numba's own compiler, for slower flights with the same results: {fault}"
-        )
+        text = f"kernels are compiled by numba's own compiler, for slower flights with the same results: {fault}"
         print(text, file=sys.stderr, flush=True)
     return bool(fault)
 

@@ -281,17 +281,13 @@ def _require_no_arrays(overload: Any, borrows: bool) -> None:
         if isinstance(kernel, Dispatcher) and not getattr(kernel.dispatcher, "borrows", False):
             returned.append(signature.return_type)
     if any(types[kind].contains_nrt_meminfo() for kind in returned):
-        raise TypeError(
-            f"{overload.fndesc.qualname}: a kernel that returns or receives new arrays must be @allocating"
-        )
+        raise TypeError(f"{overload.fndesc.qualname}: a kernel that returns or receives new arrays must be @allocating")
 
 
 class _Entry(CPUDispatcher):
     """A kernel as Python calls it; kernels that call it are compiled with its part."""
 
-    def __init__(
-        self, function: Callable[..., Any], allocates: bool, borrows: bool, vectorizes: bool
-    ) -> None:
+    def __init__(self, function: Callable[..., Any], allocates: bool, borrows: bool, vectorizes: bool) -> None:
         super().__init__(
             function,
             targetoptions={**_OPTIONS, "_nrt": allocates},

@@ -65,9 +65,7 @@ def read_text(path: Path) -> str:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if len(data) > MOST_BYTES:
-        raise InputError(
-            f"{path}: is larger than {MOST_BYTES // 1_000_000} MB, the most that is read as text"
-        )
+        raise InputError(f"{path}: is larger than {MOST_BYTES // 1_000_000} MB, the most that is read as text")
     try:
         text = data.decode(find_encoding(data, final=True))
     except UnicodeDecodeError:
@@ -104,9 +102,7 @@ def _looks_chinese(data: bytes) -> bool:
     """Return whether bytes beyond ASCII come in pairs of GB 2312, and most are of its level 1."""
     runs = _HIGH_BYTES.findall(data)
     pairs = [run[k : k + 2] for run in runs for k in range(0, len(run) - 1, 2)]
-    fits = all(len(run) % 2 == 0 for run in runs) and all(
-        min(pair) >= 0xA1 and pair[0] <= 0xF7 for pair in pairs
-    )
+    fits = all(len(run) % 2 == 0 for run in runs) and all(min(pair) >= 0xA1 and pair[0] <= 0xF7 for pair in pairs)
     return fits and sum(0xB0 <= pair[0] <= 0xD7 for pair in pairs) > 0.7 * len(pairs)
 
 

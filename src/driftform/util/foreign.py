@@ -58,7 +58,9 @@ for limit, most in zip(limits, map(int, sys.argv[1:4])):
 os.execv(sys.argv[4], sys.argv[4:])
 """
 
-_ANSWER = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from driftform.util.foreign import _answer; _answer()"
+_ANSWER = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from driftform.util.foreign import _answer; _answer()"
+)
 
 _REPORTED = {kind.__name__: kind for kind in (InputError, WorkFailedError, ModuleNotFoundError, ValueError)}
 """Errors that cross from one process to the other."""
@@ -74,9 +76,7 @@ def require_module(module: str) -> None:
         raise ModuleNotFoundError(f"No module named '{module}'", name=module)
 
 
-def call_apart(
-    function: Callable[..., Any], *arguments: Any, seconds: float = SECONDS, memory: int = MEMORY
-) -> Any:
+def call_apart(function: Callable[..., Any], *arguments: Any, seconds: float = SECONDS, memory: int = MEMORY) -> Any:
     """Call a function in a process of its own, with limits, and return its answer: for parsers of files from anybody.
 
     Args:
@@ -134,9 +134,7 @@ def run_program(command: Sequence[str], folder: Path, seconds: float, memory: in
     return printed
 
 
-def _run(
-    command: list[str], folder: Path, seconds: float, memory: int, processor: int = -1
-) -> tuple[int | None, str]:
+def _run(command: list[str], folder: Path, seconds: float, memory: int, processor: int = -1) -> tuple[int | None, str]:
     """Run a command in a folder; return its exit code, ``None`` if it took too long, and what it printed.
 
     Limits are ``seconds`` of waiting, ``memory`` in bytes, and ``processor`` time in s, negative for any.

@@ -102,6 +102,4 @@ def _multiply_half(rows: FloatArray, a: Vector, b: Vector) -> Vector:
 
 @compiled
 def _multiply_row(row: FloatArray, a: Vector, b: Vector) -> float:
-    return float(
-        row[0] * a[0] + row[1] * a[1] + row[2] * a[2] + (row[3] * b[0] + row[4] * b[1] + row[5] * b[2])
-    )
+    return float(row[0] * a[0] + row[1] * a[1] + row[2] * a[2] + (row[3] * b[0] + row[4] * b[1] + row[5] * b[2]))

@@ -106,9 +106,7 @@ def draw_conditions(
     if robustness.gusts:
         gusts = rng.integers(2**32, size=count).tolist()
     left = SCALE * (shares[:, 6] + shares[:, 7] - 1)
-    rows = zip(
-        drawn.tolist(), gusts, factors, (robustness.swirl * cells).tolist(), left.tolist(), strict=True
-    )
+    rows = zip(drawn.tolist(), gusts, factors, (robustness.swirl * cells).tolist(), left.tolist(), strict=True)
     return tuple(
         Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], *rest)
         for x, *rest in ((x, gust, tuple(known), *others) for x, gust, known, *others in rows)
@@ -201,9 +199,7 @@ def _shift_release(scenario: Scenario, across: Sequence[float]) -> tuple[float, 
     shifted = scenario.release_position()
     level, up = draw_normals(scenario.direction())
     offset = across[0] * level + across[1] * up
-    while not scenario.pipe.is_open and not scenario.pipe.contains(
-        tuple(shifted + offset / MAX_RADIUS_SHARE)
-    ):
+    while not scenario.pipe.is_open and not scenario.pipe.contains(tuple(shifted + offset / MAX_RADIUS_SHARE)):
         offset *= 0.5
         if np.linalg.norm(offset) < 1e-6:
             offset = np.zeros(3)

@@ -69,9 +69,7 @@ def _spread(value: Any) -> Any:
 def _check_order(values: tuple[float, float, float]) -> tuple[float, float, float]:
     value, low, high = values
     if not low <= value <= high:
-        raise ValueError(
-            f"[{value:g}, {low:g}, {high:g}] must be [value, low, high] with low <= value <= high"
-        )
+        raise ValueError(f"[{value:g}, {low:g}, {high:g}] must be [value, low, high] with low <= value <= high")
     return values
 
 
@@ -117,9 +115,7 @@ class Calibration(Table):
         for first, second, _ in self.correlations:
             for name in (first, second):
                 if name not in Factors.names:
-                    raise ValueError(
-                        f"correlations name '{name}'; the factors are {', '.join(Factors.names)}"
-                    )
+                    raise ValueError(f"correlations name '{name}'; the factors are {', '.join(Factors.names)}")
         return self
 
     @property

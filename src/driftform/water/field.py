@@ -16,9 +16,7 @@ from driftform.water.scenario import Scenario
 from driftform.water.velocity import flow_array, gust_array, gust_at, pipe_rows, water_motion
 
 
-def water_velocity(
-    points: npt.ArrayLike, t: npt.ArrayLike, scenario: Scenario, gusts: bool = False
-) -> FloatArray:
+def water_velocity(points: npt.ArrayLike, t: npt.ArrayLike, scenario: Scenario, gusts: bool = False) -> FloatArray:
     """Return the water's velocity at points of the world, with bends, reducers, tees and grids.
 
     Args:

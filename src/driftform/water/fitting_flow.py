@@ -199,9 +199,7 @@ def _profile_excess(r: float, R: float, kind: float, U: float, parameter: float)
     eta = max(1.0 - r / R, MIN_WALL_DISTANCE)
     if kind == POWER_LAW:
         p, top = parameter, 0.5 * (1.0 + parameter) * (2.0 + parameter) * U
-        total = top / ((p + 1.0) * (p + 2.0)) - top * (
-            eta ** (p + 1.0) / (p + 1.0) - eta ** (p + 2.0) / (p + 2.0)
-        )
+        total = top / ((p + 1.0) * (p + 2.0)) - top * (eta ** (p + 1.0) / (p + 1.0) - eta ** (p + 2.0) / (p + 2.0))
         excess, integral = top * eta**p - U, total - 0.5 * U * (1.0 - eta) ** 2
     elif kind == LOG_LAW:
         defect, log = U * parameter, math.log(eta)

@@ -69,9 +69,7 @@ def _grid_walls(scenario: Scenario) -> FloatArray:
     pipe, flow, values = scenario.pipe, scenario.flow, wall_array(scenario.pipe).copy()
     assert isinstance(flow, GridFlow)
     rows = values[wall.HEAD :].reshape(-1, wall.PART)
-    for row, speed in zip(
-        rows, [] if pipe.is_open else _list_speeds(rows, pipe.layout, flow.reference), strict=False
-    ):
+    for row, speed in zip(rows, [] if pipe.is_open else _list_speeds(rows, pipe.layout, flow.reference), strict=False):
         _set_friction(row, flow, speed, scenario.fluid.viscosity)
     return values
 
@@ -126,9 +124,7 @@ def _row_of_part(part: PipePart) -> FloatArray:
             row[wall.UPSTREAM], row[wall.DOWNSTREAM], row[wall.SIDE] = part.legs
             flat = np.concatenate([np.zeros(wall.HEAD), row])
             for k, phi in enumerate(np.linspace(0, math.pi, wall.EDGE_POINTS)):
-                row[wall.EDGE + 3 * k : wall.EDGE + 3 * k + 3] = wall.edge_point(float(phi), flat, wall.HEAD)[
-                    0
-                ]
+                row[wall.EDGE + 3 * k : wall.EDGE + 3 * k + 3] = wall.edge_point(float(phi), flat, wall.HEAD)[0]
     axes = part.list_axes(0.1 * part.radius)
     points = np.concatenate([axis.points for axis in axes])
     widest = max(float(axis.radii.max()) for axis in axes)
@@ -197,9 +193,7 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
                 place += len(field)
             case Straight():
                 ends = _neighbours(layout, ahead, k)
-                _fill_straight(
-                    row, placed.part, flow, viscosity, [_joint(parts, shares, end) for end in ends]
-                )
+                _fill_straight(row, placed.part, flow, viscosity, [_joint(parts, shares, end) for end in ends])
                 if ends[0] is not None and _carries_profile(placed.part):
                     row[stream.SWIRL] = _find_swirl(flow, parts[ends[0]])
             case Bend():
@@ -207,9 +201,7 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
                 behind = ahead.get(k)
                 goes_on = behind is not None and _carries_profile(parts[behind])
                 row[stream.SWIRL] = (1 if goes_on else -1) * _find_swirl(flow, placed.part)
-                for start, end in zip(
-                    (stream.START, stream.FINISH), _neighbours(layout, ahead, k), strict=True
-                ):
+                for start, end in zip((stream.START, stream.FINISH), _neighbours(layout, ahead, k), strict=True):
                     if end is None or not _joins_smoothly(placed.part, parts[end]):
                         row[start + stream.LONG] = min(
                             CHANGE * placed.part.radius / placed.part.bend_radius, 0.5 * placed.part.angle
@@ -279,9 +271,7 @@ def _carries_profile(part: PipePart) -> bool:
 def _joins_smoothly(bend: Bend, other: PipePart) -> bool:
     """Return whether the vortex of a bend needs no change within the bend at its end."""
     if isinstance(other, Bend):
-        return bool(
-            other.bend_radius == bend.bend_radius and np.allclose(bend.axes[1], other.axes[1], atol=1e-9)
-        )
+        return bool(other.bend_radius == bend.bend_radius and np.allclose(bend.axes[1], other.axes[1], atol=1e-9))
     return _carries_profile(other)
 
 
@@ -303,9 +293,7 @@ def _joint(parts: Sequence[PipePart], shares: Sequence[float], end: int | None) 
     return _Joint(True, part, shares[end]) if isinstance(part, Bend) else _Joint(True)
 
 
-def _fill_straight(
-    row: FloatArray, part: Straight, flow: Flow, viscosity: float, joints: Sequence[_Joint]
-) -> None:
+def _fill_straight(row: FloatArray, part: Straight, flow: Flow, viscosity: float, joints: Sequence[_Joint]) -> None:
     if not _carries_profile(part):
         return
     speed = abs(row[stream.SPEED])

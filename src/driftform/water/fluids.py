@@ -29,9 +29,7 @@ FLUIDS = {
         "20 % of sodium chloride by mass, 20 degrees C",
         "Melinder, Properties of Secondary Working Fluids (2010), in CoolProp (MNA)",
     ),
-    "oil": NamedFluid(
-        860.0, 1.0e-4, "mineral oil, 22 degrees C: 100 cSt", "Texatherm 22, in CoolProp (TX22)"
-    ),
+    "oil": NamedFluid(860.0, 1.0e-4, "mineral oil, 22 degrees C: 100 cSt", "Texatherm 22, in CoolProp (TX22)"),
     "methane-60bar": NamedFluid(
         45.2,
         2.68e-7,

@@ -248,9 +248,7 @@ def _require_size(name: str, variable: Any) -> Any:
     """Return a variable, of which nothing need be read yet, if it is not larger than a grid may be."""
     count = math.prod(variable.shape)
     if count > MOST_NODES:
-        raise _TooLargeError(
-            f"has {count} values in the variable {name}; a grid has at most {MOST_NODES} nodes"
-        )
+        raise _TooLargeError(f"has {count} values in the variable {name}; a grid has at most {MOST_NODES} nodes")
     return variable
 
 
@@ -292,9 +290,7 @@ def _read_vtk(path: Path) -> VelocityGrid:
 
 def _find_vector(data: Mapping[str, Any]) -> str | None:
     """Return the name of the velocity in the data of points, or in those of cells, by their type."""
-    blocks = {
-        name: next(iter(found.values())) if isinstance(found, dict) else found for name, found in data.items()
-    }
+    blocks = {name: next(iter(found.values())) if isinstance(found, dict) else found for name, found in data.items()}
     return next((name for name in _VECTORS if name in blocks and np.ndim(blocks[name]) == 2), None)
 
 

@@ -138,11 +138,7 @@ def gust_motion(
         return ZERO, ZERO, ZERO
     y = max(R - r, MIN_WALL_DISTANCE * R)
     crossing = flow[CROSSING] / friction
-    forget = (
-        friction
-        / (flow[MEMORY] * eddy_diffusivity(max(y, flow[REACH]), R))
-        * math.sqrt(1.0 + crossing * crossing)
-    )
+    forget = friction / (flow[MEMORY] * eddy_diffusivity(max(y, flow[REACH]), R)) * math.sqrt(1.0 + crossing * crossing)
     sigma = flow[STRENGTH] * friction
     # q^2, its derivative outward, and q^2 / r.
     size = limit_size(flow[SIZE], R)
@@ -175,10 +171,6 @@ def _interpolate(place: float, walk: FloatArray, step: float) -> tuple[Vector, V
     whole = math.floor(place)
     k, u = int(whole) % walk.shape[0], place - whole
     a, b = walk[k], walk[(k + 1) % walk.shape[0]]
-    curve = cubic_between(
-        (a[0], a[1], a[2]), (a[3], a[4], a[5]), (b[0], b[1], b[2]), (b[3], b[4], b[5]), step
-    )
-    other = cubic_between(
-        (a[6], a[7], a[8]), (a[9], a[10], a[11]), (b[6], b[7], b[8]), (b[9], b[10], b[11]), step
-    )
+    curve = cubic_between((a[0], a[1], a[2]), (a[3], a[4], a[5]), (b[0], b[1], b[2]), (b[3], b[4], b[5]), step)
+    other = cubic_between((a[6], a[7], a[8]), (a[9], a[10], a[11]), (b[6], b[7], b[8]), (b[9], b[10], b[11]), step)
     return cubic_point(curve, u), scale(1.0 / step, cubic_slope(curve, u)), cubic_point(other, u)

@@ -101,9 +101,7 @@ class Layout:
         depths = np.zeros(len(self.parts))
         for index, placed in enumerate(self.parts):
             if placed.upstream is not None:
-                depths[index] = depths[placed.upstream] + self._length_through(
-                    placed.upstream, placed.by_branch
-                )
+                depths[index] = depths[placed.upstream] + self._length_through(placed.upstream, placed.by_branch)
         return depths
 
     @property
@@ -313,9 +311,7 @@ def _place(table: AnyPart, start: Opening, key: str) -> PipePart:
         case ReducerPart():
             change = abs(table.radius - radius)
             if change < 1e-9 * radius:
-                raise LayoutError(
-                    f"{key}.radius = {table.radius:g}: the bore has this radius already: use a straight"
-                )
+                raise LayoutError(f"{key}.radius = {table.radius:g}: the bore has this radius already: use a straight")
             if table.length < SHORTEST_REDUCER * change * (1 - 1e-9):
                 raise LayoutError(
                     f"{key}.length = {table.length:g}: too short for a change of the radius from {radius:g} to {table.radius:g} m: "
@@ -357,9 +353,7 @@ def _check_collisions(layout: Layout) -> None:
                 continue
             apart = np.linalg.norm(second.points - first.points[:, None], axis=2)
             needed = second.radii + first.radii[:, None]
-            way = layout.way_between(
-                first.part, second.part, first.lengths[:, None], second.lengths, first.on_branch
-            )
+            way = layout.way_between(first.part, second.part, first.lengths[:, None], second.lengths, first.on_branch)
             if ((apart < (1 - 1e-6) * needed) & (way > 0.5 * math.pi * TIGHTEST_BEND * needed)).any():
                 one, other = layout.parts[first.part], layout.parts[second.part]
                 raise LayoutError(
@@ -391,9 +385,7 @@ def _boxes_meet(a: _Samples, b: _Samples) -> bool:
 def _sample_axes(layout: Layout) -> Iterator[_Samples]:
     for index, placed in enumerate(layout.parts):
         part = placed.part
-        for number, axis in enumerate(
-            part.list_axes(max(0.25 * part.narrowest, part.length / _MOST_SAMPLES))
-        ):
+        for number, axis in enumerate(part.list_axes(max(0.25 * part.narrowest, part.length / _MOST_SAMPLES))):
             begin = part.legs[0] if isinstance(part, Tee) and number == 1 else 0.0
             steps = np.linalg.norm(np.diff(axis.points, axis=0), axis=1)
             lengths = begin + np.concatenate([[0.0], np.cumsum(steps)])

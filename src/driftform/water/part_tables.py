@@ -89,9 +89,7 @@ class WyePart(_Junction):
     """A junction whose branch leaves at another angle."""
 
     kind: Literal["wye"] = option("wye", "kind of the part")
-    angle_deg: float = option(
-        60.0, "angle between the run's downstream axis and the branch", "deg", ge=30, le=150
-    )
+    angle_deg: float = option(60.0, "angle between the run's downstream axis and the branch", "deg", ge=30, le=150)
 
 
 PARTS: dict[str, type[_Part]] = {

@@ -36,15 +36,11 @@ class Segment(Table):
 class Pipe(Table):
     """A pipe from the inlet to its outlets: one segment by its coordinates, or parts; open water without either."""
 
-    segments: tuple[Segment, ...] = option(
-        (), "the segment of a straight pipe, by its coordinates", max_length=1
-    )
+    segments: tuple[Segment, ...] = option((), "the segment of a straight pipe, by its coordinates", max_length=1)
     radius: float | None = option(
         None, "radius of the bore at the inlet, of a pipe with parts", "m", ge=1e-3, le=100, strict=True
     )
-    start: Vector | None = option(
-        None, "centre of the inlet of a pipe with parts; by default the origin", "m"
-    )
+    start: Vector | None = option(None, "centre of the inlet of a pipe with parts; by default the origin", "m")
     direction: Vector | None = option(
         None, "direction downstream at the inlet of a pipe with parts; by default along x"
     )
@@ -67,9 +63,7 @@ class Pipe(Table):
                 "pipe.segments and pipe.parts describe the same pipe: remove one of them (pipe.segments = [])"
             )
         if self.radius is None:
-            raise ValueError(
-                "pipe.radius is missing: the radius of the bore at the inlet of a pipe with parts, m"
-            )
+            raise ValueError("pipe.radius is missing: the radius of the bore at the inlet of a pipe with parts, m")
         if self.direction is not None and not np.linalg.norm(self.direction) > 1e-9:
             raise ValueError("pipe.direction has no length")
         _lay_out(self)

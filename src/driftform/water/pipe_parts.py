@@ -201,9 +201,7 @@ class Reducer(PipePart):
         x = np.clip(x, 0.0, self.taper)
         # Both arcs end half way.
         near = np.minimum(x, self.taper - x)
-        rise = math.copysign(1.0, self.narrow - self.radius) * (
-            self.arc_radius - np.sqrt(self.arc_radius**2 - near**2)
-        )
+        rise = math.copysign(1.0, self.narrow - self.radius) * (self.arc_radius - np.sqrt(self.arc_radius**2 - near**2))
         return np.asarray(np.where(2 * x < self.taper, self.radius + rise, self.narrow - rise))
 
     def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
@@ -288,9 +286,7 @@ class Tee(PipePart):
         return np.asarray(run | ((along >= 0) & (along <= side + margin) & (across <= self.branch_radius)))
 
 
-def locate_on_axis(
-    part: PipePart, points: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
+def locate_on_axis(part: PipePart, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
     """Return where points of the world frame (m, (n, 3)) lie along the axis of a part.
 
     That is the distance from the entry along the axis (m, (n,)), the nearest point of the axis (m, (n, 3)), the axes there
@@ -317,9 +313,7 @@ def locate_on_axis(
     return along, part.to_world(feet), _axes_along(part, directions), on_branch
 
 
-def place_on_axis(
-    part: PipePart, along: FloatArray, on_branch: bool = False
-) -> tuple[FloatArray, FloatArray]:
+def place_on_axis(part: PipePart, along: FloatArray, on_branch: bool = False) -> tuple[FloatArray, FloatArray]:
     """Return the points at distances along the axis of a part, and the axes there: what :func:`locate_on_axis` inverts.
 
     Args:

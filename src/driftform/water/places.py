@@ -54,9 +54,7 @@ class Place(Table):
         axis = axes[int(self.branch)]
         along = measure_along(axis)
         if self.at > along[-1] + 1e-9:
-            raise ValueError(
-                f"at = {self.at:g} is beyond the end of '{self.part}', which is {along[-1]:.4g} m long"
-            )
+            raise ValueError(f"at = {self.at:g} is beyond the end of '{self.part}', which is {along[-1]:.4g} m long")
         centre = np.array([np.interp(self.at, along, column) for column in axis.points.T])
         radius = float(np.interp(self.at, along, axis.radii))
         if self.off_wall is None:

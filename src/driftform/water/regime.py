@@ -79,8 +79,7 @@ def warn_of_regime(scenario: "Scenario") -> list[str]:
             )
         elif not is_laminar(flow, radius, speed, scenario.fluid.viscosity):
             found += [
-                f"{where}: {line}{_advise(reynolds, laminar)}"
-                for line in find_departures(formula, {"Re_D": reynolds})
+                f"{where}: {line}{_advise(reynolds, laminar)}" for line in find_departures(formula, {"Re_D": reynolds})
             ]
     return [*found, *_warn_of_entry(scenario)]
 

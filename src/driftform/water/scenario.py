@@ -78,16 +78,10 @@ class Release(Table):
         "position of the core's centre at the release; or a place in the pipe, as targets may have it",
         "m",
     )
-    pitch_deg: float = option(
-        0.0, "pitch of the body's axis relative to x, positive nose down", "deg", ge=-90, le=90
-    )
-    yaw_deg: float = option(
-        0.0, "yaw of the body's axis relative to x, positive towards +y", "deg", ge=-180, le=180
-    )
+    pitch_deg: float = option(0.0, "pitch of the body's axis relative to x, positive nose down", "deg", ge=-90, le=90)
+    yaw_deg: float = option(0.0, "yaw of the body's axis relative to x, positive towards +y", "deg", ge=-180, le=180)
     roll_deg: float = option(0.0, "roll about the body's axis", "deg", ge=-180, le=180)
-    rates: Vector = option(
-        (0.0, 0.0, 0.0), "rates of roll, pitch and yaw, about the body's own axes", "rad/s"
-    )
+    rates: Vector = option((0.0, 0.0, 0.0), "rates of roll, pitch and yaw, about the body's own axes", "rad/s")
     velocity: Literal["current", "rest"] | Vector = option(
         "current", "'current' (moving with the water), 'rest', or a velocity", "m/s"
     )
@@ -152,9 +146,7 @@ class Robustness(Table):
         ge=0,
         le=10_000,
     )
-    within: (
-        Annotated[float, Field(gt=0, le=1000)] | dict[str, Annotated[float, Field(gt=0, le=1000)]] | None
-    ) = option(
+    within: Annotated[float, Field(gt=0, le=1000)] | dict[str, Annotated[float, Field(gt=0, le=1000)]] | None = option(
         None,
         "how near a flight must pass a target to hit it, for all targets or by the name of each; 5 % of the farthest distance "
         "by default",
@@ -220,9 +212,7 @@ Target: TypeAlias = Annotated[
 def _check_names(targets: dict[str, Target]) -> dict[str, Target]:
     for name in targets:
         if not name.replace("-", "").replace("_", "").isalnum():
-            raise ValueError(
-                f"target name '{name}' must consist of letters, digits, '-' and '_': it names a folder"
-            )
+            raise ValueError(f"target name '{name}' must consist of letters, digits, '-' and '_': it names a folder")
     return targets
 
 
@@ -239,9 +229,7 @@ class Scenario(Table):
     robustness: Robustness = Field(
         default=Robustness(), description="disturbances of the finalists' flights, and their score"
     )
-    calibration: Calibration = Field(
-        default=Calibration(), description="what filmed flights have shown of the model"
-    )
+    calibration: Calibration = Field(default=Calibration(), description="what filmed flights have shown of the model")
     targets: Annotated[dict[str, Target], AfterValidator(_check_names)] = Field(
         default={},
         description="points to reach: name and position in the world frame, or the name of an outlet",
@@ -278,11 +266,7 @@ class Scenario(Table):
                     found.setdefault(table, {})[name] = resolve_place(value, layout)
                 except ValueError as error:
                     raise ValueError(f"{table}.{name}: {error}") from None
-            if (
-                isinstance(rows.get("position"), Mapping)
-                and table == "release"
-                and rows.get("frame") != "world"
-            ):
+            if isinstance(rows.get("position"), Mapping) and table == "release" and rows.get("frame") != "world":
                 inlet, point = layout.inlet, np.array(found[table]["position"])
                 found[table]["position"] = (upright_axes(inlet.axes[0]) @ (point - inlet.centre)).tolist()
         return {**values, **found} if found else values
@@ -311,9 +295,7 @@ class Scenario(Table):
             _check_flow_in_parts(self.flow)
         start = self.release_position()
         if not self.pipe.contains((start[0], start[1], start[2])):
-            where = (
-                "" if self.release.frame == "world" else " (it is relative to the inlet: see release.frame)"
-            )
+            where = "" if self.release.frame == "world" else " (it is relative to the inlet: see release.frame)"
             raise ValueError(f"release.position = {list(self.release.position)} lies outside the pipe{where}")
         self._check_targets()
         return self
@@ -322,9 +304,7 @@ class Scenario(Table):
         within = self.robustness.within
         for name in within if isinstance(within, dict) else ():
             if name not in self.targets:
-                raise ValueError(
-                    f"robustness.within.{name}: no such target{did_you_mean(name, self.targets)}"
-                )
+                raise ValueError(f"robustness.within.{name}: no such target{did_you_mean(name, self.targets)}")
         outlets = {outlet.name: outlet.opening.centre for outlet in self.pipe.layout.outlets}
         for name, target in self.targets.items():
             if isinstance(target, str):
@@ -376,11 +356,7 @@ class Scenario(Table):
     @property
     def can_have_gusts(self) -> bool:
         """True if the flow of the pipe is developed and turbulent somewhere, and gusts have any strength."""
-        if (
-            self.pipe.is_open
-            or isinstance(self.flow, UniformFlow | DevelopingFlow)
-            or not self.gusts.strength
-        ):
+        if self.pipe.is_open or isinstance(self.flow, UniformFlow | DevelopingFlow) or not self.gusts.strength:
             return False
         radius = self.pipe.layout.inlet.radius
         straight = self.pipe.straight is not None
@@ -503,9 +479,7 @@ class Scenario(Table):
         x, y, z = self.direction().tolist()
         level = float(np.hypot(x, y))
         # A vertical pipe has no yaw.
-        return (
-            (x / level, y / level, level, -z) if level > VERTICAL else (1.0, 0.0, 0.0, math.copysign(1.0, -z))
-        )
+        return (x / level, y / level, level, -z) if level > VERTICAL else (1.0, 0.0, 0.0, math.copysign(1.0, -z))
 
 
 def _check_flow_in_parts(flow: Flow) -> None:

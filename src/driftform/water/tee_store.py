@@ -29,9 +29,7 @@ PACKAGED = Path(__file__).parent / "tees"
 SOLVERS = "driftform.tees"
 """Group of entry points for functions that solve the flow in a tee: a :class:`Junction` to :class:`TeePotentials`."""
 
-JUNCTIONS = tuple(
-    Junction(branch, math.radians(angle), 0.2 * branch) for branch in (0.5, 1.0) for angle in (60, 90)
-)
+JUNCTIONS = tuple(Junction(branch, math.radians(angle), 0.2 * branch) for branch in (0.5, 1.0) for angle in (60, 90))
 """The shapes in the package."""
 
 STEP = 5e-7
@@ -119,9 +117,7 @@ def _compute(junction: Junction) -> TeePotentials:
     solvers = list(metadata.entry_points(group=SOLVERS))
     shape = f"a branch of {junction.branch:g} radii at {math.degrees(junction.angle):g} degrees"
     if not solvers:
-        raise InputError(
-            f"the flow in a tee with {shape} is not stored; to solve it, run: pip install driftform-tees"
-        )
+        raise InputError(f"the flow in a tee with {shape} is not stored; to solve it, run: pip install driftform-tees")
     print(f"computing the ideal flow in a tee ({shape}, some minutes, once)", file=sys.stderr, flush=True)
     solved: TeePotentials = solvers[0].load()(junction)
     return solved

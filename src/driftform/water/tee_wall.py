@@ -101,9 +101,7 @@ def ball_centre(phi: float, wall: FloatArray) -> Point:
 
 
 @compiled
-def _is_faced(
-    cx: float, cy: float, cz: float, vx: float, vy: float, vz: float, size: float, wall: FloatArray
-) -> bool:
+def _is_faced(cx: float, cy: float, cz: float, vx: float, vy: float, vz: float, size: float, wall: FloatArray) -> bool:
     """Return True if the direction v from the ball's centre c lies between those to the points where it touches the bores."""
     rho, t = wall[BRANCH] + wall[FILLET], cx * wall[COSINE] + cz * wall[SINE]
     ny, nz = -cy / (1.0 + wall[FILLET]), -cz / (1.0 + wall[FILLET])

@@ -46,9 +46,7 @@ def flow_array(scenario: Scenario) -> FloatArray:
     return numbers
 
 
-def set_gusts(
-    flow: FloatArray, scenario: Scenario, size: float = 0.0, slip: float = 0.0, length: float = 0.0
-) -> None:
+def set_gusts(flow: FloatArray, scenario: Scenario, size: float = 0.0, slip: float = 0.0, length: float = 0.0) -> None:
     """Write to the array of a flow the gusts that a body meets.
 
     Args:
@@ -68,9 +66,7 @@ def gust_array(scenario: Scenario, flow: FloatArray, length: float = 0.0) -> Flo
     if not scenario.has_gusts:
         return np.empty((0, 12))
     viscosity = scenario.fluid.viscosity
-    bores = [
-        (R, friction_velocity(scenario.flow, R, speed, viscosity)) for _, R, speed in list_bores(scenario)
-    ]
+    bores = [(R, friction_velocity(scenario.flow, R, speed, viscosity)) for _, R, speed in list_bores(scenario)]
     steps = scenario.flight.horizon / (least_memory(flow, bores) * scenario.gusts.smoothing)
     return draw_gusts(scenario.gusts, steps, scenario.pipe.layout.inlet.radius, length)
 
@@ -139,9 +135,7 @@ def _bore_around(point: Vector, pipe: FloatArray, flow: FloatArray, fittings: Fl
 
 
 @compiled
-def _mean_velocity(
-    point: Vector, pipe: FloatArray, flow: FloatArray, spread: Spread
-) -> tuple[Vector, Rotation]:
+def _mean_velocity(point: Vector, pipe: FloatArray, flow: FloatArray, spread: Spread) -> tuple[Vector, Rotation]:
     """Return the velocity of the profile, and its gradient."""
     axis, outward, radius, x, r = locate_in_bore(point, pipe)
     along, shear, stretch, radial = spread_profile(

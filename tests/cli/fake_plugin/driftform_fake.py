@@ -96,9 +96,7 @@ def _raise(error):
 
 def _flight(t, end, first=0.0):
     count = len(t)
-    return Trajectory(
-        t, np.full((count, 3), first), np.tile([1.0, 0, 0, 0], (count, 1)), np.zeros((count, 6)), end
-    )
+    return Trajectory(t, np.full((count, 3), first), np.tile([1.0, 0, 0, 0], (count, 1)), np.zeros((count, 6)), end)
 
 
 def _print():

@@ -192,9 +192,7 @@ def test_a_grammar_with_nothing_to_change_is_no_obstacle():
     for first in range(0, 60, 20):
         candidates = strategy.ask(20)
         assert 1 <= len(candidates) <= 20
-        strategy.tell(
-            first, [Evaluation(c.genome, np.array([50.0]), make_trajectory(0.0)) for c in candidates]
-        )
+        strategy.tell(first, [Evaluation(c.genome, np.array([50.0]), make_trajectory(0.0)) for c in candidates])
 
 
 def test_genomes_that_a_grammar_does_not_take_are_never_asked_for():
@@ -211,9 +209,7 @@ def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch):
     played(strategy, 600)
     assert len(strategy._known) <= 101
     assert all(
-        len(elite.family.members) == len(elite.family.early) <= 20
-        for elites in strategy._elites
-        for _, elite in elites
+        len(elite.family.members) == len(elite.family.early) <= 20 for elites in strategy._elites for _, elite in elites
     )
     assert len(strategy._moved) <= LENGTH * 6, "two ways between any two of three letters, at each place"
 

@@ -23,13 +23,9 @@ def calibrate(
     ],
     scenario: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME|FILE", help="Scenario of all films, such as tank; by default the agent's own."
-        ),
+        typer.Option(metavar="NAME|FILE", help="Scenario of all films, such as tank; by default the agent's own."),
     ] = None,
-    unit: Annotated[
-        str | None, typer.Option(metavar="m|cm|mm", help="Unit of the coordinates; by default m.")
-    ] = None,
+    unit: Annotated[str | None, typer.Option(metavar="m|cm|mm", help="Unit of the coordinates; by default m.")] = None,
     scale: Annotated[
         float | None, typer.Option(metavar="M", help="Metres of a pixel, if the coordinates are pixels.")
     ] = None,
@@ -128,9 +124,7 @@ def _read_points(texts: list[str]) -> dict[str, float]:
         except ValueError:
             equals = ""
         if not equals or not name:
-            raise InputError(
-                f"--point {text}: expected NAME=X, such as nose=0.031 (m from the core's centre)"
-            )
+            raise InputError(f"--point {text}: expected NAME=X, such as nose=0.031 (m from the core's centre)")
     return points
 
 
@@ -142,9 +136,7 @@ def _print(found: "CalibrationResult", paths: list[Path]) -> None:
     output.print_table(*found.tabulate(), right=(1,))
     hull = found.fit.estimates["hull_density"]
     if hull.low is not None and hull.high is not None and not hull.low < 1 < hull.high:
-        output.print_text(
-            f"the hull weighs {hull.value:.4g} times what was simulated: that changes the net weight"
-        )
+        output.print_text(f"the hull weighs {hull.value:.4g} times what was simulated: that changes the net weight")
     print()
     tracks = [
         (

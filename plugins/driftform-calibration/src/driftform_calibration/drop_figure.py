@@ -33,9 +33,7 @@ def drop_svg(drop: DropPicture, body: Body, length: float, depth: float) -> str:
     height = window.box.bottom + CAPTION + 6
     root = svg.start_document(WIDTH, height, drop.title, drop.caption)
     layout.write(root, 6, 16, drop.title, 13, style.INK, bold=True)
-    svg.add(
-        root, "rect", class_="water", x=left, y=top, width=right - left, height=bottom - top, fill=style.WATER
-    )
+    svg.add(root, "rect", class_="water", x=left, y=top, width=right - left, height=bottom - top, fill=style.WATER)
     walls = [(left, top - 8), (left, bottom), (right, bottom), (right, top - 8)]
     svg.add_line(root, svg.path_data(walls), style.WALL, 2.5, "tank")
     svg.add_line(root, window.path_data(drop.path), style.BLUE, 1.8, "path", stroke_dasharray="4 3")

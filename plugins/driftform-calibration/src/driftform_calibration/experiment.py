@@ -198,9 +198,7 @@ def _examine(
         free = np.array([name not in CONTACT for name in names])
         before = t[t < path.contact]
         falling = inform(before, has_contact=False) if len(before) >= FEWEST_FRAMES else 0.0
-        information = np.where(
-            np.outer(free, free), falling, np.where(np.outer(~free, ~free), information, 0.0)
-        )
+        information = np.where(np.outer(free, free), falling, np.where(np.outer(~free, ~free), information, 0.0))
     points, _ = path.points_at(t)
     release = bench.scenario.release
     start = (release.pitch_deg, -release.position[2], release.ballast, release.ballast_x)

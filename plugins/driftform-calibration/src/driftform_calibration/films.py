@@ -30,9 +30,7 @@ def find_scenario(track: Path) -> str | None:
     return str(beside) if beside != track and beside.is_file() else None
 
 
-def film_track(
-    path: Path, bench: Bench, reading: Reading, view: str, scale_error: float, distance: float
-) -> Filmed:
+def film_track(path: Path, bench: Bench, reading: Reading, view: str, scale_error: float, distance: float) -> Filmed:
     """Read the track of a flight in the scenario of its bench.
 
     Raises:
@@ -110,8 +108,6 @@ def choose_factors(names: Sequence[str]) -> tuple[str, ...]:
     known = {**{name: name for name in Factors.names}, "net_weight": "hull_density"}
     for name in names:
         if name not in known:
-            raise InputError(
-                f"--fit {name}: unknown factor{did_you_mean(name, known)}; there are {', '.join(known)}"
-            )
+            raise InputError(f"--fit {name}: unknown factor{did_you_mean(name, known)}; there are {', '.join(known)}")
     wanted = {known[name] for name in names} or set(Factors.names)
     return tuple(name for name in Factors.names if name in wanted)

@@ -191,9 +191,7 @@ def _solve(
     free, x = _solve_free_flight(whole, x)
     if free is not None and not _touches(whole, x):
         return free, None, []
-    ends = [
-        min(c + AFTER_CONTACT, float(f.track.t[-1])) for c, f in zip(_contacts(whole, x), films, strict=True)
-    ]
+    ends = [min(c + AFTER_CONTACT, float(f.track.t[-1])) for c, f in zip(_contacts(whole, x), films, strict=True)]
     shown = [film.cut(end) for film, end in zip(films, ends, strict=True)]
     shown = [cut if len(cut.track.t) >= FEWEST_FREE else film for cut, film in zip(shown, films, strict=True)]
     lost = sum(len(film.track.t) - len(short.track.t) for film, short in zip(films, shown, strict=True))
@@ -274,13 +272,9 @@ def _solve_free_flight(whole: Problem, x: FloatArray) -> tuple[Solution | None, 
         ]
         if min(len(film.track.t) for film in films) < FEWEST_FREE:
             return None, x
-        if found is not None and [len(f.track.t) for f in films] == [
-            len(f.track.t) for f in found.problem.films
-        ]:
+        if found is not None and [len(f.track.t) for f in films] == [len(f.track.t) for f in found.problem.films]:
             break
-        problem = Problem(
-            films, whole.names, found.problem.noise if found else whole.noise, whole.known_before
-        )
+        problem = Problem(films, whole.names, found.problem.noise if found else whole.noise, whole.known_before)
         found = solve_problem(problem, x)
         x = found.x
     return found, x
@@ -323,8 +317,7 @@ def list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str
     benches = [film.bench for film in films]
     drags = [bench.coefficients.drag for bench in benches]
     damped = any(
-        bench.coefficients.linear_damping.any() or bench.coefficients.quadratic_damping.any()
-        for bench in benches
+        bench.coefficients.linear_damping.any() or bench.coefficients.quadratic_damping.any() for bench in benches
     )
     is_round = all(d is not None and d.round_area > ROUND * 0.25 * np.pi * d.diameter**2 for d in drags)
     if not damped:
@@ -388,24 +381,18 @@ def find_widest(bench: Bench, name: str, factor: float) -> float:
     return max(WIDEST_HULL, WIDEST * min(max(1.0, factor), net))
 
 
-def _find_interval(
-    solution: Solution, j: int, x: FloatArray, deviation: FloatArray
-) -> tuple[float, float, float]:
+def _find_interval(solution: Solution, j: int, x: FloatArray, deviation: FloatArray) -> tuple[float, float, float]:
     """Return low, value and high of factor ``j`` from the unknowns and the deviations of factors."""
     from scipy.stats import t as student
 
     problem, value = solution.problem, float(x[j])
     freedom = max(3.0, sum(problem.counts) - len(problem.parameters))
     width = float(student.ppf(0.5 + CONFIDENCE / 2, freedom)) * float(deviation[j])
-    low, middle, high = (
-        _limit(factor_of(problem.names[j], v)) for v in (value - width, value, value + width)
-    )
+    low, middle, high = (_limit(factor_of(problem.names[j], v)) for v in (value - width, value, value + width))
     return low, middle, high
 
 
-def _estimate(
-    solution: Solution, names: Sequence[str], reasons: Mapping[str, str]
-) -> dict[str, FactorEstimate]:
+def _estimate(solution: Solution, names: Sequence[str], reasons: Mapping[str, str]) -> dict[str, FactorEstimate]:
     """Return what is known of the factors ``names``; ``reasons`` are why some cannot be."""
     problem = solution.problem
     if misfit := _find_misfit(solution):
@@ -432,9 +419,7 @@ def _estimate(
             most = max(left, key=lambda k: abs(correlation[j, k] * solution.x[k] / own[k]), default=j)
             why = f"it would be {middle:.2g}, but depends on {shown_name(problem.names[most])}, which is not known"
         elif others:
-            why = (
-                f"the tracks cannot tell it from {' and '.join(shown_name(problem.names[k]) for k in others)}"
-            )
+            why = f"the tracks cannot tell it from {' and '.join(shown_name(problem.names[k]) for k in others)}"
         else:
             what = "a hull of" if name == "hull_density" else "anything from"
             why = f"the tracks leave {what} {low:.2g} to {high:.2g} possible"

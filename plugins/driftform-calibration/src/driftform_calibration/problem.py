@@ -344,10 +344,7 @@ def _list_release(number: int, film: Filmed, has_contact: bool) -> list[Paramete
             widths["yaw"] = RELEASE_ANGLE
     if has_contact:
         widths["rise"] = RELEASE_RISE
-    return [
-        Parameter(number, name, 0.0, -6 * width, 6 * width, width, _STEPS[name])
-        for name, width in widths.items()
-    ]
+    return [Parameter(number, name, 0.0, -6 * width, 6 * width, width, _STEPS[name]) for name, width in widths.items()]
 
 
 def _list_camera(number: int, film: Filmed) -> list[Parameter]:
@@ -368,7 +365,6 @@ def _list_camera(number: int, film: Filmed) -> list[Parameter]:
         found.append(Parameter(number, "keystone", 0.0, -3 * width, 3 * width, width))
         found.append(Parameter(number, "barrel", 0.0, -6 * BARREL, 6 * BARREL, BARREL))
     found += [
-        Parameter(number, f"offset {axis}", 0.0, -np.inf, np.inf, np.inf)
-        for axis in np.flatnonzero(film.seen_axes)
+        Parameter(number, f"offset {axis}", 0.0, -np.inf, np.inf, np.inf) for axis in np.flatnonzero(film.seen_axes)
     ]
     return found

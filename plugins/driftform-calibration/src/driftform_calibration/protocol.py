@@ -115,9 +115,7 @@ class DropPlan:
             (name.replace("_", " "), f"{100 * half:.0f} %", _describe_known(name, known))
             for name, (half, known) in self._expected().items()
         ]
-        expected += [
-            (shown_name(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()
-        ]
+        expected += [(shown_name(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()]
         pictures = [
             drop_svg(self._picture(numbers), self.agent.body, self.tank.length, self.tank.depth)
             for numbers in self._group_drops()

@@ -75,9 +75,7 @@ class CalibrationResult:
         """Return the table ``[calibration]`` as text, with one line for each factor."""
         # JSON of numbers, texts and lists of these is TOML too.
         rows = [f"{key} = {json.dumps(value)}" for key, value in self.table().items()]
-        return "\n".join(
-            ["# For any study: driftform evolve STUDY --calibration FILE", "[calibration]", *rows, ""]
-        )
+        return "\n".join(["# For any study: driftform evolve STUDY --calibration FILE", "[calibration]", *rows, ""])
 
     def tabulate(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
         """Return the factors as a table for people: its header and its rows."""

@@ -142,9 +142,7 @@ def _list_starts(problem: Problem) -> Iterator[FloatArray]:
             j = problem.names.index(name)
             for way in (ASIDE, -ASIDE):
                 start = problem.start.copy()
-                start[j] = np.clip(
-                    start[j] + way * problem.parameters[j].prior, problem.low[j], problem.high[j]
-                )
+                start[j] = np.clip(start[j] + way * problem.parameters[j].prior, problem.low[j], problem.high[j])
                 yield start
 
 
@@ -241,9 +239,7 @@ def find_best(
             max_nfev=EVALUATIONS,
         )
     except ValueError:
-        raise WorkFailedError(
-            "a flight of the fit is not finite; the tracks cannot be those of this agent"
-        ) from None
+        raise WorkFailedError("a flight of the fit is not finite; the tracks cannot be those of this agent") from None
     return fill(np.asarray(found.x))
 
 

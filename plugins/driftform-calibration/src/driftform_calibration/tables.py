@@ -125,13 +125,9 @@ def _find_marks(path: Path, cells: Sequence[str]) -> tuple[str, str]:
 
     Raises InputError if a comma may be either: one more reading of the numbers would be a thousand times as large.
     """
-    both = {
-        ("." if cell.rfind(".") > cell.rfind(",") else ",") for cell in cells if "." in cell and "," in cell
-    }
+    both = {("." if cell.rfind(".") > cell.rfind(",") else ",") for cell in cells if "." in cell and "," in cell}
     if len(both) > 1:
-        raise InputError(
-            f"{path}: its numbers have decimal points and decimal commas; export it with points alone"
-        )
+        raise InputError(f"{path}: its numbers have decimal points and decimal commas; export it with points alone")
     if both:
         [decimal] = both
         return decimal, "," if decimal == "." else "."
@@ -162,13 +158,9 @@ def _read_clock(cell: str) -> float:
 
 
 def _read_deeplabcut(path: Path, rows: list[list[str]], target: str | None) -> TrackTable:
-    heads = {
-        row[0].lower(): row for row in rows[:4] if row[0].lower() in ("individuals", "bodyparts", "coords")
-    }
+    heads = {row[0].lower(): row for row in rows[:4] if row[0].lower() in ("individuals", "bodyparts", "coords")}
     if "bodyparts" not in heads or "coords" not in heads:
-        raise InputError(
-            f"{path}: begins as an export of DeepLabCut, and has no rows 'bodyparts' and 'coords'"
-        )
+        raise InputError(f"{path}: begins as an export of DeepLabCut, and has no rows 'bodyparts' and 'coords'")
     parts, coords = heads["bodyparts"], [name.lower() for name in heads["coords"]]
     # The names of pictures take one column, or three.
     first = next((j for j, name in enumerate(coords) if j and name), 1)
@@ -202,9 +194,7 @@ def _choose(path: Path, objects: Sequence[str], target: str | None) -> str:
             raise InputError(f"--object {target}: {path} has no such object{did_you_mean(target, names)}")
         return target
     if len(names) > 1:
-        raise InputError(
-            f"{path}: follows {len(names)} objects ({', '.join(names)}); choose one with --object NAME"
-        )
+        raise InputError(f"{path}: follows {len(names)} objects ({', '.join(names)}); choose one with --object NAME")
     return names[0] if names else ""
 
 
@@ -258,9 +248,7 @@ def _read_columns(path: Path, rows: list[list[str]], target: str | None) -> Trac
     units = _find_units(path, columns, body[:4])
     if (j := places.pop(("object", ""), -1)) >= 0:
         named = [
-            row
-            for row in body
-            if row[j] and _NUMBER.fullmatch(row[places["x", ""]] if ("x", "") in places else "0")
+            row for row in body if row[j] and _NUMBER.fullmatch(row[places["x", ""]] if ("x", "") in places else "0")
         ]
         chosen = _choose(path, [row[j] for row in named], target)
         body = [row for row in named if row[j] == chosen] or body
@@ -284,9 +272,7 @@ def _read_columns(path: Path, rows: list[list[str]], target: str | None) -> Trac
     )
 
 
-def _find_units(
-    path: Path, columns: Sequence["_Column | None"], below: Sequence[Sequence[str]]
-) -> dict[str, str]:
+def _find_units(path: Path, columns: Sequence["_Column | None"], below: Sequence[Sequence[str]]) -> dict[str, str]:
     """Return the units of times and of coordinates, by ``t`` and ``x``, from names and from the rows below (TrackMate)."""
     found: dict[str, set[str]] = {"t": set(), "x": set()}
     for j, column in enumerate(columns):
@@ -344,14 +330,10 @@ def _find_names(path: Path, rows: list[list[str]]) -> tuple[int, list[_Column | 
             [f"no row of names: columns are taken as {', '.join(names)}"],
         )
     first = ", ".join(rows[0])[:60]
-    raise InputError(
-        f"{path}: no row names its columns: expected t (or frame) with x, y or z, found '{first}'"
-    )
+    raise InputError(f"{path}: no row names its columns: expected t (or frame) with x, y or z, found '{first}'")
 
 
-def _gather_points(
-    path: Path, columns: dict[tuple[str, str], FloatArray], is_image: bool
-) -> dict[str, FloatArray]:
+def _gather_points(path: Path, columns: dict[tuple[str, str], FloatArray], is_image: bool) -> dict[str, FloatArray]:
     points: dict[str, FloatArray] = {}
     for point in dict.fromkeys(point for kind, point in columns if kind in ("x", "y", "z")):
         given = {kind: columns[kind, point] for kind in "xyz" if (kind, point) in columns}

@@ -38,9 +38,7 @@ class TrackPanel:
     off_after: FloatArray
 
 
-def tracks_svg(
-    panels: Sequence[TrackPanel], title: str, subtitle: str, page: style.Page = style.SCREEN
-) -> str:
+def tracks_svg(panels: Sequence[TrackPanel], title: str, subtitle: str, page: style.Page = style.SCREEN) -> str:
     """Return the tracks as SVG: for each the paths, to scale, and the distance of model and film over time.
 
     If one coordinate alone was measured, it is drawn over time.
@@ -99,9 +97,7 @@ def _plot_heights(panel: TrackPanel, box: layout.Box) -> dict[str, Any]:
     room = 0.04 * max(high - low, 1e-6)
     ends = (float(min(panel.t[0], panel.t_path[0])), float(max(panel.t[-1], panel.t_path[-1])))
     chart = _Chart(box, ends, (low - room, high + room))
-    paths = [
-        svg.path_data(chart.place(panel.t_path, 1000 * p[:, column])) for p in (panel.before, panel.after)
-    ]
+    paths = [svg.path_data(chart.place(panel.t_path, 1000 * p[:, column])) for p in (panel.before, panel.after)]
     seen = np.isfinite(panel.seen[:, column])
     points = chart.place(panel.t[seen], 1000 * panel.seen[seen, column])
     return {"heights": chart.plot_axes(("right (mm)", "up (mm)")[column]), "paths": paths, "seen": points}

@@ -140,9 +140,7 @@ def read_track(path: Path, body: Body, reading: Reading) -> Track:
             points[name][doubtful] = np.nan
             notes.append(f"{int(doubtful.sum())} points of '{name}' less likely than {LIKELY:g} left out")
     angle = -table.angle if down else table.angle
-    track = Track(
-        path.name, t, tuple(Marker(x, points[name]) for name, x in markers.items()), angle, tuple(notes)
-    )
+    track = Track(path.name, t, tuple(Marker(x, points[name]) for name, x in markers.items()), angle, tuple(notes))
     return check_track(str(path), track)
 
 
@@ -169,9 +167,7 @@ def check_track(label: str, track: Track) -> Track:
         raise InputError(f"{label}: has {len(track.t)} usable points, at least {FEWEST} are needed")
     usual = float(np.median(np.diff(track.t)))
     if usual > SLOWEST_FILM:
-        raise InputError(
-            f"{label}: its times are {usual:g} apart: t must be in s; give --fps N if they are frames"
-        )
+        raise InputError(f"{label}: its times are {usual:g} apart: t must be in s; give --fps N if they are frames")
     for k in np.flatnonzero(np.diff(track.t) > GAP * usual)[:3]:
         notes.append(f"nothing was seen from t = {track.t[k]:.3f} to {track.t[k + 1]:.3f} s")
     track = _mend_lost_frames(track, notes)
@@ -324,8 +320,7 @@ def find_lost_frames(track: Track) -> tuple[float, ...]:
 def _compare(values: FloatArray, weight: FloatArray, inside: npt.NDArray[np.bool_]) -> float:
     """Return the weighted mean of some values less that of the others."""
     return float(
-        np.average(values[inside], weights=weight[inside])
-        - np.average(values[~inside], weights=weight[~inside])
+        np.average(values[inside], weights=weight[inside]) - np.average(values[~inside], weights=weight[~inside])
     )
 
 

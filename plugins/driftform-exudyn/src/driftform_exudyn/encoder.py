@@ -67,9 +67,7 @@ def encode(images: "Iterable[Image]", path: Path, suffix: str, fps: float) -> No
         if process.returncode:
             said.seek(0)
             lines = said.read().decode(errors="replace").split("\n")
-            raise WorkFailedError(
-                f"ffmpeg failed: {next(filter(None, reversed(lines)), 'it gives no reason')}"
-            )
+            raise WorkFailedError(f"ffmpeg failed: {next(filter(None, reversed(lines)), 'it gives no reason')}")
 
 
 def _feed(pipe: IO[bytes], first: "Image", others: "Iterable[Image]") -> None:

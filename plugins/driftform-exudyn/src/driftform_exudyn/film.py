@@ -38,9 +38,7 @@ class FilmOptions(Table):
         "both",
         "'follow': close view of the agent; 'side': the whole pipe; 'both': the first above the second",
     )
-    rays: int = option(
-        2, "rays along each side of a pixel: more rays give smoother edges and take longer", ge=1, le=4
-    )
+    rays: int = option(2, "rays along each side of a pixel: more rays give smoother edges and take longer", ge=1, le=4)
 
 
 class ExudynRenderer(Renderer[FilmOptions]):
@@ -83,9 +81,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         _save(path, lambda part: encode(render_all(), part, path.suffix.lower(), fps))
         return WrittenFile(self.name, str(path), {"frames": len(t), "seconds": len(t) / fps, "size_px": size})
 
-    def still(
-        self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float
-    ) -> WrittenFile:
+    def still(self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float) -> WrittenFile:
         """Write the still; the side view also shows the agent at equal intervals. Facts: ``t``, ``size_px``."""
         from driftform_exudyn.png import png_bytes
         from driftform_exudyn.scene import Scene

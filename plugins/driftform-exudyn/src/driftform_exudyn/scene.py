@@ -28,9 +28,7 @@ class Pose:
 def interpolate_poses(trajectory: Trajectory, t: FloatArray) -> list[Pose]:
     """Return the poses at times ``t`` (s, (n,)), by the cubic interpolation that fitness uses for the path."""
     turned = rotations.matrix_from_quaternion(interpolation.interpolate_attitudes(trajectory, t))
-    return [
-        Pose(*pose) for pose in zip(interpolation.interpolate_positions(trajectory, t), turned, strict=True)
-    ]
+    return [Pose(*pose) for pose in zip(interpolation.interpolate_positions(trajectory, t), turned, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,9 +61,7 @@ def make_text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
     }
 
 
-def make_ribbons(
-    grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacity: float = 1.0
-) -> Shape:
+def make_ribbons(grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacity: float = 1.0) -> Shape:
     """Return ribbons of triangles.
 
     Args:

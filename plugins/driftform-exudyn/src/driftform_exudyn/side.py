@@ -36,9 +36,7 @@ class SideView:
         self._centre = ((self._low + self._high) / 2 - [0.0, (foot - edge) / 2 / scale, 0.0]) @ scene.axes
         body = scene.agent.body
         length = max(body.length, body.max_diameter)
-        self._magnified = max(
-            1.0, layout.floor_to_nice_number(MIN_LENGTH * size[0] / (length * self._px_per_m))
-        )
+        self._magnified = max(1.0, layout.floor_to_nice_number(MIN_LENGTH * size[0] / (length * self._px_per_m)))
         self._drawn = self._magnified * length
         self._reach = self._magnified * float(np.linalg.norm(body.outer, axis=1).max())
         camera = Camera(scene.axes, self._px_per_m)
@@ -70,17 +68,13 @@ class SideView:
             shapes += scene.make_water(bore, 0.0, bore.length)
         if not scene.bores:
             seen = self._size / px
-            shapes += make_lattice(
-                scene.axes, self._centre, seen, layout.floor_to_nice_number(float(seen[0]) / 9)
-            )
+            shapes += make_lattice(scene.axes, self._centre, seen, layout.floor_to_nice_number(float(seen[0]) / 9))
         drawn = [f"drawn {self._magnified:g} times its size"] if self._magnified > 1 else []
         if scene.still is not None:
             t = self._exposure_times()
             drawn += [f"every {t[1]:g} s"] if len(t) > 1 else []
             hull = make_hull(scene.agent.body, self._magnified)
-            shapes += [
-                turn(hull, pose.rotation, pose.position) for pose in interpolate_poses(scene.trajectory, t)
-            ]
+            shapes += [turn(hull, pose.rotation, pose.position) for pose in interpolate_poses(scene.trajectory, t)]
         if drawn:
             above = np.array([self._low[0], self._high[1] + 0.4 * scene.letter_height / px, self._high[2]])
             shapes.append(make_text(above @ scene.axes, f"agent {', '.join(drawn)}", style.MUTED, size))
@@ -120,18 +114,14 @@ class SideView:
             corner = self._to_world(np.array([1.0, 2.0]) * scene.letter_height)
             shapes.append(make_text(corner, scene.format_caption(frame), style.INK, scene.letter_height))
         width, height = map(int, last - first)
-        return self._stage.render(
-            (width, height), self._to_world((first + last) / 2), scene.poses[frame], shapes
-        )
+        return self._stage.render((width, height), self._to_world((first + last) / 2), scene.poses[frame], shapes)
 
 
 def extent(scene: Scene) -> tuple[FloatArray, FloatArray]:
     """Return the corners of the box about the pipe, or about the path in open water, in the scene's axes, m."""
     around = np.linspace(0, 2 * np.pi, 16, endpoint=False)
     places = [
-        bore.point(along, bore.radius * (1 + THICKNESS), around)
-        for bore in scene.bores
-        for along in (0.0, bore.length)
+        bore.point(along, bore.radius * (1 + THICKNESS), around) for bore in scene.bores for along in (0.0, bore.length)
     ]
     if not places:
         reach = 2 * float(np.linalg.norm(scene.agent.body.outer, axis=1).max())

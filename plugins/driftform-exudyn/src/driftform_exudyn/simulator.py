@@ -46,9 +46,7 @@ class ExudynOptions(Table):
         ge=1e-15,
         le=1e-2,
     )
-    tightest: float = option(
-        1e-11, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2
-    )
+    tightest: float = option(1e-11, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2)
     max_step: float = option(
         0.05,
         "longest time step and time between samples; RK67 and RK44 take all steps of this length",
@@ -86,9 +84,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             for index, (agent, scenario) in enumerate(zip(agents, scenarios, strict=True))
         ]
 
-    def _fly(
-        self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
-    ) -> Trajectory:
+    def _fly(self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None) -> Trajectory:
         from driftform.motion import integrator, stepping
 
         # Exudyn takes longer to import than most flights take.

@@ -69,8 +69,7 @@ class Stage:
         if self._away:
             # With perspective, the size of letters refers to the origin, and is half as large at the focus.
             shapes = [
-                {**shape, "fontSize": 2 * shape["fontSize"]} if "fontSize" in shape else shape
-                for shape in shapes
+                {**shape, "fontSize": 2 * shape["fontSize"]} if "fontSize" in shape else shape for shape in shapes
             ]
         self._mbs.SetObjectParameter(self._body, "referencePosition", scale * pose.position + offset)
         self._mbs.SetObjectParameter(self._body, "referenceRotation", pose.rotation)

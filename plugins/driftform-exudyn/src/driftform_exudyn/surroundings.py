@@ -65,9 +65,7 @@ class Bore:
         back /= np.linalg.norm(back)
         return cls(start, length, radius, np.stack([axis, np.cross(axis, back), back]))
 
-    def point(
-        self, along: FloatArray | float, radius: FloatArray | float, angle: FloatArray | float
-    ) -> FloatArray:
+    def point(self, along: FloatArray | float, radius: FloatArray | float, angle: FloatArray | float) -> FloatArray:
         """Return points of the world by cylindrical coordinates, ``angle`` (rad) from up towards the back, m, (..., 3)."""
         axis, up, back = self.axes
         x, r, a = (np.asarray(value, dtype=np.float64)[..., None] for value in (along, radius, angle))

@@ -123,8 +123,6 @@ def _add_water(mbs: Any, node: Any, water: stepping.WaterForces, tries: list[flo
     if states:
         zeros = [0.0] * states
         inner = mbs.AddNode(
-            items.NodeGenericODE1(
-                referenceCoordinates=zeros, initialCoordinates=zeros, numberOfODE1Coordinates=states
-            )
+            items.NodeGenericODE1(referenceCoordinates=zeros, initialCoordinates=zeros, numberOfODE1Coordinates=states)
         )
         mbs.AddObject(items.ObjectGenericODE1(nodeNumbers=[inner], rhsUserFunction=inner_rates))

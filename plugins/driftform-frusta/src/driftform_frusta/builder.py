@@ -56,9 +56,7 @@ class FrustaOptions(Table):
     )
     hull_density: float = option(1050.0, "density of the hull's material (ABS)", "kg/m3", ge=1, le=30_000)
     clearance: float = option(0.0002, "gap between core and hull", "m", ge=0, le=1)
-    min_radius: float = option(
-        0.0025, "least radius of the chain, to the middle of its wall", "m", ge=1e-5, le=1
-    )
+    min_radius: float = option(0.0025, "least radius of the chain, to the middle of its wall", "m", ge=1e-5, le=1)
     wall_model: Literal["mitred", "paper"] = option(
         "mitred",
         "'mitred': the wall is measured normal to itself and the ends are closed by caps; 'paper': radial "
@@ -147,9 +145,7 @@ class FrustaOptions(Table):
         if not self.core_profile and self.core_cog is None:
             return self
         if not self.core_profile:
-            raise ValueError(
-                "'core_cog' is for a capsule: set core to the file of its profile, or leave it out"
-            )
+            raise ValueError("'core_cog' is for a capsule: set core to the file of its profile, or leave it out")
         if self.core_cog is None:
             raise ValueError("'core_profile' is that of a capsule, whose core_cog is missing: add it")
         check_profile(self.core_profile, self.core_cog, "core_")
@@ -175,9 +171,7 @@ class FrustaOptions(Table):
     @model_validator(mode="after")
     def _can_be_a_kit(self) -> "FrustaOptions":
         if self.made_as == "hull" and self.kit is not None:
-            raise ValueError(
-                "kit has options, but made_as is 'hull': set made_as to 'kit', or leave them out"
-            )
+            raise ValueError("kit has options, but made_as is 'hull': set made_as to 'kit', or leave them out")
         if self.kit is not None and self.kit.ballast:
             raise ValueError(
                 "kit.ballast is for the kit of one agent, and a builder makes many: set it for the exporter"
@@ -286,9 +280,7 @@ def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
     )
 
 
-def _measure_fittings(
-    o: FrustaOptions, bare: Body, ballast: tuple[tuple[float, float], ...] = ()
-) -> Fittings:
+def _measure_fittings(o: FrustaOptions, bare: Body, ballast: tuple[tuple[float, float], ...] = ()) -> Fittings:
     """Return what the kit of a body has beside the wall, with seats for some balls; nothing for a hull in one piece."""
     if o.kit is None:
         return Fittings()

@@ -44,9 +44,7 @@ class Revolve:
     def __post_init__(self) -> None:
         for polygon in (self.outline, *self.holes):
             _check(len(polygon) >= 3, f"a polygon needs three points or more, not {len(polygon)}")
-            _check(
-                all(math.isfinite(c) for point in polygon for c in point), "a polygon's points must be finite"
-            )
+            _check(all(math.isfinite(c) for point in polygon for c in point), "a polygon's points must be finite")
         _check(any(r > 0 for r, _ in self.outline), "an outline needs a point at r > 0")
 
 

@@ -46,9 +46,7 @@ def read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
         if not np.isfinite(contour).all():
             raise WorkFailedError(f"the hull has no solid: its {what} has coordinates that are not finite")
         if len(contour) < 3:
-            raise WorkFailedError(
-                f"the hull has no solid: its {what} has {len(contour)} points, fewer than 3"
-            )
+            raise WorkFailedError(f"the hull has no solid: its {what} has {len(contour)} points, fewer than 3")
         printed = np.array(contour)
         printed[:, 0] -= body.outer[:, 0].min()
         printed = np.round(printed * MM * _GRID) / _GRID

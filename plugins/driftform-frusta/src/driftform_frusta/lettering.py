@@ -80,8 +80,7 @@ def draw_strokes(text: str, size: float) -> tuple[Stroke, ...]:
     for place, letter in enumerate(text):
         for line in _LETTERS[letter.upper()].split():
             points = [
-                (unit * (place * _ADVANCE + int(line[i])), unit * int(line[i + 1]))
-                for i in range(0, len(line), 2)
+                (unit * (place * _ADVANCE + int(line[i])), unit * int(line[i + 1])) for i in range(0, len(line), 2)
             ]
             found.extend(pairwise(points))
     return tuple(found)

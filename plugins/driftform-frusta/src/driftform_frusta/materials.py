@@ -29,6 +29,4 @@ MATERIALS = {
 
 def find_material(density: float) -> str | None:
     """Return the name of the material that has a density (kg/m3), or ``None``."""
-    return next(
-        (name for name, m in MATERIALS.items() if abs(density - m.density) <= _SAME * m.density), None
-    )
+    return next((name for name, m in MATERIALS.items() if abs(density - m.density) <= _SAME * m.density), None)

@@ -18,9 +18,7 @@ from driftform_frusta.triangles import Mesh
 _ELEVATION, _AZIMUTH = np.deg2rad(24.0), np.deg2rad(-62.0)
 """Of the eye, seen from the middle of the bed: from the front, somewhat from the right and from above."""
 
-_EYE = np.array(
-    [np.cos(_ELEVATION) * np.cos(_AZIMUTH), np.cos(_ELEVATION) * np.sin(_AZIMUTH), np.sin(_ELEVATION)]
-)
+_EYE = np.array([np.cos(_ELEVATION) * np.cos(_AZIMUTH), np.cos(_ELEVATION) * np.sin(_AZIMUTH), np.sin(_ELEVATION)])
 _RIGHT = np.array([-np.sin(_AZIMUTH), np.cos(_AZIMUTH), 0.0])
 _PAGE = np.stack([_RIGHT, -np.cross(_EYE, _RIGHT)])
 """Rows: to the right and down on the page."""
@@ -47,9 +45,7 @@ Shape: TypeAlias = tuple[Mesh, str]
 """A mesh in its place on the bed, mm, the middle of the bed at the origin; and its colour, ``#rrggbb``."""
 
 
-def plate_svg(
-    shapes: Sequence[Shape], bed: tuple[float, float], width: float = 200, height: float = 150
-) -> str:
+def plate_svg(shapes: Sequence[Shape], bed: tuple[float, float], width: float = 200, height: float = 150) -> str:
     """Return a picture of shapes on a bed, SVG of ``width`` by ``height`` px; the bed has a line each 10 mm.
 
     The picture shows all shapes, and the part of the bed around them.
@@ -60,9 +56,7 @@ def plate_svg(
     """
     view = _View.of(shapes, width, height)
     shapes = [(_simplify(mesh, _DETAIL / view.scale), colour) for mesh, colour in shapes]
-    root = svg.start_document(
-        width, height, "Parts on the bed", "The parts as they are printed, in their colours."
-    )
+    root = svg.start_document(width, height, "Parts on the bed", "The parts as they are printed, in their colours.")
     page = np.array([(0, 0), (width, 0), (width, height), (0, height)], dtype=np.float64)
     svg.add(root, "path", d=svg.path_data(page, closed=True), fill=_PAPER)
     _add_bed(root, view, bed, page, [mesh for mesh, _ in shapes])
@@ -115,9 +109,7 @@ def _depth(points: FloatArray) -> FloatArray:
     return depth
 
 
-def _add_bed(
-    root: ET.Element, view: _View, bed: tuple[float, float], page: FloatArray, meshes: Sequence[Mesh]
-) -> None:
+def _add_bed(root: ET.Element, view: _View, bed: tuple[float, float], page: FloatArray, meshes: Sequence[Mesh]) -> None:
     """Draw the bed, its lines, and the shadows of the meshes."""
     half = np.array([bed[0], bed[1], 0.0]) / 2
     corners = view.project(half * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]))

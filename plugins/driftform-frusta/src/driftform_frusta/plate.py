@@ -33,9 +33,7 @@ class _Plate:
     rows: list[_Row] = field(default_factory=list)
 
 
-def arrange(
-    sizes: Sequence[tuple[float, float]], bed: tuple[float, float], gap: float = GAP
-) -> tuple[Spot, ...]:
+def arrange(sizes: Sequence[tuple[float, float]], bed: tuple[float, float], gap: float = GAP) -> tuple[Spot, ...]:
     """Return the places of rectangles on plates of the size of ``bed``, in the order of ``sizes``; all in mm.
 
     Rows, and the parts in them, are centred. A part that is larger than the bed has a plate to itself.
@@ -60,9 +58,7 @@ def fits(size: tuple[float, float, float], bed: tuple[float, float, float]) -> b
     return all(s <= b + 1e-6 for s, b in zip(size, bed, strict=True))
 
 
-def _place(
-    part: int, size: tuple[float, float], plates: list[_Plate], bed: tuple[float, float], gap: float
-) -> None:
+def _place(part: int, size: tuple[float, float], plates: list[_Plate], bed: tuple[float, float], gap: float) -> None:
     width, depth = size
     for plate in plates:
         for row in plate.rows:

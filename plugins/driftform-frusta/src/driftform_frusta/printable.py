@@ -69,9 +69,7 @@ def _refuse_without_wall(body: Body) -> None:
     to_cavity = distance_from(body.outer, body.cavity)
     if min(to_outer.min(), to_cavity.min()) >= _NO_WALL:
         return
-    points, distances = (
-        (body.cavity, to_outer) if to_outer.min() <= to_cavity.min() else (body.outer, to_cavity)
-    )
+    points, distances = (body.cavity, to_outer) if to_outer.min() <= to_cavity.min() else (body.outer, to_cavity)
     x = float(points[np.argmin(distances), 0])
     ends = (("aft", body.outer[0, 0]), ("fore", body.outer[-1, 0]))
     where = next((f"at its {name} end" for name, end in ends if abs(x - end) < _NO_WALL), f"at x = {x:.6f} m")

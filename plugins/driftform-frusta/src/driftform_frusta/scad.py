@@ -116,9 +116,7 @@ def _revolve(node: csg.Revolve) -> list[str]:
         )
         section = _block("intersection()", [section, half_plane])
     # Without convexity the preview draws what is behind a concave section in front of it.
-    return _put_above(
-        f"rotate_extrude(convexity = {_CONVEXITY})", _put_above("scale([area_factor, 1])", section)
-    )
+    return _put_above(f"rotate_extrude(convexity = {_CONVEXITY})", _put_above("scale([area_factor, 1])", section))
 
 
 def _text(node: csg.Text) -> list[str]:

@@ -88,8 +88,7 @@ def draw_letters(text: str, size: float) -> CrossSection:
     angle = np.arange(8) * (np.pi / 4)
     pen = size * STROKE / 2 * np.column_stack((np.cos(angle), np.sin(angle)))
     drawn = [
-        CrossSection.hull_points(np.concatenate((pen + start, pen + end)))
-        for start, end in draw_strokes(text, size)
+        CrossSection.hull_points(np.concatenate((pen + start, pen + end))) for start, end in draw_strokes(text, size)
     ]
     return CrossSection.batch_boolean(drawn, OpType.Add)
 

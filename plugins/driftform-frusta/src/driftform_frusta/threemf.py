@@ -81,12 +81,8 @@ def package_bytes(
 
 
 def _content_types() -> str:
-    types = "".join(
-        f'<Default Extension="{ending}" ContentType="{kind}"/>' for ending, kind in _TYPES.items()
-    )
-    return (
-        f'<?xml version="1.0" encoding="UTF-8"?>\n<Types xmlns="{_PACKAGE}/content-types">{types}</Types>\n'
-    )
+    types = "".join(f'<Default Extension="{ending}" ContentType="{kind}"/>' for ending, kind in _TYPES.items())
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n<Types xmlns="{_PACKAGE}/content-types">{types}</Types>\n'
 
 
 def _relations(targets: Sequence[tuple[str, str]]) -> str:
@@ -132,7 +128,5 @@ def _vertices(mesh: Mesh) -> str:
 
 
 def _triangles(mesh: Mesh) -> str:
-    rows = (
-        '<triangle v1="%d" v2="%d" v3="%d"/>' * len(mesh.triangles) % tuple(mesh.triangles.ravel().tolist())
-    )
+    rows = '<triangle v1="%d" v2="%d" v3="%d"/>' * len(mesh.triangles) % tuple(mesh.triangles.ravel().tolist())
     return f"<triangles>{rows}</triangles>"

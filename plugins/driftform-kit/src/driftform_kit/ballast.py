@@ -93,9 +93,7 @@ def ball_mass(diameter: float, density: float) -> float:
     return float(np.pi / 6 * density * diameter**3)
 
 
-def place_one_ball(
-    body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False
-) -> tuple[Piece, ...]:
+def place_one_ball(body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False) -> tuple[Piece, ...]:
     """Return a ball on the axis of the mass and the moment of ``wanted``, beside the core; empty if it has no room.
 
     The density is that of the ballast, kg/m3; ``in_kit`` is as for :func:`max_ball_radius`.
@@ -141,9 +139,7 @@ def place_two_balls(
     )
 
 
-def place_filling(
-    body: Body, wanted: RequiredBallast, density: float, nearest: bool = False
-) -> tuple[Piece, ...]:
+def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: bool = False) -> tuple[Piece, ...]:
     """Return a filling of the whole bore, such as shot or putty, of the mass and the moment of ``wanted``; empty if none fits.
 
     It is at least :data:`THINNEST` long. With ``nearest``, it is the one at one end of the bore whose centre is nearest to
@@ -174,9 +170,7 @@ def place_filling(
     return tuple(sorted(thick, key=lambda piece: abs(piece.element.x - x))[:1])
 
 
-def place_nearest_ball(
-    body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False
-) -> tuple[Piece, ...]:
+def place_nearest_ball(body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False) -> tuple[Piece, ...]:
     """Return the ball of that mass whose centre is nearest to the wanted one; empty if it fits nowhere."""
     if not _can_hold(body, wanted):
         return ()

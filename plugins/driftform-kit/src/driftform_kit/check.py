@@ -75,9 +75,7 @@ def list_findings(
             found += study.check_print(row.name, job)
     if all(finding.state is State.SKIPPED for finding in found):
         reasons = dict.fromkeys(f"{finding.check}: {finding.detail}" for finding in found)
-        raise WorkFailedError(
-            "nothing could be checked: " + ("; ".join(reasons) or "no checker is installed")
-        )
+        raise WorkFailedError("nothing could be checked: " + ("; ".join(reasons) or "no checker is installed"))
     return found
 
 

@@ -55,9 +55,7 @@ def check(
     ] = False,
     programs: Annotated[
         bool,
-        typer.Option(
-            "--programs/--no-programs", help="Run OpenSCAD, a slicer and the like, if they are on PATH."
-        ),
+        typer.Option("--programs/--no-programs", help="Run OpenSCAD, a slicer and the like, if they are on PATH."),
     ] = True,
     attached: Annotated[
         bool,
@@ -111,9 +109,7 @@ def check(
     else:
         [format] = formats.parse_formats(format, "exporter", "stl")
         design = open_agent(subject, *(settings or ()))
-        findings = check_design(
-            design, format, printer=printer, kit=kit, programs=programs, on_program=announce
-        )
+        findings = check_design(design, format, printer=printer, kit=kit, programs=programs, on_program=announce)
     failed = any(finding.state is State.FAIL for finding in findings)
     if json:
         keys = ("check", "part", "state", "detail")

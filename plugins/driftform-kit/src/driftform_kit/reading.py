@@ -42,9 +42,7 @@ def read_meshes(path: Path) -> tuple[Mesh, ...]:
 def _read(path: Path, _changed: int, _size: int) -> tuple[Mesh, ...]:
     suffix = path.suffix.lower()
     if suffix not in _READERS:
-        raise InputError(
-            f"{path}: is not a printable file by its suffix; known: {', '.join(sorted(_READERS))}"
-        )
+        raise InputError(f"{path}: is not a printable file by its suffix; known: {', '.join(sorted(_READERS))}")
     try:
         parts = _READERS[suffix](path)
     except (InputError, WorkFailedError):

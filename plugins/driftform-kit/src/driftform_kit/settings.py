@@ -45,10 +45,7 @@ def read_kit_settings(path: Path, label: str, format: str) -> list[str]:
     except ValueError as error:
         raise InputError(f"{label}: is not JSON in UTF-8: {error}") from None
     # The values of an option are written alike in JSON and in TOML.
-    return [
-        f"exporter.{format}.{key}={json.dumps(value)}"
-        for key, value in options.model_dump(mode="json").items()
-    ]
+    return [f"exporter.{format}.{key}={json.dumps(value)}" for key, value in options.model_dump(mode="json").items()]
 
 
 def list_arguments(names: Iterable[str], options: Table) -> str:

@@ -62,9 +62,7 @@ class PrintWeight:
         return MassElement.of_print(agent.body, self.mass, self.cog)
 
 
-def weigh_print(
-    agent: Agent, mass: float | None, cog: float | None, kit: KitReport | None = None
-) -> PrintWeight:
+def weigh_print(agent: Agent, mass: float | None, cog: float | None, kit: KitReport | None = None) -> PrintWeight:
     """Return what a print weighs, from what was measured of it (kg, m; ``None`` if it was not) and what its kit weighs.
 
     Raises InputError if the mass is missing.
@@ -151,9 +149,7 @@ def _check(agent: Agent, name: str, weight: PrintWeight, density: float) -> None
                 f"body ({aft:.4f} to {fore:.4f} m); weigh and balance it with its core in"
             )
     if not 1 < density < 1e5:
-        raise InputError(
-            f"--ballast-density {density:g}: should be a density in kg/m3, such as 11340 for lead"
-        )
+        raise InputError(f"--ballast-density {density:g}: should be a density in kg/m3, such as 11340 for lead")
 
 
 @dataclass(frozen=True)
@@ -233,9 +229,7 @@ class _Planner:
         unheld = reasons[0] if reasons else "no ball has room where it is needed"
         return _Plan(self.weight, required, pieces, unheld=unheld)
 
-    def settle(
-        self, kit: KitReport, measure: MeasureKit, place: Callable[..., tuple[Piece, ...]]
-    ) -> _Plan | None:
+    def settle(self, kit: KitReport, measure: MeasureKit, place: Callable[..., tuple[Piece, ...]]) -> _Plan | None:
         """Repeat until the ballast is that of a print with the seats for it; ``None`` if no balls have room."""
         core = self.agent.body.core.mass
         # The seats are printed as the rest of the hull was.
@@ -258,9 +252,7 @@ class _Planner:
                 return _Plan(seated, self.find_required(seated), pieces, made.held, float(seats[0]))
             # A heavier seat makes the ballast smaller, and that the seat lighter: the mean comes to rest.
             assumed = (assumed + seats) / 2
-        raise WorkFailedError(
-            f"the mass of its seat, about {1000 * assumed[0]:.2f} g, depends too much on its place"
-        )
+        raise WorkFailedError(f"the mass of its seat, about {1000 * assumed[0]:.2f} g, depends too much on its place")
 
     def add(self, seats: FloatArray) -> PrintWeight:
         """The weight of the print with seats of some mass (kg) and moment (kg m)."""

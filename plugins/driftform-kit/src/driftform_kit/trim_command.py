@@ -46,9 +46,7 @@ def trim(
             help="Count the sleeves and seats of the kit; give --format, --bed and --option as 'driftform export' has them.",
         ),
     ] = False,
-    format: Annotated[
-        str, typer.Option(metavar="NAME[,NAME...]", help="Formats that the kit is exported to.")
-    ] = "stl",
+    format: Annotated[str, typer.Option(metavar="NAME[,NAME...]", help="Formats that the kit is exported to.")] = "stl",
     bed: options.Bed = None,
     option: options.ExporterOptions = None,
     ballast_density: Annotated[
@@ -77,9 +75,7 @@ def trim(
             raise InputError(f"--{name}: goes with --kit")
     use = {"simulator": simulator, "hydrodynamics": hydrodynamics}
     design = formats.open_exported(agent, names, kit, bed, option or (), settings or (), scenario, use)
-    facts = trim_design(
-        design, printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density
-    )
+    facts = trim_design(design, printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density)
     if json:
         output.print_json(facts)
         return
@@ -127,17 +123,14 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: Commands) -
     columns = {name: facts[name] or {} for name in names}
     targets = list(dict.fromkeys(target for column in columns.values() for target in column))
     rows = [
-        (target, *(f"{fitness.measure(c[target]):.3f}" if c else "-" for c in columns.values()))
-        for target in targets
+        (target, *(f"{fitness.measure(c[target]):.3f}" if c else "-" for c in columns.values())) for target in targets
     ]
     output.print_table(("target", *names), rows, right=range(1, 1 + len(names)))
     for name in names:
         end = facts["ends"][name]
         x, y, z = end["position"]
         failed = "failed: " if end["failed"] else ""
-        print(
-            f"{name:9}  {failed}{end['reason']} after {end['t']:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m"
-        )
+        print(f"{name:9}  {failed}{end['reason']} after {end['t']:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m")
 
 
 def describe_remedy(facts: dict[str, Any], commands: Commands) -> list[str]:
@@ -147,9 +140,7 @@ def describe_remedy(facts: dict[str, Any], commands: Commands) -> list[str]:
 
     held, density, off = facts["held"], facts["ballast_density"], facts["residual_moment"]
     export, trim = commands(tuple((round(b["x"], 5), round(b["diameter"], 5)) for b in held), density)
-    paused = (
-        piece["mass"] for piece, b in zip(facts["pieces"], held, strict=False) if b["pause"] is not None
-    )
+    paused = (piece["mass"] for piece, b in zip(facts["pieces"], held, strict=False) if b["pause"] is not None)
     return fill_template(
         "trim.txt",
         **facts,

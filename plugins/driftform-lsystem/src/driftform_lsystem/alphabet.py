@@ -18,11 +18,7 @@ NOUNS = ("an add", "a tilt", "a degree", "a letter", "a move")
 PLACE = {symbol: place for place, symbols in enumerate(QUINTUPLE) for symbol in symbols}
 """The place of each symbol in a quintuple, counted from 0, without the core's letter."""
 
-OTHERS = {
-    symbol: tuple(other for other in symbols if other != symbol)
-    for symbols in QUINTUPLE
-    for symbol in symbols
-}
+OTHERS = {symbol: tuple(other for other in symbols if other != symbol) for symbols in QUINTUPLE for symbol in symbols}
 """What each symbol can change to: the others of its class. The core's letter has none."""
 
 LETTER_PLACE = 3

@@ -13,8 +13,7 @@ def interpret(steps: Sequence[Sequence[str]], options: LSystemOptions) -> Morpho
     """Return the modules that quintuples build: lengths in m, tilts in rad."""
     modules = _make_catalogue(options)
     aft, fore = (
-        tuple([modules[kind] for kind in side])
-        for side in place_modules(steps, skip=options.occupied == "skip")
+        tuple([modules[kind] for kind in side]) for side in place_modules(steps, skip=options.occupied == "skip")
     )
     if options.tilt_reference == "neighbour":
         aft, fore = _lean(aft), _lean(fore)
@@ -66,8 +65,4 @@ def _make_catalogue(options: LSystemOptions) -> dict[str, Module]:
     # Subtracted from zero, because the negative of 0.0 is -0.0 and would be printed as such.
     tilts = {"tiltp" + d: math.radians(deg) for d, deg in degrees.items()}
     tilts |= {"tiltn" + d: 0.0 - math.radians(deg) for d, deg in degrees.items()}
-    return {
-        tilt + letter: Module(length, angle)
-        for tilt, angle in tilts.items()
-        for letter, length in lengths.items()
-    }
+    return {tilt + letter: Module(length, angle) for tilt, angle in tilts.items() for letter, length in lengths.items()}

@@ -23,10 +23,7 @@ def grow(genotype: tuple[str, ...], iterations: int, *, last: bool = False) -> l
     after the last one, the first counts, or the ``last``.
     """
     quintuples = split(genotype)
-    rules = {
-        rule: quintuples[i * QUINTUPLES_PER_RULE : (i + 1) * QUINTUPLES_PER_RULE]
-        for i, rule in enumerate(RULES)
-    }
+    rules = {rule: quintuples[i * QUINTUPLES_PER_RULE : (i + 1) * QUINTUPLES_PER_RULE] for i, rule in enumerate(RULES)}
     # What the letters have grown into so far. An iteration puts what the core's rule has grown into after what is there.
     grown, word = rules, list(rules[CORE])
     for iteration in range(1, iterations):

@@ -18,8 +18,7 @@ def write(symbols: Sequence[str]) -> str:
     if is_word(symbols):
         return "-".join(symbols[1:]) or CORE
     return " | ".join(
-        f"{rule}: {'-'.join(symbols[i * RULE_LENGTH : (i + 1) * RULE_LENGTH])}"
-        for i, rule in enumerate(RULES)
+        f"{rule}: {'-'.join(symbols[i * RULE_LENGTH : (i + 1) * RULE_LENGTH])}" for i, rule in enumerate(RULES)
     )
 
 

@@ -42,9 +42,7 @@ class NativeOptions(Table):
         ge=1e-15,
         le=1e-2,
     )
-    tightest: float = option(
-        1e-12, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2
-    )
+    tightest: float = option(1e-12, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2)
     max_step: float = option(0.05, "longest time step and time between samples", "s", ge=1e-5, le=10)
     step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0, le=100_000_000)
     threads: int = option(
@@ -91,9 +89,7 @@ class NativeSimulator(Simulator[NativeOptions]):
         with ThreadPoolExecutor(self.options.threads) as pool:
             return list(pool.map(fly, *arguments))
 
-    def _fly(
-        self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
-    ) -> Trajectory:
+    def _fly(self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None) -> Trajectory:
         # Imported here, because compiled code loads the compiler, and listing the plugins must not.
         from driftform.motion import integrator, stepping
 

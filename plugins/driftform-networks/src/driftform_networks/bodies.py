@@ -120,9 +120,7 @@ def open_traveller(
     except ValueError:
         diameter = 0.0
     if not 0.0005 <= diameter <= 2:
-        raise InputError(
-            f"AGENT '{text}': a sphere is named by its diameter from 0.5 to 2000 mm, such as sphere:5mm"
-        )
+        raise InputError(f"AGENT '{text}': a sphere is named by its diameter from 0.5 to 2000 mm, such as sphere:5mm")
     agent = forces.make_sphere(diameter, pipeline.scenario.fluid, buoyancy or 0.0)
     if agent.mass.mass <= 0:
         raise InputError(f"--buoyancy {buoyancy:g}: {text} displaces too little water for it")

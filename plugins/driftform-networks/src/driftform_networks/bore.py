@@ -51,9 +51,7 @@ def spread_points(room: float, rings: int = 18, around: int = 144) -> FloatArray
     radius = room * np.sqrt((np.arange(rings) + 0.5) / rings)
     # Half a step off, so that no point lies on the border of a sector, nor on the vertical.
     clock = 2 * np.pi * (np.arange(around) + 0.5) / around
-    points = np.column_stack(
-        [np.outer(radius, np.sin(clock)).ravel(), np.outer(radius, np.cos(clock)).ravel()]
-    )
+    points = np.column_stack([np.outer(radius, np.sin(clock)).ravel(), np.outer(radius, np.cos(clock)).ravel()])
     points.flags.writeable = False
     return points
 

@@ -12,9 +12,7 @@ from driftform_networks.network import BoolArray, IntArray
 from driftform_networks.snapshot import Snapshot
 
 
-def choose_greedily(
-    seen: FloatArray, length: FloatArray, size: int
-) -> tuple[IntArray, FloatArray, FloatArray]:
+def choose_greedily(seen: FloatArray, length: FloatArray, size: int) -> tuple[IntArray, FloatArray, FloatArray]:
     """Choose bodies one after the other, each the one that adds most; any may be chosen more than once.
 
     Bodies travel independently, so that a fleet sees a link with 1 - prod(1 - p). The expected length that it sees is a
@@ -97,9 +95,7 @@ def bound_steering(
         enter = sparse.csr_array((ones * passes, (head, column)), (nodes, width))
         balance.append(leave - enter)
         sight.append(sparse.csr_array((-ones, (link, column)), (links, width)))
-    source = sparse.csr_array(
-        (-np.ones(len(releases)), (releases, np.arange(len(releases)))), (nodes, len(releases))
-    )
+    source = sparse.csr_array((-np.ones(len(releases)), (releases, np.arange(len(releases)))), (nodes, len(releases)))
     conserved = sparse.hstack([
         sparse.csr_array((nodes * len(flows), links)),
         sparse.block_diag(balance),

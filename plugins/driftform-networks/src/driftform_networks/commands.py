@@ -59,9 +59,7 @@ def declare_option(name: str) -> Parameter:
         return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
     option = _read_options()[name]
     kind, flag = option["type"], option.get("flag", f"--{name.replace('_', '-')}")
-    shown: dict[str, Any] = {"help": option["help"]} | (
-        {} if kind == "switch" else {"metavar": option["metavar"]}
-    )
+    shown: dict[str, Any] = {"help": option["help"]} | ({} if kind == "switch" else {"metavar": option["metavar"]})
     if kind in ("number", "numbers", "count") and "signed" not in option:
         shown |= {"min": option.get("min", 0), "max": option["max"]}
     default = option.get("default", False if kind == "switch" else None)
@@ -137,9 +135,7 @@ def route(given: Given) -> None:
     network.find_node(given.release)
     traveller = open_traveller(given.agent, given.scenario, given.settings or (), given.buoyancy)
     with _travel(given, network) as travel:
-        passage = api.route(
-            network, traveller, given.release, hour=given.at, **_pick(given), **travel, compare=True
-        )
+        passage = api.route(network, traveller, given.release, hour=given.at, **_pick(given), **travel, compare=True)
     title = f"{network.name}: {traveller.name} from {given.release} at hour {given.at:g}"
     present_passage(passage, title, outputs, given.json, sights, is_body=True)
 
@@ -214,9 +210,7 @@ def plan(given: Given) -> None:
             **_pick(given),
             **travel,
         )
-    title = (
-        f"{network.name}: {given.plan_size} bodies and {len(planned.nets)} nets within {given.plan_within}"
-    )
+    title = f"{network.name}: {given.plan_size} bodies and {len(planned.nets)} nets within {given.plan_within}"
     present_plan(planned, title, outputs, given.json, sights)
 
 
@@ -277,9 +271,5 @@ def _collect(given: Given, agents: Sequence[str], buoyancies: Sequence[float]) -
 def _pick(given: Given) -> dict[str, Any]:
     """Return how bodies are followed, by the names of parameters."""
     seed = given.seed if hasattr(given, "seed") else given.agents_seed
-    within = (
-        {}
-        if not hasattr(given, "within")
-        else {"within": given.within and parse_time("--within", given.within)}
-    )
+    within = {} if not hasattr(given, "within") else {"within": given.within and parse_time("--within", given.within)}
     return {"unsteady": given.unsteady, "walks": given.walks, "seed": seed, **within}

@@ -74,9 +74,7 @@ class _Project:
         except InputError:
             count = self("getcount", 0 if kind == "node" else 2)
             known = did_you_mean(name, self.list_all(f"get{kind}id", count)) if count < 5000 else ""
-            raise InputError(
-                f"{option} {name}: no such {kind}{known if 'known' not in known else ''}"
-            ) from None
+            raise InputError(f"{option} {name}: no such {kind}{known if 'known' not in known else ''}") from None
 
 
 def solve(file: str, changes: dict[str, Any]) -> dict[str, Any]:
@@ -207,9 +205,7 @@ def _change(
     for name, litres in changes.get("open", {}).items():
         node = project.find("--open", "node", name)
         if found["node_kinds"][node - 1] != "junction":
-            raise InputError(
-                f"--open {name}: it is a {found['node_kinds'][node - 1]}: water is drawn at junctions"
-            )
+            raise InputError(f"--open {name}: it is a {found['node_kinds'][node - 1]}: water is drawn at junctions")
         project("adddemand", node, litres / litre / project("getoption", _MULTIPLIER), _OPENED, _OPENED)
     for link, _, _ in fixed:
         for control in range(1, project("getcount", 5) + 1):

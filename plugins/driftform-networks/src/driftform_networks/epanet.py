@@ -60,9 +60,7 @@ def split_option(option: str, text: str, words: Sequence[str] = ()) -> tuple[str
     except ValueError:
         number = -1.0
     if not equals or not 0 <= number < 1e9:
-        raise InputError(
-            f"{option} {text}: expected NAME=VALUE, the value {' or '.join(('a number', *words))}"
-        )
+        raise InputError(f"{option} {text}: expected NAME=VALUE, the value {' or '.join(('a number', *words))}")
     return name, number
 
 
@@ -81,9 +79,7 @@ def run_epanet(path: Path, changes: Changes | None = None) -> Arrays:
         text = files.read_text(copy if content.endswith(bytes(8)) else path)
         copy.write_text(text, "utf-8", newline="\n")
         stop, context = Event(), copy_context()
-        shown = Thread(
-            target=context.run, args=(_show_percent, copy.with_suffix(".percent"), stop), daemon=True
-        )
+        shown = Thread(target=context.run, args=(_show_percent, copy.with_suffix(".percent"), stop), daemon=True)
         shown.start()
         try:
             values = asdict(changes or Changes())
@@ -116,9 +112,7 @@ def _read_errors(report: Path, text: str) -> list[str]:
     """Return the errors in EPANET's report, one line each, with the number of the line of the file that it quotes."""
     if not report.is_file():
         return []
-    numbers = {
-        " ".join(line.split()): number for number, line in reversed(list(enumerate(text.splitlines(), 1)))
-    }
+    numbers = {" ".join(line.split()): number for number, line in reversed(list(enumerate(text.splitlines(), 1)))}
     lines = [line.strip() for line in report.read_text("utf-8", errors="replace").splitlines()]
     found = list[str]()
     for line, following in zip(lines, [*lines[1:], ""], strict=False):

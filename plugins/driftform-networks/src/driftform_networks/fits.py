@@ -44,9 +44,7 @@ def longest_rod(first: float, second: float, turn: float, width: float) -> float
     angles: FloatArray = np.linspace(low, high, 66)[1:-1]
     lengths = [span(angle) for angle in angles]
     best = int(np.argmin(lengths))
-    found = minimize_scalar(
-        span, bounds=(angles[max(best - 1, 0)], angles[min(best + 1, 63)]), method="bounded"
-    )
+    found = minimize_scalar(span, bounds=(angles[max(best - 1, 0)], angles[min(best + 1, 63)]), method="bounded")
     return float(min(found.fun, lengths[best]))
 
 

@@ -197,9 +197,7 @@ def plan_fleet(
         for row, gain in zip(chosen.tolist(), (-np.diff(missed, prepend=1.0)).tolist(), strict=True)
     )
     nodes = list(dict.fromkeys(case.node for case in cases))
-    steered = (
-        bound_steering(list(flows.values()), nodes, reachable, count + 1, blocked) for count in range(size)
-    )
+    steered = (bound_steering(list(flows.values()), nodes, reachable, count + 1, blocked) for count in range(size))
     bound, by_any = np.fromiter(steered, float), 1 - np.prod(1 - seen[chosen], axis=0)
     water = choose_water(False), choose_water(True)
     return Fleet(network, reachable, by_any, members, curve, choice_bound, *water, bound)

@@ -133,15 +133,11 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
     with np.errstate(invalid="ignore", divide="ignore"):
         # A band in which no flight has been is like all others together.
         transfer = np.where(total[:, None] > 0, counts / total[:, None], counts.sum(axis=0) / total.sum())
-        slowness = np.where(
-            passed > 0, times / (passed * water), times.sum() / max(passed.sum() * water, 1e-9)
-        )
+        slowness = np.where(passed > 0, times / (passed * water), times.sum() / max(passed.sum() * water, 1e-9))
     return StraightFlights(cell, transfer, slowness, np.array(states).reshape(-1, 13))
 
 
-def _make_scenarios(
-    traveller: Traveller, bore: float, speed: float, slope: float, cell: float
-) -> list[Scenario]:
+def _make_scenarios(traveller: Traveller, bore: float, speed: float, slope: float, cell: float) -> list[Scenario]:
     """Return the scenarios of the flights, with releases that fit into the pipe."""
     length = _LEAD * bore + CELLS * cell
     rise = length * slope

@@ -127,9 +127,7 @@ def find_cases(network: Network, releases: Sequence[str], hours: Sequence[float]
     nodes = {name: network.find_node(name) for name in dict.fromkeys(releases)}
     flows = {hour: how.take_snapshots(network, hour) for hour in dict.fromkeys(hours)}
     for name, node in nodes.items():
-        found = [
-            Case(network, name, hour, flow, how) for hour, flow in flows.items() if len(flow[0].outlets[node])
-        ]
+        found = [Case(network, name, hour, flow, how) for hour, flow in flows.items() if len(flow[0].outlets[node])]
         if not found:
             # Refuses a node that no water leaves, before the flights.
             divide_flow(next(iter(flows.values()))[0], node)

@@ -30,9 +30,7 @@ def read_gates() -> dict[str, Gate]:
     return {kind: Gate(**values) for kind, values in tomllib.loads(text).items()}
 
 
-def find_gate(
-    clearance: Mapping[str, float], body: Body | None, network: Network, link: int
-) -> tuple[str, str]:
+def find_gate(clearance: Mapping[str, float], body: Body | None, network: Network, link: int) -> tuple[str, str]:
     """Return why a body cannot pass what is in a link, or what it passes; both are empty where nothing narrows the way.
 
     ``clearance`` has openings that replace the usual ones, by the name of a link or a kind; ``body`` is ``None`` for a point.

@@ -16,9 +16,7 @@ from driftform_networks.network import Network
 def check_crs(crs: str | None) -> None:
     """Refuse what names no coordinate reference system. Raises InputError if it is not ``EPSG:`` with a number."""
     if crs is not None and not re.fullmatch(r"EPSG:\d{4,6}", crs):
-        raise InputError(
-            f"--crs {crs}: expected the number of a coordinate reference system, such as EPSG:25832"
-        )
+        raise InputError(f"--crs {crs}: expected the number of a coordinate reference system, such as EPSG:25832")
 
 
 def write_geojson(

@@ -282,9 +282,7 @@ def curve_svg(fleet: Fleet, title: str) -> str:
         ink = style.INK if colour == style.MUTED else colour
         curves.append((f"{name} {100 * curve[-1]:.1f}", svg.path_data(points), colour, dashes, y, ink))
     ticks = [(60 + 608 * count / size, count) for count in range(0, size + 1, step)]
-    return render_template(
-        "curve.svg", title=layout.shorten(title, 20, 856, bold=True), ticks=ticks, curves=curves
-    )
+    return render_template("curve.svg", title=layout.shorten(title, 20, 856, bold=True), ticks=ticks, curves=curves)
 
 
 def _spread(heights: list[float], least: float = 16.0) -> list[float]:

@@ -116,8 +116,7 @@ class Passage:
             "junctions": count_passings([self.passings]),
             "stuck": [asdict(end) for end in self.stuck],
             "passed": [
-                {"link": link, "what": what, "probability": share}
-                for link, (what, share) in self.gates.items()
+                {"link": link, "what": what, "probability": share} for link, (what, share) in self.gates.items()
             ],
         }
 

@@ -57,9 +57,7 @@ def spread_numbers(count: int, columns: int, seed: int) -> FloatArray:
     """Return numbers in [0, 1) that fill the unit cube evenly, (at least count, columns): a scrambled Sobol sequence."""
     from scipy.stats import qmc
 
-    return np.asarray(
-        qmc.Sobol(columns, rng=np.random.default_rng(seed)).random_base2((count - 1).bit_length())
-    )
+    return np.asarray(qmc.Sobol(columns, rng=np.random.default_rng(seed)).random_base2((count - 1).bit_length()))
 
 
 def draw_attitude(numbers: FloatArray) -> tuple[float, float]:

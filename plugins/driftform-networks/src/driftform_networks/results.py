@@ -148,10 +148,7 @@ def present_plan(plan: Plan, title: str, outputs: Outputs, json: bool, sights: S
         TextTable(("number", "agent", "release", "hour", "time"), rows, right=(0, 3)),
         TextTable(("net at", "catches %", "mean age", "time of the first release"), caught, right=(1,)),
     ]
-    percent = {
-        key: f"{100 * document[key]:.1f} %"
-        for key in ("caught", "coverage", "coverage_with_nets", "recorded")
-    }
+    percent = {key: f"{100 * document[key]:.1f} %" for key in ("caught", "coverage", "coverage_with_nets", "recorded")}
     lines = [
         f"{len(plan.members)} bodies see {percent['coverage']} of the {document['reachable_length'] / 1000:.1f} km that water "
         f"from the releases reaches; {percent['coverage_with_nets']} if nets catch them",
@@ -168,9 +165,7 @@ def present_plan(plan: Plan, title: str, outputs: Outputs, json: bool, sights: S
     present(document, [title, *tables, *groups, *lines], written, json)
 
 
-def present(
-    document: Mapping[str, Any], text: Sequence[str | TextTable], written: Sequence[Path], json: bool
-) -> None:
+def present(document: Mapping[str, Any], text: Sequence[str | TextTable], written: Sequence[Path], json: bool) -> None:
     """Print a JSON document, or lines and tables for people, with the files that were written."""
     if json:
         output.print_json({**document, "files": [str(file) for file in written]})
@@ -252,7 +247,9 @@ def word_passings(passings: Iterable[Mapping[int, str]]) -> str:
     counts = count_passings(passings)
     reasons = ", ".join(f"{reason} {count}" for reason, count in counts["streamtubes"].items())
     total = sum(counts["streamtubes"].values())
-    return f"flown through {counts['flown']} junctions; streamtubes divide bodies at {total}{reasons and f': {reasons}'}"
+    return (
+        f"flown through {counts['flown']} junctions; streamtubes divide bodies at {total}{reasons and f': {reasons}'}"
+    )
 
 
 def _table_nodes(passage: Passage) -> list[str | TextTable]:

@@ -29,9 +29,7 @@ def read_pipes(path: Path | None, network: Network) -> dict[str, list[str]]:
     rows = list(csv.reader(io.StringIO(files.read_text(path))))
     header = [name.strip() for name in rows[0]] if rows else []
     if len(header) < 2:
-        raise InputError(
-            f"{path}: expected a header, the first column with names of links, such as link,material,risk"
-        )
+        raise InputError(f"{path}: expected a header, the first column with names of links, such as link,material,risk")
     index = {name: row for row, name in enumerate(network.links)}
     columns |= {name: [""] * len(index) for name in header[1:]}
     for number, row in enumerate(rows[1:], 2):

@@ -180,9 +180,7 @@ def _pick_states(bands: IntArray) -> IntArray:
     return np.concatenate(picked) if picked else np.zeros(0, np.int64)
 
 
-def _find_end(
-    traveller: Traveller, tee: Tee, scenario: Scenario, flight: Trajectory
-) -> tuple[int, int] | None:
+def _find_end(traveller: Traveller, tee: Tee, scenario: Scenario, flight: Trajectory) -> tuple[int, int] | None:
     """Return the outlet in which a flight has ended, and the band there; ``None`` if it has ended in neither."""
     layout, clock = scenario.pipe.layout, np.deg2rad(tee.clock_deg)
     middle = locate_middle(flight, [-1], traveller.agent.mass.cob)[0]

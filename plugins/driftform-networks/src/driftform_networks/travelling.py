@@ -61,9 +61,7 @@ class Travel:
     clearance: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
-    def parse(
-        cls, network: Network, branch: str, service_bore: float, clearance: Sequence[str] | None
-    ) -> "Travel":
+    def parse(cls, network: Network, branch: str, service_bore: float, clearance: Sequence[str] | None) -> "Travel":
         """Return what the options say.
 
         Raises InputError if there is no such side, kind or link, or a clearance is no number from 0 to 1.
@@ -74,9 +72,7 @@ class Travel:
         for text in clearance or ():
             name, share = split_option("--clearance", text)
             if name not in read_gates() and name not in network.links:
-                raise InputError(
-                    f"--clearance {text}: no such kind or link{did_you_mean(name, read_gates())}"
-                )
+                raise InputError(f"--clearance {text}: no such kind or link{did_you_mean(name, read_gates())}")
             if not (isinstance(share, float) and share <= 1):
                 raise InputError(f"--clearance {text}: a clearance is a share of the bore from 0 to 1")
             shares[name] = share
@@ -217,9 +213,7 @@ class Traveling:
             table = np.zeros((BANDS, 2, BANDS))
             for task, weight in tasks:
                 table += weight * (
-                    tees.send_all(_ALL_INTO[task.tee.share])
-                    if _is_whole(task)
-                    else self._read_tee(task).onward
+                    tees.send_all(_ALL_INTO[task.tee.share]) if _is_whole(task) else self._read_tee(task).onward
                 )
             if junction.directions[branch, 0] < -1e-6:
                 # Flights are those of a branch at the right.

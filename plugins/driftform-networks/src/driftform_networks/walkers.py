@@ -65,9 +65,7 @@ class Walks:
     def until(self, limit: FloatArray) -> "Walks":
         """Return the same walks with the moves alone that end before a time since their release, s, (walks,)."""
         kept = self.reached - self.began[self.walk] <= limit[self.walk] + 1e-6
-        moves = {
-            name: getattr(self, name)[kept] for name in ("walk", "link", "node", "low", "high", "reached")
-        }
+        moves = {name: getattr(self, name)[kept] for name in ("walk", "link", "node", "low", "high", "reached")}
         return replace(self, **moves)
 
     def measure_records(self) -> FloatArray:
@@ -124,9 +122,7 @@ def walk(
 class _Walkers:
     """All walks at once: in turn, those at nodes choose a link, and those in links advance to its end or to a new flow."""
 
-    def __init__(
-        self, routings: Sequence[Routing], times: FloatArray, release: int, began: FloatArray
-    ) -> None:
+    def __init__(self, routings: Sequence[Routing], times: FloatArray, release: int, began: FloatArray) -> None:
         network, count = routings[0].snapshot.network, len(began)
         self._stack(routings)
         self._first = _accumulate(routings[0].release)
@@ -296,9 +292,7 @@ def summarise_walks(walks: Walks, routings: Sequence[Routing], unsteady: bool = 
     visits[walks.release] += 1
     arrived, sight, hour = (visits, probability, age), walks.measure_sight(), float(walks.began.min()) / 3600
     ends, quantiles = _count_ends(walks, routings), measure_quantiles(walks)
-    return make_passage(
-        routings, walks.release, hour, arrived, sight, ends, quantiles=quantiles, unsteady=unsteady
-    )
+    return make_passage(routings, walks.release, hour, arrived, sight, ends, quantiles=quantiles, unsteady=unsteady)
 
 
 def _count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:

@@ -52,9 +52,7 @@ def parse_hours(text: str) -> list[float]:
 
 def split_names(texts: Iterable[str], network: "Network", option: str = "--release") -> list[str]:
     """Return the nodes of options, which commas separate, each once. Raises InputError if there is no such node."""
-    names = [
-        name.strip() for text in texts for name in ([text] if text in network.nodes else text.split(","))
-    ]
+    names = [name.strip() for text in texts for name in ([text] if text in network.nodes else text.split(","))]
     for name in names:
         network.find_node(name, option)
     return list(dict.fromkeys(names))

@@ -99,9 +99,7 @@ def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: Flo
         out[1, k] = i1 * nr
         out[2, k] = i1 * (source[0, k] * nr - s * nx)
         out[3, k] = scaled * (plane * (square - p * ratio) - turned * (1.0 + ratio))
-        out[4, k] = scaled * (
-            plane * (p - square * ratio) - turned * ((2.0 * square + p) * (ratio / p) - 1.0)
-        )
+        out[4, k] = scaled * (plane * (p - square * ratio) - turned * ((2.0 * square + p) * (ratio / p) - 1.0))
 
 
 @compiled
@@ -166,9 +164,7 @@ def _choose_points_beside(
 
 
 @vectorized
-def assemble_equations(
-    x: FloatArray, r: FloatArray, lengths: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def assemble_equations(x: FloatArray, r: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Set up the equations of m = 0 and m = 1 at the collocation points, three on each panel.
 
     Far panels are integrated by Gauss's rule at the nodes of the potential, for which the interpolation drops out; near
@@ -202,9 +198,7 @@ def assemble_equations(
         for j in range(panels):
             first = NODES * j
             u = POINTS[i - first] if i // NODES == j else -1.0
-            if u < 0.0 and (
-                math.hypot(xi - _evaluate(x[j], 0.5), ri - _evaluate(r[j], 0.5)) >= FAR * lengths[j]
-            ):
+            if u < 0.0 and (math.hypot(xi - _evaluate(x[j], 0.5), ri - _evaluate(r[j], 0.5)) >= FAR * lengths[j]):
                 for k in range(first, first + NODES):
                     surge += far[0, k]
                     sway += far[1, k]

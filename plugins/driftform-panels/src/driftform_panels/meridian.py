@@ -63,9 +63,7 @@ class Panels:
         # The position of the middle of each panel (row) relative to that of each other (column), in the axes of the other.
         ahead = middle @ normal.T - (middle * normal).sum(axis=1)
         beside = np.abs(middle @ tangent.T - (middle * tangent).sum(axis=1))
-        facing = (
-            (normal @ normal.T < -0.5) & (ahead < 0) & (2 * beside < self.lengths[:, None] + self.lengths)
-        )
+        facing = (normal @ normal.T < -0.5) & (ahead < 0) & (2 * beside < self.lengths[:, None] + self.lengths)
         return float(np.where(facing, -ahead / self.lengths, np.inf).min())
 
 
@@ -126,9 +124,7 @@ def make_panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
     crowding = np.zeros((2, last[-1]))
     crowding[0, last - whole] = CROWDING * is_corner[:-1]
     crowding[1, last - 1] = CROWDING * is_corner[1:]
-    where = breaks[:-1, None] + np.diff(breaks)[:, None] * _crowd_points(
-        crowding[0, :, None], crowding[1, :, None]
-    )
+    where = breaks[:-1, None] + np.diff(breaks)[:, None] * _crowd_points(crowding[0, :, None], crowding[1, :, None])
     x, r = (np.interp(where, along, points[:, k]) @ _CUBIC.T for k in (0, 1))
     return Panels(x, r, np.diff(breaks))
 

@@ -82,9 +82,7 @@ class PanelSolution:
         return added
 
 
-def solve(
-    contour: npt.ArrayLike, options: PanelOptions | None = None, origin: float | None = None
-) -> PanelSolution:
+def solve(contour: npt.ArrayLike, options: PanelOptions | None = None, origin: float | None = None) -> PanelSolution:
     """Compute the added mass of a body of revolution in unbounded potential flow.
 
     Args:

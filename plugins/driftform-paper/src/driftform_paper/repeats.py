@@ -49,9 +49,7 @@ class Search:
         return np.asarray(100 - self.fitness[:, :, -1])
 
 
-def load_repeat(
-    strategy: str, seed: int, simulator: str | None = None, settings: Sequence[str] = ()
-) -> Study:
+def load_repeat(strategy: str, seed: int, simulator: str | None = None, settings: Sequence[str] = ()) -> Study:
     """Return the study of one repeat."""
     return load_study(
         "paper",
@@ -61,9 +59,7 @@ def load_repeat(
     )
 
 
-def search_all(
-    studies: Mapping[Path, Study], executor: Executor, progress: Callable[[int, int], None]
-) -> None:
+def search_all(studies: Mapping[Path, Study], executor: Executor, progress: Callable[[int, int], None]) -> None:
     """Run every repeat in its directory, or continue it.
 
     ``progress`` is called with the number of flights that are done, and of all.
@@ -146,9 +142,7 @@ class RepeatedFlights:
         return [int(np.isnan(row).sum()) for row in self.fitness]
 
 
-def repeat_flights(
-    pipeline: Pipeline, genomes: Sequence[Genome], scenarios: Sequence[Scenario]
-) -> RepeatedFlights:
+def repeat_flights(pipeline: Pipeline, genomes: Sequence[Genome], scenarios: Sequence[Scenario]) -> RepeatedFlights:
     """Fly the best agent of each target once through each of ``scenarios``."""
     flights, fitness = [], []
     for number, genome in enumerate(genomes):

@@ -79,9 +79,7 @@ def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Res
         band = compute_band(sound, np.array(scenario.target_points()[target])) if sound else None
         heights.append(np.nan if band is None else band[2].max())
     loader = PackageLoader(__package__, "")
-    environment = Environment(
-        loader=loader, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True
-    )
+    environment = Environment(loader=loader, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)
     return environment.get_template("results.txt").render(
         targets=scenario.target_names,
         paper=found["paper"],
@@ -126,9 +124,7 @@ def write_figures(
         ),
     }
     return tuple(
-        path
-        for name, svg in pictures.items()
-        for path in picture_files.write_picture(directory / name, svg, page)
+        path for name, svg in pictures.items() for path in picture_files.write_picture(directory / name, svg, page)
     )
 
 

@@ -61,9 +61,7 @@ def spread_svg(
     return svg.render(root)
 
 
-def compute_band(
-    flights: Sequence[Trajectory], target: FloatArray
-) -> tuple[list[FloatArray], FloatArray, FloatArray]:
+def compute_band(flights: Sequence[Trajectory], target: FloatArray) -> tuple[list[FloatArray], FloatArray, FloatArray]:
     """Return the paths up to their closest approach to ``target`` (3,), their mean, and the standard deviation.
 
     Paths are (n, 3) each, the mean (k, 3), the deviation of the height (k,); world frame, m.
@@ -80,9 +78,7 @@ def compute_band(
     return paths, mean, heights.std(axis=0)
 
 
-def _draw_panel(
-    root: ET.Element, window: plot.Window, repeated: FlightSpread, scenario: Scenario, colour: str
-) -> None:
+def _draw_panel(root: ET.Element, window: plot.Window, repeated: FlightSpread, scenario: Scenario, colour: str) -> None:
     plot.draw_water(root, window, scenario.pipe)
     plot.draw_axes(root, window)
     plot.draw_walls(root, window, scenario.pipe)
@@ -98,6 +94,4 @@ def _draw_panel(
     x, y = window.to_page(target[None])[0]
     plot.draw_cross(root, x, y, 5, style.INK, 2)
     name = f"{repeated.name}  {repeated.note}".strip()
-    layout.write(
-        root, window.box.left, window.box.top - 8, layout.shorten(name, 12, 330, bold=True), 12, bold=True
-    )
+    layout.write(root, window.box.left, window.box.top - 8, layout.shorten(name, 12, 330, bold=True), 12, bold=True)

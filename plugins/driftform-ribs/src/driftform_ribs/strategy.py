@@ -83,9 +83,7 @@ class RibsStrategy(Strategy[RibsOptions]):
         found = []
         for pair in rng.integers(len(elites["solution"]), size=(options.batch, 2)):
             a, b = elites["solution"][pair]
-            child, crossed = grammar.breed(
-                a, b, rng, crossover=options.crossover, mutation_rate=options.mutation_rate
-            )
+            child, crossed = grammar.breed(a, b, rng, crossover=options.crossover, mutation_rate=options.mutation_rate)
             parents = elites["evaluation"][pair if crossed else pair[:1]]
             found.append(Candidate(child, tuple(parents.tolist()), self._generation))
         return found[:limit]

@@ -43,23 +43,17 @@ def pressure(heights: FloatArray, surface: float, fluid: Fluid, atmosphere: floa
     Above the surface it is the pressure of the air. The contributions of the current's speed and of the wall's friction
     are left out: rho U^2 / 2 equals 5 cm of water at 1 m/s.
     """
-    return np.asarray(
-        atmosphere + fluid.density * fluid.gravity * np.maximum(surface - heights, 0.0), dtype=np.float64
-    )
+    return np.asarray(atmosphere + fluid.density * fluid.gravity * np.maximum(surface - heights, 0.0), dtype=np.float64)
 
 
-def specific_force(
-    trajectory: Trajectory, accelerations: FloatArray, point: FloatArray, gravity: float
-) -> FloatArray:
+def specific_force(trajectory: Trajectory, accelerations: FloatArray, point: FloatArray, gravity: float) -> FloatArray:
     """Return the reading of an accelerometer at a point of the body, R^T (a - g), in body axes, m/s2, (k, 3).
 
     It is g upward at rest, and 0 in free fall. ``accelerations`` (k, 6) are those of the equations of motion
     (:func:`driftform.motion.accelerations_along`), transferred to the point with the body's rotation.
     """
     up = rotations.matrix_from_quaternion(trajectory.quaternion)[:, 2]
-    return np.asarray(
-        forces.acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64
-    )
+    return np.asarray(forces.acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64)
 
 
 def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:

@@ -52,11 +52,7 @@ publisher = rospy.Publisher("/hydrodynamics/current_velocity", TwistStamped, que
 print("ready", flush=True)
 times = stamps["/agent/odom"]
 until = time.monotonic() + 60
-while (
-    not rospy.is_shutdown()
-    and time.monotonic() < until
-    and not (times and times[-1] - times[0] >= seconds - 1e-6)
-):
+while not rospy.is_shutdown() and time.monotonic() < until and not (times and times[-1] - times[0] >= seconds - 1e-6):
     if current and times and times[-1] - times[0] >= current[0]:
         message = TwistStamped()
         message.twist.linear.x, message.twist.linear.y, message.twist.linear.z = current[1:]

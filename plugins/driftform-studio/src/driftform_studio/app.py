@@ -35,7 +35,9 @@ from driftform_studio.tasks import Tasks
 KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
 """Content types of the files of the page."""
 
-REPORT_POLICY = "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
+REPORT_POLICY = (
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
+)
 """A report has a script of its own; in a sandbox it is of no origin, and cannot ask this server for anything."""
 
 MAX_OPEN = 16
@@ -117,9 +119,7 @@ class Studio:
         builder = draft.get("builder")
         core = builder.get("core", CUSTOM) if isinstance(builder, dict) else CUSTOM
         if core not in (CUSTOM, *CORES):
-            raise InputError(
-                f"core = {core!r} is none that can be bought; choose one, or give its size and mass"
-            )
+            raise InputError(f"core = {core!r} is none that can be bought; choose one, or give its size and mass")
         return draft, write_draft(draft)
 
     def check(self, parameters: Parameters, document: Any) -> Any:

@@ -21,9 +21,7 @@ def studio(
             help="Port on 127.0.0.1; by default the one that FOLDER had before, or any free one.",
         ),
     ] = None,
-    browser: Annotated[
-        bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")
-    ] = True,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
     json: options.Json = False,
 ) -> None:
     """Open a local page to draw a pipe, search for agents, and take their files.

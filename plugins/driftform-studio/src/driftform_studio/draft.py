@@ -29,15 +29,11 @@ def check_draft(draft: Any) -> dict[str, Any]:
         raise InputError(f"{FILE}: is not a table")
     scenarios = Study.list_scenarios()
     if not isinstance(base := draft.get("base"), str) or base not in scenarios:
-        raise InputError(
-            f"{FILE}: base = {base!r} is not a built-in scenario{did_you_mean(str(base), scenarios)}"
-        )
+        raise InputError(f"{FILE}: base = {base!r} is not a built-in scenario{did_you_mean(str(base), scenarios)}")
     for key in draft:
         if key not in ("base", "title", "description", *TABLES):
             raise InputError(f"{FILE}: the page cannot set '{key}'; save the study, and edit the file")
-    return {
-        key: _drop_nothing(draft[key]) for key in ("title", "description", "base", *TABLES) if key in draft
-    }
+    return {key: _drop_nothing(draft[key]) for key in ("title", "description", "base", *TABLES) if key in draft}
 
 
 def write_draft(draft: Mapping[str, Any]) -> str:

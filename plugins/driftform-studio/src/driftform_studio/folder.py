@@ -49,9 +49,7 @@ class RunsFolder:
             raise InputError(f"no run is named '{name}' in {self.path}{did_you_mean(name, known)}")
         for entry in path.rglob("*"):
             if entry.is_symlink() and not entry.resolve().is_relative_to(path.resolve()):
-                raise InputError(
-                    f"{name}: {entry.relative_to(path)} is a link that leads out of the run; remove it"
-                )
+                raise InputError(f"{name}: {entry.relative_to(path)} is a link that leads out of the run; remove it")
         return path
 
     def list_runs(self) -> Iterator[Path]:

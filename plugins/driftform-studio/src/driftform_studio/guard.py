@@ -165,9 +165,7 @@ def check_values(document: Any) -> None:
     elif isinstance(document, str):
         if not document.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in document):
             raise InputError("the request holds half of a character")
-    elif isinstance(document, int | float) and not (
-        math.isfinite(document) and abs(document) <= LARGEST_NUMBER
-    ):
+    elif isinstance(document, int | float) and not (math.isfinite(document) and abs(document) <= LARGEST_NUMBER):
         raise InputError(f"the request holds the number {document:.3g}, which is too large")
 
 

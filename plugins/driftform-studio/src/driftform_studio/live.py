@@ -164,6 +164,4 @@ def _is_complete(run: Run, targets: list[dict[str, Any]]) -> bool:
     promised = not run.study.scenario.robustness.conditions or all(
         "flights" in target.get("robust", {}) for target in targets
     )
-    return promised and all(
-        (run.path / "best" / target["name"] / "agent.json").is_file() for target in targets
-    )
+    return promised and all((run.path / "best" / target["name"] / "agent.json").is_file() for target in targets)

@@ -84,9 +84,7 @@ class Searches:
     def read_compilation(self, directory: Path) -> list[float]:
         """Return for how long a search has compiled kernels, and how long that takes, s; empty if it has not said so."""
         try:
-            said = re.findall(
-                r"^compiling .* about (\d+) s", (directory / LOG).read_text(errors="replace"), re.M
-            )
+            said = re.findall(r"^compiling .* about (\d+) s", (directory / LOG).read_text(errors="replace"), re.M)
             return [time.time() - (directory / LOG).stat().st_mtime, float(said[-1])] if said else []
         except OSError:
             return []

@@ -111,9 +111,7 @@ def _fill_grid(grid: grid_files.VelocityGrid, scenario: Scenario) -> grid_files.
     steady = flow.model_copy(update={"acceleration": 0.0}) if flow.kind == "uniform" else flow
     known = (field.wall_distance(grid.nodes(), scenario) >= 0).reshape(grid.shape)
     velocity = grid.velocity.copy()
-    velocity[known] = field.water_velocity(
-        grid.nodes()[known], 0.0, scenario.model_copy(update={"flow": steady})
-    )
+    velocity[known] = field.water_velocity(grid.nodes()[known], 0.0, scenario.model_copy(update={"flow": steady}))
     beside = binary_dilation(known, np.ones((3, 3, 3), dtype=bool))
     filled = grid_files.fill_nodes(velocity, known)
     return grid_files.VelocityGrid(grid.origin, grid.spacing, np.where(beside[..., None], filled, np.nan))
@@ -135,18 +133,14 @@ def write_current(path: Path, grid: grid_files.VelocityGrid) -> int:
                 places = np.argwhere(known[i])
                 file.writelines(
                     f"0,{axes[0][i]},{axes[1][j]},{axes[2][k]},{u:.7g},{v:.7g},{w:.7g}\n"
-                    for (j, k), (u, v, w) in zip(
-                        places.tolist(), grid.velocity[i][known[i]].tolist(), strict=True
-                    )
+                    for (j, k), (u, v, w) in zip(places.tolist(), grid.velocity[i][known[i]].tolist(), strict=True)
                 )
 
     files.write_whole(path, write)
     return int(known.sum())
 
 
-def export_flow(
-    study: Study, path: str | os.PathLike[str], *, spacing: float | None = None
-) -> grid_files.VelocityGrid:
+def export_flow(study: Study, path: str | os.PathLike[str], *, spacing: float | None = None) -> grid_files.VelocityGrid:
     """Write the mean current in the pipe of a study on a regular grid as CSV, and return the grid.
 
     The file is for Gazebo, and for ``flow.kind = "grid"``.

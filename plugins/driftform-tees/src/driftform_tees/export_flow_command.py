@@ -9,12 +9,10 @@ from driftform.cli import options
 
 
 def export_flow(
-    study: Annotated[
-        str, typer.Argument(metavar="STUDY", help="Study file, or the name of a built-in scenario.")
-    ],
-    out: Annotated[
-        Path, typer.Option(metavar="FILE", help="File to write, .csv; an older one is replaced.")
-    ] = Path("currents.csv"),
+    study: Annotated[str, typer.Argument(metavar="STUDY", help="Study file, or the name of a built-in scenario.")],
+    out: Annotated[Path, typer.Option(metavar="FILE", help="File to write, .csv; an older one is replaced.")] = Path(
+        "currents.csv"
+    ),
     spacing: Annotated[
         float | None,
         typer.Option(

@@ -71,8 +71,7 @@ def _solve_tee(junction: tee_wall.Junction, show: ShowShare) -> tee_store.TeePot
         lambda share: show(ASSEMBLY + (1 - ASSEMBLY) * share),
     )
     flows = [
-        [np.asarray(P @ x).reshape(level.active.shape) for level, P in zip(levels, maps, strict=True)]
-        for x in found.T
+        [np.asarray(P @ x).reshape(level.active.shape) for level, P in zip(levels, maps, strict=True)] for x in found.T
     ]
     normal = np.stack([_normal_velocity(walls, levels, flow) for flow in flows])
     weight = np.concatenate(walls)[:, 6]
@@ -263,9 +262,7 @@ def _end_points(wall: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     inlet, outlet = (
         np.stack([np.full_like(y, wall[i]), y, up, weight], axis=1) for i in (tee_wall.INLET, tee_wall.OUTLET)
     )
-    side = np.stack(
-        [wall[tee_wall.END] * c + r * up * s, r * y, wall[tee_wall.END] * s - r * up * c, weight], axis=1
-    )
+    side = np.stack([wall[tee_wall.END] * c + r * up * s, r * y, wall[tee_wall.END] * s - r * up * c, weight], axis=1)
     return inlet, outlet, side
 
 
@@ -327,9 +324,7 @@ def _normal_velocity(
 
 
 @allocating
-def normal_slopes(
-    points: FloatArray, corners: FloatArray, width: float, coefficients: FloatArray
-) -> FloatArray:
+def normal_slopes(points: FloatArray, corners: FloatArray, width: float, coefficients: FloatArray) -> FloatArray:
     """Return the derivatives along the normals of points (n, 6+) of splines with these coefficients (n, 64), (n,)."""
     out = np.empty(len(points))
     for q in range(len(points)):

@@ -33,9 +33,7 @@ class EvolutionOptions(Table):
     """Options of the evolution."""
 
     random: int = option(30, "random genomes at the start", "", gt=0, le=10_000_000)
-    batch: int = option(
-        5, "children per batch; one batch is made while another is flown", "", gt=0, le=100_000
-    )
+    batch: int = option(5, "children per batch; one batch is made while another is flown", "", gt=0, le=100_000)
     elites: int = option(
         5,
         "best flights kept for each target; its children descend from them or aim at them",
@@ -218,9 +216,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
 
     def _learn(self, index: int, request: _Request, evaluation: Evaluation) -> None:
         parent, trajectory = request.parent, evaluation.trajectory
-        early = (
-            position_at(trajectory, self._time) if trajectory is not None and self._time is not None else None
-        )
+        early = position_at(trajectory, self._time) if trajectory is not None and self._time is not None else None
         family = parent.family if parent else _Family()
         record = _FlightRecord(index, request.candidate.genome, family, early)
         if early is not None:
@@ -298,9 +294,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         miss = np.sqrt(squares[0] + squares[1] + squares[2]) + self.options.doubt * size
         rows, columns = np.divmod(smallest_indices(miss.ravel(), MAX_GUESSES), len(numbers))
         nearest = list(map(elite.family.members.__getitem__, near.tolist()))
-        return zip(
-            map(nearest.__getitem__, rows.tolist()), map(numbers.__getitem__, columns.tolist()), strict=True
-        )
+        return zip(map(nearest.__getitem__, rows.tolist()), map(numbers.__getitem__, columns.tolist()), strict=True)
 
     def _smallest_changes(self) -> tuple[list[int], FloatArray, FloatArray]:
         """Return the numbers of the changes that moved the early path least, their displacements, and the lengths of those.

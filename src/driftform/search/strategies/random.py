@@ -25,9 +25,7 @@ class RandomStrategy(Strategy[RandomOptions]):
         count = min(limit, self.options.batch)
         # No fitness matters here; the run itself wants the best.
         threshold = (inf,) * len(self.space.targets)
-        return [
-            Candidate(self.space.grammar.random(self.space.rng), threshold=threshold) for _ in range(count)
-        ]
+        return [Candidate(self.space.grammar.random(self.space.rng), threshold=threshold) for _ in range(count)]
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Learn nothing."""

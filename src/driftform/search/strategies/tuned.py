@@ -32,12 +32,8 @@ class TunedOptions(Table):
     """Options of the evolution of tuned bodies."""
 
     shapes: int = option(10, "random shapes at the start", "", gt=0, le=1_000_000)
-    batch: int = option(
-        3, "flights per batch; one batch is asked for while another is flown", "", gt=0, le=100_000
-    )
-    elites: int = option(
-        4, "best shapes kept for each target, from which others descend", "", gt=0, le=10_000
-    )
+    batch: int = option(3, "flights per batch; one batch is asked for while another is flown", "", gt=0, le=100_000)
+    elites: int = option(4, "best shapes kept for each target, from which others descend", "", gt=0, le=10_000)
     flights: int = option(6, "most flights to tune a shape for a target", "", gt=1, le=1000)
     first: int = option(
         3,
@@ -163,9 +159,7 @@ class TunedStrategy(Strategy[TunedOptions]):
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Find the next tuning of each body, or rank a body that has hit."""
-        for index, (job, evaluation) in enumerate(
-            zip(self._asked.popleft(), evaluations, strict=True), first
-        ):
+        for index, (job, evaluation) in enumerate(zip(self._asked.popleft(), evaluations, strict=True), first):
             job.flights += 1
             job.parents = (index,)
             if evaluation.failure is None:
@@ -183,10 +177,7 @@ class TunedStrategy(Strategy[TunedOptions]):
             elites.sort(key=lambda elite: -elite.fitness)
             del elites[self.options.elites :]
             return
-        if (
-            job.flights < self.options.flights
-            and (tuning := self._find_tuning(shape, job.target)) is not None
-        ):
+        if job.flights < self.options.flights and (tuning := self._find_tuning(shape, job.target)) is not None:
             job.tuning = tuning
             self._ready.append(job)
 
@@ -257,9 +248,7 @@ class TunedStrategy(Strategy[TunedOptions]):
                 for k, n in enumerate(self._started)
                 if least and n < 2 * first and not self._elites[k] and k not in coming
             ]
-            return int(
-                self.space.rng.choice(lacking or [k for k, n in enumerate(self._started) if n == least])
-            )
+            return int(self.space.rng.choice(lacking or [k for k, n in enumerate(self._started) if n == least]))
         misses = np.array([100 - elites[0].fitness if elites else 100.0 for elites in self._elites])
         weights = np.maximum(misses, 1e-9) ** self.options.pressure
         return int(self.space.rng.choice(len(weights), p=weights / weights.sum()))
@@ -270,9 +259,7 @@ class TunedStrategy(Strategy[TunedOptions]):
 
     def _take_random(self, target: int) -> Shape:
         """Return a random shape; at first one of a few that serve all targets."""
-        untried = [
-            shape for shape in self._fresh if target not in shape.tried and self._may_hit(shape, target)
-        ]
+        untried = [shape for shape in self._fresh if target not in shape.tried and self._may_hit(shape, target)]
         if len(self._fresh) < self.options.shapes or not untried:
             found = None
             for _ in range(MOST_UNFIT):

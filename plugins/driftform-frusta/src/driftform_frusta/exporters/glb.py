@@ -72,8 +72,7 @@ class GlbExporter(JoinedFile):
             "scenes": [{"name": title, "nodes": list(range(len(meshes)))}],
             "nodes": [{"name": name, "mesh": index} for index, name in enumerate(meshes)],
             "meshes": [
-                {"name": name, "primitives": [primitive]}
-                for name, primitive in zip(meshes, primitives, strict=True)
+                {"name": name, "primitives": [primitive]} for name, primitive in zip(meshes, primitives, strict=True)
             ],
             "materials": [
                 {

@@ -95,9 +95,7 @@ class ThreeMfExporter(PartExporter):
         x, y, z = self.options.bed
         return MM * x, MM * y, MM * z
 
-    def _pack(
-        self, title: str, job: ExportJob, placed: Sequence[_Placed], attachments: dict[str, str]
-    ) -> bytes:
+    def _pack(self, title: str, job: ExportJob, placed: Sequence[_Placed], attachments: dict[str, str]) -> bytes:
         from driftform_frusta.threemf import Item, package_bytes
 
         o, body, mass = self.options, job.agent.body, job.agent.mass

@@ -33,9 +33,7 @@ def body(
     flip: Annotated[bool, typer.Option("--flip", help="Take the other end as the nose.")] = False,
     scenario: options.ScenarioOption = None,
     settings: options.Settings = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Agent to write; by default NAME.json.")
-    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Agent to write; by default NAME.json.")] = None,
     json: options.Json = False,
 ) -> None:
     """Make an agent of a body of one's own, by its profile, mass and centre of gravity; all commands take it."""
@@ -49,9 +47,7 @@ def body(
     made = {"use": "profile", "profile": shape.points.round(9).tolist(), "mass": mass, "cog": cog}
     made |= {"inertia": list(inertia)} if inertia else {}
     water = load_study(scenario, settings or ()).environment()
-    stored = StoredAgent(
-        file.stem, Genome("fixed", ()), {**water, "grammar": {"use": "fixed"}, "builder": made}, {}
-    )
+    stored = StoredAgent(file.stem, Genome("fixed", ()), {**water, "grammar": {"use": "fixed"}, "builder": made}, {})
     design = Design.build(stored, str(file)).under()
     files.make_directory(file.parent, "--out")
     design.stored.write(file)

@@ -64,10 +64,7 @@ def outline_core(contour: tuple[tuple[float, float], ...], distance: float) -> F
     angle = STEP * (np.arange(round(2 * np.pi / STEP)) + 0.5)
     # Its sides touch the circle, so that along an axis or across it the distance is exact.
     disc = MM * distance / np.cos(STEP / 2) * np.column_stack((np.cos(angle), np.sin(angle)))
-    swept = [
-        CrossSection.hull_points(np.concatenate((disc + start, disc + end)))
-        for start, end in pairwise(points)
-    ]
+    swept = [CrossSection.hull_points(np.concatenate((disc + start, disc + end))) for start, end in pairwise(points)]
     inside = CrossSection([np.concatenate((points, points[-2:0:-1] * (1.0, -1.0)))], FillRule.NonZero)
     grown = CrossSection.batch_boolean([inside, *swept], OpType.Add)
     low, _, high, top = grown.bounds()

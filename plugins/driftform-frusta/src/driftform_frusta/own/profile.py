@@ -68,9 +68,7 @@ def read_profile(path: Path, unit: str | None = None, flip: bool = False) -> Pro
         raise InputError(f"{path}: {error}") from None
     if not SHORTEST <= profile.length <= LONGEST:
         advice = "check x_mm and x_m" if suffix == ".csv" else "set --unit"
-        raise InputError(
-            f"{path}: is {profile.length:.4g} m long; a body has {SHORTEST:g} to {LONGEST:g} m: {advice}"
-        )
+        raise InputError(f"{path}: is {profile.length:.4g} m long; a body has {SHORTEST:g} to {LONGEST:g} m: {advice}")
     points, axis = simplify_contour(profile.points), profile.axis
     if flip:
         points = points[::-1] * [-1.0, 1.0] + [profile.length, 0.0]
@@ -87,9 +85,7 @@ def _read_points(path: Path) -> FloatArray:
     names = [name.strip().lower() for name in rows[0]] if rows else []
     unit = next((u for u in ("mm", "m") if {f"x_{u}", f"r_{u}"} <= set(names)), None)
     if unit is None:
-        raise ValueError(
-            f"its first line is '{head.strip()[:60]}'; it must name the columns x_mm,r_mm or x_m,r_m"
-        )
+        raise ValueError(f"its first line is '{head.strip()[:60]}'; it must name the columns x_mm,r_mm or x_m,r_m")
     columns = [names.index(f"{name}_{unit}") for name in "xr"]
     points: list[tuple[float, float]] = []
     for number, row in enumerate(rows[1:], start=2):
@@ -102,9 +98,7 @@ def _read_points(path: Path) -> FloatArray:
         if not (math.isfinite(x) and math.isfinite(r) and r >= 0):
             raise ValueError(f"line {number}: x must be a number, and the radius a number from 0")
         if points and x < points[-1][0]:
-            raise ValueError(
-                f"line {number}: x falls to {row[columns[0]].strip()}; x grows from the nose to the tail"
-            )
+            raise ValueError(f"line {number}: x falls to {row[columns[0]].strip()}; x grows from the nose to the tail")
         points.append((x, r))
     if len(points) < 2 or max(r for _, r in points) == 0 or points[0][0] == points[-1][0]:
         raise ValueError("it needs at least two points at different x, and a radius above 0")

@@ -37,9 +37,7 @@ def find_profile(triangles: FloatArray, limit: float) -> tuple[FloatArray, float
     mesh = trimesh.Trimesh(triangles.reshape(-1, 3), corners, process=False)
     mesh.merge_vertices()
     if not mesh.is_watertight:
-        raise ValueError(
-            "is not a closed surface: mend it, for example with admesh or in a modelling program"
-        )
+        raise ValueError("is not a closed surface: mend it, for example with admesh or in a modelling program")
     # Without cavities, and what lies in them.
     outer = max(mesh.split(only_watertight=False), key=lambda shell: abs(shell.volume))
     if np.abs(outer.bounds - mesh.bounds).max() > 0:

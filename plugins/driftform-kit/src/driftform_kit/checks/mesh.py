@@ -43,9 +43,7 @@ class MeshOptions(Table):
         1e-4, "largest relative difference of volume from the closed form that passes", gt=0, lt=1
     )
     coarse: float = option(1e-2, "largest such difference that is only a warning", gt=0, lt=1)
-    overhang: float = option(
-        1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0, le=1
-    )
+    overhang: float = option(1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0, le=1)
     push: float = option(
         PUSH,
         "force with which a nozzle pushes at the top of a part (PrusaSlicer's 10 gram-force)",
@@ -110,9 +108,7 @@ class MeshChecker(Checker[MeshOptions]):
         unit = _check_unit(parts)
         yield Finding("unit", *unit)
         count = sum(len(part.triangles) for part in parts)
-        yield Finding(
-            "duplicate faces", *_judge(studied, _describe_copies, f"no copies among {count} triangles")
-        )
+        yield Finding("duplicate faces", *_judge(studied, _describe_copies, f"no copies among {count} triangles"))
         yield Finding("closed", *_judge(studied, _describe_edges, "every edge has two faces"))
         yield Finding("oriented", *_judge(studied, _describe_flipped, "neighbours face the same way"))
         yield Finding("shells", *_check_shells(studied, job))
@@ -147,9 +143,7 @@ class MeshChecker(Checker[MeshOptions]):
         )
         faults = []
         if bent > half_line:
-            faults.append(
-                f"it sways by more than half a line ({half_line:g} mm): {self._advise_cut(job, count)}"
-            )
+            faults.append(f"it sways by more than half a line ({half_line:g} mm): {self._advise_cut(job, count)}")
         if beam.lift_force < o.push and (best.steady or faults):
             # Of two dangers the graver comes first: it is lifted off before it sways.
             brim = find_brim(turned, o.push, o.adhesion)
@@ -158,9 +152,7 @@ class MeshChecker(Checker[MeshOptions]):
                 f"a nozzle pushes with {o.push:.2g} N and lifts it off: print it with a brim of {brim:g} mm",
             )
         if beam.break_force < o.catch:
-            faults.append(
-                f"a nozzle that catches, with {o.catch:.2g} N, breaks it: make its wall thicker there"
-            )
+            faults.append(f"a nozzle that catches, with {o.catch:.2g} N, breaks it: make its wall thicker there")
         state = State.WARN if faults else State.PASS
         return state, ": ".join((message, *(["; ".join(faults)] if faults else [])))
 
@@ -174,18 +166,11 @@ class MeshChecker(Checker[MeshOptions]):
         for share in _SHARES:
             bed = width, depth, round(share * height, 3)
             try:
-                pieces = make_kit(
-                    job.export.agent.body, KitOptions(nozzle=job.printer.nozzle, bed=bed)
-                ).pieces
+                pieces = make_kit(job.export.agent.body, KitOptions(nozzle=job.printer.nozzle, bed=bed)).pieces
             except WorkFailedError:
                 break
-            beams = [
-                measure_slenderness(p.mesh, self.options.stiffness, self.options.strength, 1.0)
-                for p in pieces
-            ]
-            if all(
-                beam and self.options.push * beam.bending <= MM * job.printer.nozzle / 2 for beam in beams
-            ):
+            beams = [measure_slenderness(p.mesh, self.options.stiffness, self.options.strength, 1.0) for p in pieces]
+            if all(beam and self.options.push * beam.bending <= MM * job.printer.nozzle / 2 for beam in beams):
                 sides = ",".join(f"{MM * side:g}" for side in bed)
                 return f"{words}: {'' if cut else '--kit '}--bed {sides} makes {len(pieces)} that do not"
         return "print it slowly; no joint has room for a cut that helps"
@@ -223,12 +208,8 @@ class MeshChecker(Checker[MeshOptions]):
         # The file of an agent in one piece has its aft end on the bed.
         upright = job.export is not None and count == 1
         words = {"as placed": "fore end up", "upside down": "fore end down"} if upright else {}
-        shown = [
-            way for way in ways if way is not ways[-1] or not np.isclose(way.overhang, ways[-2].overhang)
-        ]
-        message = (
-            f"contact and overhang in cm2: {', '.join(_describe_orientation(way, words) for way in shown)}"
-        )
+        shown = [way for way in ways if way is not ways[-1] or not np.isclose(way.overhang, ways[-2].overhang)]
+        message = f"contact and overhang in cm2: {', '.join(_describe_orientation(way, words) for way in shown)}"
         if best.name != now.name:
             return State.WARN, f"{message}; better {words.get(best.name, best.name)}"
         if not now.steady:
@@ -266,9 +247,7 @@ def _judge(studied: Sequence[AnalysedPart], find: Callable[[AnalysedPart], str],
     """Fail with the faults of the parts, each with the name of its part if there are several."""
     faults = [(one.part.name, fault) for one in studied if (fault := find(one))]
     if faults:
-        return State.FAIL, "; ".join(
-            f"{name}: {fault}" if len(studied) > 1 else fault for name, fault in faults
-        )
+        return State.FAIL, "; ".join(f"{name}: {fault}" if len(studied) > 1 else fault for name, fault in faults)
     return State.PASS, passed
 
 
@@ -368,9 +347,7 @@ def _check_bed(parts: Sequence[Mesh], job: PrintJob) -> Verdict:
         name = f"{part.name}: " if len(parts) > 1 else ""
         other = next((way.name for way in ways if way.fits(bed)), None)
         step = f"it would fit {other}" if other else "split it: export it with --kit"
-        faults.append(
-            f"{name}{size} mm is too {'tall' if ways[0].size[2] > bed[2] else 'wide'} for {room} mm; {step}"
-        )
+        faults.append(f"{name}{size} mm is too {'tall' if ways[0].size[2] > bed[2] else 'wide'} for {room} mm; {step}")
     if faults:
         return State.FAIL, "; ".join(faults)
     lowest = np.min([part.bounds[0] for part in parts], axis=0)

@@ -25,6 +25,4 @@ def run_program(command: Sequence[str], folder: Path, timeout: float, memory: in
 
 def last_line(output: str) -> str:
     """Return the last line that is not empty: programs print the reason of a failure there."""
-    return next(
-        (line.strip() for line in reversed(output.splitlines()) if line.strip()), "it printed nothing"
-    )
+    return next((line.strip() for line in reversed(output.splitlines()) if line.strip()), "it printed nothing")

@@ -119,9 +119,7 @@ class _Package:
         for component in item.iterfind("{*}components/{*}component"):
             inner = _transform(component)
             placed = np.vstack((inner[:3] @ transform[:3], inner[3] @ transform[:3] + transform[3]))
-            yield from self._pieces(
-                _path_of(component, path), component.attrib["objectid"], placed, depth + 1
-            )
+            yield from self._pieces(_path_of(component, path), component.attrib["objectid"], placed, depth + 1)
 
     def _read_meshes(self, path: str, identifier: str) -> list[Mesh]:
         """Meshes of an object alone, without those of its components."""
@@ -163,8 +161,7 @@ class _Package:
 def _read_mesh(mesh: ElementTree.Element, identifier: str) -> Mesh:
     vertices = [[float(v.attrib[axis]) for axis in "xyz"] for v in mesh.iterfind("{*}vertices/{*}vertex")]
     corners = [
-        [int(t.attrib[corner]) for corner in ("v1", "v2", "v3")]
-        for t in mesh.iterfind("{*}triangles/{*}triangle")
+        [int(t.attrib[corner]) for corner in ("v1", "v2", "v3")] for t in mesh.iterfind("{*}triangles/{*}triangle")
     ]
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
     triangles = np.array(corners, dtype=np.int64).reshape(-1, 3)

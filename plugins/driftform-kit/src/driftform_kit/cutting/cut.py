@@ -60,9 +60,7 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
     if options.joint == "sleeve":
         raise WorkFailedError(f"{no_sleeve}; set joint to 'rabbet', or lap or sleeve to less")
     if options.o_ring:
-        raise WorkFailedError(
-            f"{no_sleeve}, and without a sleeve there is no groove for an O-ring: set o_ring to 0"
-        )
+        raise WorkFailedError(f"{no_sleeve}, and without a sleeve there is no groove for an O-ring: set o_ring to 0")
     rabbet = _make_rabbet(hull, options)
     return CoreJoint(rabbet, "joint is set to 'rabbet'" if options.joint == "rabbet" else no_sleeve)
 
@@ -74,8 +72,7 @@ def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
         fitting = [
             joint
             for side in (1, -1)
-            if away in roomy[side]
-            and _takes_core(hull, joint := make_sleeve(side * away, side, options), need)
+            if away in roomy[side] and _takes_core(hull, joint := make_sleeve(side * away, side, options), need)
         ]
         if fitting:
             # The wider mouth takes a wider plug.

@@ -144,9 +144,7 @@ class _Bay:
             "it is wider than the way to it, or a seat has no room beside joint, core and other balls",
         )
 
-    def support(
-        self, part: int, ball: Ball, side: int, taken: Sequence[CrossSection]
-    ) -> tuple[bool, Seat | None]:
+    def support(self, part: int, ball: Ball, side: int, taken: Sequence[CrossSection]) -> tuple[bool, Seat | None]:
         """Return whether a ball can rest on one side, and the seat for that, ``None`` if the wall holds it."""
         own = self.parts[part]
         if is_held([own], ball, side, self.gap):

@@ -143,9 +143,7 @@ def draw_joint(hull: Hull, joint: Joint) -> Fit:
     widened = grow(clear, joint.recess)
     pocket = widened ^ joint.draw_slab(end, 0.0)
     passage = (
-        pocket
-        + (hull.cavity ^ clear ^ socket_side)
-        + (widened ^ joint.draw_slab(0.0, 4 * (joint.lap + joint.plug)))
+        pocket + (hull.cavity ^ clear ^ socket_side) + (widened ^ joint.draw_slab(0.0, 4 * (joint.lap + joint.plug)))
     )
     outside = grow(passage, -joint.gap)
     inside = grow(widened, -joint.gap - joint.plug)

@@ -163,9 +163,7 @@ def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
     """Parts in the order of assembly: the shell that takes the core, the other shell, and then outward."""
     inner = kit.joints.index(kit.core_joint.joint)
     first = inner if takes_core_aft(kit.core_joint.joint) else inner + 1
-    order = sorted(
-        range(len(kit.pieces)), key=lambda place: (place != first, abs(place - inner - 0.5), place > inner)
-    )
+    order = sorted(range(len(kit.pieces)), key=lambda place: (place != first, abs(place - inner - 0.5), place > inner))
     return tuple(
         SheetPart(number, place, p, piece_mass(p, density), overhang_area(p.rings, p.fore_down))
         for number, (place, p) in enumerate(((place, kit.pieces[place]) for place in order), 1)

@@ -38,9 +38,7 @@ def draw_pages(sheet: Sheet) -> tuple[str, str]:
     """Return an assembly sheet: what to get, the closed kit, its parts as printed and their weights; and the steps."""
     count = len(sheet.parts)
     about = f"The {count} parts of a kit to scale, what to get for it, what its parts weigh, and how to print them."
-    what = (
-        f"{count} printed parts and a core ({sheet.core}). All positions are distances from the aft end, mm."
-    )
+    what = f"{count} printed parts and a core ({sheet.core}). All positions are distances from the aft end, mm."
     shopping, y = list[tuple[str, float, list[str]]](), 132.0
     for name, text in sheet.shopping:
         shopping.append((name, y, wrap(text, _TEXT, _RIGHT - _LEFT - 90)))
@@ -101,8 +99,7 @@ def _place_closed(sheet: Sheet, top: float) -> dict[str, Any]:
 
     bounds, balance = sheet.bounds, start + scale * (1e3 * float(sheet.target.cog[0]) - sheet.aft)
     anchors = [
-        (x_of + scale * b.held.ball.z, axis - scale * b.held.ball.radius, b.mark, style.INK)
-        for b in sheet.balls
+        (x_of + scale * b.held.ball.z, axis - scale * b.held.ball.radius, b.mark, style.INK) for b in sheet.balls
     ]
     for part in sheet.parts:
         middle = (bounds[part.place] + bounds[part.place + 1]) / 2
@@ -129,10 +126,7 @@ def _place_closed(sheet: Sheet, top: float) -> dict[str, Any]:
         "core_fill": CORE,
         "balls": [
             *([("core", x_of, scale * hull.core, CORE)] if hull.capsule is None else []),
-            *(
-                ("ballast", x_of + scale * b.held.ball.z, scale * b.held.ball.radius, BALLAST)
-                for b in sheet.balls
-            ),
+            *(("ballast", x_of + scale * b.held.ball.z, scale * b.held.ball.radius, BALLAST) for b in sheet.balls),
         ],
         "marks": marks,
         "stations": stations,

@@ -39,9 +39,7 @@ def place_scene(sheet: Sheet, step: str, place: FloatArray) -> list[Shape]:
     low, high = points.min(axis=0), points.max(axis=0)
     scale, middle = float((np.ptp(place, axis=0) / (high - low)).min()), place.mean(axis=0)
     return [
-        replace(
-            shape, lines=[middle + scale * (line - (low + high) / 2) * (1.0, -1.0) for line in shape.lines]
-        )
+        replace(shape, lines=[middle + scale * (line - (low + high) / 2) * (1.0, -1.0) for line in shape.lines])
         for shape in shapes
     ]
 

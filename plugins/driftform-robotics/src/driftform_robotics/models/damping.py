@@ -23,9 +23,7 @@ def reference_speed(agent: Agent, fluid: Fluid) -> float:
     drag = agent.coefficients.drag
     if drag is None:
         return MIN_SPEED
-    _, across = forces.terminal_speeds(
-        drag, agent.mass.net_buoyancy(fluid), True, fluid.density, fluid.viscosity
-    )
+    _, across = forces.terminal_speeds(drag, agent.mass.net_buoyancy(fluid), True, fluid.density, fluid.viscosity)
     return max(across, MIN_SPEED)
 
 
@@ -42,9 +40,7 @@ def quadratic_damping(agent: Agent, fluid: Fluid, speed: float) -> FloatArray:
     for j, rate in enumerate(rates):
         nu = np.zeros(6)
         nu[j] = rate
-        columns.append(
-            (quadratic_wrench(agent, fluid, -nu) - quadratic_wrench(agent, fluid, nu)) / (2 * rate**2)
-        )
+        columns.append((quadratic_wrench(agent, fluid, -nu) - quadratic_wrench(agent, fluid, nu)) / (2 * rate**2))
     return np.column_stack(columns)
 
 

@@ -141,9 +141,7 @@ class ModelExporter(Exporter[OptionsT_co]):
         except OSError as error:
             raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
         first, facts = next(iter(texts)), _list_facts(model.link, warnings)
-        return tuple(
-            WrittenFile(self.name, str(path / name), facts if name == first else {}) for name in texts
-        )
+        return tuple(WrittenFile(self.name, str(path / name), facts if name == first else {}) for name in texts)
 
     def describe_water(self, job: ExportJob) -> str:
         """Return the elements of the water, as the files have them, with a comment on their frame and stability."""
@@ -161,9 +159,7 @@ class ModelExporter(Exporter[OptionsT_co]):
         speed = self.options.drag_speed if isinstance(self.options, WaterOptions) else None
         contour = job.agent.body.outer
         if len(contour) < 3 or contour[0, 1] or contour[-1, 1] or not (contour[1:-1, 1] > 0).any():
-            raise WorkFailedError(
-                "the hull is not a solid: its outer contour does not start and end on the axis"
-            )
+            raise WorkFailedError("the hull is not a solid: its outer contour does not start and end on the axis")
         return Model(job, make_identifier(job.name), make_link(job, speed), convex_pieces(contour))
 
 

@@ -92,9 +92,7 @@ class Gap:
 
 def read_link(name: str, link: Link, density: float) -> Reader:
     """Return a program that reads all of a link, in water of a density (kg/m3)."""
-    return Reader(
-        name, link.added_mass, link.added_mass, link.linear_damping, link.quadratic_damping, density
-    )
+    return Reader(name, link.added_mass, link.added_mass, link.linear_damping, link.quadratic_damping, density)
 
 
 def measure_gap(reader: Reader, job: ExportJob, link: Link, step: float | None = None) -> Gap:

@@ -74,9 +74,7 @@ def _list_warnings(model: Model, ellipsoid: Ellipsoid) -> list[str]:
         *model.list_warnings(),
     ]
     if link.linear_damping.any():
-        found.append(
-            "Linear damping is left out: MuJoCo's linear damping is that of a sphere, from viscosity."
-        )
+        found.append("Linear damping is left out: MuJoCo's linear damping is that of a sphere, from viscosity.")
     if fluid.water_level is not None:
         found.append("MuJoCo has no water surface: the water is everywhere.")
     return found

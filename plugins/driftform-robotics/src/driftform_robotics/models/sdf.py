@@ -148,9 +148,7 @@ def _list_warnings(model: Model, gazebo: _Gazebo, push: str) -> list[str]:
             found[-1] += " drift.sdf is the same world in the frame of the water, where neither error occurs."
     if link.velocity.any():
         world = "world.sdf" if push == PUSH else "drift.sdf"
-        found.append(
-            f"Run {push} before you press play in {world}: SDF cannot hold the velocity of the release."
-        )
+        found.append(f"Run {push} before you press play in {world}: SDF cannot hold the velocity of the release.")
     return found
 
 
@@ -163,9 +161,7 @@ def _list_spheres(model: Model) -> list[tuple[float, float]]:
     return [(x, float(np.cbrt(0.75 * volume / np.pi))) for x, volume, _ in slice_solid(body.outer, count)]
 
 
-def _make_package(
-    model: Model, gazebo: _Gazebo, files: dict[str, str], warnings: list[str]
-) -> dict[str, str]:
+def _make_package(model: Model, gazebo: _Gazebo, files: dict[str, str], warnings: list[str]) -> dict[str, str]:
     """Return the files that make the folder a ROS 2 package: a launch file, and a bridge of Gazebo's topics to ROS."""
     first = "drift.sdf" if "drift.sdf" in files else "world.sdf"
     push = {"drift.sdf": PUSH_DRIFT, "world.sdf": PUSH}[first]

@@ -96,9 +96,7 @@ def _measure_gap(model: Model, step: float | None) -> Gap:
 def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
     scenario = model.job.scenario
     found = [*warn_of_divergence(model.link, SMOOTHING), *model.list_warnings()]
-    axes = [
-        axis for placed in scenario.pipe.layout.parts for axis in placed.part.list_axes(placed.part.length)
-    ]
+    axes = [axis for placed in scenario.pipe.layout.parts for axis in placed.part.list_axes(placed.part.length)]
     top = max((float((axis.points[:, 2] + axis.radii).max()) for axis in axes), default=-np.inf)
     if scenario.fluid.water_level is None and top + offset[2] >= 0:
         found.append(f"The pipe rises {top + offset[2]:.3g} m above the water: set a larger depth.")

@@ -110,9 +110,7 @@ def _tee_patches(part: pipe_parts.Tee) -> list[Patch]:
     bearing = np.unwrap(np.arctan2(mouth[:, 1], mouth[:, 0] - middle))
     bearing -= bearing[len(fine) // 2]
     even = np.linspace(-np.pi, np.pi, SEGMENTS + 1)
-    turns = [
-        np.interp(np.arctan2(R * even, x), bearing, fine) for x in (downstream - middle, -upstream - middle)
-    ]
+    turns = [np.interp(np.arctan2(R * even, x), bearing, fine) for x in (downstream - middle, -upstream - middle)]
     phi = np.unique(np.concatenate([even, *turns]))
 
     centres, on_run, on_branch = roll(phi)

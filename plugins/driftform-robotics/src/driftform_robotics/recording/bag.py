@@ -39,9 +39,7 @@ def write_bag(
         for topic in topics:
             kind, latched = full_name(topic.kind), topic.latched
             more: dict[str, Any] = (
-                {"latching": int(latched)}
-                if storage is None
-                else {"offered_qos_profiles": [_make_qos(latched)]}
+                {"latching": int(latched)} if storage is None else {"offered_qos_profiles": [_make_qos(latched)]}
             )
             connections.append(writer.add_connection(topic.name, kind, typestore=ros.store, **more))
         streams = [_number_messages(place, topic) for place, topic in enumerate(topics)]

@@ -23,9 +23,7 @@ class FlightOptions(SensorOptions):
         ge=0,
         le=4e9,
     )
-    leak_rate: float = option(
-        0.001, "mass flow into the pipe at each target on the wall", "kg/s", ge=1e-9, le=1000
-    )
+    leak_rate: float = option(0.001, "mass flow into the pipe at each target on the wall", "kg/s", ge=1e-9, le=1000)
     atmosphere: float = option(ATMOSPHERE, "pressure at the surface of the water", "Pa", ge=0, le=1e9)
     acceleration_noise: float = option(0.0, "standard deviation of the accelerometer", "m/s2", ge=0, le=1e3)
     rate_noise: float = option(0.0, "standard deviation of the gyroscope", "rad/s", ge=0, le=1e3)

@@ -60,8 +60,7 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
             bag.rmdir()
             names = sorted(file.name for file in part.iterdir())
         return tuple(
-            WrittenFile(self.name, str(path / name), facts if name == "metadata.yaml" else {})
-            for name in names
+            WrittenFile(self.name, str(path / name), facts if name == "metadata.yaml" else {}) for name in names
         )
 
 

@@ -100,9 +100,7 @@ class FlightTopics:
         # The noise of a sensor does not depend on the other sensors.
         return np.random.default_rng((self.options.seed, sensor, self.part))
 
-    def _make_transform(
-        self, stamp: int, parent: str, child: str, place: FloatArray, turned: FloatArray
-    ) -> Any:
+    def _make_transform(self, stamp: int, parent: str, child: str, place: FloatArray, turned: FloatArray) -> Any:
         transform = self.ros.make(
             "geometry_msgs/Transform",
             translation=self.ros.make_vector(place),
@@ -131,9 +129,7 @@ class FlightTopics:
         mass, straight = self.job.agent.mass, np.array([1.0, 0.0, 0.0, 0.0])
         points = {"cog": mass.cog, "cob": mass.cob, "sensors": np.array(self.options.sensor)}
         fixed = [
-            self._make_transform(
-                self.stamps[0], self.base, f"{self.options.namespace}/{name}", point, straight
-            )
+            self._make_transform(self.stamps[0], self.base, f"{self.options.namespace}/{name}", point, straight)
             for name, point in points.items()
         ]
         yield self.stamps[0], self.ros.make("tf2_msgs/TFMessage", transforms=fixed)
