@@ -129,7 +129,7 @@ def test_every_contract_is_documented(pages: dict[str, str]) -> None:
 def test_no_page_names_a_hook_that_is_not(pages: dict[str, str]) -> None:
     for name, text in pages.items():
         seams = re.findall(r"`driftform_([a-z]+)`", text)
-        packages = {"lsystem", "frusta", "striptheory", "exudyn", "paper", "dwell"}
+        packages = {"lsystem", "frusta", "striptheory", "exudyn", "networks", "paper", "dwell"}
         assert {f"driftform_{s}" for s in seams if s not in packages} <= set(hooks()), name
 
 

@@ -1,6 +1,5 @@
 import pytest
 
-from driftform.options import Table
 from driftform.testing import BuilderContract, ExporterContract
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.exporters.glb import GlbExporter
@@ -9,7 +8,7 @@ from driftform_frusta.exporters.ply import PlyExporter
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.step import StepExporter
 from driftform_frusta.exporters.stl import StlExporter
-from driftform_frusta.exporters.svg import SvgExporter
+from driftform_frusta.exporters.svg import SvgExporter, SvgOptions
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.kit_options import PartOptions
 
@@ -68,7 +67,7 @@ class TestStep(ExporterContract):
 
 class TestSvg(ExporterContract):
     def plugin(self) -> SvgExporter:
-        return SvgExporter(Table())
+        return SvgExporter(SvgOptions())
 
 
 class TestThreeMf(ExporterContract):

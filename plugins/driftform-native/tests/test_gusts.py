@@ -30,10 +30,12 @@ def test_the_misses_of_flights_in_gusts_are_within_a_centimetre_of_exact_ones(pi
     for seed in range(12):
         agent, scenario = blow(pipeline, seed)
         flight, exact = (simulator.simulate(agent, scenario) for simulator in (usual, sharp))
-        if flight.end.failed or exact.end.failed:
+        assert flight.error is not None
+        # Where two integrations end differently, the flight says that its error is not known.
+        if flight.end.failed or exact.end.failed or flight.error == np.inf:
             continue
         compared += 1
-        assert flight.error is not None and flight.error <= GUST_RATIO * usual.options.accuracy
+        assert flight.error <= GUST_RATIO * usual.options.accuracy
         points = scenario.target_array()
         near, far = (closest_approach(way, points)[0] for way in (flight, exact))
         assert np.abs(near - far).max() < GUST_RATIO * usual.options.accuracy

@@ -119,7 +119,7 @@ def list_exporter_settings(formats: Iterable[str], options: Mapping[str, tuple[s
                     for row in registry().seam("exporter")
                     if row.cls is not None and key in row.cls.Options.model_fields
                 ]
-                known = did_you_mean(key, fields) or (f"; {', '.join(having)} have it" if having else "")
+                known = f"; {', '.join(having)} have it" if having else did_you_mean(key, fields)
                 raise InputError(f"{asked}: exporter '{name}' has no option '{key}'{known}")
             settings.append(f"exporter.{name}.{key}={value}")
     return settings

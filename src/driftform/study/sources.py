@@ -123,13 +123,13 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
         raise InputError(f"{named_by}'base' leads back to {label}")
     layer = parse_text(label, text)
     data = dict(layer.data)
-    for table, key in FILES:
+    for table, option in FILES:
         options = data.get(table)
-        if isinstance(options, Mapping) and isinstance(name := options.get(key), str):
+        if isinstance(options, Mapping) and isinstance(name := options.get(option), str):
             # Such a file lies beside the study that names it; a core may be a ball by name, too.
             beside = path.parent / name
             if table == "flow" or is_file(beside):
-                data[table] = {**options, key: str(beside)}
+                data[table] = {**options, option: str(beside)}
     layer = replace(layer, data=data)
     base = data.get("base")
     if base is None:
