@@ -42,8 +42,9 @@ def test_off_a_terminal_progress_is_a_plain_line_on_stderr_for_each_generation(
     lines = finished_run[1].stderr.splitlines()
     if lines[0].startswith("compiling"):
         lines = lines[1:]
-    assert len(lines) == 1
-    assert lines[0].startswith("20/20 evaluations")
+    # On a slow machine there is a line every ten seconds besides.
+    states = [line.partition(": ")[2] for line in lines]
+    assert [state for state in states if state.startswith("20/20 evaluations")] == [states[-1]]
     assert "\x1b" not in finished_run[1].stderr
 
 
@@ -164,8 +165,8 @@ def test_one_generation_after_the_other_is_reported(call: Callable[..., Any], fa
         ),
         *("--simulator", "fake", "--out", "run"),
     )
-    starts = [line.split()[0] for line in result.stderr.splitlines()]
-    assert starts == ["10/25", "20/25", "25/25"]
+    states = [line.partition(": ")[2].split()[0] for line in result.stderr.splitlines()]
+    assert [state for state in states if state in {"10/25", "20/25", "25/25"}] == ["10/25", "20/25", "25/25"]
 
 
 def test_a_format_that_cannot_hold_an_agent_is_told_at_the_end_and_keeps_nothing_else_back(

@@ -109,6 +109,14 @@ def undisturbed(run: Program, rows: Rows, tmp_path_factory: pytest.TempPathFacto
     return rows(cwd / "run")
 
 
+@pytest.fixture(autouse=True)
+def hangups() -> Iterator[None]:
+    """Programs that a test starts hear SIGHUP, though whoever started the tests may ignore it, as ``nohup`` does."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
 @pytest.fixture
 def going(start: Start, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[subprocess.Popen[str]]:
     """A run of two workers that has some evaluations, and is not at its end."""
