@@ -74,7 +74,8 @@ def test_every_message_of_every_topic_arrives_in_real_time(master: dict[str, str
     expected = START + 0.05 * np.arange(101)
     for topic in STAMPED:
         assert np.array(found["stamps"][topic][:101]) == pytest.approx(expected, abs=1e-6), topic
-    assert len(found["stamps"]["/agent/clearance"]) == len(found["stamps"]["/agent/odom"])
+    # It has no stamps; the listener may stop between two topics of one step.
+    assert abs(len(found["stamps"]["/agent/clearance"]) - len(found["stamps"]["/agent/odom"])) <= 1
     assert set(found["markers"]) == {"pipe", "targets", "names", "agent"}
     whole = design_of().trace()
     x = np.interp(expected - START, whole.t, whole.position[:, 0])
