@@ -275,9 +275,9 @@ def open_agent(
 
     Args:
         text: path of an ``agent.json``, ``RUN:TARGET``, or the text of a genome, as the commands take it.
-        settings: other surroundings than its own, as for :meth:`Design.under`.
-        scenario: the same.
-        use: the same.
+        settings: keys of its study to change, as for :meth:`Design.under`.
+        scenario: another scenario than its own, as there.
+        use: other plugins than its own, as there.
 
     Raises:
         InputError: if there is no such agent.

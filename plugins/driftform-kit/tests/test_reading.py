@@ -128,7 +128,7 @@ def test_components_are_placed_within_their_object(block: trimesh.Trimesh, tmp_p
 
 
 @pytest.mark.parametrize(
-    ("resources", "build", "told"),
+    ("resources", "build", "message"),
     [
         ("", '<item objectid="7"/>', "object 7, which is missing"),
         ("", "", "has no triangle"),
@@ -147,16 +147,16 @@ def test_components_are_placed_within_their_object(block: trimesh.Trimesh, tmp_p
         ("<object", "", "not XML"),
     ],
 )
-def test_a_3mf_that_is_wrong_is_told_in_one_line(tmp_path: Path, resources: str, build: str, told: str) -> None:
+def test_a_3mf_that_is_wrong_is_one_line(tmp_path: Path, resources: str, build: str, message: str) -> None:
     path = write_3mf(tmp_path / "wrong.3mf", resources, build)
-    with pytest.raises(InputError, match=told) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         read_meshes(path)
     assert str(path) in str(caught.value) and "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".glb", ".3mf"])
 @pytest.mark.parametrize("content", [b"", b"\x00\xff\x80" * 99, b'{"a": 1}\n', b"solid x\nvertex a b c\n"])
-def test_what_is_no_such_file_is_told_in_one_line(tmp_path: Path, suffix: str, content: bytes) -> None:
+def test_what_is_no_such_file_is_one_line(tmp_path: Path, suffix: str, content: bytes) -> None:
     path = tmp_path / f"wrong{suffix}"
     path.write_bytes(content)
     with pytest.raises(InputError, match="wrong") as caught:

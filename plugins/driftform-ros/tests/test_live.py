@@ -170,7 +170,7 @@ def test_it_ends_within_two_seconds_of_roscore_in_one_line(system: dict[str, str
 
 
 def wait_for_end(process: subprocess.Popen[str]) -> float:
-    """Return how long a process goes on, s; while it waits for a processor that others hold, time does not count."""
+    """Return how long a process takes to end, s, without the time in which it waits for a processor."""
     begun, before, waited = time.monotonic(), find_waiting(process.pid), 0.0
     while process.poll() is None:
         waited = max(waited, find_waiting(process.pid) - before)

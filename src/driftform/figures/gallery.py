@@ -121,9 +121,9 @@ def _draw_body(root: ET.Element, body: Body, colour: str, place: Placement) -> N
     draw_rims(root, body, place, tint(colour, 0.5), 0.5, below=1)
     outline = svg.path_data(place.to_page(closed_outline(body.outer)), closed=True)
     svg.add_line(root, outline, colour, 1.1, "outline", stroke_linejoin="round")
-    radius = max(1.5, body.core.radius * place.px_per_m)
     if body.core.contour:
         core = place.to_page(closed_outline(np.array(body.core.contour)))
         svg.add(root, "path", d=svg.path_data(core, closed=True), fill=colour, class_="core")
-        return
-    svg.add_circle(root, place.x, place.y, radius, colour, class_="core")
+    else:
+        radius = max(1.5, body.core.radius * place.px_per_m)
+        svg.add_circle(root, place.x, place.y, radius, colour, class_="core")

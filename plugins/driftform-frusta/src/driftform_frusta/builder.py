@@ -262,10 +262,8 @@ def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
         from driftform_frusta.own.core import find_shoulders, outline_core, place_capsule
 
         core = place_capsule(o.core_profile, o.core_mass, o.core_cog or 0.0)
-        over, shoulders = (
-            outline_core(core.contour, o.clearance + o.wall),
-            find_shoulders(np.array(core.contour)),
-        )
+        over = outline_core(core.contour, o.clearance + o.wall)
+        shoulders = find_shoulders(np.array(core.contour))
         dome = float(over[:, 1].max())
     chains = lay_chains(morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2, shoulders)
     section = hull_section if o.wall_model == "mitred" else open_section

@@ -13,7 +13,6 @@ import driftform
 from driftform.errors import InputError
 from driftform.types import Agent
 from driftform_networks.cache import hash_content
-from driftform_networks.fits import find_obstacle
 
 if TYPE_CHECKING:
     from driftform import Design
@@ -63,17 +62,6 @@ class Traveller:
     def width(self) -> float:
         """Greatest diameter, m."""
         return self.agent.body.max_diameter
-
-    @cached_property
-    def _ball(self) -> float:
-        """Diameter of a ball that the body fits into in any attitude, m."""
-        return float(np.hypot(self.agent.body.length, self.width))
-
-    def find_obstacle(self, first: float, second: float, turn: float) -> str:
-        """Return why the body cannot pass from a bore into another: :func:`~driftform_networks.fits.find_obstacle`."""
-        # Where a ball around it passes, no attitude need be searched.
-        fits = self._ball <= min(first or np.inf, second or np.inf)
-        return "" if fits else find_obstacle(self.agent.body, first, second, turn)
 
     def name_file(self, **flights: list[Any]) -> str:
         """Return the name of the file that keeps some flights of this body, which plain values describe."""

@@ -5,6 +5,7 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, MIXED
+from driftform_networks.fits import find_obstacle
 from driftform_networks.junctions import Junction
 from driftform_networks.routing import RoutingTable
 from driftform_networks.streamtubes import divide_bore, divide_mixed
@@ -41,7 +42,7 @@ def divide_bodies(
         obstacle = f"a dead end: too wide for service pipes of {1000 * service_bore:.0f} mm"
         return RoutingTable(nothing, arrival, np.full(BANDS, 1.0 if leaves else 0.0), obstacle)
     obstacles = [
-        traveller.find_obstacle(junction.bore, float(bore), turn)
+        find_obstacle(traveller.agent.body, junction.bore, float(bore), turn)
         for bore, turn in zip(junction.bores, junction.turns, strict=True)
     ]
     passes = np.array([not obstacle for obstacle in obstacles])

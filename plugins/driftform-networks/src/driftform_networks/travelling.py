@@ -17,6 +17,7 @@ from driftform_networks.bore import BANDS, MIRROR, MIXED
 from driftform_networks.cache import find_cache
 from driftform_networks.dividing import divide_bodies
 from driftform_networks.epanet import split_option
+from driftform_networks.fits import find_obstacle
 from driftform_networks.flights import StraightFlights, StraightTask
 from driftform_networks.gates import find_gate, read_gates
 from driftform_networks.junctions import SIDES, Junction, describe_junction, find_bends
@@ -160,8 +161,8 @@ class Traveling:
 
     def _fit_bends(self, network: Network, index: int) -> str:
         """Return why the body cannot pass the bends of a link, empty if it can."""
-        bore, find = float(network.diameter[index]), self._traveller.find_obstacle
-        found = (find(bore, bore, turn) for turn in (0.0, *find_bends(network, index)))
+        bore, body = float(network.diameter[index]), self._traveller.agent.body
+        found = (find_obstacle(body, bore, bore, turn) for turn in (0.0, *find_bends(network, index)))
         return next(filter(None, found), "")
 
     def _divide(self, snapshot: Snapshot, link: int) -> RoutingTable:
