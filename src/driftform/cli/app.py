@@ -1,5 +1,6 @@
 """The commands, put together; errors of the user become one line and an exit code."""
 
+import errno
 import os
 import re
 import sys
@@ -90,7 +91,10 @@ def _one_line_for_each_error() -> Iterator[None]:
         raise typer.Exit(1) from None
     except OSError as error:
         named = error.filename is not None and error.strerror
-        _print_errors(f"{os.fsdecode(error.filename)}: {error.strerror}" if named else str(error))
+        next_step = (
+            "; free the disk, then try again" if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG) else ""
+        )
+        _print_errors((f"{os.fsdecode(error.filename)}: {error.strerror}" if named else str(error)) + next_step)
         raise typer.Exit(1) from None
     except (typer.Exit, typer.Abort):
         raise

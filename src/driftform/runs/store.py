@@ -22,6 +22,7 @@ import numpy as np
 
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error, find_commonest
 from driftform.runs.compression import LARGEST_FLIGHT, compress, decode, diagnostics
+from driftform.runs.directory import resume_command
 from driftform.runs.values import (
     check_integer,
     check_number,
@@ -67,8 +68,6 @@ _DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 """Errors of SQLite that mean damage; all others are about the place: a full disk, a lock, a right that is missing."""
 
 _INSERT = f"INSERT INTO evaluation VALUES ({','.join('?' * 16)})"
-
-_UNWRITTEN = "cannot be written: {}; what was written before is safe"
 
 _NEXT_STEP = "restore a copy of it, or start a new run"
 
@@ -155,7 +154,7 @@ class Store:
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = FULL")
         except (sqlite3.Error, OSError) as error:
-            raise WorkFailedError(f"{path}: cannot be written: {error}") from None
+            raise WorkFailedError(f"{path}: {_describe_unwritten(error, path)}") from None
         return cls(connection, path)
 
     @classmethod
@@ -294,11 +293,13 @@ class Store:
                         self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", _scores(record, targets))
                     except sqlite3.Error as error:
                         raise WorkFailedError(
-                            f"{self._path}: evaluation {record.index} {_UNWRITTEN.format(error)}"
+                            f"{self._path}: evaluation {record.index} {_describe_unwritten(error, self._path)}"
                         ) from None
         except sqlite3.Error as error:
             first, last = records[0].index, records[-1].index
-            raise WorkFailedError(f"{self._path}: evaluations {first} to {last} {_UNWRITTEN.format(error)}") from None
+            raise WorkFailedError(
+                f"{self._path}: evaluations {first} to {last} {_describe_unwritten(error, self._path)}"
+            ) from None
 
     def add_disturbed(self, flights: Sequence[DisturbedResult], targets: Sequence[str]) -> None:
         """Write what flights under disturbed conditions scored, all or none.
@@ -317,7 +318,7 @@ class Store:
             with _transaction(self._connection):
                 self._connection.executemany("INSERT INTO disturbed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", rows)
         except sqlite3.Error as error:
-            raise WorkFailedError(f"{self._path}: disturbed flights {_UNWRITTEN.format(error)}") from None
+            raise WorkFailedError(f"{self._path}: disturbed flights {_describe_unwritten(error, self._path)}") from None
 
     def list_disturbed(self) -> set[tuple[int, int]]:
         """The evaluations and conditions that were flown disturbed."""
@@ -543,6 +544,10 @@ def _describe_read_error(path: Path, error: Exception) -> DriftformError:
         f"{path}: cannot be read here: {error}; the data are untouched: free the disk, or copy the run to a "
         "directory that can be written to, and try again"
     )
+
+
+def _describe_unwritten(error: Exception, path: Path) -> str:
+    return f"cannot be written: {error}; what was written before is safe; free the disk, then: {resume_command(path.parent)}"
 
 
 def _find_broken_tables(connection: sqlite3.Connection) -> list[str]:
