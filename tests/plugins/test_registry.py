@@ -87,7 +87,7 @@ def test_our_own_plugins_are_found_with_their_distribution_and_version():
         ("simulator", "exudyn"): "driftform-exudyn",
         ("fitness", "closest-approach"): "driftform",
         ("strategy", "paper"): "driftform-paper",
-        ("strategy", "random"): "driftform",
+        ("strategy", "random"): "driftform-strategies",
         ("exporter", "stl"): "driftform-frusta",
         ("exporter", "scad"): "driftform-frusta",
         ("renderer", "exudyn"): "driftform-exudyn",
@@ -138,7 +138,7 @@ def test_driftform_without_plugins_says_in_one_line_what_to_install(call, monkey
         result = call("evolve", "--evaluations", "2")
     finally:
         registry.cache_clear()
-    missing = "grammar, builder, hydrodynamics, simulator" + (", fitness, strategy" if not points else "")
+    missing = f"grammar, builder, hydrodynamics, simulator, {'' if points else 'fitness, '}strategy"
     assert result.exit_code == 2 and result.stdout == ""
     assert result.stderr == (
         f"error: no plugin for {missing} is installed: in a clone of driftform run 'uv sync', "

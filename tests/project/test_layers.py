@@ -19,7 +19,7 @@ CONTRACT = "src/driftform/testing/commands.py"
 LAYERS = (
     *("errors", "types", "options", "scenarios", "util", "agent", "validity", "water"),
     *("interfaces", "motion", "plugins", "pipeline", "study"),
-    *("runs", "figures", "search", "design", "report", "builtin", "scaffold", "api", "cli", "testing"),
+    *("runs", "builtin", "figures", "search", "design", "report", "scaffold", "api", "cli", "testing"),
 )
 """The modules and packages of the core from the ground up: each may import those before it, and no others."""
 

@@ -18,9 +18,9 @@ from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
 from driftform.search.loop import UNWRITTEN_S, BestFitness, run_search
 from driftform.search.results import write_results
-from driftform.search.strategies.random import RandomStrategy
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, Genome
+from driftform_strategies.random import RandomStrategy
 
 pytestmark = pytest.mark.usefixtures("fakes")
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from driftform.interfaces import SearchSpace
-from driftform.search.strategies.random import RandomOptions, RandomStrategy
 from driftform.testing import StrategyContract
 from driftform.types import Candidate
+from driftform_strategies.random import RandomOptions, RandomStrategy
 
 
 class Generations(RandomStrategy):

@@ -1,11 +1,11 @@
-"""Hook implementations of driftform itself: the paper's fitness, the strategies, and the recorders of tables."""
+"""Hook implementations of driftform itself: fitness by the closest approach, and the recorders of tables."""
 
 from typing import TYPE_CHECKING, Any
 
 from driftform import hookimpl
 
 if TYPE_CHECKING:
-    from driftform.interfaces import Fitness, Recorder, Strategy
+    from driftform.interfaces import Fitness, Recorder
 
 
 @hookimpl
@@ -24,14 +24,3 @@ def driftform_recorder() -> "list[type[Recorder[Any]]]":
     from driftform.builtin.table_recorders import CsvRecorder, ParquetRecorder
 
     return [CsvRecorder, ParquetRecorder]
-
-
-@hookimpl
-def driftform_strategy() -> "list[type[Strategy[Any]]]":
-    """Return evolution by single symbols, random search, and the searches of tuned bodies."""
-    from driftform.search.strategies.direct import DirectStrategy
-    from driftform.search.strategies.evolution import EvolutionStrategy
-    from driftform.search.strategies.random import RandomStrategy
-    from driftform.search.strategies.tuned import TunedStrategy
-
-    return [DirectStrategy, EvolutionStrategy, RandomStrategy, TunedStrategy]

@@ -1,4 +1,4 @@
-"""The search: strategies, the ask/tell loop, finalists, and where evaluations run."""
+"""The search: the ask/tell loop, finalists, and where evaluations run."""
 
 import lazy_loader
 

@@ -9,11 +9,10 @@ from math import inf, sqrt
 import numpy as np
 
 from driftform.errors import InputError
-from driftform.interfaces import SearchSpace, Strategy
-from driftform.options import Table, option
-from driftform.search.strategies.evolution import remember
-from driftform.search.tuning import find_next, root_weight, square_root_weight
+from driftform.interfaces import SearchSpace, Strategy, Table, option
 from driftform.types import Candidate, Evaluation, FloatArray, Genome
+from driftform_strategies.evolution import remember
+from driftform_strategies.tuning import find_next, root_weight, square_root_weight
 
 HIT = 0.001
 """m: a tuned body that passes its target this near has hit it."""
@@ -123,7 +122,7 @@ class TunedStrategy(Strategy[TunedOptions]):
     Options = TunedOptions
 
     def __init__(self, options: TunedOptions, space: SearchSpace) -> None:
-        from driftform.motion.way import farthest_distances
+        from driftform.motion import way
 
         super().__init__(options, space)
         if space.builder is None:
@@ -141,7 +140,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         # How far below the release each target is: in a straight pipe, by how much a neutral body passes above it.
         straight = space.scenario.pipe.straight is not None
         self._drops = release[2] - points[:, 2] if straight else np.zeros(len(points))
-        self._bars = 100 * (1 - HIT / farthest_distances(space.scenario)) if space.targets else np.zeros(0)
+        self._bars = 100 * (1 - HIT / way.farthest_distances(space.scenario)) if space.targets else np.zeros(0)
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return the next flights of bodies that are being tuned, and the first ones of new bodies."""
@@ -166,10 +165,10 @@ class TunedStrategy(Strategy[TunedOptions]):
                 self._learn(index, job, evaluation)
 
     def _learn(self, index: int, job: Job, evaluation: Evaluation) -> None:
-        from driftform.motion.way import find_offsets
+        from driftform.motion import way
 
         shape, root = job.shape, job.shape.find_root(job.tuning)
-        offsets = find_offsets(evaluation, self.space.scenario)
+        offsets = way.find_offsets(evaluation, self.space.scenario)
         shape.points.append((root, offsets[:, 2]))
         if np.linalg.norm(offsets[job.target]) <= HIT:
             elites = self._elites[job.target]

@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from driftform.interfaces import SearchSpace, Strategy
-from driftform.options import Table, option
+from driftform.interfaces import SearchSpace, Strategy, Table, option
 from driftform.types import Candidate, Evaluation, FloatArray, Genome, Trajectory
 
 FAMILY_SIZE = 256

@@ -1,6 +1,6 @@
 """The baseline of every search: plain bodies, and a secant for each target."""
 
-from driftform.search.strategies.tuned import Job, Shape, TunedStrategy
+from driftform_strategies.tuned import Job, Shape, TunedStrategy
 
 PLAIN = 30
 """Random shapes of which the plainest is taken."""

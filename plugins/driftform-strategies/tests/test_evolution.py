@@ -9,17 +9,17 @@ from hypothesis import strategies as st
 
 from driftform.interfaces import SearchSpace
 from driftform.options import Table
-from driftform.search.strategies.evolution import (
+from driftform.testing import StrategyContract
+from driftform.testing.letters import LENGTH, LetterGrammar
+from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
+from driftform_strategies.evolution import (
     Change,
     EvolutionOptions,
     EvolutionStrategy,
     position_at,
     smallest_indices,
 )
-from driftform.search.strategies.random import RandomOptions, RandomStrategy
-from driftform.testing import StrategyContract
-from driftform.testing.letters import LENGTH, LetterGrammar
-from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
+from driftform_strategies.random import RandomOptions, RandomStrategy
 
 GRAMMAR = LetterGrammar(Table())
 WEIGHTS = np.random.default_rng(11).normal(size=(LENGTH, 3))
@@ -203,8 +203,8 @@ def test_genomes_that_a_grammar_does_not_take_are_never_asked_for():
 
 
 def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("driftform.search.strategies.evolution.MAX_HASHES", 100)
-    monkeypatch.setattr("driftform.search.strategies.evolution.FAMILY_SIZE", 20)
+    monkeypatch.setattr("driftform_strategies.evolution.MAX_HASHES", 100)
+    monkeypatch.setattr("driftform_strategies.evolution.FAMILY_SIZE", 20)
     strategy = evolution(10)
     played(strategy, 600)
     assert len(strategy._known) <= 101

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.search.tuning import find_next, root_weight, square_root_weight
+from driftform_strategies.tuning import find_next, root_weight, square_root_weight
 
 
 @given(st.floats(-1, 1))

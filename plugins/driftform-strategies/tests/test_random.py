@@ -4,10 +4,10 @@ import numpy as np
 
 from driftform.interfaces import SearchSpace
 from driftform.options import Table
-from driftform.search.strategies.random import RandomOptions, RandomStrategy
 from driftform.testing import GrammarContract, StrategyContract
 from driftform.testing.letters import LetterGrammar
 from driftform.types import Evaluation, Genome
+from driftform_strategies.random import RandomOptions, RandomStrategy
 
 GRAMMAR = LetterGrammar(Table())
 

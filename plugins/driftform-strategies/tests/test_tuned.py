@@ -9,13 +9,13 @@ import pytest
 from driftform.errors import InputError
 from driftform.interfaces import PhenotypeBuilder, SearchSpace
 from driftform.options import Table
-from driftform.search.strategies.direct import DirectStrategy
-from driftform.search.strategies.tuned import HIT, Shape, TunedOptions, TunedStrategy
 from driftform.testing import BuilderContract, StrategyContract
 from driftform.testing.letters import LetterGrammar
 from driftform.testing.strategy import search_space
 from driftform.types import Body, Core, End, Evaluation, FloatArray, Genome, Moments, Morphology, Trajectory
 from driftform.water import Scenario
+from driftform_strategies.direct import DirectStrategy
+from driftform_strategies.tuned import HIT, Shape, TunedOptions, TunedStrategy
 
 RADIUS = 0.02
 """Of the bodies, m."""
@@ -138,7 +138,7 @@ def test_no_body_is_tuned_twice_for_a_target() -> None:
 
 
 def test_a_long_search_keeps_no_more_than_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("driftform.search.strategies.evolution.MAX_HASHES", 100)
+    monkeypatch.setattr("driftform_strategies.evolution.MAX_HASHES", 100)
     strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
     play(strategy, 300)
     gc.collect()

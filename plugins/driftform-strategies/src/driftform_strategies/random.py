@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from math import inf
 
-from driftform.interfaces import Strategy
-from driftform.options import Table, option
+from driftform.interfaces import Strategy, Table, option
 from driftform.types import Candidate, Evaluation
 
 
