@@ -15,14 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.console import Console
 
-from driftform.cli.display import (
-    BARS,
-    PAGE,
-    PLAIN_BARS,
-    View,
-    draw_sparkline,
-    progress_line,
-)
+from driftform.cli.display import BARS, PAGE, PLAIN_BARS, View, draw_sparkline, progress_line
 from driftform.runs.status import RunStatus, Throughput
 from driftform.util.progress import format_duration
 

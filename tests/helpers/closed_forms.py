@@ -18,15 +18,7 @@ from driftform.motion.path import evaluate_path, world_velocity
 from driftform.testing import SimulatorContract
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, tumbling_agent
 from driftform.testing.bodies import spheroid_body
-from driftform.testing.simulator import (
-    HEAVY,
-    NEUTRAL,
-    NEUTRAL_MASS,
-    RADIUS,
-    SPHEROID,
-    largest_distance,
-    water_scenario,
-)
+from driftform.testing.simulator import HEAVY, NEUTRAL, NEUTRAL_MASS, RADIUS, SPHEROID, largest_distance, water_scenario
 from driftform.types import Agent, Coefficients, Drag, FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Fluid, Scenario

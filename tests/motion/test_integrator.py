@@ -10,13 +10,7 @@ from scipy.integrate import RK45 as SCIPY_RK45
 from scipy.stats import binom
 
 from driftform.motion.flight import release_state
-from driftform.motion.integrator import (
-    SAFETY_FACTOR,
-    TOLERANCE_RATIO,
-    Accuracy,
-    greatest_distance,
-    integrate,
-)
+from driftform.motion.integrator import SAFETY_FACTOR, TOLERANCE_RATIO, Accuracy, greatest_distance, integrate
 from driftform.motion.model import flight_model
 from driftform.motion.tableaus import DOP853, DOPRI5
 from driftform.study import load_study

@@ -6,10 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.cli.display import (
-    format_throughput,
-    progress_line,
-)
+from driftform.cli.display import format_throughput, progress_line
 from driftform.runs.status import STEPS, RunStatus, TargetStatus, Throughput
 
 Evaluated = tuple[int, int, str, str | None, list[float]]

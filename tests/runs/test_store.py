@@ -15,14 +15,7 @@ from hypothesis import strategies as st
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.runs import compression
-from driftform.runs.compression import (
-    SAMPLE_GAP,
-    compress,
-    compress_evaluation,
-    decode,
-    diagnostics,
-    encode,
-)
+from driftform.runs.compression import SAMPLE_GAP, compress, compress_evaluation, decode, diagnostics, encode
 from driftform.runs.store import Record, Store
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
 from driftform.water.scenario import evaluation_seed

@@ -12,13 +12,7 @@ from hypothesis import strategies as st
 
 from driftform.runs.store import DisturbedResult, Store
 from driftform.search.disturbed import draw_rounds
-from driftform.search.finalists import (
-    choose_finalists,
-    find_best_agent,
-    find_winner,
-    fly_finalists,
-    robust_fitness,
-)
+from driftform.search.finalists import choose_finalists, find_best_agent, find_winner, fly_finalists, robust_fitness
 from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
 from driftform.search.loop import run_search

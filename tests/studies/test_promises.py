@@ -28,13 +28,7 @@ from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
 from driftform.water import Scenario
-from driftform.water.disturbances import (
-    Specimen,
-    disturb_body,
-    disturb_fluid,
-    disturb_scenario,
-    draw_conditions,
-)
+from driftform.water.disturbances import Specimen, disturb_body, disturb_fluid, disturb_scenario, draw_conditions
 from driftform.water.flow import KARMAN
 
 pytestmark = pytest.mark.slow

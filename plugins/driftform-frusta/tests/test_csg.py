@@ -11,15 +11,7 @@ from hypothesis import strategies as st
 from manifold3d import Manifold, OpType
 
 from driftform.errors import WorkFailedError
-from driftform_frusta.csg import (
-    Difference,
-    Intersection,
-    Named,
-    Revolve,
-    Rotate,
-    Translate,
-    Union,
-)
+from driftform_frusta.csg import Difference, Intersection, Named, Revolve, Rotate, Translate, Union
 from driftform_frusta.hull import build_hull
 from driftform_frusta.solid import to_manifold
 from driftform_frusta.triangles import area_factor

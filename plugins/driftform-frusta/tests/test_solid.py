@@ -9,16 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import WorkFailedError
-from driftform_frusta.csg import (
-    Difference,
-    Intersection,
-    Named,
-    Revolve,
-    Rotate,
-    Text,
-    Translate,
-    Union,
-)
+from driftform_frusta.csg import Difference, Intersection, Named, Revolve, Rotate, Text, Translate, Union
 from driftform_frusta.hull import build_hull, hull_volume
 from driftform_frusta.revolution import revolve_profiles
 from driftform_frusta.scad import write_definitions, write_module

@@ -10,16 +10,7 @@ import pytest
 
 from driftform.errors import WorkFailedError
 from driftform_frusta.brep import to_brep, volume_of
-from driftform_frusta.csg import (
-    Difference,
-    Intersection,
-    Named,
-    Revolve,
-    Rotate,
-    Text,
-    Translate,
-    Union,
-)
+from driftform_frusta.csg import Difference, Intersection, Named, Revolve, Rotate, Text, Translate, Union
 from driftform_frusta.exporters.step import StepExporter
 from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions

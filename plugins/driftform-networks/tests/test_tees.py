@@ -18,16 +18,7 @@ from driftform_networks.reading import open_network
 from driftform_networks.routing import TEE
 from driftform_networks.streamtubes import smallest_share
 from driftform_networks.tee_flights import fly_tee
-from driftform_networks.tees import (
-    BRANCH,
-    RATIOS,
-    RUN,
-    SHARES,
-    Tee,
-    find_branches,
-    match_ratio,
-    weigh_shares,
-)
+from driftform_networks.tees import BRANCH, RATIOS, RUN, SHARES, Tee, find_branches, match_ratio, weigh_shares
 
 
 def make_junction(**changes: Any) -> Junction:

@@ -12,13 +12,7 @@ from driftform.options import Table
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
-from driftform_strategies.evolution import (
-    Change,
-    EvolutionOptions,
-    EvolutionStrategy,
-    position_at,
-    smallest_indices,
-)
+from driftform_strategies.evolution import Change, EvolutionOptions, EvolutionStrategy, position_at, smallest_indices
 from driftform_strategies.random import RandomOptions, RandomStrategy
 
 GRAMMAR = LetterGrammar(Table())

@@ -6,15 +6,7 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.layout import resample_polyline, shorten, write
-from driftform.figures.plot import (
-    Window,
-    draw_cross,
-    draw_scene,
-    draw_silhouette,
-    label_points,
-    pipe_ink,
-    pipe_points,
-)
+from driftform.figures.plot import Window, draw_cross, draw_scene, draw_silhouette, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import PLAN, SIDE, drawing_times
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, SCREEN, VERMILLION, Page, tint
 from driftform.motion.approach import Approach

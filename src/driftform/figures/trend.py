@@ -8,15 +8,7 @@ from typing import Any
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import (
-    MARGIN,
-    Box,
-    floor_to_nice_number,
-    format_signed,
-    shorten,
-    start_page,
-    tick_values,
-)
+from driftform.figures.layout import MARGIN, Box, floor_to_nice_number, format_signed, shorten, start_page, tick_values
 from driftform.figures.style import SCREEN, Page
 from driftform.types import FloatArray
 

@@ -8,12 +8,7 @@ import math
 
 import numpy as np
 
-from driftform.motion.drag_coefficients import (
-    crossflow_drag,
-    friction_coefficient,
-    sphere_excess,
-    spin_coefficient,
-)
+from driftform.motion.drag_coefficients import crossflow_drag, friction_coefficient, sphere_excess, spin_coefficient
 from driftform.types import Drag, FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import ZERO, Vector, cross, dot, scale

@@ -17,15 +17,7 @@ import numpy as np
 
 from driftform.motion.buoyancy import buoyancy, half_height, slice_depth, submerged_share
 from driftform.motion.contact import wall_wrench
-from driftform.motion.drag import (
-    axial_drag,
-    creeping_drag,
-    shear_lift,
-    sphere_drag,
-    spin_drag,
-    strip_drag,
-    wake_drag,
-)
+from driftform.motion.drag import axial_drag, creeping_drag, shear_lift, sphere_drag, spin_drag, strip_drag, wake_drag
 from driftform.motion.drag_coefficients import blockage_factor
 from driftform.motion.model import FlightModel
 from driftform.types import FloatArray

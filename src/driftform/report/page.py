@@ -18,14 +18,7 @@ from driftform.motion.limits import list_limits
 from driftform.report.contents import Contents, collect_contents
 from driftform.report.kinds import count_kinds, name_kind
 from driftform.runs.run import Run
-from driftform.runs.wording import (
-    describe_worth,
-    explain_columns,
-    is_promised,
-    list_cells,
-    list_headings,
-    summarise,
-)
+from driftform.runs.wording import describe_worth, explain_columns, is_promised, list_cells, list_headings, summarise
 from driftform.util.files import make_directory, write_text
 from driftform.water.regime import warn_of_regime
 

@@ -17,14 +17,7 @@ from driftform import __version__
 from driftform.agent import mass_properties
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import Grammar, PhenotypeBuilder
-from driftform.runs.columns import (
-    BODY_COLUMNS,
-    FLIGHT_COLUMNS,
-    SAMPLE_COLUMNS,
-    Batch,
-    Column,
-    evaluation_columns,
-)
+from driftform.runs.columns import BODY_COLUMNS, FLIGHT_COLUMNS, SAMPLE_COLUMNS, Batch, Column, evaluation_columns
 from driftform.runs.run import Run
 from driftform.runs.store import Record, Store
 from driftform.runs.table_files import FORMATS, check_format

@@ -18,17 +18,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from driftform.errors import DriftformError, InputError, did_you_mean
-from driftform.interfaces import (
-    SEAMS,
-    Checker,
-    Exporter,
-    Grammar,
-    PrintJob,
-    Recorder,
-    Renderer,
-    SearchSpace,
-    Strategy,
-)
+from driftform.interfaces import SEAMS, Checker, Exporter, Grammar, PrintJob, Recorder, Renderer, SearchSpace, Strategy
 from driftform.options import MAX_SEED, Table, option
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault

@@ -17,13 +17,7 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
 import numpy as np
-from llvmlite.binding import (
-    Linkage,
-    add_symbol,
-    create_pass_builder,
-    create_pipeline_tuning_options,
-    parse_assembly,
-)
+from llvmlite.binding import Linkage, add_symbol, create_pass_builder, create_pipeline_tuning_options, parse_assembly
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.cgutils import pack_array
 from numba.core.codegen import JITCodeLibrary

@@ -16,16 +16,7 @@ from driftform.water.flow import Flow, GridFlow, PipeFlow, friction_velocity, is
 from driftform.water.grid_flow import load_grid
 from driftform.water.layout import BEYOND, Layout, Placed
 from driftform.water.pipe import Pipe
-from driftform.water.pipe_parts import (
-    Bend,
-    Opening,
-    PipePart,
-    Reducer,
-    Straight,
-    Tee,
-    exact_cosine,
-    exact_sine,
-)
+from driftform.water.pipe_parts import Bend, Opening, PipePart, Reducer, Straight, Tee, exact_cosine, exact_sine
 from driftform.water.regime import profile_kind, profile_parameter
 from driftform.water.scenario import Scenario
 from driftform.water.tee_flow import tee_field

@@ -10,16 +10,7 @@ import numpy.typing as npt
 
 from driftform.types import FloatArray
 from driftform.water.part_tables import BendPart, ReducerPart, StraightPart, TeePart, WyePart
-from driftform.water.pipe_parts import (
-    Bend,
-    Opening,
-    PipePart,
-    Reducer,
-    Straight,
-    Tee,
-    roll_axes,
-    upright_axes,
-)
+from driftform.water.pipe_parts import Bend, Opening, PipePart, Reducer, Straight, Tee, roll_axes, upright_axes
 
 OUTLET = "outlet"
 """Name of the only outlet of a pipe without branches, unless it has another."""

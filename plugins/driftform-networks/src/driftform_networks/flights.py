@@ -11,14 +11,7 @@ from driftform.water import Scenario
 from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, find_band, sample_band
 from driftform_networks.cache import keep_result
-from driftform_networks.releasing import (
-    draw_attitude,
-    fly,
-    locate_middle,
-    measure_pace,
-    release,
-    spread_numbers,
-)
+from driftform_networks.releasing import draw_attitude, fly, locate_middle, measure_pace, release, spread_numbers
 
 CELLS = 3
 """Cells of a flight; the transfer from band to band is that through one cell."""
