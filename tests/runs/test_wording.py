@@ -1,6 +1,7 @@
 """What people read of a result is in the words of the fitness in use."""
 
 from driftform.builtin.closest_approach import ClosestApproach
+from driftform.builtin.outlet import OutletFitness
 from driftform.interfaces import Fitness
 from driftform.options import Table
 from driftform.runs.wording import describe_result, describe_worth, list_cells, list_headings, name_verdict, summarise
@@ -98,5 +99,13 @@ def test_a_summary_counts_who_keeps_the_targets():
 
 def test_a_shape_that_is_hardly_better_than_nothing_is_said_to_matter_little():
     results = {"A": result_of(1, 1, 0, (0.3, 0.2, 0.5)), "B": result_of(1, 1, 1, (0.3, 0.28, 0.3))}
-    assert describe_worth(results).startswith("the shape matters little for B:")
-    assert describe_worth({"A": results["A"]}) == ""
+    fitness = ClosestApproach(Table())
+    assert describe_worth(fitness, results).startswith("the shape matters little for B:")
+    assert describe_worth(fitness, {"A": results["A"]}) == ""
+
+
+def test_a_fitness_of_shares_is_compared_by_shares():
+    alike = {"A": result_of(1, 0.88, 0.88, (0.3, 0.2, 0.5)), "B": result_of(1, 1, 0.85, (0.3, 0.3, 0.3))}
+    assert describe_worth(OutletFitness(Table()), alike).startswith(
+        "the shape matters little for A: a body that does nothing does nearly as well"
+    )

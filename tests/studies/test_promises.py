@@ -90,7 +90,11 @@ def executor() -> Iterator[Executor]:
 
 
 def run_and_verify(
-    study: Study, executor: Executor, folder: Path, specimens: Sequence[Specimen] = tuple(Specimen)
+    study: Study,
+    executor: Executor,
+    folder: Path,
+    specimens: Sequence[Specimen] = tuple(Specimen),
+    fresh_flights: int = FRESH,
 ) -> Outcome:
     targets, points = study.scenario.target_names, study.scenario.target_array()
     with Store.create(folder / "run.db", dict(study.document)) as store:
@@ -102,30 +106,30 @@ def run_and_verify(
         flights = store.count() + len(store.list_disturbed()) - checks * len({w.index for w in winners})
     (folder / "run.db").unlink()
     assert len(winners) == len(targets)
-    conditions = draw_conditions(study.scenario.robustness, FRESH, (study.seed, 1000))
+    conditions = draw_conditions(study.scenario.robustness, fresh_flights, (study.seed, 1000))
     fitness, within = study.make_plugin("fitness"), find_within(study.scenario)
     fresh, hits = {}, {}
     for specimen in specimens:
         jobs = [
             Job(
                 number,
-                records[number // FRESH].candidate.genome,
+                records[number // fresh_flights].candidate.genome,
                 None,
-                replace(conditions[number % FRESH], specimen=specimen),
+                replace(conditions[number % fresh_flights], specimen=specimen),
                 (inf,) * len(targets),
             )
-            for number in range(len(targets) * FRESH)
+            for number in range(len(targets) * fresh_flights)
         ]
         misses, hit = np.full(len(jobs), np.nan), np.zeros(len(jobs))
         for arrived in executor.evaluate(jobs):
             for number, evaluation in arrived:
-                target = number // FRESH
+                target = number // fresh_flights
                 misses[number] = np.linalg.norm(find_offsets(evaluation, study.scenario)[target])
                 value = evaluation.fitness[target]
                 hit[number] = fitness.is_hit(value, misses[number], within[target])
-        fresh[specimen] = misses.reshape(len(targets), FRESH)
+        fresh[specimen] = misses.reshape(len(targets), fresh_flights)
         sound = ~np.isnan(fresh[specimen])
-        hits[specimen] = (hit.reshape(len(targets), FRESH) * sound).sum(axis=1) / sound.sum(axis=1)
+        hits[specimen] = (hit.reshape(len(targets), fresh_flights) * sound).sum(axis=1) / sound.sum(axis=1)
     nominal = [
         inf if r.evaluation.trajectory is None else closest_approach(r.evaluation.trajectory, points)[0][n]
         for n, r in enumerate(records)
@@ -260,21 +264,29 @@ def test_the_search_of_tuned_bodies_finds_better_agents_with_as_many_flights(
     assert printed[TUNED] <= 0.85 * printed[EVOLUTION]
 
 
+def run_elsewhere(
+    scenario: str, settings: Sequence[str], folder: Path, fresh_flights: int = FRESH
+) -> tuple[tuple[str, ...], list[Outcome]]:
+    """Return the names of the targets, and a run for each seed."""
+    seeds, runs = range(1, int(os.environ.get("SEEDS", SEEDS)) + 1), []
+    studies = [load_study(scenario, settings, run={"seed": seed}) for seed in seeds]
+    with closing(LocalProcesses(studies[0].document, 2)) as executor:
+        for study in studies:
+            runs.append(run_and_verify(study, executor, folder, MADE, fresh_flights))
+            print(f"{scenario}, seed {study.seed}: {[hits_of(runs[-1:], s)[0] for s in MADE]} hit", flush=True)
+    return studies[0].scenario.target_names, runs
+
+
 def test_flights_keep_what_a_run_promises_in_a_pipe_of_300_millimetres(
     tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
 ) -> None:
-    seeds, runs = range(1, int(os.environ.get("SEEDS", SEEDS)) + 1), []
-    studies = [load_study("pipe-inspection", SMALL, run={"seed": seed}) for seed in seeds]
-    with closing(LocalProcesses(studies[0].document, 2)) as executor:
-        for study in studies:
-            runs.append(run_and_verify(study, executor, tmp_path, MADE))
-            print(f"seed {study.seed}: {[hits_of(runs[-1:], s)[0] for s in MADE]} hit", flush=True)
+    names, runs = run_elsewhere("pipe-inspection", SMALL, tmp_path)
     kept = {s: kept_of(runs, s) for s in MADE}
     lines = [
         "| target | printed: promised | fresh | keep it | weighed: promised | fresh | keep it |",
         "|---|---|---|---|---|---|---|",
     ]
-    for n, name in enumerate(studies[0].scenario.target_names):
+    for n, name in enumerate(names):
         cells = [name]
         for s in MADE:
             promised, fresh = np.median([[o.promised[s][n] for o in runs], reached(runs, s)[:, n]], axis=1)
@@ -285,3 +297,23 @@ def test_flights_keep_what_a_run_promises_in_a_pipe_of_300_millimetres(
     publish("promises in 300 mm", lines)
     for s in MADE:
         assert 0.85 <= kept[s].mean() <= 0.95
+
+
+def test_agents_leave_a_junction_by_the_outlet_that_they_promise(
+    tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
+) -> None:
+    names, runs = run_elsewhere("t-junction", (), tmp_path, FRESH // 2)
+    lines = [
+        "| outlet | printed: promised | fresh | least | weighed: promised | fresh | least |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for n, name in enumerate(names):
+        shares = []
+        for s in MADE:
+            fresh = hits_of(runs, s)[:, n]
+            shares += [np.mean([o.promised_hits[s][n] for o in runs]), fresh.mean(), fresh.min()]
+        lines.append(f"| {name} | {' | '.join(f'{100 * share:.1f} %' for share in shares)} |")
+    lines += ["", f"{len(runs)} seeds."]
+    publish("promises in a junction", lines)
+    for s in MADE:
+        assert (hits_of(runs, s) >= KEPT).all()

@@ -115,6 +115,41 @@ def test_each_target_is_hit_within_few_flights(kind: type[TunedStrategy]) -> Non
         assert (misses.min(axis=0) <= HIT).all()
 
 
+def test_a_body_for_an_outlet_is_tuned_until_it_leaves_there() -> None:
+    outlets = {"riser": (0.0, 0.0, 0.5), "main": (0.9, 0.0, 0.0)}
+    parts = [
+        {"length": 0.6},
+        {
+            "kind": "tee",
+            "branch_radius": 0.05,
+            "share": 0.3,
+            "branch": [{"length": 0.5, "outlet": "riser"}],
+        },
+        {"length": 0.4, "outlet": "main"},
+    ]
+    scenario = Scenario.model_validate(
+        {"pipe": {"parts": parts, "radius": 0.1}, "flow": {"kind": "log_law"}, "targets": {n: n for n in outlets}}
+    )
+    space = replace(search_space(LetterGrammar(Table()), tuple(outlets)), scenario=scenario, builder=Cigars(Table()))
+    strategy = TunedStrategy(TunedOptions(batch=1), space)
+    openings = scenario.target_points()
+    weights: dict[bool, list[float]] = {True: [], False: []}
+    for number in range(60):
+        [candidate] = strategy.ask(1)
+        # What is lighter than water rises into the branch.
+        light = fly(candidate.genome).velocity[0, 2] > 0
+        left = "riser" if light else "main"
+        if number >= 10:
+            weights[candidate.target == left].append(candidate.genome.tuning)
+        path = np.linspace((0.0, 0.0, 0.0), openings[left], 5)
+        turn = np.tile([1.0, 0.0, 0.0, 0.0], (5, 1))
+        flight = Trajectory(np.arange(5.0), path, turn, np.zeros((5, 6)), End.OUTLET)
+        scores = np.array([100.0 if name == left else 50.0 for name in outlets])
+        strategy.tell(number, [Evaluation(candidate.genome, scores, flight)])
+    # Once a body has left there, those that descend from it do, too.
+    assert len(weights[True]) > 2 * len(weights[False])
+
+
 def test_a_body_that_hits_matters_and_a_body_on_its_way_does_not() -> None:
     strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
     for candidate in strategy.ask(10):

@@ -146,7 +146,7 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
         print_text(summarise(fitness, found))
     if results and promised:
         print_text(explain_columns(fitness, scenario.robustness.checks))
-        if worth := describe_worth(found):
+        if worth := describe_worth(fitness, found):
             print_text(worth)
     lost = {name: r["robust"]["failed"] for name, r in found.items() if promised and r["robust"]["failed"]}
     if lost:

@@ -76,7 +76,7 @@ def page_html(contents: Contents) -> str:
         script=scene.read_viewer(),
         data=viewer_data(contents),
         lead=summarise(fitness, results) + ".",
-        worth=describe_worth(results),
+        worth=describe_worth(fitness, results),
         kinds=kinds,
         kinds_in_words=count_kinds(kinds.values()),
         legend=explain_columns(fitness, contents.scenario.robustness.checks),

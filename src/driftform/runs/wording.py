@@ -95,21 +95,30 @@ def describe_worst(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
     return f"{fitness.heading} at worst {fitness.measure(results[worst]['fitness']):.2f} ({worst})"
 
 
-def describe_worth(results: Mapping[str, Result]) -> str:
-    """Return for which targets the shape matters little, and why; an empty text for none."""
-    idle = [
-        name
-        for name, result in results.items()
-        if is_promised(result)
-        and None not in (mine := result["robust"]["weighed"]["p90"], nothing := result["robust"]["baseline"]["p90"])
-        and mine > (1 - WORTH) * nothing
-    ]
+def describe_worth(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
+    """Return for which targets the shape matters little, and why; an empty text for none.
+
+    What is compared is the 90 % miss, or the share of flights that do not hit, by what the fitness promises.
+    """
+    idle = []
+    for name, result in results.items():
+        if is_promised(result):
+            mine, nothing = (_find_loss(fitness, result["robust"][each]) for each in ("weighed", "baseline"))
+            if None not in (mine, nothing) and mine >= (1 - WORTH) * nothing:
+                idle.append(name)
     if not idle:
         return ""
+    does = "does nearly as well" if fitness.share else "keeps nearly the same 90 % miss"
     return (
-        f"the shape matters little for {', '.join(idle)}: a body that does nothing keeps nearly the same 90 % miss, because the "
+        f"the shape matters little for {', '.join(idle)}: a body that does nothing {does}, because the "
         "water carries it there, and gusts decide the rest"
     )
+
+
+def _find_loss(fitness: Fitness[Any], promise: Mapping[str, Any]) -> Any:
+    if not fitness.share:
+        return promise["p90"]
+    return None if promise["hit"] is None else 1 - promise["hit"]
 
 
 def explain_columns(fitness: Fitness[Any], flights: int) -> str:

@@ -113,7 +113,7 @@ class TunedStrategy(Strategy[TunedOptions]):
     """Evolution of shapes: each body is tuned until it hits its target, and then judged by its flights in disturbed water.
 
     The tuning, such as the mass of ballast, is found by a secant on the height at which the body passes the target, with
-    3 to 6 flights. Bodies that hit race against each other: under few disturbed conditions all of them, under many only
+    3 to 6 flights; for an outlet it is drawn until the body leaves there. Bodies that hit race against each other: under few disturbed conditions all of them, under many only
     the best. New shapes are those of the best bodies with one symbol changed, mixtures of two of them, shapes that are
     good for another target, and random ones. No body flies twice.
     """
@@ -140,6 +140,9 @@ class TunedStrategy(Strategy[TunedOptions]):
         # How far below the release each target is: in a straight pipe, by how much a neutral body passes above it.
         straight = space.scenario.pipe.straight is not None
         self._drops = release[2] - points[:, 2] if straight else np.zeros(len(points))
+        # An outlet is hit by leaving there, however far from its centre.
+        wanted = map(space.scenario.targets.get, space.targets)
+        self._outlets = [target if isinstance(target, str) else None for target in wanted]
         self._bars = 100 * (1 - HIT / way.farthest_distances(space.scenario)) if space.targets else np.zeros(0)
 
     def ask(self, limit: int) -> list[Candidate]:
@@ -168,9 +171,14 @@ class TunedStrategy(Strategy[TunedOptions]):
         from driftform.motion import way
 
         shape, root = job.shape, job.shape.find_root(job.tuning)
-        offsets = way.find_offsets(evaluation, self.space.scenario)
+        offsets, outlet = way.find_offsets(evaluation, self.space.scenario), self._outlets[job.target]
         shape.points.append((root, offsets[:, 2]))
-        if np.linalg.norm(offsets[job.target]) <= HIT:
+        if outlet is None:
+            hits = np.linalg.norm(offsets[job.target]) <= HIT
+        else:
+            flight = evaluation.trajectory
+            hits = flight is not None and way.name_outlet(flight, self.space.scenario) == outlet
+        if hits:
             elites = self._elites[job.target]
             elites.append(_Elite(float(evaluation.fitness[job.target]), index, shape, root))
             elites.sort(key=lambda elite: -elite.fitness)
@@ -182,6 +190,8 @@ class TunedStrategy(Strategy[TunedOptions]):
 
     def _find_tuning(self, shape: Shape, target: int) -> float | None:
         """Return the tuning of the next flight of a shape for a target; ``None`` if it cannot come nearer."""
+        if self._outlets[target] is not None:
+            return self._draw_tuning(shape)
         points = [(root, float(heights[target])) for root, heights in shape.points]
         response = -self._guess_response(shape, target)
         if len(points) == 1 and points[0][0]:
@@ -195,12 +205,19 @@ class TunedStrategy(Strategy[TunedOptions]):
         tuning = shape.tune(found)
         return None if any(shape.tune(root) == tuning for root, _ in points) else tuning
 
+    def _draw_tuning(self, shape: Shape) -> float:
+        """Return a random tuning: the outlet that a body takes does not follow from where another passed."""
+        light, heavy = map(shape.find_root, shape.bounds)
+        return shape.tune(float(self.space.rng.uniform(light, heavy)))
+
     def _guess_root(self, shape: Shape, target: int) -> float:
         """Return the root of the net weight with which a body should hit, by its size alone, kg^1/2."""
         return float(self._drops[target]) / self._guess_response(shape, target)
 
     def _may_hit(self, shape: Shape, target: int) -> bool:
         """Return whether a shape can be made as light or as heavy as it should have to be."""
+        if self._outlets[target] is not None:
+            return True
         root = self._guess_root(shape, target)
         return abs(shape.find_root(shape.tune(root)) - root) < 1e-6
 
@@ -232,6 +249,8 @@ class TunedStrategy(Strategy[TunedOptions]):
         tuning = self._find_tuning(shape, target) if shape.points else None
         if tuning is None and elite is not None and not shape.points:
             tuning = shape.tune(elite.root * sqrt(shape.size / elite.shape.size))
+        if tuning is None and self._outlets[target] is not None:
+            tuning = self._draw_tuning(shape)
         if tuning is None:
             tuning = shape.tune(self._guess_root(shape, target))
         return Job(shape, target, tuning, () if elite is None else (elite.index,))
