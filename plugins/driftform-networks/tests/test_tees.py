@@ -1,6 +1,9 @@
 """Which junctions are flown through, by which tees, and that their tables say what flights do."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from runpy import run_path
 from typing import Any
 
 import numpy as np
@@ -12,13 +15,31 @@ from driftform_networks.api import route
 from driftform_networks.bodies import open_traveller
 from driftform_networks.bore import BANDS, BOTTOM, MIRROR, RIGHT, TOP, find_band, spread_points
 from driftform_networks.dividing import divide_bodies
+from driftform_networks.flights import StraightFlights
 from driftform_networks.junctions import Junction
 from driftform_networks.passage import count_passings
 from driftform_networks.reading import open_network
-from driftform_networks.routing import TEE
+from driftform_networks.routing import JOINT, TEE
+from driftform_networks.snapshot import take_snapshot
 from driftform_networks.streamtubes import smallest_share
-from driftform_networks.tee_flights import fly_tee
-from driftform_networks.tees import BRANCH, RATIOS, RUN, SHARES, Tee, find_branches, match_ratio, weigh_shares
+from driftform_networks.tee_flights import TeeFlights, TeeTask, fly_tee
+from driftform_networks.tees import (
+    BRANCH,
+    RATIOS,
+    RUN,
+    SHARES,
+    Tee,
+    find_branches,
+    find_joint,
+    match_ratio,
+    weigh_shares,
+)
+from driftform_networks.travelling import Travel, Traveling
+
+FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]
+
+CALM = ("flow.kind=log_law",)
+"""Without gusts."""
 
 
 def make_junction(**changes: Any) -> Junction:
@@ -50,7 +71,7 @@ def test_nothing_enters_an_outlet_below_the_smallest_share_of_streamtubes(size: 
     assert weigh_shares(1 - share, size) == [(1.0, 1.0)]
 
 
-@given(ratio=st.floats(0.35, 1.0), size=st.floats(0.01, 0.9), angle=st.sampled_from(sorted(RATIOS)))
+@given(ratio=st.floats(0.2, 1.0), size=st.floats(0.01, 0.9), angle=st.sampled_from(sorted(RATIOS)))
 def test_a_body_that_fits_into_a_branch_fits_into_the_one_that_stands_for_it(
     ratio: float, size: float, angle: float
 ) -> None:
@@ -67,6 +88,14 @@ def test_the_flow_in_every_tee_that_stands_for_others_comes_with_driftform(angle
         assert (PACKAGED / file_name(shape)).is_file()
 
 
+CROSS = {
+    "bores": np.array([0.2, 0.3, 0.15]),
+    "shares": np.array([0.2, 0.5, 0.3]),
+    "directions": np.array([[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]]),
+    "turns": np.array([1.5, 0.0, 1.5]),
+}
+
+
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
@@ -77,12 +106,8 @@ def test_the_flow_in_every_tee_that_stands_for_others_comes_with_driftform(angle
         ({"turns": np.array([0.0, np.deg2rad(150)])}, "steep branch"),
         ({"directions": np.array([[1.0, 0.0], [-1.0, 0.0]])}, "no straight run"),
         (
-            {
-                "bores": np.full(3, 0.3),
-                "directions": np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0]]),
-                "turns": np.array([0.0, 1.5, 1.5]),
-            },
-            "cross",
+            {name: np.concatenate([part, part[:1]]) for name, part in CROSS.items()},
+            "more branches",
         ),
     ],
 )
@@ -93,10 +118,110 @@ def test_streamtubes_divide_what_is_no_tee_of_the_core_and_the_reason_is_named(
     assert find_branches(make_junction(**changes)) == ([], reason)
 
 
-def test_junctions_are_counted_once_for_all_members_and_flights_come_first() -> None:
-    one, two = {1: TEE, 2: "join", 3: "join"}, {1: "join", 2: TEE}
+def test_a_cross_is_two_tees_in_a_row_the_larger_branch_first(tmp_path: Any) -> None:
+    """Of all bodies the first takes 0.4, mirrored to the left, and of the others the second 0.5."""
+    cross, sphere = make_junction(**CROSS), open_traveller("sphere:60mm")
+    assert find_branches(cross) == ([2, 0], "")
+    traveling = Traveling(sphere, Travel(), tmp_path)
+    first, second = (TeeTask(sphere, tmp_path, Tee(0.3, 0.5, 0.5, 90.0, 90.0, share), None) for share in (0.3, 0.5))
+    onward = {name: np.zeros((BANDS, 2, BANDS)) for name in (0.3, 0.5)}
+    onward[0.3][:, BRANCH, RIGHT], onward[0.3][:, RUN, TOP] = 0.4, 0.5
+    onward[0.5][:, BRANCH, BOTTOM], onward[0.5][:, RUN, RIGHT] = 0.5, 0.25
+    traveling._read_tee = lambda task: TeeFlights(onward[task.tee.share], 0.0)  # type: ignore[assignment]
+    found = traveling._fly_on(cross, [(2, [(first, 1.0)]), (0, [(second, 1.0)])])
+    assert found is not None
+    assert found[0].sum(axis=1) == pytest.approx([0.5 * 0.5, 0.5 * 0.25, 0.4])
+    left = MIRROR[RIGHT]
+    assert (found[0, 2, left], found[0, 0, BOTTOM], found[0, 1, RIGHT]) == pytest.approx((0.4, 0.25, 0.125))
+
+
+@pytest.mark.long
+def test_a_narrow_sphere_divides_at_a_cross_like_its_water(fork_file: Any, tmp_path: Any) -> None:
+    """Within the standard error of 105 flights through each tee, and what its size shifts."""
+    cross, path = FORK, tmp_path / "cross.inp"
+    lines = {
+        "[RESERVOIRS]": " left 10 15",
+        "[OPTIONS]": " other fork left 200 300 100 0 Open",
+        "[END]": " left 200 100",
+    }
+    for section, line in lines.items():
+        cross = cross.replace(section, f"{line}\n{section}")
+    path.write_text(cross)
+    network = open_network(path, tmp_path)
+    passage = route(network, "sphere:32mm", "source", cache=tmp_path)
+    assert passage.passings == {network.find_node("fork"): TEE}
+    shares = [passage.probability[network.find_node(name)] for name in ("ahead", "branch", "left")]
+    assert sum(shares) > 0.97
+    assert shares == pytest.approx([20 / 45, 10 / 45, 15 / 45], abs=0.07)
+
+
+def test_two_pipes_that_meet_are_a_bend_and_a_reducer_or_neither() -> None:
+    def meet(bore: float, turn: float, **changes: Any) -> Junction:
+        one = {"bores": np.array([bore]), "shares": np.ones(1), "turns": np.deg2rad([turn])}
+        return make_junction(**one | {"directions": np.array([[1.0, 0.0]])} | changes)
+
+    assert find_joint(meet(0.3, 5.0), 0.1) == (0.0, 1.0)
+    assert find_joint(meet(0.2, 50.0), 0.1) == (45.0, 0.7)
+    assert find_joint(meet(0.5, 0.0), 0.1) == (0.0, 1.4)
+    # It fits into 170 mm, but not into half of 300 mm.
+    assert find_joint(meet(0.17, 0.0), 0.1) == (0.0, 0.5)
+    assert find_joint(meet(0.17, 0.0), 0.52) == (0.0, 0.7)
+    assert find_joint(meet(0.2, 50.0, inlets=2), 0.1) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_bends_within_a_link_move_bodies_between_its_runs(reverse: bool, fork_file: Any, tmp_path: Any) -> None:
+    """A right angle to the left after a third of the way, and half of one to the right after two thirds; or backwards."""
+    network = open_network(fork_file, tmp_path)
+    places, points = network.places.copy(), np.array([[100.0, 0.0], [100.0, 100.0]])
+    places[network.find_node("source")], places[network.find_node("fork")] = (0.0, 0.0), (170.71, 170.71)
+    length = np.array([300.0, *np.linalg.norm(places[[1, 2]] - places[0], axis=1)])
+    flow = network.hydraulics.flow * (-1 if reverse else 1)
+    bent = replace(
+        network,
+        places=places,
+        length=length,
+        vertices=(points, *network.vertices[1:]),
+        hydraulics=replace(network.hydraulics, flow=flow),
+    )
+    heavy = open_traveller("sphere:60mm", buoyancy=-0.1)
+    traveling, snapshot = Traveling(heavy, Travel(), tmp_path), take_snapshot(bent)
+    [link] = np.flatnonzero(snapshot.links == 0).tolist()
+    bends = traveling._list_bends(snapshot, link)
+    expected = [(1 / 3, 90.0, True), (2 / 3, 45.0, False)]
+    # Who comes from the other end meets them in the other order, and turns to the other side.
+    expected = [(1 - place, angle, not left) for place, angle, left in expected[::-1]] if reverse else expected
+    found = [(place, task.tee.angle_deg, left) for place, task, left in bends]
+    assert np.array(found) == pytest.approx(np.array(expected), abs=1e-4)
+    shift = np.roll(np.eye(BANDS), 1, axis=1)
+    onward = np.zeros((BANDS, 2, BANDS))
+    onward[:, RUN] = shift
+    traveling._read_tee = lambda task: TeeFlights(onward, 0.0)  # type: ignore[assignment]
+    cell = np.roll(0.9 * np.eye(BANDS), 3, axis=1)
+    flights = StraightFlights(10.0, cell, np.full(BANDS, 1.5), np.zeros((0, 13)))
+    table = traveling._run_along(flights, 3, bends, bends[0][1].straight)
+    # Either way, the first bend leads to the left.
+    assert table.transfer == pytest.approx(cell @ shift[MIRROR][:, MIRROR] @ cell @ shift @ cell)
+    assert table.slowness == pytest.approx(1.5 * (1 + 0.9 + 0.81) / 3)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("turn", "ratio"), [(90.0, 1.0), (22.5, 1.4), (0.0, 0.5)])
+def test_small_neutral_bodies_keep_their_band_in_bends_and_reducers(turn: float, ratio: float) -> None:
+    """The streamlines of the ideal flow in a bend are concentric, and those of a reducer scale with its bore."""
+    states = np.zeros((BANDS, 13))
+    for band in range(BANDS):
+        clock, away = (band - 1) * np.pi / 4, 0.6 * (band > 0)
+        states[band] = [band, away * np.sin(clock), away * np.cos(clock), 1, 0, 0, 0, 0.5, 0, 0, 0, 0, 0]
+    found = fly_tee(open_traveller("sphere:4mm", None, CALM), Tee(0.2, 0.5, ratio, turn, 90.0, None), states)
+    assert found.failed == 0
+    assert found.onward[:, RUN] == pytest.approx(np.eye(BANDS))
+
+
+def test_fittings_are_counted_once_for_all_members_and_flights_come_first() -> None:
+    one, two = {1: TEE, 2: "join", 3: "join"}, {1: "join", 2: TEE, 4: JOINT}
     assert count_passings([one, two]) == {
-        "flown": 2,
+        "flown": {TEE: 2, JOINT: 1},
         "streamtubes": {"join": 1},
     }
 
@@ -119,7 +244,7 @@ def test_what_is_not_carried_on_from_a_tee_is_held_there() -> None:
 
 def test_a_neutral_sphere_enters_a_branch_alike_on_every_side() -> None:
     """A sphere beside the branch enters it, and keeps its band as seen in the branch; one on the opposite side stays in the run."""
-    sphere, entered = open_traveller("sphere:20mm"), []
+    sphere, entered = open_traveller("sphere:20mm", None, CALM), []
     for clock, side in ((0.0, TOP), (90.0, RIGHT), (180.0, BOTTOM)):
         other = (side + 3) % 8 + 1
         states = np.zeros((2, 13))
@@ -145,4 +270,4 @@ def test_a_wide_sphere_sees_less_of_a_slow_branch_than_water(
     assert wide.probability[branch] < narrow.probability[branch] - 0.02
     assert sum(end.probability for end in wide.ends) == pytest.approx(1)
     result = call("route", fork_file, "sphere:80mm", "--release", "source", "--cache", tmp_path)
-    assert "flown through 1 junctions; streamtubes divide bodies at 0" in result.stdout
+    assert "flown through 1 tees and crosses; streamtubes divide bodies at 0" in result.stdout

@@ -29,7 +29,10 @@ PACKAGED = Path(__file__).parent / "tees"
 SOLVERS = "driftform.tees"
 """Group of entry points for functions that solve the flow in a tee: a :class:`Junction` to :class:`TeePotentials`."""
 
-JUNCTIONS = tuple(Junction(branch, math.radians(angle), 0.2 * branch) for branch in (0.5, 1.0) for angle in (60, 90))
+JUNCTIONS = tuple(
+    Junction(branch, math.radians(angle), round(0.2 * branch, 9))
+    for branch, angle in ((0.5, 60), (0.5, 90), (1.0, 60), (1.0, 90), (0.25, 90), (0.7, 90))
+)
 """The shapes in the package."""
 
 STEP = 5e-7

@@ -7,10 +7,10 @@ from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, MIXED
 from driftform_networks.fits import find_obstacle
 from driftform_networks.junctions import Junction
-from driftform_networks.routing import RoutingTable
+from driftform_networks.routing import JOINT, TEE, RoutingTable
 from driftform_networks.streamtubes import divide_bore, divide_mixed
 
-_HELD = "held in a tee, where the flow divides"
+_HELD = {TEE: "held in a tee, where the flow divides", JOINT: "held in a bend or reducer"}
 
 
 def divide_bodies(
@@ -50,7 +50,7 @@ def divide_bodies(
     if onward is None:
         share = _choose(traveller, junction, points)
     else:
-        share, obstacle = onward.sum(axis=2), obstacle or _HELD
+        share, obstacle = onward.sum(axis=2), obstacle or _HELD.get(passing, "")
         arrival = np.where(share[:, :, None] > 0, onward / np.maximum(share, 1e-300)[:, :, None], arrival)
     return RoutingTable(share * (1 - leaves) * passes, arrival, np.full(BANDS, leaves), obstacle, passing)
 

@@ -32,7 +32,7 @@ class Junction:
         shares: share of each outlet in the water that leaves the node through links, (outlets,).
         exit: share of the demand in all water that leaves the node.
         directions: side where each outlet leaves: unit vectors to the right and upward as seen downstream; zero for
-            straight ahead, (outlets, 2).
+            straight ahead, (outlets, 2). A single outlet leaves in the plane of the map.
         turns: angle between the link and each outlet, rad, (outlets,).
         stores: whether the node is a tank or a reservoir.
         inlets: number of links whose water comes in.
@@ -48,10 +48,18 @@ class Junction:
     inlets: int
 
 
-def find_bends(network: Network, link: int) -> FloatArray:
-    """Return the angles by which a link turns at its vertices, rad; none if the map is not to scale."""
-    course = np.zeros((0, 2)) if network.scale is None else network.course(link)
-    return np.asarray(np.arccos(np.clip((course[:-1] * course[1:]).sum(axis=1), -1, 1)))
+def find_bends(network: Network, link: int) -> tuple[FloatArray, FloatArray]:
+    """Return how a link turns at its vertices on the way from its start, and where; nothing if the map is not to scale.
+
+    Returns:
+        turns, places: angles, rad, positive to the right; and the share of the length before each, (bends,) each.
+    """
+    if network.scale is None or not len(network.vertices[link]):
+        return np.zeros(0), np.zeros(0)
+    steps = np.diff(network.polyline(link), axis=0)
+    length = np.linalg.norm(steps, axis=1)
+    (x, z), (u, v) = network.course(link)[:-1].T, network.course(link)[1:].T
+    return np.arctan2(z * u - x * v, x * u + z * v), np.cumsum(length[length > 0])[:-1] / length.sum()
 
 
 def describe_junction(snapshot: Snapshot, link: int, branch: str) -> Junction:
@@ -69,6 +77,8 @@ def describe_junction(snapshot: Snapshot, link: int, branch: str) -> Junction:
         turns, sides = _guess_turns(bores, flow)
     else:
         turns, sides = _read_turns(snapshot, link, outlets)
+    if len(outlets) == 1:
+        clock = np.pi / 2
     return Junction(
         float(network.diameter[snapshot.links[link]]),
         bores,
@@ -89,7 +99,7 @@ def _read_turns(snapshot: Snapshot, link: int, outlets: IntArray) -> tuple[Float
     # On the map, the right is clockwise.
     sides = np.where(along[0] * away[:, 1] - along[1] * away[:, 0] > 0, -1.0, 1.0)
     straightest = int(np.argmin(turns))
-    if len(outlets) == 1 or turns[straightest] <= np.deg2rad(AHEAD_DEG):
+    if len(outlets) > 1 and turns[straightest] <= np.deg2rad(AHEAD_DEG):
         sides[straightest] = 0
     return turns, sides
 

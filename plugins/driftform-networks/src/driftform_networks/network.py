@@ -163,11 +163,17 @@ class Network:
         """Return the line of a link as text that programs for maps read."""
         return f"LINESTRING ({', '.join(f'{x:.12g} {y:.12g}' for x, y in self.polyline(link))})"
 
+    @cached_property
+    def _courses(self) -> dict[int, FloatArray]:
+        return {}
+
     def course(self, link: int) -> FloatArray:
         """Return the unit vectors on the map along the parts of a link, from its start to its end, (parts, 2)."""
-        steps = np.diff(self.polyline(link), axis=0)
-        length = np.linalg.norm(steps, axis=1)
-        return np.asarray(steps[length > 0] / length[length > 0, None])
+        if link not in self._courses:
+            steps = np.diff(self.polyline(link), axis=0)
+            length = np.linalg.norm(steps, axis=1)
+            self._courses[link] = steps[length > 0] / length[length > 0, None]
+        return self._courses[link]
 
 
 def _suggest(name: str, known: Sequence[str], most: int = 12) -> str:

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from driftform.types import FloatArray
 from driftform_networks.network import BoolArray, Network
-from driftform_networks.routing import TEE, Routing
+from driftform_networks.routing import JOINT, TEE, Routing
 from driftform_networks.snapshot import STILL
 
 QUANTILES = (0.05, 0.5, 0.95)
@@ -57,8 +57,8 @@ class Passage:
             arrives, empty if no walks were made.
         unsteady: whether the flows changed on the way.
         gates: valves and the like that it passes: name of the link, what it is, and the probability of passing it.
-        passings: how it passes the junctions on its ways, by node: :data:`~driftform_networks.routing.TEE` where it was
-            flown, else why streamtubes divide it.
+        passings: how it passes the fittings on its ways, by node: :data:`~driftform_networks.routing.TEE` or ``JOINT``
+            where it was flown, else why streamtubes divide it.
         branches: the passages where branches leave the pipes at each side; empty if they were not asked for.
     """
 
@@ -221,23 +221,24 @@ def find_reachable(network: Network, release: int, steps: Sequence[int]) -> Bool
 
 
 def find_passings(routings: Iterable[Routing], probability: FloatArray) -> dict[int, str]:
-    """Return how bodies pass the junctions that they come to, by node; flights from one link count for its node."""
+    """Return how bodies pass the fittings that they come to, by node; flights from one link count for its node."""
     found: dict[int, str] = {}
     for routing in routings:
         snapshot = routing.snapshot
         for node, table in zip(snapshot.head.tolist(), routing.tables, strict=True):
-            if table.passing and probability[node] > LEAST and found.get(node) != TEE:
+            if table.passing and probability[node] > LEAST and found.get(node) not in (TEE, JOINT):
                 found[node] = table.passing
     return found
 
 
 def count_passings(passings: Iterable[Mapping[int, str]]) -> dict[str, Any]:
-    """Return how many junctions bodies are flown through, and why streamtubes divide them at how many others."""
+    """Return how many fittings bodies are flown through, by kind, and why streamtubes divide them at how many others."""
     merged: dict[int, str] = {}
     for one in passings:
-        merged |= {node: how for node, how in one.items() if merged.get(node) != TEE}
+        merged |= {node: how for node, how in one.items() if merged.get(node) not in (TEE, JOINT)}
     counts = Counter(merged.values())
-    return {"flown": counts.pop(TEE, 0), "streamtubes": dict(counts.most_common())}
+    flown = {kind: counts.pop(kind, 0) for kind in (TEE, JOINT)}
+    return {"flown": flown, "streamtubes": dict(counts.most_common())}
 
 
 def leave(network: Network, node: int, probability: float) -> Ending:

@@ -247,9 +247,8 @@ def word_passings(passings: Iterable[Mapping[int, str]]) -> str:
     counts = count_passings(passings)
     reasons = ", ".join(f"{reason} {count}" for reason, count in counts["streamtubes"].items())
     total = sum(counts["streamtubes"].values())
-    return (
-        f"flown through {counts['flown']} junctions; streamtubes divide bodies at {total}{reasons and f': {reasons}'}"
-    )
+    flown = " and ".join(f"{count} {kind}" for kind, count in counts["flown"].items() if count)
+    return f"flown through {flown or 'no fittings'}; streamtubes divide bodies at {total}{reasons and f': {reasons}'}"
 
 
 def _table_nodes(passage: Passage) -> list[str | TextTable]:

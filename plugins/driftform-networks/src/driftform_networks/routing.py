@@ -9,7 +9,7 @@ from driftform.types import FloatArray
 from driftform_networks.network import IntArray
 from driftform_networks.snapshot import Snapshot
 
-TEE = "a tee"
+TEE, JOINT = "tees and crosses", "bends and reducers"
 """What bodies are flown through."""
 
 
@@ -24,8 +24,8 @@ class RoutingTable:
         arrival: probability of each band in which it enters an outlet, (bands, outlets, bands).
         leaves: probability that it leaves the pipes with the demand, (bands,).
         obstacle: what holds bodies there, in a few words.
-        passing: how bodies pass it: :data:`TEE` where they were flown, why streamtubes divide them in a few words, or
-            empty where nothing divides them.
+        passing: how bodies pass it: :data:`TEE` or :data:`JOINT` where they were flown, why streamtubes divide them in
+            a few words, or empty where nothing divides or turns them.
     """
 
     choice: FloatArray

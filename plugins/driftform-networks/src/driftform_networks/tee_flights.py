@@ -1,4 +1,4 @@
-"""Flights of a body through a tee, and what they say about its way: the outlet, the band there, and where it is held."""
+"""Flights of a body through a fitting, and what they say about its way: the outlet, the band there, and where it is held."""
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -32,6 +32,9 @@ from the profile of a long pipe to the flow of the tee."""
 
 _STUB = 0.5
 """Length of the straights behind the tee, in bores of the main."""
+
+_BEND = 1.5
+"""Radius of a bend, in bores: that of long-radius elbows (ASME B16.9)."""
 
 _SETTLED = 2.0
 """Distance from the end of a leg of the tee, in its radii, from which on a body is in that outlet: beyond the rounded edge."""
@@ -94,7 +97,10 @@ def fly_tee(traveller: Traveller, tee: Tee, states: FloatArray | None, slope: fl
     """
     document, along = describe_pipe(traveller, tee), _START * tee.bore
     starts = _spread(traveller, tee) if states is None else _continue(traveller, tee, states, slope)
-    releases = [(band, release(traveller, document, along, *start)) for band, *start in starts]
+    releases = []
+    for seed, (band, *start) in enumerate(starts):
+        document["gusts"]["seed"] = seed
+        releases.append((band, release(traveller, document, along, *start)))
     bands = [band for band, scenario in releases if scenario is not None]
     scenarios = [scenario for _, scenario in releases if scenario is not None]
     if not scenarios:
@@ -116,12 +122,17 @@ def fly_tee(traveller: Traveller, tee: Tee, states: FloatArray | None, slope: fl
 
 
 def describe_pipe(traveller: Traveller, tee: Tee) -> dict[str, Any]:
-    """Return the scenario of a tee without a release: a level main, in the mean flow of developed turbulence."""
+    """Return the scenario of a fitting without a release: a level main, with the flow and the friction of straight pipes."""
     radius, stub = tee.bore / 2, _STUB * tee.bore
-    document = traveller.scenario.model_dump(include={"fluid", "contact", "flow"})
-    flow = document["flow"] | {"speed": tee.speed}
-    if flow["kind"] == "turbulent":
-        flow = {"kind": "log_law", "speed": tee.speed, "roughness": flow["roughness"]}
+    document = traveller.scenario.model_dump(include={"fluid", "contact", "flow", "gusts"})
+    document["flow"] |= {"speed": tee.speed}
+    document["flight"] = {"horizon": HORIZON_BORES * tee.bore / tee.speed}
+    lead, end = {"length": _LEAD * tee.bore}, {"length": stub, "outlet": "run"}
+    if tee.share is None:
+        bend = {"kind": "bend", "angle_deg": tee.angle_deg, "radius": _BEND * tee.bore, "roll_deg": tee.clock_deg}
+        reducer = {"kind": "reducer", "length": max(1, tee.ratio) * tee.bore, "radius": tee.ratio * radius}
+        turned = [*[bend] * (tee.angle_deg > 0), *[reducer] * (tee.ratio != 1)]
+        return document | {"pipe": {"radius": radius, "parts": [lead, *turned, end]}}
     junction = {
         "kind": "tee" if tee.angle_deg == 90 else "wye",
         "branch_radius": tee.ratio * radius,
@@ -131,16 +142,7 @@ def describe_pipe(traveller: Traveller, tee: Tee) -> dict[str, Any]:
     }
     if junction["kind"] == "wye":
         junction["angle_deg"] = tee.angle_deg
-    return document | {
-        "flow": flow,
-        # The pressure of ideal flow presses bodies onto edges where real water separates: friction would hold them there.
-        "contact": document["contact"] | {"friction": 0.0},
-        "pipe": {
-            "radius": radius,
-            "parts": [{"length": _LEAD * tee.bore}, junction, {"length": stub, "outlet": "run"}],
-        },
-        "flight": {"horizon": HORIZON_BORES * tee.bore / tee.speed},
-    }
+    return document | {"pipe": {"radius": radius, "parts": [lead, junction, end]}}
 
 
 def _spread(traveller: Traveller, tee: Tee) -> Iterator[tuple[Any, ...]]:
@@ -189,10 +191,12 @@ def _find_end(traveller: Traveller, tee: Tee, scenario: Scenario, flight: Trajec
     # A branch is seen as if it left at the right: what rolls it there turns its upward direction too.
     rolled = np.cos(clock) * left + np.sin(clock) * up
     for outlet, name, upward in ((RUN, "run", up), (BRANCH, "branch", rolled)):
+        if name not in openings:
+            continue
         opening = openings[name]
         beyond, downstream = middle - opening.centre, opening.axes[0]
         place = np.array([beyond @ np.cross(downstream, upward), beyond @ upward]) / opening.radius
-        settled = beyond @ downstream > -(_STUB * tee.bore + _SETTLED * opening.radius)
+        settled = beyond @ downstream > -(_STUB * tee.bore + _SETTLED * opening.radius * (tee.share is not None))
         if settled and np.linalg.norm(place) <= 1:
             room = max(1 - traveller.agent.body.max_diameter / (2 * opening.radius), 1e-3)
             return outlet, int(find_band(place[None], room)[0])

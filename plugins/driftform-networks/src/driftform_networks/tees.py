@@ -1,4 +1,4 @@
-"""Junctions that bodies are flown through: tees and wyes, and the few of them that stand for all."""
+"""Fittings that bodies are flown through: tees, wyes, crosses, bends and reducers, and the few of them that stand for all."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,17 +10,26 @@ from driftform_networks.bore import BANDS
 from driftform_networks.junctions import Junction
 from driftform_networks.streamtubes import smallest_share
 
-RATIOS = {60.0: (0.5, 1.0), 90.0: (0.5, 1.0), 120.0: (0.5, 1.0)}
+RATIOS = {60.0: (0.5, 1.0), 90.0: (0.25, 0.5, 0.7, 1.0), 120.0: (0.5, 1.0)}
 """Angles between the branch and the run, degrees, and the bores of the branch over that of the main whose flow is stored.
 
-A junction takes the nearest angle, and the nearest bore by factor.
+A junction takes the nearest angle, and the nearest bore by factor; one with a narrow branch that of 90 degrees.
 """
 
-NARROWEST = 0.35
-"""Least such ratio of a junction that is flown."""
+NARROW_BRANCH = 0.35
+"""Such a ratio below which a branch is narrow: between the two narrowest that are stored."""
+
+NARROWEST = 0.2
+"""Least such ratio of a junction that is flown: that of the narrowest branch whose flow driftform solves."""
 
 WIDEST_DEG = 45.0
 """Deviation of a branch from a right angle up to which it is flown, degrees."""
+
+BENDS_DEG = (0.0, 22.5, 45.0, 90.0)
+"""Turns of bends where two pipes meet, degrees; a turn takes the nearest."""
+
+REDUCTIONS = (0.5, 0.7, 1.0, 1.4, 2.0)
+"""Bore behind a reducer over that before it; a change takes the nearest by factor."""
 
 RUN, BRANCH = range(2)
 """Outlets of a tee."""
@@ -37,15 +46,15 @@ NARROW = 0.1
 
 @dataclass(frozen=True)
 class Tee:
-    """A tee or wye of these ladders.
+    """A tee or wye of these ladders; or a bend and a reducer, which have no branch.
 
     Attributes:
         bore: of the main, m.
         speed: mean speed in the main, m/s.
-        ratio: bore of the branch over that of the main.
-        angle_deg: between the branch and the run.
-        clock_deg: side where the branch leaves, as on a clock seen downstream: 0 at the top, 90 on the right.
-        share: share of the water that the branch takes.
+        ratio: bore of the branch, or behind the reducer, over that of the main.
+        angle_deg: between the branch and the run, or of the bend.
+        clock_deg: side where branch or bend lead, as on a clock seen downstream: 0 at the top, 90 on the right.
+        share: share of the water that the branch takes; ``None`` for a bend and a reducer.
     """
 
     bore: float
@@ -53,11 +62,11 @@ class Tee:
     ratio: float
     angle_deg: float
     clock_deg: float
-    share: float
+    share: float | None
 
 
 def find_branches(junction: Junction) -> tuple[list[int], str]:
-    """Return the outlets that are branches of a tee or wye which can be flown through.
+    """Return the outlets that are branches of a tee, a wye or a cross which can be flown through, the largest share first.
 
     Without them, a few words say why streamtubes divide its bodies.
     """
@@ -68,7 +77,7 @@ def find_branches(junction: Junction) -> tuple[list[int], str]:
     reasons = (
         (junction.inlets != 1, "join"),
         (not junction.bore, "no bore upstream"),
-        (len(junction.bores) > 2, "cross"),
+        (len(junction.bores) > 3, "more branches"),
         ((~sideways).sum() != 1, "no straight run"),
         ((ratios > 1 + 1e-6).any(), "wide branch"),
         ((ratios < NARROWEST).any(), "narrow branch"),
@@ -76,14 +85,30 @@ def find_branches(junction: Junction) -> tuple[list[int], str]:
     )
     if reason := next((text for found, text in reasons if found), ""):
         return [], reason
-    return branches.tolist(), ""
+    return sorted(branches.tolist(), key=lambda branch: -float(junction.shares[branch])), ""
+
+
+def find_joint(junction: Junction, size: float) -> tuple[float, float]:
+    """Return the turn of the bend, degrees, and the ratio of the reducer, that stand for two pipes which meet.
+
+    They are 0 and 1 where there is neither. ``size`` is the diameter of the body over the bore upstream.
+    """
+    if junction.inlets != 1 or len(junction.bores) != 1 or not junction.bore * junction.bores[0]:
+        return 0.0, 1.0
+    ratio = match_ratio(float(junction.bores[0]) / junction.bore, size, REDUCTIONS)
+    return match_angle(float(junction.turns[0]), BENDS_DEG), ratio
+
+
+def match_angle(turn: float, angles: Sequence[float]) -> float:
+    """Return the nearest of some angles, degrees, to a turn to either side, rad."""
+    return min(angles, key=lambda known: abs(known - abs(float(np.rad2deg(turn)))))
 
 
 def match_ratio(ratio: float, size: float, ratios: Sequence[float]) -> float:
     """Return the nearest of some ratios of bores; a wider one if a body of ``size`` fits into the branch, but not into that one.
 
-    >>> [match_ratio(0.6, size, (0.5, 1.0)) for size in (0.1, 0.55, 0.7)]
-    [0.5, 1.0, 0.5]
+    >>> [match_ratio(0.55, size, RATIOS[90]) for size in (0.1, 0.52, 0.7)]
+    [0.5, 0.7, 0.5]
     """
     nearest = min(ratios, key=lambda known: abs(np.log(known / ratio)))
     if size <= ratio:

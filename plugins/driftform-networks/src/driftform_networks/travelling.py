@@ -11,6 +11,7 @@ import numpy as np
 
 from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
+from driftform.util import progress
 from driftform_networks import tees
 from driftform_networks.bodies import SCENARIO, Traveller
 from driftform_networks.bore import BANDS, MIRROR, MIXED
@@ -22,7 +23,7 @@ from driftform_networks.flights import StraightFlights, StraightTask
 from driftform_networks.gates import find_gate, read_gates
 from driftform_networks.junctions import SIDES, Junction, describe_junction, find_bends
 from driftform_networks.network import Network
-from driftform_networks.routing import TEE, Routing, RoutingTable, TransferTable
+from driftform_networks.routing import JOINT, TEE, Routing, RoutingTable, TransferTable
 from driftform_networks.snapshot import Snapshot
 from driftform_networks.tee_flights import TeeTask
 from driftform_networks.tees import Tee
@@ -101,6 +102,7 @@ class Traveling:
         self._folder = find_cache(folder)
         self._read_straight, self._read_tee = cache(StraightTask.__call__), cache(TeeTask.__call__)
         self._repeat_cells, self._find_bend = cache(repeat_cells), cache(self._fit_bends)
+        self._find_bends = cache(find_bends)
         self._describe = cache(partial(describe_junction, branch=travel.branch))
         self._travel = travel
         self._retained = traveller.width >= travel.service_bore
@@ -112,17 +114,17 @@ class Traveling:
                 yield self._find_straight(snapshot, link)
 
     def list_tees(self, snapshot: Snapshot) -> Iterator[TeeTask]:
-        """Yield the flights through tees that a snapshot needs."""
+        """Yield the flights through fittings that a snapshot needs."""
         for link in range(len(snapshot.links)):
+            yield from (task for _, task, _ in self._list_bends(snapshot, link))
             ways, _ = self._find_ways(snapshot, link, self._describe(snapshot, link))
             yield from (task for _, tasks in ways for task, _ in tasks if not _is_whole(task))
 
     def route(self, snapshot: Snapshot) -> Routing:
         """Return the tables of the body in a snapshot; flights that were not made are made."""
-        links = range(len(snapshot.links))
-        transfers = [self._transfer(snapshot, link) for link in links]
-        tables = [self._divide(snapshot, link) for link in links]
-        return Routing(snapshot, transfers, tables, MIXED, self._retained)
+        links = progress.track_progress(range(len(snapshot.links)), len(snapshot.links), "pipes", 1.0)
+        made = [(self._transfer(snapshot, link), self._divide(snapshot, link)) for link in links]
+        return Routing(snapshot, [one for one, _ in made], [table for _, table in made], MIXED, self._retained)
 
     def _needs_flights(self, snapshot: Snapshot, link: int) -> bool:
         network, index = snapshot.network, snapshot.links[link]
@@ -156,13 +158,47 @@ class Traveling:
             return replace(_MIXING, gate=gate) if gate else _MIXING
         task = self._find_straight(snapshot, link)
         flights = self._read_straight(task)
-        table = self._repeat_cells(flights, max(1, round(float(network.length[index]) / flights.cell)), task)
+        cells = max(1, round(float(network.length[index]) / flights.cell))
+        if bends := self._list_bends(snapshot, link):
+            table = self._run_along(flights, cells, bends, task)
+        else:
+            table = self._repeat_cells(flights, cells, task)
         return replace(table, gate=gate) if gate else table
+
+    def _list_bends(self, snapshot: Snapshot, link: int) -> list[tuple[float, TeeTask, bool]]:
+        """Return share of the length before each bend drawn in a link, its flights, and whether it leads to the left."""
+        network, index = snapshot.network, int(snapshot.links[link])
+        if not self._needs_flights(snapshot, link) or not len(network.vertices[index]):
+            return []
+        turns, places = self._find_bends(network, index)
+        if snapshot.tail[link] != network.start[index]:
+            turns, places = -turns[::-1], 1 - places[::-1]
+        straight, found = self._find_straight(snapshot, link), list[tuple[float, TeeTask, bool]]()
+        for turn, place in zip(turns.tolist(), places.tolist(), strict=True):
+            angle = tees.match_angle(turn, tees.BENDS_DEG)
+            tee = Tee(straight.bore, straight.speed, 1.0, angle, 90.0, None)
+            found += [(place, TeeTask(self._traveller, self._folder, tee, straight), turn < 0)] * (angle > 0)
+        return found
+
+    def _run_along(
+        self, flights: StraightFlights, cells: int, bends: list[tuple[float, TeeTask, bool]], task: StraightTask
+    ) -> TransferTable:
+        """Return the table of a run of cells with bends, in which bodies take no time."""
+        power, spent, before = np.eye(BANDS), np.zeros(BANDS), 0
+        for place, bend, left in [*bends, (1.0, None, False)]:
+            if (run := round(place * cells) - before) > 0:
+                table = self._repeat_cells(flights, run, task)
+                spent, power = spent + run * power @ table.slowness, power @ table.transfer
+                before += run
+            if bend is not None:
+                power = power @ _mirror(self._read_tee(bend).onward, left)[:, tees.RUN]
+        obstacle = self._repeat_cells(flights, cells, task).obstacle
+        return TransferTable(power, np.maximum(spent / cells, 1e-3), obstacle)
 
     def _fit_bends(self, network: Network, index: int) -> str:
         """Return why the body cannot pass the bends of a link, empty if it can."""
         bore, body = float(network.diameter[index]), self._traveller.agent.body
-        found = (find_obstacle(body, bore, bore, turn) for turn in (0.0, *find_bends(network, index)))
+        found = (find_obstacle(body, bore, bore, turn) for turn in (0.0, *abs(self._find_bends(network, index)[0])))
         return next(filter(None, found), "")
 
     def _divide(self, snapshot: Snapshot, link: int) -> RoutingTable:
@@ -174,12 +210,22 @@ class Traveling:
         return divide_bodies(self._traveller, junction, points, self._travel.service_bore, onward, passing)
 
     def _find_ways(self, snapshot: Snapshot, link: int, junction: Junction) -> tuple[list[_Way], str]:
-        """Return the flights that stand for the end of a link, and how bodies pass it; none where streamtubes divide them."""
-        if junction.stores or len(junction.bores) < 2:
+        """Return the flights that stand for the end of a link, and how bodies pass it; none where streamtubes divide them.
+
+        A cross is two tees in a row, that of the larger branch first.
+        """
+        if junction.stores or not len(junction.bores):
             return [], ""
         size = self._traveller.width / (junction.bore or np.inf)
         is_pipe = snapshot.network.is_pipe[snapshot.links[link]]
         is_mixed = not self._needs_flights(snapshot, link)
+        if len(junction.bores) == 1:
+            turn, ratio = tees.find_joint(junction, size)
+            if is_mixed or not is_pipe or size >= 1 or (turn, ratio) == (0.0, 1.0):
+                return [], ""
+            straight = self._find_straight(snapshot, link)
+            tee = Tee(straight.bore, straight.speed, ratio, turn, 90.0, None)
+            return [(0, [(TeeTask(self._traveller, self._folder, tee, straight), 1.0)])], JOINT
         branches, reason = tees.find_branches(junction)
         if is_mixed and size < tees.NARROW:
             reason = reason or "narrow body"
@@ -193,9 +239,10 @@ class Traveling:
             if is_mixed:
                 # Neither gravity nor what lies upstream matters.
                 speed, clock = _match_speed(max(speed, tees.SLOWEST_MIXED)), 90.0
-            turn = float(np.rad2deg(junction.turns[branch]))
-            angle = min(tees.RATIOS, key=lambda known: abs(known - turn))
-            ratio = tees.match_ratio(float(junction.bores[branch]) / junction.bore, size, tees.RATIOS[angle])
+            width = float(junction.bores[branch]) / junction.bore
+            turn = float(junction.turns[branch]) if width > tees.NARROW_BRANCH else np.pi / 2
+            angle = tees.match_angle(turn, tuple(tees.RATIOS))
+            ratio = tees.match_ratio(width, size, tees.RATIOS[angle])
             shares = tees.weigh_shares(float(junction.shares[branch]) / left, size if is_mixed else 0.0)
             main, tasks = None if is_mixed else straight, []
             for share, weight in shares:
@@ -216,9 +263,7 @@ class Traveling:
                 table += weight * (
                     tees.send_all(_ALL_INTO[task.tee.share]) if _is_whole(task) else self._read_tee(task).onward
                 )
-            if junction.directions[branch, 0] < -1e-6:
-                # Flights are those of a branch at the right.
-                table = table[MIRROR][:, :, MIRROR]
+            table = _mirror(table, junction.directions[branch, 0] < -1e-6)
             onward[:, branch] = here @ table[:, tees.BRANCH]
             here = here @ table[:, tees.RUN]
         ahead = set(range(len(junction.bores))) - {branch for branch, _ in ways}
@@ -226,8 +271,13 @@ class Traveling:
         return onward
 
 
-_ALL_INTO = {0.0: tees.RUN, 1.0: tees.BRANCH}
+_ALL_INTO: dict[float | None, int] = {0.0: tees.RUN, 1.0: tees.BRANCH}
 """Outlet that all bodies take if the branch has this share of the water."""
+
+
+def _mirror(table: FloatArray, left: bool) -> FloatArray:
+    """Return a table of flights, which are those of a branch, or a bend, at the right."""
+    return table[MIRROR][:, :, MIRROR] if left else table
 
 
 def _is_whole(task: TeeTask) -> bool:
@@ -255,9 +305,7 @@ def repeat_cells(flights: StraightFlights, cells: int, task: StraightTask) -> Tr
     return TransferTable(power, np.maximum(spent / cells, 1e-3), obstacle)
 
 
-def make_flights(
-    travelings: Sequence[Traveling], snapshots: Sequence[Snapshot], workers: int, progress: Progress
-) -> None:
+def make_flights(travelings: Sequence[Traveling], snapshots: Sequence[Snapshot], workers: int, show: Progress) -> None:
     """Make the flights that bodies need in snapshots and that are not on disk, in worker processes.
 
     Each result is written as soon as it is there: after an interruption, only flights that were being made are made again.
@@ -271,10 +319,12 @@ def make_flights(
         _find_missing(task for traveling, snap in cases for task in traveling.list_tees(snap)),
     ]
     total = sum(map(len, stages))
+    if total:
+        show(0, total)
     if workers == 1 or total < 2:
         for done, task in enumerate(chain.from_iterable(stages), start=1):
             task()
-            progress(done, total)
+            show(done, total)
         return
     from driftform import load_study
     from driftform.search import open_executor
@@ -286,7 +336,7 @@ def make_flights(
                 part = tasks[start : start + size]
                 executor.call(part)
                 done += len(part)
-                progress(done, total)
+                show(done, total)
 
 
 def _find_missing(wanted: Iterable[StraightTask | TeeTask]) -> list[StraightTask | TeeTask]:
