@@ -25,6 +25,9 @@ FIRST_SHOWN_S = 0.3
 LONGEST_SILENCE_S = 10.0
 """Longest time between two lines where there is no terminal, s."""
 
+_tracked = threading.local()
+"""Has ``now`` while :func:`track_progress` shows something in this thread."""
+
 _shown: ContextVar[Callable[[str, int, int], None] | None] = ContextVar("shown", default=None)
 
 
@@ -143,7 +146,8 @@ def track_progress(items: Iterable[T], total: int, what: str, delay: float | Non
 
     By default that is :data:`FIRST_LINE_S`, or :data:`FIRST_SHOWN_S` inside :func:`show_progress`.
 
-    The time of the first item does not count, because kernels may be compiled for it.
+    The time of the first item does not count, because kernels may be compiled for it. Within work that is already shown
+    nothing is.
     """
     began, show = time.monotonic(), None
     if delay is None:
@@ -153,7 +157,9 @@ def track_progress(items: Iterable[T], total: int, what: str, delay: float | Non
             yield item
             if done == 1:
                 began = time.monotonic()
-            if show is None and time.monotonic() - began > delay:
+            if show is None and time.monotonic() - began > delay and not getattr(_tracked, "now", False):
                 show = shown.enter_context(count_progress(what))
+                _tracked.now = True
+                shown.callback(setattr, _tracked, "now", False)
             if show is not None:
                 show(done, max(done, total))

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+from driftform.util import progress
 from driftform_networks.bodies import Traveller, open_traveller
 from driftform_networks.chain import follow
 from driftform_networks.following import How, find_cases
@@ -55,5 +56,6 @@ def route(
     travels = [travel, *(replace(travel, branch=side) for side in sides)]
     first, *others = case.how.fly([traveller], travels, case.snapshots)
     passage = case.follow(first.route)
-    compared = (follow(other.route(case.snapshots[0]), passage.release) for other in others)
+    shown = progress.track_progress(others, len(others), "sides where branches leave", 1.0)
+    compared = (follow(other.route(case.snapshots[0]), passage.release) for other in shown)
     return replace(passage, branches=dict(zip(sides, compared, strict=True)))

@@ -3,7 +3,7 @@
 import os
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import cache
 from inspect import Parameter, Signature
@@ -252,9 +252,19 @@ def _travel(given: Given, network: "Network") -> Iterator[dict[str, Any]]:
     from driftform_networks.travelling import Travel
 
     travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
-    workers = given.workers or os.cpu_count() or 1
-    with progress.count_progress("flight tables") as shown:
-        yield {"travel": travel, "workers": workers, "cache": given.cache, "progress": shown}
+    workers, bars = given.workers or os.cpu_count() or 1, list[Callable[[int, int], None]]()
+
+    def show(done: int, total: int) -> None:
+        if not bars:
+            bars.append(shown.enter_context(progress.count_progress("flight tables")))
+        bars[0](done, total)
+        if done == total:
+            # What follows shows its own progress.
+            shown.close()
+            bars.clear()
+
+    with ExitStack() as shown:
+        yield {"travel": travel, "workers": workers, "cache": given.cache, "progress": show}
 
 
 def _collect(given: Given, agents: Sequence[str], buoyancies: Sequence[float]) -> "list[Traveller]":

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from driftform.types import FloatArray
+from driftform.util import progress
 from driftform_networks.bodies import Traveller
 from driftform_networks.choosing import bound_steering, choose_fleet
 from driftform_networks.following import How, find_cases
@@ -188,7 +189,8 @@ def plan_fleet(
         return choose_fleet(np.array([passage.seen for passage in drifters]), length, size)[1]
 
     names = [traveller.name for traveller in travellers for _ in cases]
-    passages = [passage for traveling in travelings for passage in follow_all(traveling.route)]
+    routes = progress.track_progress((traveling.route for traveling in travelings), len(travelings), "bodies", 1.0)
+    passages = [passage for route in routes for passage in follow_all(route)]
     seen = np.array([passage.seen for passage in passages])
     chosen, curve, choice_bound = choose_fleet(seen, length, size)
     missed = np.cumprod(1 - seen[chosen], axis=0) @ length / length.sum()
@@ -197,7 +199,8 @@ def plan_fleet(
         for row, gain in zip(chosen.tolist(), (-np.diff(missed, prepend=1.0)).tolist(), strict=True)
     )
     nodes = list(dict.fromkeys(case.node for case in cases))
-    steered = (bound_steering(list(flows.values()), nodes, reachable, count + 1, blocked) for count in range(size))
+    sizes = progress.track_progress(range(1, size + 1), size, "sizes of a fleet that is steered", 1.0)
+    steered = (bound_steering(list(flows.values()), nodes, reachable, count, blocked) for count in sizes)
     bound, by_any = np.fromiter(steered, float), 1 - np.prod(1 - seen[chosen], axis=0)
     water = choose_water(False), choose_water(True)
     return Fleet(network, reachable, by_any, members, curve, choice_bound, *water, bound)

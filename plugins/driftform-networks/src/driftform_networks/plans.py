@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from driftform.types import FloatArray
+from driftform.util import progress
 from driftform_networks.bodies import Traveller
 from driftform_networks.choosing import choose_fleet
 from driftform_networks.following import Case, How, find_cases
@@ -179,7 +180,7 @@ def plan_inspection(
     passed: list[dict[int, str]] = []
     for traveller, traveling in zip(travellers, travelings, strict=True):
         route = cache(traveling.route)
-        for case in cases:
+        for case in progress.track_progress(cases, len(cases), "releases", 1.0):
             routings = [route(snap) for snap in case.snapshots]
             followed.append((traveller.name, case, case.walk(routings)))
             visits = np.bincount(followed[-1][2].node + 1, minlength=len(network.nodes) + 1)[1:]
