@@ -327,7 +327,21 @@ def test_a_draft_names_no_file_but_those_that_were_given_to_it(finished, finishe
     finished.ask("api/files", {"name": "x.csv", "content": "?"}, status=422)
     link.unlink()
     core = {"base": "pipe-inspection", "builder": {"core": "/etc/passwd"}}
-    assert "none that can be bought" in finished.ask("api/check", core, status=422)["errors"][0]
+    assert "it opens no other files" in finished.ask("api/check", core, status=422)["errors"][0]
+
+
+def test_a_capsule_is_a_file_that_was_given_and_is_a_profile(finished):
+    def give(text):
+        return {"name": "capsule.csv", "content": b64encode(text.encode()).decode(), "key": "builder.core"}
+
+    [line] = finished.ask("api/files", give("x_mm,r_mm\n0,0\n1,hello\n"), status=422)["errors"]
+    assert line == "capsule.csv: line 3 has no two numbers: '1,hello'"
+    given = finished.ask("api/files", give("x_mm,r_mm\n0,6\n10,12\n50,12\n60,6\n"))
+    assert given["length"] == pytest.approx(0.06)
+    builder = {"core": given["file"], "core_mass": 0.025, "core_cog": 0.03}
+    assert finished.ask("api/check", {"base": "pipe-inspection", "builder": builder})["errors"] == []
+    [error] = finished.ask("api/check", {"base": "pipe-inspection", "builder": builder | {"core_cog": 0.07}})["errors"]
+    assert error["key"].startswith("builder") and "core_cog" in error["line"]
 
 
 def test_a_link_that_is_laid_while_a_run_is_open_is_not_followed(serve, folder, finished_folder, tmp_path):

@@ -239,6 +239,7 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     name.send_keys(Keys.CONTROL, "a")
     name.send_keys("leak\t")
     page.wait_for(lambda: "leak" in page.targets())
+    assert "T2" not in page.text("hint")
     page.click(5.0, 0.5)
     page.wait_for(lambda: len(page.targets()) == 3)
     # The search.
@@ -509,6 +510,8 @@ def test_axe_finds_no_barrier_in_any_state(page, finished, width, scheme):
     page.set("Length", "2")
     page.wait_for(lambda: page.browser.find_elements("css selector", ".target .error"))
     check("targets outside of the pipe")
+    page.set("Core", "capsule")
+    check("a capsule whose file is missing")
     page.set("Start from", "t-junction")
     page.wait_for(lambda: page.find("#show-above").is_displayed())
     check("parts")
@@ -538,6 +541,45 @@ def test_the_dialog_of_runs_has_contrast_too(page, finished):
         page.find("#open-runs").click()
         page.wait_for(lambda: page.browser.find_elements("css selector", "#run-list button"))
         assert page.run(CONTRASTS) == []
+
+
+def test_a_capsule_and_a_current_are_files_that_a_design_takes(page, serve, tmp_path):
+    capsule, current = tmp_path / "capsule.csv", tmp_path / "current.csv"
+    capsule.write_text("x_mm,r_mm\n0,6\n10,12\n50,12\n60,6\n")
+    rows = (f"{x / 2},{y / 2},{z / 2},1,0,0\n" for x in range(-2, 22) for y in range(-3, 4) for z in range(-3, 4))
+    current.write_text("x,y,z,u,v,w\n" + "".join(rows))
+    page.open(serve().address)
+    page.click(6.0, 0.3)
+    page.set("Core", "capsule")
+    page.wait_for(lambda: "One field holds" in page.text("held"))
+    assert not page.find("#start").is_enabled() and "core_cog" not in page.text("study")
+    page.find("#undo").click()
+    page.wait_for(lambda: page.field("Core").get_attribute("value") == "steel-20mm")
+    page.set("Core", "capsule")
+    page.field("Profile of the capsule").send_keys(str(current))
+    page.wait_for(lambda: "its first line is 'x,y,z,u,v,w'" in page.find("#agent-fields").text)
+    page.field("Profile of the capsule").send_keys(str(capsule))
+    page.wait_for(lambda: "In use: capsule.csv" in page.find("#agent-fields").text)
+    page.wait_for(lambda: "core_cog = 0.03" in page.text("study") and page.find("#start").is_enabled())
+    page.set("Balance from nose", "28")
+    page.set("Mass of the core", "25")
+    page.wait_for(lambda: "core_cog = 0.028" in page.text("study") and "core_mass = 0.025" in page.text("study"))
+    page.set("Flights", "6")
+    page.set("Disturbed flights", "2")
+    page.wait_for(lambda: page.find("#start").is_enabled())
+    page.find("#start").click()
+    page.wait_until("Finished")
+    page.find("#change").click()
+    page.wait_for(lambda: page.field("Core").get_attribute("value") == "capsule")
+    assert "the profile of the run" in page.find("#agent-fields").text
+    page.set("Core", "brass-20mm")
+    page.wait_for(lambda: "core_profile" not in page.text("study") and page.find("#start").is_enabled())
+    page.set("Profile", "grid")
+    page.wait_for(lambda: page.field("File of the current"))
+    page.field("File of the current").send_keys(str(current))
+    page.wait_for(lambda: "In use: current.csv" in page.find("#flow-fields").text)
+    page.wait_for(lambda: page.find("#start").is_enabled() and "current.csv" in page.text("study"))
+    assert [line for line in page.messages() if "422" not in line] == []
 
 
 def test_a_design_is_made_by_the_keyboard_alone(page, finished, browser):

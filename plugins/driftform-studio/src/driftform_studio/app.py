@@ -26,6 +26,7 @@ from driftform.figures import scene
 from driftform.water import Pipe, Scenario, Segment, pipe_parts
 from driftform_frusta.cores import CORES, CUSTOM
 from driftform_frusta.materials import MATERIALS
+from driftform_frusta.own.profile import read_profile
 from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
 from driftform_studio.folder import DATABASE, RunsFolder
 from driftform_studio.guard import check_values
@@ -108,7 +109,13 @@ class Studio:
         """Keep a file that is given to a design, and return the path that its study has."""
         if not isinstance(document, dict):
             raise InputError("the request is not a table")
-        return {"file": str(self.folder.keep_file(document.get("name"), document.get("content")))}
+        file = self.folder.keep_file(document.get("name"), document.get("content"))
+        if document.get("key") != "builder.core":
+            return {"file": str(file)}
+        try:
+            return {"file": str(file), "length": read_profile(file).length}
+        except InputError as error:
+            raise InputError(str(error).replace(str(file), file.name)) from None
 
     def _load(self, document: Any) -> tuple[dict[str, Any], str]:
         """Return a draft and its text; it may name only files that were given to designs."""
@@ -119,7 +126,7 @@ class Studio:
         builder = draft.get("builder")
         core = builder.get("core", CUSTOM) if isinstance(builder, dict) else CUSTOM
         if core not in (CUSTOM, *CORES):
-            raise InputError(f"core = {core!r} is none that can be bought; choose one, or give its size and mass")
+            self.folder.check_file(core)
         return draft, write_draft(draft)
 
     def check(self, parameters: Parameters, document: Any) -> Any:

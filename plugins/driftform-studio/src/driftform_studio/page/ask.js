@@ -33,6 +33,17 @@ export async function ask(address, document) {
   return answer;
 }
 
+// Gives a file to the server, which keeps it for designs; `key` is what of a study it is for.
+export async function give(file, key) {
+  const content = await new Promise((resolve, reject) => {
+    const reader = new FileReader();
+    reader.onload = () => resolve(reader.result.split(",")[1] ?? "");
+    reader.onerror = () => reject(new Refused([`${file.name} cannot be read`]));
+    reader.readAsDataURL(file);
+  });
+  return ask("api/files", { name: file.name, content, key });
+}
+
 // Has the server do what takes a while; `show` is told how far it is.
 export async function perform(address, document, show) {
   const { task } = await ask(address, document);

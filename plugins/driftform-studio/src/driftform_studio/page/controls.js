@@ -7,7 +7,7 @@ const PATIENCE = 700; // ms for which a number that is being typed may be wrong 
 const slug = (text) => text.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "-");
 
 // A label with its control. `keys` are those of the study that it answers for; the first one names it, together with the label.
-function makeField(label, control, keys, { wide = false, named = label, title } = {}) {
+export function makeField(label, control, keys, { wide = false, named = label, title } = {}) {
   control.id = `f-${slug(`${keys.split(" ")[0]} ${named}`)}`;
   control.dataset.errors = keys;
   if (named !== label) control.setAttribute("aria-label", named);

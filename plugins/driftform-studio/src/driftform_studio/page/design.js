@@ -223,7 +223,7 @@ export function newPart(kind, radius) {
 }
 
 export const KINDS = {
-  uniform: "Uniform (no wall friction)", power_law: "Power law", developed: "Developed (laminar or logarithmic)", log_law: "Logarithmic law (real pipe)", developing: "Developing from the inlet", turbulent: "Logarithmic law with gusts",
+  uniform: "Uniform (no wall friction)", power_law: "Power law", developed: "Developed (laminar or logarithmic)", log_law: "Logarithmic law (real pipe)", developing: "Developing from the inlet", turbulent: "Logarithmic law with gusts", grid: "Computed, from a file",
 };
 export const WATERS = { "Fresh, 15 °C": [999.1, 1.14e-6], "Sea, 20 °C": [1024, 1.05e-6] };
 

@@ -1,5 +1,6 @@
 // The forms of a design: pipe, current, water, release, agent and search. `changed` is called after each change.
-import { goTo, makeMore, makeNumber, makeSelect, makeText, recall, remember, sayFault } from "./controls.js";
+import { give } from "./ask.js";
+import { goTo, makeField, makeMore, makeNumber, makeSelect, makeText, recall, remember, sayFault } from "./controls.js";
 import { copy, dropEmpty, isJunction, KINDS, nameParts, newPart, same, WATERS } from "./design.js";
 import { find, make, round } from "./parts.js";
 import { readBounds } from "./numbers.js";
@@ -20,6 +21,7 @@ const PRINTERS = {
 const USUAL_BED = [0.25, 0.21, 0.21];
 const SIMULATORS = { native: "native (compiled, fastest)", exudyn: "Exudyn (a multibody program, as a check)" };
 const TWICE = (text) => Object.fromEntries(Object.entries(readBounds(text)).map(([name, limit]) => [name, 2 * limit]));
+const nameOf = (path) => path.split(/[\\/]/).at(-1);
 const millimetres = (value, places = 4) => Number((1000 * value).toFixed(places));
 
 export class Fields {
@@ -39,6 +41,7 @@ export class Fields {
   }
 
   show(design) {
+    if (design !== this.design) this.awaitsCapsule = false; // whether a capsule was chosen whose file is still missing
     this.design = design;
     const before = remember();
     find("preset").value = design.base;
@@ -150,27 +153,47 @@ export class Fields {
     const gusts = makeSelect(LABELS["gusts.always"], [["", "in disturbed flights"], ["true", "in every flight"]], design.value("gusts", "always") ? "true" : "", (word) => { design.set("gusts", "always", word === "true"); this.changed(); }, { keys: "gusts.always gusts" });
     find("flow-fields").replaceChildren(
       makeSelect("Profile", Object.keys(this.begin.flows).map((name) => [name, KINDS[name] ?? name]), kind, (name) => { design.setKind(name); this.renew(); }, { keys: "flow.kind flow", wide: true }),
-      ...fields, ...(kind === "grid" ? [this.makeFile()] : []), ...makeMore(kind === "uniform" ? more : [...more, gusts], "more-flow"),
+      ...fields, ...(kind === "grid" ? [this.makeCurrent()] : []), ...makeMore(kind === "uniform" ? more : [...more, gusts], "more-flow"),
     );
   }
 
-  // A computed current is a file, which becomes part of the design.
-  makeFile() {
-    const { design } = this;
-    const kept = design.value("flow", "file");
-    const note = make("p", { class: "hint" }, kept ? `In use: ${kept.split(/[\\/]/).at(-1)}` : "Velocities on a grid: .csv, .nc, .vtk or .vtu.");
-    const input = make("input", { type: "file", id: "f-flow-file", accept: ".csv,.nc,.vtk,.vtu", "data-errors": "flow.file", onchange: async () => {
+  // A field for a file, which becomes part of the design: `take` keeps what the server answers.
+  makeFile(key, label, accept, hint, take) {
+    const note = make("p", { class: "hint" }, hint);
+    const input = make("input", { type: "file", accept, onchange: async () => {
       const [file] = input.files;
       if (!file) return;
-      sayFault(input, "own");
+      const { design } = this;
       note.textContent = `Reading ${file.name} …`;
       try {
-        design.set("flow", "file", await this.give(file));
-        note.textContent = `In use: ${file.name}`;
-        this.changed(true);
-      } catch (error) { note.textContent = ""; sayFault(input, "own", error.message); }
+        const answer = await give(file, key);
+        if (design === this.design) { take(answer); this.renew(); }
+      } catch (error) { note.textContent = hint; sayFault(input, "own", error.message); }
     } });
-    return make("div", { class: "field wide" }, make("label", { for: input.id }, LABELS["flow.file"]), input, note);
+    const field = makeField(label, input, key, { wide: true });
+    field.append(note);
+    return field;
+  }
+
+  makeCurrent() {
+    const kept = this.design.value("flow", "file");
+    return this.makeFile("flow.file", LABELS["flow.file"], ".csv,.nc,.vtk,.vtu", kept ? `In use: ${nameOf(kept)}` : "Velocities on a grid: .csv, .nc, .vtk or .vtu.", ({ file }) => this.design.set("flow", "file", file));
+  }
+
+  // A capsule is what the agent carries: its profile is a file.
+  makeCapsule(builder, setCore) {
+    const { awaitsCapsule } = this;
+    const kept = awaitsCapsule ? "" : builder.core === "custom" ? "In use: the profile of the run. " : `In use: ${nameOf(builder.core)}. `;
+    const field = this.makeFile("builder.core", "Profile of the capsule", ".csv", `${kept}A table of columns x_mm,r_mm: distance from the nose, which is fore, and radius.`, ({ file, length }) => {
+      this.awaitsCapsule = false;
+      // Until its balance is known: in its middle.
+      setCore({ core: file, core_mass: Number(builder.core_mass.toPrecision(4)), core_cog: round(length / 2, 1e-5) });
+    });
+    const input = field.querySelector("input");
+    input.toggleAttribute("data-held", awaitsCapsule);
+    input.takeBack = () => { this.awaitsCapsule = false; this.renew(); };
+    if (awaitsCapsule) sayFault(input, "own", "Give the file, or choose another core.");
+    return field;
   }
 
   showFluid() {
@@ -202,7 +225,12 @@ export class Fields {
     const set = (key, value) => { design.set("builder", key, value); this.changed(); };
     const number = (label, key, value, scale, bounds, unit, title) => makeNumber(label, Number((value * scale).toPrecision(8)), (v) => set(key, Number((v / scale).toPrecision(8))), { unit, keys: `builder.${key}`, bounds, title });
     const cores = this.begin.cores.map(({ name, radius, mass }) => [name, `${name.replace(/-(\d+)mm$/, ", $1 mm")} (${millimetres(mass, 1)} g)`.replace("-", " ").replace(/^./, (letter) => letter.toUpperCase()), radius]);
-    const own = builder.core === "custom" ? [
+    const setCore = (values) => { for (const [key, value] of Object.entries({ core_radius: null, core_mass: null, core_cog: null, core_profile: null, ...values })) design.set("builder", key, value); };
+    const isCapsule = this.awaitsCapsule || typeof builder.core_cog === "number";
+    const own = isCapsule ? [this.makeCapsule(builder, setCore), ...(this.awaitsCapsule ? [] : [
+      number("Mass of the core", "core_mass", builder.core_mass, 1000, { above: 0, high: 1e6 }, "g", "of the capsule with all that is in it"),
+      number(LABELS["builder.core_cog"], "core_cog", builder.core_cog, 1000, { low: 0, high: 1e6 }, "mm", "distance of the capsule's centre of gravity from its nose"),
+    ])] : builder.core === "custom" ? [
       number("Diameter of the core", "core_radius", builder.core_radius, 2000, { above: 0, high: 2000 }, "mm"),
       number("Mass of the core", "core_mass", builder.core_mass, 1000, { above: 0, high: 1e6 }, "g"),
     ] : [];
@@ -211,11 +239,12 @@ export class Fields {
     const printer = Object.entries(PRINTERS).find(([, size]) => same(size, bed))?.[0] ?? (same(bed, USUAL_BED) ? "usual" : "Own");
     const setBed = (size) => set("kit", { ...kit, bed: size });
     find("agent-fields").replaceChildren(
-      makeSelect("Core", [...cores.map(([name, text]) => [name, text]), ["custom", "Own, a capsule of a size and mass"]], builder.core, (name) => {
-        const known = this.begin.cores.find((core) => core.name === builder.core);
-        design.set("builder", "core", name);
+      makeSelect("Core", [...cores.map(([name, text]) => [name, text]), ["custom", "Own ball, of a size and mass"], ["capsule", "Own capsule, a file of its profile"]], isCapsule ? "capsule" : builder.core, (name) => {
+        const known = this.begin.cores.find((core) => core.name === builder.core) ?? { radius: builder.core_radius, mass: builder.core_mass };
+        this.awaitsCapsule = name === "capsule";
         // An own core begins as the one before it.
-        if (name === "custom" && known) { design.set("builder", "core_radius", known.radius); design.set("builder", "core_mass", Number(known.mass.toPrecision(4))); }
+        if (name === "custom") setCore({ core: name, core_radius: known.radius, core_mass: Number(known.mass.toPrecision(4)) });
+        else if (!this.awaitsCapsule) setCore({ core: name });
         this.renew();
       }, { keys: "builder.core builder", wide: true, title: "the heavy ball inside, or what the agent carries" }),
       ...own,

@@ -132,6 +132,8 @@ export class Side {
   // Draws targets where they are now; the server, which checks them, answers a moment later.
   showTargets(targets) {
     if (JSON.stringify(targets) === JSON.stringify(this.outline.targets)) return;
+    // What the hint says of a target may be no longer so.
+    this.acts.say("");
     this.outline = { ...this.outline, targets };
     this.draw();
   }

@@ -8,7 +8,7 @@ export const LABELS = {
   "pipe.radius": "Inlet diameter", "pipe.direction": "Inlet slope, down", "pipe.parts": "Parts", "pipe.segments": "Length", "pipe.segments[0].radius": "Inner diameter",
   "release.position": "Release", "release.yaw_deg": "Yaw", "release.pitch_deg": "Pitch", "release.frame": "Release",
   "contact.friction": "Friction on the wall", "flight.horizon": "Longest flight", "robustness.position": "Spread of the release", "robustness.conditions": "Disturbed flights", "robustness.within": "Near enough",
-  "builder.core": "Core", "builder.core_radius": "Diameter of the core", "builder.core_mass": "Mass of the core", "builder.material": "Material", "builder.hull_density": "Density of the print", "builder.wall": "Wall", "builder.kit": "Printer", "builder.kit.bed": "Printer", "builder.kit.nozzle": "Nozzle",
+  "builder.core": "Core", "builder.core_radius": "Diameter of the core", "builder.core_mass": "Mass of the core", "builder.core_cog": "Balance from nose", "builder.material": "Material", "builder.hull_density": "Density of the print", "builder.wall": "Wall", "builder.kit": "Printer", "builder.kit.bed": "Printer", "builder.kit.nozzle": "Nozzle",
   "simulator.use": "Simulator", "run.evaluations": "Flights", "run.seed": "Seed", targets: "Targets", title: "Name",
 };
 
