@@ -9,12 +9,14 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from solids import solid_agent
 
+from driftform.motion.bore import is_clear
 from driftform.motion.contact import deepest_depth
 from driftform.motion.fitting_contact import (
     FLATNESS,
     deepest_rim_point,
     flat_curvatures,
     flat_tilt,
+    line_in_straight,
     rim_reach,
     touch_fitting,
 )
@@ -229,6 +231,23 @@ def test_a_flank_touches_the_inside_of_a_bend_between_its_corners():
     assert 3e-4 <= found <= 5e-4
     few = rows_of(touching_surfaces(body), scenario)
     assert deepest_depth(vector(middle), R, model._replace(surfaces=few, fittings=f)) == 0.0
+
+
+def test_a_surface_that_is_clear_of_a_straight_touches_no_part():
+    scenario, rng, clear = still_scenario(PIPES["tee"]), np.random.default_rng(0), 0
+    f = walls_of(scenario)
+    rows = rows_of(refined_surfaces(cylinder_body(0.05, 0.015), rim_spacing(scenario.pipe.layout)), scenario)
+    reach = 0.05
+    for _ in range(300):
+        axis = rng.normal(size=3)
+        axis = vector(axis / np.linalg.norm(axis))
+        place = vector(np.array([rng.uniform(0.0, 0.3), *rng.uniform(-0.1, 0.1, 2)]))
+        line = line_in_straight(place, axis, reach, f)
+        for k in range(len(rows)):
+            if is_clear(rows, k, line):
+                clear += 1
+                assert touch_fitting(place, axis, rows, k, f)[0] == 0.0
+    assert clear > 100
 
 
 @pytest.mark.long

@@ -12,7 +12,7 @@ from driftform.motion.bore import (
     surface_contact,
     transverse_parts,
 )
-from driftform.motion.fitting_contact import touch_fitting
+from driftform.motion.fitting_contact import line_in_straight, touch_fitting
 from driftform.motion.impact import common_mass, damper, spring
 from driftform.motion.model import FlightModel
 from driftform.types import FloatArray
@@ -69,11 +69,11 @@ def surface_depth(
     normal, and the normal defines the point; two rounds suffice in a wide bore.
     """
     surfaces = model.surfaces
-    if fittings is not None:
-        return touch_fitting(position, axis, surfaces, surface, fittings)
     x, r = surfaces[surface, 0], surfaces[surface, 1]
     if is_clear(surfaces, surface, line):
         return 0.0, ZERO, ZERO, x, r
+    if fittings is not None:
+        return touch_fitting(position, axis, surfaces, surface, fittings)
     x, r, contact = surface_contact(surfaces, surface, line)
     lever, normal = lever_and_normal(axis, parts[0], parts[1], contact)
     return max(0.0, contact[0]), lever, normal, x, r
@@ -81,11 +81,14 @@ def surface_depth(
 
 @compiled
 def axis_in_bore(
-    position: Vector, axis: Vector, pipe: FloatArray, fittings: FloatArray | None
+    position: Vector, axis: Vector, reach: float, pipe: FloatArray, fittings: FloatArray | None
 ) -> tuple[AxisLine, tuple[Vector, Vector]]:
-    """Return the position of the body's axis in a straight bore; zeros in a pipe with parts, where it means nothing."""
+    """Return the position of the body's axis in a straight bore.
+
+    In a pipe with parts it only shows which surfaces are clear, and is zero but where all within ``reach`` (m) is in one straight.
+    """
     if fittings is not None:
-        return (0.0, 0.0, 0.0, 0.0), (ZERO, ZERO)
+        return line_in_straight(position, axis, reach, fittings), (ZERO, ZERO)
     parts = transverse_parts(position, axis, pipe)
     return axis_line(parts, pipe), parts
 
@@ -96,7 +99,7 @@ def deepest_depth(position: Vector, R: Rotation, model: FlightModel) -> float:
     deepest = 0.0
     if not is_far_from_wall(position, model.numbers[0].reach, model.pipe, model.fittings):
         axis = body_axis(R)
-        line, parts = axis_in_bore(position, axis, model.pipe, model.fittings)
+        line, parts = axis_in_bore(position, axis, model.numbers[0].reach, model.pipe, model.fittings)
         for k in range(model.surfaces.shape[0]):
             deepest = max(deepest, surface_depth(position, axis, line, parts, k, model, model.fittings)[0])
     return deepest
@@ -127,7 +130,7 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
     if is_far_from_wall(position, n.reach, model.pipe, model.fittings):
         return ZERO, ZERO
     axis, w = body_axis(R), to_world(R, omega)
-    line, parts = axis_in_bore(position, axis, model.pipe, model.fittings)
+    line, parts = axis_in_bore(position, axis, n.reach, model.pipe, model.fittings)
     springs, total, pressed, mass, count = (ZERO, ZERO), 0.0, 0.0, 0.0, 0
     for k in range(model.surfaces.shape[0]):
         depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model, model.fittings)

@@ -9,11 +9,21 @@ additional rims (:func:`driftform.motion.surfaces.refined_surfaces`).
 
 import math
 
-from driftform.motion.bore import ANGLE_TOLERANCE, end_of_dome
+from driftform.motion.bore import ANGLE_TOLERANCE, AxisLine, end_of_dome
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import ZERO, Vector, add, cross, dot, scale, subtract
-from driftform.water.fitting_walls import KIND, TEE, fitting_gap
+from driftform.water.fitting_walls import (
+    KIND,
+    LENGTH,
+    RADIUS,
+    STRAIGHT,
+    TEE,
+    find_part,
+    fitting_gap,
+    to_part,
+    turn_to_part,
+)
 
 FLATNESS = 1.5
 """Sine of the tilt from upright below which a rim counts as flat, over the rim's radius times the wall's curvature; with 1.5, its reach
@@ -33,6 +43,17 @@ MOST_ROUNDS = 12
 
 LONGEST_TURN = 0.7
 """Largest step of that search, rad."""
+
+
+@compiled
+def line_in_straight(position: Vector, axis: Vector, reach: float, f: FloatArray) -> AxisLine:
+    """Return the position of a body's axis in the straight that holds all within ``reach`` (m) of it; zeros elsewhere."""
+    o, _ = find_part(position, f)
+    p, along = to_part(position, f, o), turn_to_part(axis, f, o)
+    if f[o + KIND] != STRAIGHT or not reach < p[0] < f[o + LENGTH] - reach:
+        return 0.0, 0.0, 0.0, 0.0
+    across, turned = p[1] * along[1] + p[2] * along[2], along[1] * along[1] + along[2] * along[2]
+    return p[1] * p[1] + p[2] * p[2], across, turned, f[o + RADIUS]
 
 
 @compiled
