@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -115,6 +116,24 @@ def test_pip_installs_a_program_that_evolves_outside_the_repository(
     told = json.loads(outside(evolving / "driftform", *words, "--out", "run", "--json", cwd=tmp_path))
     assert told["evaluations"] == 4 and told["failed"] == 0
     assert (tmp_path / "run" / "best" / "TP1" / "agent.stl").stat().st_size > 84
+
+
+def test_the_notebook_that_the_docs_link_installs_what_it_needs(
+    dist: Path, outside: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As Colab opens it: with Jupyter, and nothing of driftform but an index that has the wheels."""
+    page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    [linked] = re.findall(r"colab\.research\.google\.com/github/driftform/driftform/blob/main/(\S+\.ipynb)", page)
+    notebook = Path(shutil.copy(ROOT / linked, tmp_path))
+    outside(sys.executable, "-m", "venv", "env", cwd=tmp_path)
+    programs = tmp_path / "env" / ("Scripts" if os.name == "nt" else "bin")
+    outside(programs / "python", "-m", "pip", "install", "--quiet", "ipykernel", "nbclient", cwd=tmp_path)
+    monkeypatch.setenv("PIP_FIND_LINKS", str(dist))
+    monkeypatch.setenv("PIP_ONLY_BINARY", ":all:")
+    outside(programs / "jupyter-execute", "--inplace", notebook, cwd=tmp_path)
+    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+    [shown] = cells[-1]["outputs"]
+    assert "".join(shown["data"]["text/plain"]).startswith("['tp3.3mf'")
 
 
 def test_every_plugin_is_found_there(installed: Path, outside: Callable[..., str], tmp_path: Path) -> None:
