@@ -276,7 +276,8 @@ def dask_scheduler(
         options = ("--host", "127.0.0.1", "--port", 0, "--no-dashboard", "--scheduler-file", file)
         with dask("scheduler", *options, cwd=folder) as process:
             try:
-                while not file.exists():
+                # It is there before anything is in it.
+                while not file.exists() or not file.stat().st_size:
                     assert process.poll() is None, "the scheduler ended"
                     time.sleep(0.05)
                 yield json.loads(file.read_text())["address"], process

@@ -1,0 +1,106 @@
+"""Runs of 20 000 evaluations: memory, descriptors and size of what evaluates, and the time of what reads them.
+
+``EVALUATIONS=4000 uv run pytest -m slow -s tests/endurance/test_long_run.py`` shortens it.
+"""
+
+import os
+import subprocess
+import sys
+import sysconfig
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="memory and descriptors are read from /proc"),
+]
+
+PROGRAM = Path(sysconfig.get_path("scripts")) / "driftform"
+
+WARM_UP = 2000
+"""Evaluations before the first look: after them nothing is loaded or compiled any more."""
+
+MOST_GROWTH_MB = 40.0
+"""That a process may grow by between the first look and the last."""
+
+RESUME_S = 2.0
+"""CPU time of ``resume`` of a run that has ended."""
+
+POINT = ("3", "0", "-0.2")
+"""That ``pick`` asks for, m."""
+
+STUDIES = {
+    "tuned": ("pipe-inspection", "--robust", "0", "--target", "TP9"),
+    "evolution": ("paper", "--target", "TP9", "--strategy", "evolution", "--simulator", "native"),
+}
+
+
+def look(process: int) -> tuple[float, int]:
+    """Resident memory (MB) and open descriptors of a process."""
+    folder = Path(f"/proc/{process}")
+    pages = int((folder / "statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGESIZE") / 1e6, len(list((folder / "fd").iterdir()))
+
+
+def list_workers(process: int) -> list[int]:
+    children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    return [int(c) for c in children if b"spawn_main" in Path(f"/proc/{c}/cmdline").read_bytes()]
+
+
+def count_done(log: Path) -> int:
+    """Return how many evaluations the last line of progress has, as in "12 s: 300/20000 evaluations"."""
+    counts = [part for line in log.read_text().splitlines() for part in line.split() if "/" in part]
+    numbers = [part.partition("/")[0] for part in counts if part.partition("/")[2].isdigit()]
+    return max((int(number) for number in numbers if number.isdigit()), default=0)
+
+
+def follow(process: subprocess.Popen[bytes], log: Path) -> list[list[tuple[float, int]]]:
+    """Look at a run's processes from :data:`WARM_UP` on until it ends; return what was seen of each, its own first."""
+    seen: dict[int, list[tuple[float, int]]] = {process.pid: []}
+    while process.poll() is None:
+        if count_done(log) >= WARM_UP:
+            with suppress(OSError):
+                for number in (process.pid, *list_workers(process.pid)):
+                    seen.setdefault(number, []).append(look(number))
+        time.sleep(1.0)
+    return list(seen.values())
+
+
+def measure(cwd: Path, *words: str) -> tuple[float, float]:
+    """Processor time (s) and largest memory (MB) of a command."""
+    # As most people have it: what is imported is compiled once.
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    with subprocess.Popen([PROGRAM, *words], cwd=cwd, env=environment, stdout=subprocess.DEVNULL) as process:
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0, words
+    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1e3
+
+
+@pytest.mark.parametrize("strategy", STUDIES)
+def test_a_run_of_20_000_evaluations_stays_small_and_is_read_quickly(
+    tmp_path: Path, strategy: str, count_of: Callable[[str, int], int], show_row: Callable[..., None]
+) -> None:
+    count, log = count_of("EVALUATIONS", 20_000), tmp_path / "log"
+    words = ("evolve", *STUDIES[strategy], "--seed", "1", "--evaluations", str(count), "--workers", "1", "--out", "run")
+    began = time.monotonic()
+    with log.open("wb") as file:
+        process = subprocess.Popen([PROGRAM, *words], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=file)
+        coordinator, worker = follow(process, log)
+    assert process.returncode == 0, log.read_text()[-2000:]
+    print(f"{strategy}: {count} evaluations in {time.monotonic() - began:.0f} s")
+    size = sum(file.stat().st_size for file in (tmp_path / "run").glob("run.db*")) / 1e6
+    times = [measure(tmp_path, *words) for words in (("resume", "run"), ("report", "run"), ("pick", "run", *POINT))]
+    parts = [coordinator, worker]
+    growths = [f"{part[0][0]:.0f} to {part[-1][0]:.0f}" for part in parts]
+    descriptors = f"{coordinator[0][1]} to {coordinator[-1][1]}"
+    cells = [*growths, descriptors, f"{size:.0f}", *(f"{seconds:.1f}; {memory:.0f}" for seconds, memory in times)]
+    show_row("long runs", f"`{strategy}`", count, *cells)
+    for part in parts:
+        assert part[-1][0] - part[0][0] < MOST_GROWTH_MB
+        assert part[-1][1] <= part[0][1] + 2
+    assert times[0][0] < RESUME_S

@@ -1,0 +1,246 @@
+"""Runs that are killed a hundred times, and clusters that lose their parts: no row is lost.
+
+``KILLS=10 SIGNALS=3 uv run pytest -m slow -s tests/endurance/test_trials.py`` shortens them.
+"""
+
+import os
+import random
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, closing, suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Count = Callable[[str, int], int]
+Dask = Callable[..., subprocess.Popen[bytes]]
+Program = Callable[..., subprocess.CompletedProcess[str]]
+Row = tuple[Any, ...]
+Rows = Callable[[Path], list[Row]]
+Scheduler = Callable[[], AbstractContextManager[tuple[str, subprocess.Popen[bytes]]]]
+ShowRow = Callable[..., None]
+Start = Callable[..., subprocess.Popen[str]]
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="sends POSIX signals, and reads /proc"),
+]
+
+STUDY = ("evolve", "paper", "--simulator", "fake", "--target", "TP1", "--seed", 5)
+PAUSE = ("--set", "simulator.pause=0.02", "--out", "run")
+
+
+def read_rows(run: Path) -> set[Row]:
+    """What a run has stored, also one that goes on or was killed."""
+    try:
+        with closing(sqlite3.connect(f"file:{run / 'run.db'}?mode=ro", uri=True)) as connection:
+            return set(connection.execute("SELECT id, symbols, seed, failure FROM evaluation"))
+    except sqlite3.OperationalError:
+        return set()
+
+
+def wait_for_rows(run: Path, count: int, *processes: subprocess.Popen[Any]) -> None:
+    """Wait until a run has so many rows, or one of its processes has ended."""
+    end = time.monotonic() + 120
+    while len(read_rows(run)) < count and all(process.poll() is None for process in processes):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def wait_for_workers(nanny: int) -> list[int]:
+    """Return the worker processes that any thread of a nanny started, once there is one."""
+    end = time.monotonic() + 120
+    while True:
+        found: list[int] = []
+        for task in Path(f"/proc/{nanny}/task").iterdir():
+            with suppress(OSError):
+                found += map(int, (task / "children").read_text().split())
+        if workers := [child for child in found if b"spawn_main" in read_command(child)]:
+            return workers
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def finish(run: Program, start: Sequence[object], cwd: Path, rows: Rows) -> None:
+    """Resume a run to its end; it is then that of a run that nothing happened to."""
+    done = run("resume", "run", "--workers", 1, cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    whole = run(*start, "--workers", 1, "--out", "whole", cwd=cwd)
+    assert whole.returncode == 0, whole.stderr
+    found, expected = ({row[:-1] if len(row) > 4 else row for row in rows(cwd / name)} for name in ("run", "whole"))
+    assert found == expected
+
+
+def test_a_run_that_is_killed_a_hundred_times_loses_no_row_that_was_shown(
+    start: Start, run: Program, rows: Rows, tmp_path: Path, count_of: Count, show_row: ShowRow
+) -> None:
+    kills, dice = count_of("KILLS", 100), random.Random(1)
+    study = (*STUDY, "--evaluations", 8 * kills)
+    stored, early = set[Row](), 0
+    for number in range(kills):
+        words = ("resume", "run") if (tmp_path / "run" / "resolved.toml").exists() else (*study, *PAUSE)
+        with start(*words, "--workers", 1, cwd=tmp_path) as process:
+            if number % 4:
+                # In the middle of its work; otherwise at any moment, also while it starts.
+                wait_for_rows(tmp_path / "run", len(stored) + dice.randrange(1, 6), process)
+                time.sleep(dice.uniform(0, 0.05))
+            else:
+                time.sleep(dice.uniform(0, 3))
+            shown = read_rows(tmp_path / "run")
+            assert process.poll() is None, process.communicate()[1]
+            process.kill()
+            process.communicate()
+        left = read_rows(tmp_path / "run")
+        assert stored | shown <= left
+        early += left == stored
+        stored = left
+    finish(run, study, tmp_path, rows)
+    show_row(
+        "trials",
+        "a run killed by SIGKILL",
+        kills,
+        f"{early} of them before a new row; no row lost; the end is that of a whole run",
+    )
+
+
+def send(process: int, number: int) -> None:
+    with suppress(ProcessLookupError):
+        os.kill(process, number)
+
+
+SIGNALS = [signal.SIGKILL, signal.SIGTERM, signal.SIGINT]
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
+def test_a_cluster_that_loses_workers_loses_no_row(
+    start: Start,
+    dask: Dask,
+    dask_scheduler: Scheduler,
+    run: Program,
+    rows: Rows,
+    tmp_path: Path,
+    number: signal.Signals,
+    count_of: Count,
+    show_row: ShowRow,
+) -> None:
+    count, stored = count_of("SIGNALS", 40), set[Row]()
+    study = (*STUDY, "--evaluations", 40 * count)
+    with (
+        dask_scheduler() as (address, _),
+        dask("worker", address, "--nthreads", 1, "--no-dashboard", cwd=tmp_path) as nanny,
+        start(*study, *PAUSE, "--scheduler", address, cwd=tmp_path) as process,
+    ):
+        for _ in range(count):
+            wait_for_rows(tmp_path / "run", len(stored) + 3, process)
+            assert process.poll() is None, process.communicate()[1]
+            # The nanny starts another in its place.
+            workers = wait_for_workers(nanny.pid)
+            shown = read_rows(tmp_path / "run")
+            for worker in workers:
+                send(worker, number)
+            stored = read_rows(tmp_path / "run")
+            assert shown <= stored
+        wait_for_rows(tmp_path / "run", len(stored) + 3, process)
+        process.send_signal(signal.SIGINT)
+        process.communicate()
+        nanny.kill()
+    assert stored <= read_rows(tmp_path / "run")
+    finish(run, study, tmp_path, rows)
+    show_row(
+        "trials", f"{number.name} to the worker of a cluster, with rows written", count, "no row lost; the run goes on"
+    )
+
+
+def read_command(process: int) -> bytes:
+    try:
+        return Path(f"/proc/{process}/cmdline").read_bytes()
+    except OSError:
+        return b""
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
+def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(
+    start: Start,
+    dask: Dask,
+    dask_scheduler: Scheduler,
+    run: Program,
+    rows: Rows,
+    tmp_path: Path,
+    number: signal.Signals,
+    count_of: Count,
+    show_row: ShowRow,
+) -> None:
+    count, stored = count_of("SIGNALS", 40), set[Row]()
+    study = (*STUDY, "--evaluations", 12 * count)
+    with (
+        dask_scheduler() as (address, _),
+        dask("worker", address, "--nthreads", 1, "--no-dashboard", "--no-nanny", cwd=tmp_path) as worker,
+    ):
+        for _ in range(count):
+            words = ("resume", "run") if (tmp_path / "run" / "run.db").exists() else (*study, *PAUSE)
+            with start(*words, "--scheduler", address, cwd=tmp_path) as process:
+                wait_for_rows(tmp_path / "run", len(stored) + 3, process)
+                assert process.poll() is None, process.communicate()[1]
+                shown = read_rows(tmp_path / "run")
+                process.send_signal(number)
+                _, said = process.communicate(timeout=120)
+            if number != signal.SIGKILL:
+                assert process.returncode == 128 + number, said
+                assert said.splitlines()[-1].endswith("resume with: driftform resume run"), said
+            assert "Traceback" not in said
+            stored = read_rows(tmp_path / "run")
+            assert shown <= stored
+        worker.kill()
+    finish(run, study, tmp_path, rows)
+    show_row(
+        "trials",
+        f"{number.name} to the coordinator of a cluster, with rows written",
+        count,
+        "no row lost; it is resumed",
+    )
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
+def test_a_cluster_that_loses_its_scheduler_loses_no_row(
+    start: Start,
+    dask: Dask,
+    dask_scheduler: Scheduler,
+    run: Program,
+    rows: Rows,
+    tmp_path: Path,
+    number: signal.Signals,
+    count_of: Count,
+    show_row: ShowRow,
+) -> None:
+    count, stored = count_of("SIGNALS", 40), set[Row]()
+    study = (*STUDY, "--evaluations", 12 * count)
+    for _ in range(count):
+        words = ("resume", "run") if (tmp_path / "run" / "run.db").exists() else (*study, *PAUSE)
+        with (
+            dask_scheduler() as (address, scheduler),
+            dask("worker", address, "--nthreads", 1, "--no-dashboard", "--no-nanny", cwd=tmp_path) as worker,
+            start(*words, "--scheduler", address, cwd=tmp_path) as process,
+        ):
+            wait_for_rows(tmp_path / "run", len(stored) + 3, process)
+            assert process.poll() is None, process.communicate()[1]
+            shown = read_rows(tmp_path / "run")
+            send(scheduler.pid, number)
+            _, said = process.communicate(timeout=120)
+            worker.kill()
+        assert process.returncode == 1, said
+        assert "Traceback" not in said
+        assert said.splitlines()[-1].endswith("resume with: driftform resume run"), said
+        stored = read_rows(tmp_path / "run")
+        assert shown <= stored
+    finish(run, study, tmp_path, rows)
+    show_row(
+        "trials", f"{number.name} to the scheduler of a cluster, with rows written", count, "no row lost; it is resumed"
+    )
