@@ -174,7 +174,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         offsets, outlet = way.find_offsets(evaluation, self.space.scenario), self._outlets[job.target]
         shape.points.append((root, offsets[:, 2]))
         if outlet is None:
-            hits = np.linalg.norm(offsets[job.target]) <= HIT
+            hits = bool(np.linalg.norm(offsets[job.target]) <= HIT)
         else:
             flight = evaluation.trajectory
             hits = flight is not None and way.name_outlet(flight, self.space.scenario) == outlet
