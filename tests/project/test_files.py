@@ -1,5 +1,6 @@
 """What stands beside the code: licence, citation, changelog."""
 
+import subprocess
 import tomllib
 from pathlib import Path
 
@@ -7,7 +8,21 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parents[2]
+AT_THE_TOP = {
+    ".ci", ".github", ".gitignore", ".pre-commit-config.yaml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE",
+    "README.md", "docs", "mkdocs.yml", "plugins", "pyproject.toml", "src", "tests",
+}  # fmt: skip
+LARGEST = 1_000_000
+"""Bytes of a file that is kept."""
+
 PLUGINS = sorted(path.parent for path in (ROOT / "plugins").glob("*/pyproject.toml"))
+
+
+def test_nothing_else_and_nothing_large_is_kept() -> None:
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True, text=True).stdout
+    kept = [ROOT / name for name in listed.split("\0") if name]
+    assert {path.relative_to(ROOT).parts[0] for path in kept} == AT_THE_TOP
+    assert max(path.stat().st_size for path in kept if path.exists()) <= LARGEST
 
 
 @pytest.mark.parametrize("plugin", PLUGINS, ids=lambda path: path.name)
