@@ -125,6 +125,17 @@ def test_a_step_file_has_the_coefficients_of_its_agent(agents, specimen_of, tmp_
     assert found == pytest.approx(added_mass_of(agents[0].body.outer), rel=5e-3)
 
 
+@pytest.mark.peers
+def test_a_step_file_of_a_ball_is_closed_at_its_poles(specimen_of, tmp_path):
+    path = tmp_path / "ball.step"
+    body = load_study("paper").make_pipeline().build(Morphology((), ()))
+    StepExporter(PartOptions()).write(specimen_of(body), path)
+    found = added_mass_of(place_profile(read_profile(path).points))
+    # Half of the water that a ball displaces moves with it.
+    radius = body.outer[:, 1].max()
+    assert found[:2] == pytest.approx(1000 * 2 / 3 * np.pi * radius**3, rel=5e-3)
+
+
 @pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".glb"])
 def test_each_format_gives_the_same_profile(suffix, tmp_path):
     mesh = trimesh.creation.capsule(height=35.0, radius=12.5, count=(64, 64))

@@ -36,6 +36,8 @@ def find_profile(triangles: FloatArray, limit: float) -> tuple[FloatArray, float
     corners = np.arange(3 * len(triangles)).reshape(-1, 3)
     mesh = trimesh.Trimesh(triangles.reshape(-1, 3), corners, process=False)
     mesh.merge_vertices()
+    # At a pole a modelling program leaves triangles with two corners in one place.
+    mesh.update_faces((np.diff(np.sort(mesh.faces, axis=1), axis=1) > 0).all(axis=1))
     if not mesh.is_watertight:
         raise ValueError("is not a closed surface: mend it, for example with admesh or in a modelling program")
     # Without cavities, and what lies in them.
