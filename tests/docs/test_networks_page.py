@@ -45,6 +45,7 @@ def test_the_commands_print_what_the_page_shows(
     up_to_date(docs / "images" / "network-route.svg", Path("town.svg").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_a_run_becomes_a_fleet_and_a_fleet_becomes_parts(blocks: list[Any]) -> None:
     plain = [block for block in blocks if block.page == PAGE and block.language == "console" and not block.words]
     lines = [line for block in plain for line in block.text.splitlines()]

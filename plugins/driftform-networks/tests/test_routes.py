@@ -55,6 +55,7 @@ def test_a_route_has_the_keys_of_the_contract(call: Callable[..., Any]) -> None:
     assert document["branches"]["side"]["largest_change"] == 0
 
 
+@pytest.mark.slow
 def test_a_body_that_is_too_wide_is_stuck_and_the_reason_is_named(epanet: Any, tmp_path: Path) -> None:
     network = epanet.read_library("Net3")
     passage = route(network, "sphere:210mm", "River", travel=PUMPED, cache=tmp_path, walks=0)

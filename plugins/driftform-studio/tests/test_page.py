@@ -687,7 +687,7 @@ def open_all(page):
     return [field.get_attribute("id") for field in fields if field.is_displayed()]
 
 
-@pytest.mark.parametrize("scenario", ["pipe-inspection", "t-junction"])
+@pytest.mark.parametrize("scenario", ["pipe-inspection", pytest.param("t-junction", marks=pytest.mark.slow)])
 def test_every_field_forgives_what_is_typed_and_can_be_undone(page, finished, scenario, browser):
     from selenium.webdriver import Keys
 

@@ -122,7 +122,7 @@ def fly_tee(traveller: Traveller, tee: Tee, states: FloatArray | None, slope: fl
 
 
 def describe_pipe(traveller: Traveller, tee: Tee) -> dict[str, Any]:
-    """Return the scenario of a fitting without a release: a level main, with the flow and the friction of straight pipes."""
+    """Return the scenario of a fitting without a release: a level main, with the flow of straight pipes."""
     radius, stub = tee.bore / 2, _STUB * tee.bore
     document = traveller.scenario.model_dump(include={"fluid", "contact", "flow", "gusts"})
     document["flow"] |= {"speed": tee.speed}
@@ -142,6 +142,8 @@ def describe_pipe(traveller: Traveller, tee: Tee) -> dict[str, Any]:
     }
     if junction["kind"] == "wye":
         junction["angle_deg"] = tee.angle_deg
+    # The pressure of ideal flow presses bodies onto edges where real water separates: friction would hold them there.
+    document["contact"] |= {"friction": 0.0}
     return document | {"pipe": {"radius": radius, "parts": [lead, junction, end]}}
 
 
