@@ -111,7 +111,8 @@ def test_spheres_take_the_branch_as_the_streamtubes_say_unless_they_are_wide_and
             assert found.flown + found.held < found.divided + 0.03
         if (size, bore, share) == (0.2, 1.0, 0.1):
             assert found.flown < 0.02 and found.divided > 0.05
-        # The tables of routes say what these flights do, and gusts change less than three standard errors.
-        assert calm == pytest.approx(found.flown, abs=0.03)
+        # The tables of routes say what these flights do. Without friction, the spheres that the edge would hold move on, and
+        # some of them enter the branch. Gusts change less than three standard errors.
+        assert found.flown - 0.02 < calm < found.flown + found.held + 0.02
         assert entered == pytest.approx(calm, abs=0.03 + 3 * np.sqrt(share * (1 - share) / (RINGS * AROUND)))
     publish("streamtubes and flights", [line.replace("%", " %") for line in lines])
