@@ -1,32 +1,50 @@
 """Programs of ROS 1 in tests: a master that runs, and what listens to topics."""
 
+import random
 import socket
 import subprocess
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from json import loads
 from pathlib import Path
 from typing import Any
 from xmlrpc.client import ServerProxy
 
 LISTENER = Path(__file__).parent / "listen.py"
+ATTEMPTS = 3
 
 
 @contextmanager
 def run_master(environment: dict[str, str]) -> Iterator[tuple[dict[str, str], subprocess.Popen[str]]]:
     """Yield the environment of ROS with a master that runs, and its process."""
-    with socket.socket() as free:
-        free.bind(("localhost", 0))
-        port = free.getsockname()[1]
-    found = environment | {"ROS_MASTER_URI": f"http://localhost:{port}"}
-    with (
-        start("roscore", "-p", str(port), env=found) as process,
-        ServerProxy(found["ROS_MASTER_URI"]) as master,
-    ):
+    for _ in range(ATTEMPTS):
+        address = f"http://localhost:{find_port()}"
+        found = environment | {"ROS_MASTER_URI": address, "ROS_HOSTNAME": "localhost"}
+        with start("roscore", "-p", address.rpartition(":")[2], env=found) as process:
+            if has_started(process, address):
+                yield found, process
+                return
+            process.terminate()
+            print("roscore has not started:", process.communicate(timeout=20)[0])
+    raise AssertionError(f"roscore has not started in {ATTEMPTS} attempts")
+
+
+def has_started(process: subprocess.Popen[str], address: str) -> bool:
+    with ServerProxy(address) as master, suppress(AssertionError):
         # The log is the last that roscore starts.
-        wait_for(lambda: "/rosout" in str(master.lookupNode("/test", "/rosout")))
-        yield found, process
+        wait_for(lambda: process.poll() is not None or "http" in str(master.lookupNode("/test", "/rosout")))
+        return process.poll() is None
+    return False
+
+
+def find_port() -> int:
+    """Return a port that nothing listens at, outside the range from which the system gives ports to others meanwhile."""
+    while True:
+        port = random.randrange(20_000, 32_000)
+        with socket.socket() as free:
+            if free.connect_ex(("localhost", port)) != 0:
+                return port
 
 
 @contextmanager
