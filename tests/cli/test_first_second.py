@@ -1,9 +1,10 @@
-"""The first second: Ctrl-C while modules are imported, and a cache that cannot be written to."""
+"""The first second: Ctrl-C while modules are imported, streams that are closed, and a cache that cannot be written to."""
 
 import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -46,6 +47,26 @@ def test_an_interruption_while_modules_are_imported_is_one_line(tmp_path: Path, 
     assert done.stdout == ""
     assert done.stderr == "interrupted\n"
     assert not (tmp_path / "run").exists()
+
+
+@posix
+@pytest.mark.parametrize("streams", ["1>&-", "2>&-", "0<&- 1>&- 2>&-"])
+def test_a_run_whose_streams_are_closed_is_that_of_open_ones(
+    tmp_path: Path, fake_plugin: Path, rows: Callable[[Path], list[tuple[object, ...]]], streams: str
+) -> None:
+    program = Path(sys.executable).with_name("driftform")
+    for name, closed in (("open", ""), ("closed", streams)):
+        command = f"'{program}' evolve {' '.join(map(str, RUN))} --out {name} {closed}"
+        done = subprocess.run(
+            ["/bin/sh", "-c", command],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(fake_plugin)},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            check=False,
+        )
+        assert done.returncode == 0 and b"Traceback" not in done.stderr, done.stderr
+    assert rows(tmp_path / "closed") == rows(tmp_path / "open")
 
 
 def test_a_cache_that_cannot_be_written_names_the_variable_that_moves_it(

@@ -507,13 +507,15 @@ def draw_changes(dice: random.Random) -> list[Change]:
     ]
 
 
-@pytest.mark.parametrize("name", ["study", "agent"])
+@pytest.mark.parametrize("name", ["study", "agent", "run", "cells of a run"])
 def test_5_000_altered_files_are_read_or_refused_in_one_line(
     name: str, tmp_path: Path, count_of: Callable[[str, int], int], show_row: Callable[..., None]
 ) -> None:
     """In this process, which is quicker; the seed repeats what fell."""
     count, dice, found = count_of("ALTERED", 5_000), random.Random(1), Counter[str]()
     file, make, read = READERS[name]
+    if name == "cells of a run":
+        DATABASE[:] = [make_run(tmp_path)]
     [whole], path = make(tmp_path), tmp_path / "given" / file
     path.parent.mkdir()
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -530,4 +532,5 @@ def test_5_000_altered_files_are_read_or_refused_in_one_line(
         assert time.process_time() - began < MOST_S
     assert (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e3 < MOST_MB
     assert found["read"] and found["refused"]
-    show_row("trials", f"an altered {name}", count, f"{found['read']} read, {found['refused']} refused in one line")
+    title = f"altered {name}" if name.startswith("cells") else f"an altered {name}"
+    show_row("trials", title, count, f"{found['read']} read, {found['refused']} refused in one line")

@@ -23,6 +23,10 @@ def main() -> None:
     codes: list[int] = []
     # Last of what is done at the end, because it is registered first.
     atexit.register(_leave, codes)
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        # What is closed is opened, in order, before a file of a run gets its number and then what is printed.
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))
     try:
         _run()
     except KeyboardInterrupt:

@@ -1,0 +1,106 @@
+"""Odd surroundings, in which a command gives the same files as in usual ones.
+
+``uv run pytest -m slow -s tests/endurance/test_surroundings.py``
+"""
+
+import os
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="closes descriptors, and sets limits of POSIX"),
+]
+
+
+def limit(name: str, value: int) -> Callable[[], None]:
+    import resource
+
+    return lambda: resource.setrlimit(getattr(resource, name), (value, value))
+
+
+def close(*descriptors: int) -> Callable[[], None]:
+    def close_all() -> None:
+        for number in descriptors:
+            os.close(number)
+
+    return close_all
+
+
+def set_all(**variables: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return surroundings in which one variable of the environment has a value."""
+    return {f"{name}={value}": {"env": {name: value}} for name, values in variables.items() for value in values}
+
+
+SURROUNDINGS: dict[str, dict[str, Any]] = {
+    **set_all(
+        LC_ALL=["C", "POSIX", "tr_TR.UTF-8", "zh_CN.GBK", "nonsense"],
+        PYTHONIOENCODING=["ascii", "utf-16", "cp1252"],
+        PYTHONUTF8=["0", "1"],
+        TZ=["Pacific/Kiritimati", "nonsense", ""],
+        COLUMNS=["1", "0", "x", "99999"],
+        TERM=["dumb", "", "nonsense"],
+        NO_COLOR=["1"],
+        FORCE_COLOR=["1"],
+        CI=["1"],
+        PYTHONSAFEPATH=["1"],
+        PYTHONDEVMODE=["1"],
+        PYTHONOPTIMIZE=["2"],
+        PYTHONHASHSEED=["7"],
+        PYTHONDONTWRITEBYTECODE=["1"],
+        OMP_NUM_THREADS=["1", "64"],
+        PATH=[""],
+        TMPDIR=["/nowhere"],
+        HOME=["", "/dev/null/home"],
+        XDG_CACHE_HOME=["/proc/nowhere"],
+    ),
+    "no environment": {"env": None},
+    "no stdin": {"preexec_fn": close(0)},
+    "no stdout": {"preexec_fn": close(1)},
+    "no stderr": {"preexec_fn": close(2)},
+    "none of them": {"preexec_fn": close(0, 1, 2)},
+    "umask 077": {"preexec_fn": lambda: os.umask(0o77) and None},
+    "nice 19": {"preexec_fn": lambda: os.nice(19) and None},
+    "64 descriptors": {"preexec_fn": limit("RLIMIT_NOFILE", 64)},
+    "20 descriptors": {"preexec_fn": limit("RLIMIT_NOFILE", 20)},
+    "no core": {"preexec_fn": limit("RLIMIT_CORE", 0)},
+    "stack of 1 MB": {"preexec_fn": limit("RLIMIT_STACK", 1 << 20)},
+    "modules of the same names in the folder": {"files": ["numpy.py", "typer.py", "driftform.py", "json.py"]},
+    "a folder with an odd name": {"folder": "a b\n'c\" %s {x} \u00e9\U0001f41f"},
+    "a folder with a long name": {"folder": "n" * 250},
+    "a folder of bytes that are no UTF-8": {"folder": os.fsdecode(b"\xff\xfe")},
+}
+
+
+def test_odd_surroundings_change_no_agent(tmp_path: Path, show_row: Callable[..., None]) -> None:
+    command = [str(Path(sysconfig.get_path("scripts")) / "driftform"), "sample", "--scenario", "paper"]
+    command += ["--count", "2", "--seed", "3", "--out", "out"]
+    fell = []
+    expected: dict[str, bytes] = {}
+    for number, (name, odd) in enumerate({"usual": {}, **SURROUNDINGS}.items()):
+        folder = tmp_path / str(number) / odd.get("folder", "here")
+        folder.mkdir(parents=True)
+        for file in odd.get("files", ()):
+            (folder / file).write_text("raise SystemExit('the wrong module')\n", encoding="utf-8")
+        changed = odd.get("env", {})
+        environment = {} if changed is None else os.environ | changed
+        done = subprocess.run(
+            command,
+            cwd=folder,
+            env=environment,
+            preexec_fn=odd.get("preexec_fn"),
+            capture_output=True,
+            check=False,
+        )
+        found = {path.name: path.read_bytes() for path in folder.glob("out/*")}
+        expected = expected or found
+        if done.returncode or b"Traceback" in done.stderr or found != expected or len(found) != 2:
+            fell.append((name, done.returncode, done.stderr[-500:]))
+    assert not fell
+    show_row("trials", "odd surroundings of `sample`", len(SURROUNDINGS), "the same agents")
