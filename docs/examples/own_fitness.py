@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 import driftform as df
-from driftform.interfaces import Fitness
-from driftform.options import Table
+from driftform.interfaces import Fitness, Table
 
 
 class Sweep(Fitness[Table]):

@@ -129,7 +129,7 @@ def test_wrong_options_of_a_plugin_are_refused_in_one_line(install: Install, ref
 def test_a_command_that_two_plugins_claim_is_refused_with_both_names(install: Install, refused: Refused) -> None:
     install(ext_one=add("dredge", "one"), ext_two=add("dredge", "two"))
     assert refused("dredge") == (
-        "error: command 'dredge' is unavailable: it is claimed by ext_one-plugin and ext_two-plugin; uninstall one of them"
+        "error: command 'dredge' is unavailable: ext_one-plugin and ext_two-plugin claim it; uninstall one of them"
     )
 
 
@@ -158,6 +158,17 @@ def test_a_known_command_whose_hook_raises_says_why(
     monkeypatch.setitem(BROUGHT_BY, "sound", "ext_kit-plugin")
     install(ext_kit=f"{HOOK}    raise OSError('no room')\n")
     assert refused("sound") == "error: command 'sound': ext_kit-plugin is unavailable: OSError: no room"
+
+
+def test_a_hook_that_raises_is_listed_and_named_by_a_command_that_nobody_knows(
+    install: Install, call: Call, refused: Refused
+) -> None:
+    install(ext_broken=f"{HOOK}    raise OSError('no room')\n", ext_sound=add("buoy", "a buoy"))
+    assert refused("sail") == "error: no command is named 'sail'; ext_broken-plugin is unavailable: OSError: no room"
+    rows = [row for row in json.loads(call("plugins", "--json").stdout)["plugins"] if row["seam"] == "commands"]
+    found = {row["distribution"]: (row["name"], row["state"]) for row in rows}
+    assert found["ext_sound-plugin"] == ("buoy", "ok")
+    assert found["ext_broken-plugin"] == ("ext_broken", "unavailable: OSError: no room")
 
 
 @pytest.mark.parametrize(

@@ -37,8 +37,9 @@ def shown(pages: dict[str, str]) -> dict[str, list[str]]:
 
 INTRODUCTION = """# Python reference
 
-The public interface: plugins and scripts import these modules, and nothing else of driftform. This page is made from the
-docstrings, which state shapes, units and frames. On GitHub it is a list of names: the source of each has the same text.
+The public interface: plugins and scripts import these modules, and nothing else of driftform. Of a name that is a
+module itself, what this page lists is public too: `from driftform.water.field import water_velocity`. This page is made
+from the docstrings, which state shapes, units and frames. On GitHub it is a list of names: the source has the same text.
 [python.md](python.md) shows how to use the functions, and [dataflow.md](dataflow.md) how the values flow.
 """
 

@@ -48,6 +48,19 @@ def parse(words: list[str]) -> None:
         name, command, words = command.resolve_command(context, words)
 
 
+def test_every_table_has_a_heading_and_rows_of_as_many_columns(pages: dict[str, str]) -> None:
+    wrong = []
+    for name, text in pages.items():
+        tables = re.findall(r"(?m)^(.*)\n( *\|(?:-+\|)+)\n((?: *\|.*\n?)*)", text)
+        for heading, line, rows in tables:
+            columns = line.count("|")
+            for row in (heading, *rows.splitlines()):
+                bare = re.sub(r"`[^`]*`", "", row.strip())
+                if not bare.startswith("|") or len(re.findall(r"(?<!\\)\|", bare)) != columns:
+                    wrong.append(f"{name}: {row}")
+    assert wrong == []
+
+
 @pytest.mark.peers
 def test_commands_exist(prose: dict[str, str], blocks: list[Any]) -> None:
     lines = command_lines(prose, blocks)

@@ -223,6 +223,20 @@ def test_a_class_without_a_required_method_is_reported_with_its_name(install):
         found.find("strategy", "ext_half")
 
 
+@pytest.mark.parametrize(("seam", "method"), [("Reporter", "write"), ("Inspector", "describe")])
+def test_a_section_without_a_heading_is_reported_with_its_class(install, seam, method):
+    source = f"""
+from driftform import hookimpl
+
+@hookimpl
+def driftform_{seam.lower()}():
+    from driftform.interfaces import {seam}
+    return type("Bare", ({seam},), {{"name": "bare", "{method}": lambda self, *job: ""}})
+"""
+    broken = next(row for row in install(ext_bare=source).seam(seam.lower()) if not row.available)
+    assert broken.state == "unavailable: TypeError: Bare has no heading"
+
+
 @pytest.mark.parametrize(
     ("returned", "reason"),
     [

@@ -9,7 +9,7 @@ import typer
 
 from driftform.cli.help import Command, Group, UsageError
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
-from driftform.plugins.discovery import find_modules
+from driftform.plugins.discovery import PluginModule, find_modules
 
 BROUGHT_BY: Mapping[str, str] = {
     "body": "driftform-frusta",
@@ -42,18 +42,22 @@ class AddedCommand(Command):
 
 @dataclass(frozen=True)
 class Added:
-    """What plugins add: the commands by name, and one line for each plugin or command that is unavailable."""
+    """What plugins add: commands by name, their plugins, and one line for each plugin or command that is unavailable."""
 
     commands: Mapping[str, Any]
+    owners: Mapping[str, PluginModule]
     problems: Mapping[str, str]
+    broken: Mapping[str, PluginModule]
+    """Plugins by their line of :attr:`problems`, if their hook for commands raises."""
 
 
 @cache
 def load_added() -> Added:
     """Return the commands that plugins add; what fails is left out, with the reason."""
     commands: dict[str, Any] = {}
-    owners: dict[str, str] = {}
+    owners: dict[str, PluginModule] = {}
     problems: dict[str, str] = {}
+    broken: dict[str, PluginModule] = {}
     for plugin in find_modules():
         if plugin.problem:
             problems[plugin.distribution] = f"{plugin.distribution} is {plugin.problem}"
@@ -63,20 +67,23 @@ def load_added() -> Added:
             made = {} if hook is None else make_commands(hook)
         except (Exception, SystemExit) as error:
             problems[plugin.distribution] = f"{plugin.distribution} is unavailable: {describe_error(error)}"
+            broken[problems[plugin.distribution]] = plugin
             continue
         for name, command in made.items():
             if name in owners:
-                problems[name] = f"it is claimed by {owners[name]} and {plugin.distribution}; uninstall one of them"
+                problems[name] = (
+                    f"{owners[name].distribution} and {plugin.distribution} claim it; uninstall one of them"
+                )
                 commands.pop(name, None)
             else:
-                owners[name], commands[name] = plugin.distribution, command
-    return Added(commands, problems)
+                owners[name], commands[name] = plugin, command
+    return Added(commands, owners, problems, broken)
 
 
 def find_added(name: str) -> Any:
     """Return the command that a plugin adds under a name, ``None`` if no plugin is known to add it.
 
-    Raises InputError if two plugins claim the name, or the plugin that is known to add it is missing or broken.
+    Raises InputError if two plugins claim the name, or a plugin that may add it is missing or broken.
     """
     added = load_added()
     if name in added.commands:
@@ -84,6 +91,8 @@ def find_added(name: str) -> Any:
     if name in added.problems:
         raise InputError(f"command '{name}' is unavailable: {added.problems[name]}")
     package = BROUGHT_BY.get(name)
+    if package is None and added.broken:
+        raise InputError(f"no command is named '{name}'; {'; '.join(added.broken)}")
     if package is None:
         return None
     distribution = package.replace("[", "-").removesuffix("]")

@@ -1,4 +1,4 @@
-"""Options that several commands share."""
+"""Options that several commands share, as annotations of parameters: ``json: Json = False`` is ``--json``."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -10,12 +10,18 @@ from driftform.cli.options import Json
 
 
 def list_(json: Json = False) -> None:
-    """List the plugins by seam, also those that cannot be used, with the reason."""
+    """List the plugins by seam, and commands, also those that cannot be used, with the reason."""
+    from driftform.cli.added import load_added
     from driftform.cli.output import print_json, print_table
     from driftform.plugins.registry import registry
 
     columns = ("seam", "name", "distribution", "version", "state")
     rows = [{c: getattr(row, c) for c in columns} for row in registry().contributions()]
+    added = load_added()
+    commands = [(name, added.owners[name], "ok") for name in sorted(added.commands)]
+    commands += [(one.name, one, line.partition(" is ")[2]) for line, one in added.broken.items()]
+    for name, plugin, state in commands:
+        rows.append(dict(zip(columns, ("commands", name, plugin.distribution, plugin.version, state), strict=True)))
     if json:
         print_json({"plugins": rows})
     else:

@@ -95,11 +95,11 @@ def finish_trajectory(
     accepted: float = np.inf,
     other: FloatArray | None = None,
 ) -> Trajectory:
-    """Return the trajectory of raw samples (k, 14): the finite ones, cut exactly at the outlet.
+    """Return the trajectory of samples (k, 14), times and states of ``compute_rate``: the finite ones, cut at the outlet.
 
-    A flight that stopped before the ``horizon`` (s) without another reason ends as non-finite, one with more than
-    ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as not converged. It
-    has the samples up to where the ``other`` integration of the same flight, raw samples (n, 14), is ``accepted`` away.
+    The first must be finite. A flight that stopped before the ``horizon`` (s) without another reason ends as non-finite,
+    one with more than ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as
+    not converged: it has the samples up to where the ``other`` integration, samples (n, 14), is ``accepted`` away.
     """
     samples, values, k = np.ascontiguousarray(samples), pack(model), len(samples)
     filled = np.empty(k), np.empty((k, 3)), np.empty((k, 4)), np.empty((k, 6))
@@ -119,12 +119,7 @@ def finish_trajectory(
         end = End.NOT_CONVERGED
         if other is not None:
             count = _count_agreeing(samples[: len(t)], other, accepted)
-            t, position, quaternion, velocity = (
-                t[:count],
-                position[:count],
-                quaternion[:count],
-                velocity[:count],
-            )
+            t, position, quaternion, velocity = t[:count], position[:count], quaternion[:count], velocity[:count]
     # What touches after the outlet does not count.
     contact = time if time < math.inf and time <= t[-1] else None
     drift = None

@@ -23,7 +23,7 @@ def compute_rate(t: float, state: FloatArray, model: FlightModel) -> FloatArray:
     Args:
         t: time since the release, s.
         state: position (m), quaternion, velocity (m/s) and angular velocity (rad/s, body axes), and in gusts their
-            four numbers, as :func:`driftform.motion.release_state` returns it; all but the angular velocity in the
+            four numbers, as :func:`release_state` returns it; all but the angular velocity in the
             world frame.
         model: an agent in a scenario, from :func:`flight_model`.
     """
