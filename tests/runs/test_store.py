@@ -4,6 +4,7 @@ import math
 import pickle
 import sqlite3
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -396,3 +397,16 @@ def test_the_tuning_of_a_genome_is_stored_and_read_back(tmp_path: Path) -> None:
         store.add([record], ("T",))
         assert store.read_genome(0) == genome
         assert store.read_record(0, ("T",)).candidate == record.candidate
+
+
+def test_damage_that_sqlite_describes_with_the_damaged_bytes_is_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "run.db"
+    Store.create(path, {"targets": {"A": (1.0, 0.0, 0.0)}}).close()
+    with closing(sqlite3.connect(path)) as connection, connection:
+        connection.execute("PRAGMA writable_schema = ON")
+        connection.execute(
+            "UPDATE sqlite_master SET name = CAST(x'6dd061' AS TEXT), sql = 'no SQL' WHERE name = 'meta'"
+        )
+    with pytest.raises(InputError, match="is damaged") as raised:
+        Store.open(path, read_only=True)
+    assert len(str(raised.value).splitlines()) == 1

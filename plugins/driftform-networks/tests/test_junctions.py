@@ -9,6 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import driftform
+from driftform.errors import WorkFailedError
+from driftform.types import End
+from driftform.water import Scenario
 from driftform_networks.bodies import FLOWN_BY, Traveller, open_traveller
 from driftform_networks.bore import BANDS, MIXED, find_band, sample_band, spread_points
 from driftform_networks.choosing import bound_steering
@@ -19,6 +22,7 @@ from driftform_networks.junctions import describe_junction, find_bends
 from driftform_networks.network import Network
 from driftform_networks.passage import find_reachable
 from driftform_networks.reading import open_network
+from driftform_networks.releasing import fly
 from driftform_networks.snapshot import take_snapshot
 from driftform_networks.streamtubes import divide_bore, smallest_share
 from driftform_networks.travelling import repeat_cells
@@ -210,3 +214,22 @@ def test_a_network_from_the_cache_is_the_one_that_was_computed(fork_file: Path, 
 def test_the_code_that_decides_flights_is_where_its_hash_looks_for_it() -> None:
     core = Path(driftform.__file__).parent
     assert all(list((core / name).glob("*.py")) for name in FLOWN_BY)
+
+
+def test_a_flight_that_has_taken_all_its_steps_counts_and_one_that_broke_off_does_not(
+    sphere: Traveller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = Scenario.model_validate(sphere.scenario.model_dump() | {"flight": {"horizon": 1.0}})
+    [whole] = fly(sphere, [scenario], "in a pipe")
+    assert whole is not None and not whole.end.failed
+    ends = [End.STEP_LIMIT, End.NON_FINITE]
+    monkeypatch.setattr(
+        type(sphere.simulator),
+        "screen_batch",
+        lambda _, agents, *__: [replace(whole, end=end) for end in ends[: len(agents)]],
+    )
+    held, broken = fly(sphere, [scenario] * 2, "in a pipe")
+    assert held is not None and held.end is End.STEP_LIMIT and broken is None
+    ends.reverse()
+    with pytest.raises(WorkFailedError, match="cannot be flown in a pipe"):
+        fly(sphere, [scenario], "in a pipe")

@@ -181,7 +181,7 @@ class Store:
                 or connection.execute("PRAGMA quick_check").fetchone()[0] == "ok"
             )
             broken = _find_broken_tables(connection)
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:  # a message of SQLite may quote what is damaged
             connection.close()
             raise _describe_read_error(path, error) from None
         problem = ""

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import WorkFailedError
-from driftform.types import FloatArray, Trajectory
+from driftform.types import End, FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform_networks.bodies import Traveller
 from driftform_networks.network import IntArray
@@ -75,13 +75,16 @@ def turn(quaternion: FloatArray, vector: FloatArray) -> FloatArray:
 def fly(traveller: Traveller, scenarios: list[Scenario], pipe: str) -> list[Trajectory | None]:
     """Return the flights of a body, ``None`` for those that the simulator cannot fly.
 
-    Raises WorkFailedError if it can fly none of them; ``pipe`` says where.
+    A flight that has taken all its steps counts as one at its horizon: gusts shake a body where an edge holds it.
+
+    Raises WorkFailedError if the simulator can fly none of them; ``pipe`` says where.
     """
     agents = [traveller.agent] * len(scenarios)
     flights = traveller.simulator.screen_batch(agents, scenarios, lambda _, __: False)
-    if all(flight.end.failed for flight in flights):
+    found = [flight if flight.end is End.STEP_LIMIT or not flight.end.failed else None for flight in flights]
+    if all(flight is None for flight in found):
         raise WorkFailedError(f"{traveller.name}: cannot be flown {pipe}: {flights[0].failure}")
-    return [None if flight.end.failed else flight for flight in flights]
+    return found
 
 
 def locate_middle(flight: Trajectory, rows: list[int] | IntArray, middle: FloatArray) -> FloatArray:
