@@ -130,7 +130,7 @@ def test_a_cluster_that_loses_workers_loses_no_row(
     show_row: ShowRow,
 ) -> None:
     count, stored = count_of("SIGNALS", 40), set[Row]()
-    study = (*STUDY, "--evaluations", 100 * count)
+    study = (*STUDY, "--evaluations", 40 * count)
     with (
         dask_scheduler() as (address, _),
         dask("worker", address, "--nthreads", 1, "--no-dashboard", cwd=tmp_path) as nanny,
@@ -178,7 +178,7 @@ def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(
     show_row: ShowRow,
 ) -> None:
     count, stored = count_of("SIGNALS", 40), set[Row]()
-    study = (*STUDY, "--evaluations", 50 * count)
+    study = (*STUDY, "--evaluations", 12 * count)
     with (
         dask_scheduler() as (address, _),
         dask("worker", address, "--nthreads", 1, "--no-dashboard", "--no-nanny", cwd=tmp_path) as worker,
@@ -221,7 +221,7 @@ def test_a_cluster_that_loses_its_scheduler_loses_no_row(
     show_row: ShowRow,
 ) -> None:
     count, stored = count_of("SIGNALS", 40), set[Row]()
-    study = (*STUDY, "--evaluations", 50 * count)
+    study = (*STUDY, "--evaluations", 12 * count)
     for _ in range(count):
         words = ("resume", "run") if (tmp_path / "run" / "run.db").exists() else (*study, *PAUSE)
         with (
