@@ -168,13 +168,7 @@ def outside(uv: str) -> Callable[..., str]:
     def done(*words: object, cwd: Path) -> str:
         environment = {k: v for k, v in os.environ.items() if k not in ("VIRTUAL_ENV", "PYTHONPATH")}
         ended = subprocess.run(
-            [*map(str, words)],
-            cwd=cwd,
-            env=environment,
-            capture_output=True,
-            text=True,
-            timeout=600,
-            check=False,
+            [*map(str, words)], cwd=cwd, env=environment, capture_output=True, text=True, timeout=600, check=False
         )
         assert ended.returncode == 0, ended.stdout + ended.stderr
         return ended.stdout

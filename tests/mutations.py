@@ -94,14 +94,7 @@ TARGETS = (
     Target(
         f"{PLUGINS}-calibration/src/driftform_calibration/solution.py",
         (f"{PLUGINS}-calibration/tests/test_solution.py",),
-        (
-            "anchor",
-            "merge_solutions",
-            "_spread",
-            "_list_residuals",
-            "estimate_covariance",
-            "correlation_time",
-        ),
+        ("anchor", "merge_solutions", "_spread", "_list_residuals", "estimate_covariance", "correlation_time"),
     ),
     Target(f"{NETWORKS}/chain.py", (f"{PLUGINS}-networks/tests/test_chain.py",)),
     Target(f"{NETWORKS}/dividing.py", (f"{PLUGINS}-networks/tests/test_dividing.py",)),
@@ -128,14 +121,7 @@ class Mutant:
 
 _SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     **{ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult},
-    **{
-        ast.Lt: ast.GtE,
-        ast.GtE: ast.Lt,
-        ast.Gt: ast.LtE,
-        ast.LtE: ast.Gt,
-        ast.Eq: ast.NotEq,
-        ast.NotEq: ast.Eq,
-    },
+    **{ast.Lt: ast.GtE, ast.GtE: ast.Lt, ast.Gt: ast.LtE, ast.LtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq},
 }
 _DIMENSIONLESS_KEYWORDS = {"axis", "keepdims", "maxsize", "copy", "dtype", "strict"}
 
@@ -322,10 +308,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for number, code in run_all([(target, None) for target in targets], given.processes, folder):
-            print(
-                f"{time.monotonic() - begun:6.1f} s  {targets[number].name}: exit code {code} unchanged",
-                flush=True,
-            )
+            print(f"{time.monotonic() - begun:6.1f} s  {targets[number].name}: exit code {code} unchanged", flush=True)
             if code:
                 print((folder / f"{number}.txt").read_text(encoding="utf-8"))
                 return 2

@@ -25,10 +25,7 @@ WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
 def small(**run: int) -> Study:
     return df.load_study(
-        "paper",
-        targets=["TP3", "TP7"],
-        use={"simulator": "native"},
-        run={"seed": 1, "evaluations": 20, **run},
+        "paper", targets=["TP3", "TP7"], use={"simulator": "native"}, run={"seed": 1, "evaluations": 20, **run}
     )
 
 

@@ -37,7 +37,4 @@ def test_an_error_that_was_never_raised_has_no_place() -> None:
 
 def test_a_notebook_shows_one_line_for_each_fault() -> None:
     error = InputError("a.toml:1: first", "a.toml:2: \x1b[2Jsecond")
-    assert error._render_traceback_() == [
-        "InputError: a.toml:1: first",
-        "InputError: a.toml:2: \\x1b[2Jsecond",
-    ]
+    assert error._render_traceback_() == ["InputError: a.toml:1: first", "InputError: a.toml:2: \\x1b[2Jsecond"]

@@ -2,11 +2,7 @@
 
 import driftform as df
 
-study = df.load_study(
-    "pipe-inspection",
-    targets=["TP1", "TP8"],
-    run={"seed": 1, "evaluations": 150},
-)
+study = df.load_study("pipe-inspection", targets=["TP1", "TP8"], run={"seed": 1, "evaluations": 150})
 run = df.evolve(study, "runs/two-targets", progress=False)
 
 for index, (target, best) in enumerate(run.items()):

@@ -177,11 +177,7 @@ class Run(StoredRun, Mapping[str, Design]):
         return f"<Run {self.path}: {len(self)} targets>"
 
     def _repr_html_(self) -> str:
-        places, best, fitness = (
-            self.study.scenario.target_points(),
-            self.best(),
-            self.study.make_plugin("fitness"),
-        )
+        places, best, fitness = (self.study.scenario.target_points(), self.best(), self.study.make_plugin("fitness"))
         promised = all(map(is_promised, best.values()))
         rows = (
             (

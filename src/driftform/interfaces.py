@@ -193,10 +193,7 @@ class Simulator(Plugin[OptionsT_co]):
         return replace(found, t=begun + found.t, contact=contact)
 
     def screen_batch(
-        self,
-        agents: Sequence[Agent],
-        scenarios: Sequence[Scenario],
-        matters: Callable[[int, Trajectory], bool],
+        self, agents: Sequence[Agent], scenarios: Sequence[Scenario], matters: Callable[[int, Trajectory], bool]
     ) -> list[Trajectory]:
         """Return the trajectories of many agents; flights that do not matter to a search may be unchecked.
 
@@ -388,12 +385,7 @@ class Renderer(Plugin[OptionsT_co]):
 
     @abstractmethod
     def film(
-        self,
-        agent: Agent,
-        trajectory: Trajectory,
-        scenario: Scenario,
-        path: Path,
-        progress: Callable[[int, int], None],
+        self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, progress: Callable[[int, int], None]
     ) -> WrittenFile:
         """Write a film of the flight, from its first sample to its last, and return a description of the file.
 

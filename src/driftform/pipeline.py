@@ -225,10 +225,7 @@ class Pipeline:
                 outcomes[index] = Evaluation.failed(genome, targets, misfit)
         bounds, screened = list(thresholds or [None] * len(genomes)), dict[Agent, ScoredFlight]()
         flights = self._fly_each(
-            list(agents.values()),
-            [scenarios[index] for index in agents],
-            [bounds[index] for index in agents],
-            screened,
+            list(agents.values()), [scenarios[index] for index in agents], [bounds[index] for index in agents], screened
         )
         for index, flight in zip(agents, flights, strict=True):
             agent = agents[index]
@@ -284,12 +281,7 @@ class Pipeline:
         return require_flights(flights, len(agents), self.simulator, "screen_batch")
 
     def _score(
-        self,
-        genome: Genome,
-        agent: Agent,
-        trajectory: Trajectory | str,
-        screened: ScoredFlight | None,
-        disturbed: bool,
+        self, genome: Genome, agent: Agent, trajectory: Trajectory | str, screened: ScoredFlight | None, disturbed: bool
     ) -> Evaluation:
         targets = len(self.scenario.targets)
         if isinstance(trajectory, str):

@@ -133,18 +133,12 @@ class Moments:
 
     def __add__(self, other: "Moments") -> "Moments":
         return Moments(
-            self.volume + other.volume,
-            self.first + other.first,
-            self.second + other.second,
-            self.polar + other.polar,
+            self.volume + other.volume, self.first + other.first, self.second + other.second, self.polar + other.polar
         )
 
     def __sub__(self, hole: "Moments") -> "Moments":
         return Moments(
-            self.volume - hole.volume,
-            self.first - hole.first,
-            self.second - hole.second,
-            self.polar - hole.polar,
+            self.volume - hole.volume, self.first - hole.first, self.second - hole.second, self.polar - hole.polar
         )
 
     @property

@@ -22,11 +22,7 @@ def resident() -> int:
 def main(use: str, count: int) -> None:
     """Print megabytes after the warm-up, and how many more there are in the end and at most."""
     study = load_study("paper", use={"simulator": use}, run={"seed": 1})
-    executor, grammar, rng = (
-        InProcess(study.make_pipeline()),
-        study.make_plugin("grammar"),
-        np.random.default_rng(1),
-    )
+    executor, grammar, rng = (InProcess(study.make_pipeline()), study.make_plugin("grammar"), np.random.default_rng(1))
     genomes = (grammar.random(rng) for _ in range(WARM_UP + count))
     first = most = now = 0
     for index, genome in enumerate(genomes):

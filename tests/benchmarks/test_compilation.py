@@ -56,8 +56,5 @@ def test_what_the_kernels_cost_a_process(tmp_path):
         files = len(list(cache.rglob("*.nbc")))
         lines.append(f"| {flights} | {cold:.2g} | {warm:.2g} | {files} |")
         assert warm < cold / 10
-    lines += [
-        "",
-        "CPU time of the first three evaluations of a process, with an empty cache and with a full one.",
-    ]
+    lines += ["", "CPU time of the first three evaluations of a process, with an empty cache and with a full one."]
     print("", *lines, sep="\n")

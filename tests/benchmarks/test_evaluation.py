@@ -82,9 +82,7 @@ def test_errors_of_unchecked_flights(publish, count_of, tmp_path):
     ]
     for use, number in zip(SIMULATORS, (count, count // 10), strict=True):
         study = load_study(
-            "paper",
-            use={"simulator": use, "strategy": "evolution"},
-            run={"seed": 1, "evaluations": number},
+            "paper", use={"simulator": use, "strategy": "evolution"}, run={"seed": 1, "evaluations": number}
         )
         pipeline, rng = study.make_pipeline(), np.random.default_rng(1)
         search = Recorder(InProcess(pipeline))
@@ -167,10 +165,7 @@ def test_evaluations_per_second_with_two_workers(count_of):
         assert sorted(index for index, _ in outcomes) == list(range(count))
         failed = sum(evaluation.failure is not None for _, evaluation in outcomes)
         lines.append(f"| {use} | 2 | {started:.2g} | {rate:.3g} | {rate / one:.2g} | {failed} |")
-    lines += [
-        "",
-        f"{count} random genomes of the default study, from genome to ten fitnesses; start-up is extra.",
-    ]
+    lines += ["", f"{count} random genomes of the default study, from genome to ten fitnesses; start-up is extra."]
     print("", *lines, sep="\n")
 
 

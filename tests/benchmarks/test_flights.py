@@ -169,10 +169,7 @@ def test_what_a_flight_costs_and_how_exact_it_is(kind, pipelines, count_of, mill
         "Exudyn": by("exudyn"),
         "SciPy's DOP853": lambda course: course.finished(course.by_scipy()),
     }
-    timed = {
-        "300 steps of Runge-Kutta": Course.by_runge_kutta,
-        "SciPy's DOP853": Course.by_scipy,
-    }
+    timed = {"300 steps of Runge-Kutta": Course.by_runge_kutta, "SciPy's DOP853": Course.by_scipy}
     times = {name: milliseconds(timed.get(name, way), courses) for name, way in ways.items()}
     times["MuJoCo, an ellipsoid without walls"] = milliseconds(
         by_mujoco, [ellipsoid(course.agent, scenario) for course in courses]

@@ -16,10 +16,7 @@ MEGABYTES = 20.0
 
 def test_a_process_does_not_grow_with_what_it_evaluates(count_of):
     program = Path(__file__).with_name("resident.py")
-    lines = [
-        "| simulator | evaluations | MB after 200 | more in the end | more at most |",
-        "|---|---|---|---|---|",
-    ]
+    lines = ["| simulator | evaluations | MB after 200 | more in the end | more at most |", "|---|---|---|---|---|"]
     grown = {}
     count = count_of("EVALUATIONS", 10_000)
     for use in ("native", "exudyn"):

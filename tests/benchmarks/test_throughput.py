@@ -65,10 +65,7 @@ class Replayed:
 
 def test_what_store_and_strategy_take_for_an_evaluation(tmp_path: Path) -> None:
     count = 4000
-    lines = [
-        "| strategy | unpickle, store, tell and ask, ms CPU each | bytes from a worker |",
-        "|---|---|---|",
-    ]
+    lines = ["| strategy | unpickle, store, tell and ask, ms CPU each | bytes from a worker |", "|---|---|---|"]
     taken = {}
     for strategy in ("random", "paper"):
         use = {"simulator": "native", "strategy": strategy}
@@ -125,9 +122,7 @@ def marks(process: subprocess.Popen[str]) -> Iterator[Mark]:
 
 
 def test_a_long_run_neither_slows_down_nor_grows(
-    start: Callable[..., subprocess.Popen[str]],
-    count_of: Callable[[str, int], int],
-    tmp_path: Path,
+    start: Callable[..., subprocess.Popen[str]], count_of: Callable[[str, int], int], tmp_path: Path
 ) -> None:
     count, simulator = count_of("EVALUATIONS", 100_000), os.environ.get("SIMULATOR", "native")
     lines = [
@@ -166,10 +161,7 @@ def test_a_long_run_neither_slows_down_nor_grows(
 
 def part(told: list[Mark], first: int, last: int) -> tuple[Mark, Mark]:
     """The marks closest to two numbers of evaluations."""
-    return (
-        min(told, key=lambda mark: abs(mark.done - first)),
-        min(told, key=lambda mark: abs(mark.done - last)),
-    )
+    return (min(told, key=lambda mark: abs(mark.done - first)), min(told, key=lambda mark: abs(mark.done - last)))
 
 
 def each(marks: tuple[Mark, Mark], what: str) -> float:

@@ -79,8 +79,7 @@ def without_plugins(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     every = metadata.entry_points
     own = [point for point in every(group=GROUP) if point.dist and point.dist.name == "driftform"]
     monkeypatch.setattr(
-        "importlib.metadata.entry_points",
-        lambda **wanted: own if wanted == {"group": GROUP} else every(**wanted),
+        "importlib.metadata.entry_points", lambda **wanted: own if wanted == {"group": GROUP} else every(**wanted)
     )
     load_added.cache_clear()
     yield

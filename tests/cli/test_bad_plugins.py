@@ -30,16 +30,10 @@ def last_line(result: Any) -> str:
         ("exit", "simulator 'fake' failed in simulate(): SystemExit: 0 (in <lambda>, line "),
         ("none", "simulator 'fake' returned a NoneType"),
         ("empty", "simulator 'fake' returned a flight without increasing times from simulate_batch()"),
-        (
-            "unended",
-            "simulator 'fake' returned a flight that ended by nothing from simulate_batch(), expected an End",
-        ),
+        ("unended", "simulator 'fake' returned a flight that ended by nothing from simulate_batch(), expected an End"),
         ("backward", "simulator 'fake' returned a flight without increasing times from simulate_batch()"),
         ("nan", "simulator 'fake' returned a flight that is not finite from simulate_batch()"),
-        (
-            "surrogate",
-            "simulator 'fake' failed in simulate(): ValueError: half of a letter: \\ud800 (in _raise",
-        ),
+        ("surrogate", "simulator 'fake' failed in simulate(): ValueError: half of a letter: \\ud800 (in _raise"),
         ("turned", "simulator 'fake' returned a flight with quaternions of another length"),
         ("unsure", "simulator 'fake' returned a flight with error = nan from simulate_batch()"),
         ("words", "simulator 'fake' failed in simulate(): ValueError: could not convert string to float"),
@@ -154,41 +148,17 @@ def test_a_grammar_that_misbehaves_is_refused_by_name_before_a_search(
             "hydrodynamics 'slipping' failed in coefficients(): TypeError: Coefficients.added_mass holds values of",
         ),
         ("hydrodynamics", "nan", "hydrodynamics 'slipping' returned added_mass that is not finite"),
-        (
-            "hydrodynamics",
-            "negative",
-            "hydrodynamics 'slipping' returned an added mass that is not symmetric",
-        ),
-        (
-            "hydrodynamics",
-            "lopsided",
-            "hydrodynamics 'slipping' returned an added mass that is not symmetric",
-        ),
-        (
-            "fitness",
-            "none",
-            "fitness 'slipping' returned nothing from score(), expected an array of 1 number",
-        ),
+        ("hydrodynamics", "negative", "hydrodynamics 'slipping' returned an added mass that is not symmetric"),
+        ("hydrodynamics", "lopsided", "hydrodynamics 'slipping' returned an added mass that is not symmetric"),
+        ("fitness", "none", "fitness 'slipping' returned nothing from score(), expected an array of 1 number"),
         ("fitness", "text", "fitness 'slipping' returned '50' from score(), expected an array of 1 number"),
-        (
-            "fitness",
-            "texts",
-            "fitness 'slipping' returned ['50'] from score(), expected an array of 1 number",
-        ),
+        ("fitness", "texts", "fitness 'slipping' returned ['50'] from score(), expected an array of 1 number"),
         ("fitness", "scalar", "fitness 'slipping' returned 50.0 from score(), expected an array of 1 number"),
         ("fitness", "column", "fitness 'slipping' returned [[50.0]] from score(), expected an array of 1"),
         ("fitness", "complex", "fitness 'slipping' returned [(50+1j)] from score(), expected an array of 1"),
-        (
-            "fitness",
-            "truth",
-            "fitness 'slipping' returned [True] from score(), expected an array of 1 number",
-        ),
+        ("fitness", "truth", "fitness 'slipping' returned [True] from score(), expected an array of 1 number"),
         ("fitness", "ragged", "fitness 'slipping' returned [[1.0], [2.0, 3.0]] from score(), expected an"),
-        (
-            "fitness",
-            "raising",
-            "fitness 'slipping' failed in score(): LinAlgError: Singular matrix (in <lambda>",
-        ),
+        ("fitness", "raising", "fitness 'slipping' failed in score(): LinAlgError: Singular matrix (in <lambda>"),
     ],
 )
 def test_what_cannot_be_a_value_of_a_seam_is_named_by_a_run_and_by_one_flight(
@@ -209,30 +179,12 @@ def test_what_cannot_be_a_value_of_a_seam_is_named_by_a_run_and_by_one_flight(
     ("slip", "text"),
     [
         ("word", "returned a str from ask(), expected a Candidate"),
-        (
-            "none",
-            "returned a candidate whose genome is nothing from ask(), expected a Genome of grammar 'lsystem'",
-        ),
-        (
-            "grammar",
-            "returned a candidate whose genome is a Genome of grammar 'letters' from ask(), expected a",
-        ),
-        (
-            "target",
-            "returned a candidate for target 'Mars' from ask(), expected one of TP1, or an empty text",
-        ),
-        (
-            "parents",
-            "returned a candidate of generation 0 with parents (99,) from ask(), expected evaluations",
-        ),
-        (
-            "half",
-            "failed in ask(): TypeError: 'float' object cannot be interpreted as an integer (in <lambda>",
-        ),
-        (
-            "old",
-            f"returned a candidate of generation {2**70} with parents () from ask(), expected evaluations",
-        ),
+        ("none", "returned a candidate whose genome is nothing from ask(), expected a Genome of grammar 'lsystem'"),
+        ("grammar", "returned a candidate whose genome is a Genome of grammar 'letters' from ask(), expected a"),
+        ("target", "returned a candidate for target 'Mars' from ask(), expected one of TP1, or an empty text"),
+        ("parents", "returned a candidate of generation 0 with parents (99,) from ask(), expected evaluations"),
+        ("half", "failed in ask(): TypeError: 'float' object cannot be interpreted as an integer (in <lambda>"),
+        ("old", f"returned a candidate of generation {2**70} with parents () from ask(), expected evaluations"),
         ("threshold", "returned a candidate with threshold (1.0, 2.0) from ask(), expected None or 1 number"),
     ],
 )
@@ -294,10 +246,7 @@ def test_a_strategy_that_does_not_accept_a_study_leaves_no_directory(call: Call,
     [
         ("exit", "exporter 'deed' failed in write(): SystemExit: 0 (in <lambda>, line "),
         ("none", "exporter 'deed' returned nothing from write(), expected the files that it wrote"),
-        (
-            "absent",
-            "exporter 'deed' returned a WrittenFile of 'nowhere.never' from write(), expected the path of",
-        ),
+        ("absent", "exporter 'deed' returned a WrittenFile of 'nowhere.never' from write(), expected the path of"),
         ("pathless", "exporter 'deed' returned a WrittenFile of None from write(), expected the path of"),
         ("foreign", "exporter 'deed' failed in write(): KeyError: 'x' (in _raise, line "),
     ],

@@ -257,10 +257,5 @@ def test_a_name_that_steers_a_terminal_is_refused_before_it_is_shown(
     refused: Refused, run_copy: Path, name: str
 ) -> None:
     studied(lambda study: study.update(targets={name: [1.0, 0.0, 0.0]}))(run_copy / "run.db")
-    for args in (
-        ("watch", "run", "--once"),
-        ("watch", "run", "--json"),
-        ("report", "run"),
-        ("resume", "run"),
-    ):
+    for args in (("watch", "run", "--once"), ("watch", "run", "--json"), ("report", "run"), ("resume", "run")):
         assert "the name of a target is " in refused(*args)

@@ -160,29 +160,9 @@ def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_
     import pty
 
     ours, theirs = pty.openpty()
-    args = (
-        "evolve",
-        "paper",
-        "--target",
-        "TP1",
-        "--seed",
-        "1",
-        "--simulator",
-        "fake",
-        "--evaluations",
-        "5000",
-    )
+    args = ("evolve", "paper", "--target", "TP1", "--seed", "1", "--simulator", "fake", "--evaluations", "5000")
     process = subprocess.Popen(
-        [
-            sys.executable,
-            "-c",
-            "from driftform.cli import main; main()",
-            *args,
-            "--workers",
-            "1",
-            "--out",
-            "run",
-        ],
+        [sys.executable, "-c", "from driftform.cli import main; main()", *args, "--workers", "1", "--out", "run"],
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(fake_plugin), "COLUMNS": "90", "LINES": "24", "TERM": "xterm"},
         stdin=theirs,

@@ -35,9 +35,7 @@ def test_stdout_is_one_json_document_with_the_fields_of_the_contract(finished_ru
         assert all((directory.parent / path).is_file() for path in best["files"])
 
 
-def test_off_a_terminal_progress_is_a_plain_line_on_stderr_for_each_generation(
-    finished_run: Finished,
-) -> None:
+def test_off_a_terminal_progress_is_a_plain_line_on_stderr_for_each_generation(finished_run: Finished) -> None:
     # Two populations of ten make one generation of twenty.
     lines = finished_run[1].stderr.splitlines()
     if lines[0].startswith("compiling"):
@@ -78,9 +76,7 @@ def test_the_environment_names_versions_plugins_and_the_seed(finished_run: Finis
     assert document["packages"]["numpy"] != "?"
 
 
-def test_pictures_are_svg_and_the_flight_is_a_table_that_starts_at_the_release(
-    finished_run: Finished,
-) -> None:
+def test_pictures_are_svg_and_the_flight_is_a_table_that_starts_at_the_release(finished_run: Finished) -> None:
     directory, _ = finished_run
     for path in directory.rglob("*.svg"):
         assert ET.parse(path).getroot().tag == "{http://www.w3.org/2000/svg}svg"
@@ -106,20 +102,7 @@ def test_two_workers_find_what_one_finds_to_the_last_digit(
     finished_run: Finished, run: Program, rows: Callable[[Path], Any], tmp_path: Path
 ) -> None:
     result = run(
-        *(
-            "evolve",
-            "paper",
-            "--evaluations",
-            20,
-            "--target",
-            "TP1",
-            "--target",
-            "TP7",
-            "--seed",
-            1,
-            "--workers",
-            2,
-        ),
+        *("evolve", "paper", "--evaluations", 20, "--target", "TP1", "--target", "TP7", "--seed", 1, "--workers", 2),
         *("--out", "run"),
         cwd=tmp_path,
     )
@@ -151,18 +134,7 @@ def test_a_seed_that_was_drawn_is_recorded(call: Callable[..., Any], fakes: None
 
 def test_one_generation_after_the_other_is_reported(call: Callable[..., Any], fakes: None) -> None:
     result = call(
-        *(
-            "evolve",
-            "paper",
-            "--target",
-            "TP1",
-            "--evaluations",
-            25,
-            "--seed",
-            1,
-            "--workers",
-            1,
-        ),
+        *("evolve", "paper", "--target", "TP1", "--evaluations", 25, "--seed", 1, "--workers", 1),
         *("--simulator", "fake", "--out", "run"),
     )
     states = [line.partition(": ")[2].split()[0] for line in result.stderr.splitlines()]
@@ -173,20 +145,7 @@ def test_a_format_that_cannot_hold_an_agent_is_told_at_the_end_and_keeps_nothing
     call: Callable[..., Any], fakes: None
 ) -> None:
     result = call(
-        *(
-            "evolve",
-            "paper",
-            "--target",
-            "TP1",
-            "--target",
-            "TP2",
-            "--evaluations",
-            2,
-            "--seed",
-            1,
-            "--workers",
-            1,
-        ),
+        *("evolve", "paper", "--target", "TP1", "--target", "TP2", "--evaluations", 2, "--seed", 1, "--workers", 1),
         *("--simulator", "fake", "--out", "run", "--json", "--set", 'run.formats=["refusing", "stl"]'),
     )
     assert result.exit_code == 1

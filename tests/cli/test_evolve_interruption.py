@@ -92,10 +92,7 @@ def workers(process: int) -> list[int]:
 
 both = pytest.mark.parametrize(
     "going",
-    [
-        pytest.param(("local", PAUSE), id="local"),
-        pytest.param(("dask", PAUSE), id="dask", marks=pytest.mark.peers),
-    ],
+    [pytest.param(("local", PAUSE), id="local"), pytest.param(("dask", PAUSE), id="dask", marks=pytest.mark.peers)],
     indirect=True,
 )
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
@@ -133,11 +130,7 @@ def going(start: Start, tmp_path: Path, request: pytest.FixtureRequest) -> Itera
 @needs_proc
 @both
 def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(
-    going: subprocess.Popen[str],
-    run: Program,
-    rows: Rows,
-    undisturbed: list[tuple[Any, ...]],
-    tmp_path: Path,
+    going: subprocess.Popen[str], run: Program, rows: Rows, undisturbed: list[tuple[Any, ...]], tmp_path: Path
 ) -> None:
     started = workers(going.pid)
     assert started
@@ -262,20 +255,7 @@ def test_a_worker_that_is_killed_costs_nothing(
 def test_genomes_that_kill_their_process_are_counted_and_the_rest_is_a_result(
     call: Callable[..., Any], fakes: None
 ) -> None:
-    args = (
-        "paper",
-        "--evaluations",
-        20,
-        "--target",
-        "TP1",
-        "--seed",
-        5,
-        "--workers",
-        2,
-        "--out",
-        "run",
-        "--json",
-    )
+    args = ("paper", "--evaluations", 20, "--target", "TP1", "--seed", 5, "--workers", 2, "--out", "run", "--json")
     result = call("evolve", *args, "--simulator", "fake", "--set", "simulator.die=0.1")
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
@@ -298,19 +278,7 @@ def test_resuming_a_finished_run_changes_nothing(run_copy: Path, call: Callable[
 
 
 def test_all_evaluations_failing_ends_with_the_reason_of_the_first(call: Callable[..., Any], fakes: None) -> None:
-    args = (
-        "paper",
-        "--simulator",
-        "fake",
-        "--set",
-        "simulator.fail=1",
-        "--workers",
-        1,
-        "--out",
-        "run",
-        "--seed",
-        1,
-    )
+    args = ("paper", "--simulator", "fake", "--set", "simulator.fail=1", "--workers", 1, "--out", "run", "--seed", 1)
     result = call("evolve", *args, "--evaluations", 4, "--target", "TP1", "--json")
     assert result.exit_code == 1
     assert result.stdout == ""

@@ -155,8 +155,7 @@ def failing(directory: Path, index: int) -> None:
         f"{name} = NULL" for name in ("ended", "duration", "contact", "energy_drift", "error", "trajectory")
     )
     connection.execute(
-        f"UPDATE evaluation SET failure = ?, {nothing} WHERE id = ?",
-        ('it said "no",\nand sank; zürich', index),
+        f"UPDATE evaluation SET failure = ?, {nothing} WHERE id = ?", ('it said "no",\nand sank; zürich', index)
     )
     connection.execute("UPDATE score SET fitness = 0 WHERE evaluation = ?", (index,))
     connection.commit()

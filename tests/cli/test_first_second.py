@@ -36,12 +36,7 @@ def test_an_interruption_while_modules_are_imported_is_one_line(tmp_path: Path, 
     command = [str(Path(sys.executable).with_name("driftform")), "evolve", *map(str, RUN), "--out", "run"]
     path = os.pathsep.join(map(str, (tmp_path, fake_plugin)))
     done = subprocess.run(
-        command,
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
+        command, cwd=tmp_path, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, check=False
     )
     assert done.returncode == 130, done.stderr
     assert done.stdout == ""

@@ -11,17 +11,7 @@ from hypothesis import strategies as st
 
 from driftform.cli.output import print_table, print_text
 
-RESULTS = (
-    "target",
-    "x m",
-    "y m",
-    "z m",
-    "fitness %",
-    "error % of d_max",
-    "disturbed: mean",
-    "worst",
-    "closest mm",
-)
+RESULTS = ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", "disturbed: mean", "worst", "closest mm")
 
 
 class Terminal(io.StringIO):

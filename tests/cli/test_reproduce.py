@@ -20,19 +20,7 @@ def reproduced(start: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Pa
     """Two repeats of each search."""
     out = tmp_path_factory.mktemp("reproduction") / "out"
     process = start(
-        *(
-            "reproduce",
-            "--repeats",
-            "2",
-            "--seed",
-            "3",
-            "--simulator",
-            "fake",
-            "--out",
-            out,
-            "--workers",
-            "1",
-        ),
+        *("reproduce", "--repeats", "2", "--seed", "3", "--simulator", "fake", "--out", out, "--workers", "1"),
         "--json",
         cwd=out.parent,
     )
@@ -94,19 +82,7 @@ def test_the_same_seed_gives_the_same_tables_also_after_an_interruption(
     reproduced: tuple[Path, dict[str, Any]], start: Any, tmp_path: Path
 ) -> None:
     out = tmp_path / "again"
-    command = (
-        "reproduce",
-        "--repeats",
-        "2",
-        "--seed",
-        "3",
-        "--simulator",
-        "fake",
-        "--out",
-        out,
-        "--workers",
-        "2",
-    )
+    command = ("reproduce", "--repeats", "2", "--seed", "3", "--simulator", "fake", "--out", out, "--workers", "2")
     process = start(*command, cwd=tmp_path)
     database = out / "runs" / "paper-4" / "run.db"
     deadline = time.monotonic() + 60

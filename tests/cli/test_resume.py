@@ -23,19 +23,7 @@ pytestmark = pytest.mark.long
 Program = Callable[..., subprocess.CompletedProcess[str]]
 Rows = Callable[[Path], list[tuple[Any, ...]]]
 
-STUDY = (
-    "paper",
-    "--target",
-    "TP1",
-    "--target",
-    "TP8",
-    "--seed",
-    5,
-    "--simulator",
-    "fake",
-    "--workers",
-    1,
-)
+STUDY = ("paper", "--target", "TP1", "--target", "TP8", "--seed", 5, "--simulator", "fake", "--workers", 1)
 
 
 def budgets(directory: Path) -> tuple[int, int]:

@@ -44,10 +44,7 @@ def test_a_figure_for_a_paper_has_the_width_that_is_asked_for(call: Call) -> Non
     ("options", "line"),
     [
         (("--style", "papr"), "--style papr: no such style; did you mean 'paper'?"),
-        (
-            ("--width-mm", "85"),
-            "--width-mm 85: pictures for the screen have no width in mm; add --style paper",
-        ),
+        (("--width-mm", "85"), "--width-mm 85: pictures for the screen have no width in mm; add --style paper"),
     ],
 )
 def test_a_style_that_cannot_be_is_refused_before_the_flight(call: Call, options: tuple[str, ...], line: str) -> None:

@@ -17,14 +17,7 @@ Refused = Callable[..., str]
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 FLIP_BOOK = ("simulate", WORD, "--simulator", "fake", "--renderer", "flip-book", "--out", "flight")
-SMALL = (
-    "--set",
-    "renderer.exudyn.width=64",
-    "--set",
-    "renderer.exudyn.height=64",
-    "--set",
-    "renderer.exudyn.fps=1",
-)
+SMALL = ("--set", "renderer.exudyn.width=64", "--set", "renderer.exudyn.height=64", "--set", "renderer.exudyn.fps=1")
 
 
 @pytest.mark.usefixtures("fakes")

@@ -7,19 +7,7 @@ from typing import Any
 import pytest
 
 Call = Callable[..., Any]
-EVOLVE = (
-    "evolve",
-    "--strategy",
-    "random",
-    "--evaluations",
-    "4",
-    "--target",
-    "TP1",
-    "--seed",
-    "1",
-    "--workers",
-    "1",
-)
+EVOLVE = ("evolve", "--strategy", "random", "--evaluations", "4", "--target", "TP1", "--seed", "1", "--workers", "1")
 SHORT = ("--robust", "0", "--simulator", "native", "--set", "flight.horizon=0.5")
 
 

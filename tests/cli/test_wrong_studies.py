@@ -57,11 +57,7 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
         "no flight leaves the pipe's axis, and target A lies off it, by up to 500 mm",
     ),
     "two targets at one point": (["targets={A=[1,0,0],B=[1,0,0]}"], "warned", "A and B are the same point"),
-    "a current that turns round too soon": (
-        ["flow.acceleration=-1"],
-        "warned",
-        "passes at most 500 mm of the pipe",
-    ),
+    "a current that turns round too soon": (["flow.acceleration=-1"], "warned", "passes at most 500 mm of the pipe"),
     "a horizon in milliseconds": (["flight.horizon=20000"], "warned", "more than 100 times the 9 s"),
     "friction in percent": (["contact.friction=8"], "warned", "more than rubber on concrete"),
     "a release that is off by metres": (
@@ -75,11 +71,7 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
         "gusts.smoothing = 10: should be less than or equal to 1",
     ),
     "modules in millimetres": (["grammar.large=10"], "refused", "less than or equal to 0.5 m"),
-    "microseconds between gusts": (
-        ["gusts.smoothing=0.001"],
-        "refused",
-        "should be greater than or equal to 0.01",
-    ),
+    "microseconds between gusts": (["gusts.smoothing=0.001"], "refused", "should be greater than or equal to 0.01"),
     "gusts where they were once": (
         ["flow={kind='turbulent',intensity=1}"],
         "refused",
@@ -103,16 +95,8 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
     "a core of a metre": (["builder.core_radius=1"], "refused", "no agent can be released"),
     # Those that everybody makes.
     "a pipe in millimetres": ([PIPE % ("6000,0,0", 100), ONE], "warned", "divide millimetres by 1000"),
-    "targets off the plane": (
-        ["targets={A=[4,0.3,0.2]}"],
-        "warned",
-        "by up to 300 mm: release the agent with a yaw",
-    ),
-    "a current away from the targets": (
-        ["flow.speed=-1"],
-        "warned",
-        "carries an agent away from targets TP1",
-    ),
+    "targets off the plane": (["targets={A=[4,0.3,0.2]}"], "warned", "by up to 300 mm: release the agent with a yaw"),
+    "a current away from the targets": (["flow.speed=-1"], "warned", "carries an agent away from targets TP1"),
     "a slow current in a short flight": (
         ["flow.speed=0.01", "flight.horizon=5"],
         "warned",
@@ -145,11 +129,7 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
         "warned",
         "is pipe.radius a diameter?",
     ),
-    "a bore narrower than the core": (
-        [PIPE % ("9,0,0", 0.01), "targets={A=[4,0,0]}"],
-        "refused",
-        "in a bore of 20 mm",
-    ),
+    "a bore narrower than the core": ([PIPE % ("9,0,0", 0.01), "targets={A=[4,0,0]}"], "refused", "in a bore of 20 mm"),
 }
 
 
@@ -229,17 +209,7 @@ def test_the_check_refuses_a_pipe_that_no_body_fits(call: Call) -> None:
 
 
 def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run: Call, tmp_path: Path) -> None:
-    settings = (
-        "paper",
-        "--set",
-        "targets={A=[1,0.3,0]}",
-        "--evaluations",
-        2,
-        "--workers",
-        1,
-        "--simulator",
-        "native",
-    )
+    settings = ("paper", "--set", "targets={A=[1,0.3,0]}", "--evaluations", 2, "--workers", 1, "--simulator", "native")
     done = run("evolve", *settings, "--out", "run", "--json", cwd=tmp_path)
     first = done.stderr.splitlines()[0]
     assert first.startswith("warning: no flight leaves the vertical plane")
@@ -282,15 +252,7 @@ def test_a_billion_workers_are_refused(call: Call) -> None:
 
 @pytest.mark.long
 def test_a_run_says_the_commonest_reason_of_its_failures(run: Call, tmp_path: Path) -> None:
-    settings = (
-        "paper",
-        "--set",
-        "pipe.segments.0.radius=0.0135",
-        "--set",
-        "targets={A=[1,0,0]}",
-        "--seed",
-        1,
-    )
+    settings = ("paper", "--set", "pipe.segments.0.radius=0.0135", "--set", "targets={A=[1,0,0]}", "--seed", 1)
     options = ("--evaluations", 12, "--workers", 1, "--simulator", "native", "--strategy", "random")
     printed = run("evolve", *settings, *options, "--out", "run", cwd=tmp_path).stdout
     found = json.loads(run("resume", "run", "--workers", 1, "--json", cwd=tmp_path).stdout)

@@ -66,11 +66,7 @@ def test_examples_print_what_the_page_shows(
 
 
 def test_the_python_example_runs(
-    docs: Path,
-    blocks: list[Any],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    docs: Path, blocks: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shutil.copytree(docs / "tracks", tmp_path / "tracks")
     monkeypatch.chdir(tmp_path)

@@ -32,9 +32,7 @@ def printed(
     return run
 
 
-def test_nine_of_ten_flights_pass_within_the_papers_five_percent(
-    printed: Callable[[str, str], list[float]],
-) -> None:
+def test_nine_of_ten_flights_pass_within_the_papers_five_percent(printed: Callable[[str, str], list[float]]) -> None:
     near_tp1, near_tp8 = printed("evolve", r"by less than (\d+) mm")
     assert 20 < near_tp1 < 407
     assert 20 < near_tp8 < 360
@@ -45,9 +43,7 @@ def test_the_best_agent_sees_most_heights_of_the_pipe(printed: Callable[[str, st
     assert seen == sorted(seen) and seen[-1] == pytest.approx(79, abs=2)
 
 
-def test_a_hundred_random_tails_include_one_that_almost_hits(
-    printed: Callable[[str, str], list[float]],
-) -> None:
+def test_a_hundred_random_tails_include_one_that_almost_hits(printed: Callable[[str, str], list[float]]) -> None:
     [fitness] = printed("own_grammar", r"fitness ([\d.]+) %")
     assert fitness == pytest.approx(98.9, abs=1)
 
@@ -57,9 +53,7 @@ def test_five_hundred_flights_pass_most_points(printed: Callable[[str, str], lis
     assert near >= 7
 
 
-def test_a_gram_and_a_half_of_core_decides_between_the_outlets(
-    printed: Callable[[str, str], list[float]],
-) -> None:
+def test_a_gram_and_a_half_of_core_decides_between_the_outlets(printed: Callable[[str, str], list[float]]) -> None:
     assert printed("junction", r"(\d+) % by riser") == pytest.approx([100, 5, 0], abs=10)
 
 

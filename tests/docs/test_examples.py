@@ -260,11 +260,7 @@ def test_json_fields_are_as_told(outputs: dict[str, Any]) -> None:
 @pytest.mark.long
 def test_no_field_of_a_list_is_left_out(outputs: dict[str, Any]) -> None:
     told = documented()
-    for name, key in (
-        ("plugins list", "plugins"),
-        ("plugins show", "plugins"),
-        ("scenarios list", "scenarios"),
-    ):
+    for name, key in (("plugins list", "plugins"), ("plugins show", "plugins"), ("scenarios list", "scenarios")):
         fields = {path.split(".")[1].removesuffix("[]") for path in told[name]}
         assert set(outputs[name][key][0]) == fields, name
     modules = {p.removeprefix("modules[].") for p in told["inspect"] if p.startswith("modules[].")}

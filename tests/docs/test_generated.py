@@ -85,13 +85,7 @@ def keys_rows(model: type[BaseModel], within: str = "") -> list[str]:
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         kind = ", ".join(part for part in (type_text(field.annotation), describe_bounds(field)) if part)
-        cells = (
-            f"`{within}{name}`",
-            kind,
-            default_text(field),
-            str(extra.get("unit", "")),
-            field.description or "",
-        )
+        cells = (f"`{within}{name}`", kind, default_text(field), str(extra.get("unit", "")), field.description or "")
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
         if get_origin(field.annotation) is UnionType and (table := find_table(field.annotation)):
             lines += keys_rows(table, f"{within}{name}.")
@@ -295,12 +289,7 @@ def plugin_page(d: Distribution) -> str:
     core = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     included = d.page == "core" or any(need.startswith(f"{d.name}==") for need in core["dependencies"])
     extras = [e for e, n in core["optional-dependencies"].items() if any(x.startswith(f"{d.name}==") for x in n)]
-    lines = [
-        f"# {d.name}",
-        "",
-        f"{description(d)}.".capitalize() if d.page == "core" else f"{description(d)}.",
-        "",
-    ]
+    lines = [f"# {d.name}", "", f"{description(d)}.".capitalize() if d.page == "core" else f"{description(d)}.", ""]
     if included:
         lines.append("`pip install driftform` installs it.")
     elif extras:
@@ -423,11 +412,7 @@ def scenario_keys() -> list[str]:
         if model is None:
             extra = field.json_schema_extra
             unit = extra.get("unit", "") if isinstance(extra, dict) else ""
-            lines += [
-                f"## `[{name}]`",
-                "",
-                f"{field.description or ''}: each key is a name, each value a point ",
-            ]
+            lines += [f"## `[{name}]`", "", f"{field.description or ''}: each key is a name, each value a point "]
             lines[-1] += f"`[x, y, z]` of the world frame in {unit}, or the name of an outlet. Default: none."
             lines.append("")
             continue
@@ -435,24 +420,12 @@ def scenario_keys() -> list[str]:
         for key, item in model.model_fields.items():
             if (name, key) == ("pipe", "parts"):
                 for kind, part in PIPE_PARTS.items():
-                    lines += [
-                        f'### `[[pipe.parts]]` with `kind = "{kind}"`',
-                        "",
-                        markdown(part.__doc__ or ""),
-                        "",
-                    ]
+                    lines += [f'### `[[pipe.parts]]` with `kind = "{kind}"`', "", markdown(part.__doc__ or ""), ""]
                     lines += [*keys_table(part), ""]
                 continue
             inner = inner_table(item.annotation)
             if inner is not None:
-                lines += [
-                    f"### `[[{name}.{key}]]`",
-                    "",
-                    markdown(inner.__doc__ or ""),
-                    "",
-                    *keys_table(inner),
-                    "",
-                ]
+                lines += [f"### `[[{name}.{key}]]`", "", markdown(inner.__doc__ or ""), "", *keys_table(inner), ""]
     return lines[:-1]
 
 

@@ -59,15 +59,7 @@ def test_platforms_and_extras_are_those_that_the_pages_name(
     def resolves(platform: str, version: str, needs: Iterable[str]) -> bool:
         # With an interpreter given, uv looks for none of the version asked for.
         running = ("--python", sys.executable)
-        options = (
-            *running,
-            "--python-platform",
-            platform,
-            "--python-version",
-            version,
-            "--exclude-newer",
-            dated,
-        )
+        options = (*running, "--python-platform", platform, "--python-version", version, "--exclude-newer", dated)
         wheels = ("--only-binary", ":all:", "--find-links", dist)
         done = subprocess.run(
             [uv, "pip", "compile", "-", *options, *wheels],

@@ -64,9 +64,7 @@ def test_agents_are_flown_and_written(printed: tuple[Path, dict[str, str]]) -> N
 
 
 @pytest.mark.peers
-def test_a_run_gives_the_agent_near_a_point_its_page_and_its_tables(
-    printed: tuple[Path, dict[str, str]],
-) -> None:
+def test_a_run_gives_the_agent_near_a_point_its_page_and_its_tables(printed: tuple[Path, dict[str, str]]) -> None:
     folder, out = printed
     assert "passes by" in out["run.py"]
     assert (folder / "first.html").read_text(encoding="utf-8").startswith("<!doctype html>")

@@ -13,10 +13,7 @@ COUNT = 2000
 
 def facts(*settings: str) -> dict[str, Any]:
     """Columns over the same 2000 random genotypes."""
-    pipeline, rng = (
-        load_study("paper", settings=settings, run={"seed": 0}).make_pipeline(),
-        np.random.default_rng(1),
-    )
+    pipeline, rng = (load_study("paper", settings=settings, run={"seed": 0}).make_pipeline(), np.random.default_rng(1))
     density = pipeline.scenario.fluid.density
     rows = []
     for _ in range(COUNT):

@@ -56,12 +56,7 @@ def test_the_site_opens_with_the_picture_and_four_doors(site: Path) -> None:
     home = text_of(site, "").partition("<article")[2].partition("<h2")[0]
     assert 'src="images/flight.png"' in home and "driftform evolve" in re.sub("<[^>]+>", "", home)
     doors = home.partition('<div class="grid cards">')[2]
-    assert re.findall(r'<strong><a href="([^"]+)"', doors) == [
-        "studio/",
-        "start/",
-        "write-a-plugin/",
-        "printing/",
-    ]
+    assert re.findall(r'<strong><a href="([^"]+)"', doors) == ["studio/", "start/", "write-a-plugin/", "printing/"]
 
 
 def test_pages_for_users_hold_no_commands_for_developers(pages: dict[str, str]) -> None:

@@ -45,36 +45,9 @@ pytestmark = [
 MOST_S, MOST_MB = 10.0, 500.0
 
 TOKENS = [
-    *(
-        b"",
-        b"\0",
-        b"\xff",
-        b"\n",
-        b"\r",
-        b'"',
-        b"'",
-        b",",
-        b";",
-        b"\t",
-        b"#",
-        b"[",
-        b"]",
-        b"{",
-        b"}",
-        b"<",
-        b">",
-    ),
+    *(b"", b"\0", b"\xff", b"\n", b"\r", b'"', b"'", b",", b";", b"\t", b"#", b"[", b"]", b"{", b"}", b"<", b">"),
     *(b"nan", b"inf", b"-1", b"0", b"1e999", b"-1e-999", b"9" * 30, b"9" * 5000, b"1" * 200_000, b"[" * 5000),
-    *(
-        b"\xef\xbb\xbf",
-        b"\xff\xfe",
-        b"true",
-        b"null",
-        b"\\u0000",
-        b"\xf0\x9f\x90\x9f",
-        b"../../x",
-        b"\x7f\xff\xff\xff",
-    ),
+    *(b"\xef\xbb\xbf", b"\xff\xfe", b"true", b"null", b"\\u0000", b"\xf0\x9f\x90\x9f", b"../../x", b"\x7f\xff\xff\xff"),
 ]
 """What is put into a file."""
 
@@ -376,11 +349,7 @@ READERS: dict[str, tuple[str, Make, Callable[[Path], Any]]] = {
     "agent": ("agent.json", lambda f: [make_agent(f)], open_agent),
     "genome": ("word", lambda _: [b"addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB", b"C"], read_word),
     "track": ("track.csv", lambda _: TRACKS, read_track),
-    "profile": (
-        "body.csv",
-        lambda _: [b"x_mm,r_mm\n0,5\n20,30\n150,8\n", b"x_m;r_m\n0;0\n0,2;0,03\n"],
-        read_own_body,
-    ),
+    "profile": ("body.csv", lambda _: [b"x_mm,r_mm\n0,5\n20,30\n150,8\n", b"x_m;r_m\n0;0\n0,2;0,03\n"], read_own_body),
     "network": ("town.inp", lambda _: [NETWORK], read_network),
     "CSV grid": ("grid.csv", lambda _: [make_csv_grid()], read_grid),
     "VTK": ("grid.vtk", lambda _: [make_vtk()], read_grid),

@@ -91,12 +91,7 @@ def test_odd_surroundings_change_no_agent(tmp_path: Path, show_row: Callable[...
         changed = odd.get("env", {})
         environment = {} if changed is None else os.environ | changed
         done = subprocess.run(
-            command,
-            cwd=folder,
-            env=environment,
-            preexec_fn=odd.get("preexec_fn"),
-            capture_output=True,
-            check=False,
+            command, cwd=folder, env=environment, preexec_fn=odd.get("preexec_fn"), capture_output=True, check=False
         )
         found = {path.name: path.read_bytes() for path in folder.glob("out/*")}
         expected = expected or found

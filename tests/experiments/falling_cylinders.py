@@ -79,10 +79,6 @@ def measure():
         least, most, drift = end_heavy(aspect)
         rows.append((f"end-heavy, {aspect} diameters long: tilt, degrees", measured, f"{least:.0f} to {most:.0f}"))
         rows.append(
-            (
-                f"the same, {aspect} diameters long: drift over fall",
-                "0" if aspect == 1 else "> 0",
-                f"{drift:.2f}",
-            )
+            (f"the same, {aspect} diameters long: drift over fall", "0" if aspect == 1 else "> 0", f"{drift:.2f}")
         )
     return rows

@@ -116,34 +116,8 @@ class Picture:
 
 ELEMENTS = {"svg", "title", "desc", "rect", "line", "circle", "path", "text"}
 ATTRIBUTES = {
-    *(
-        "width",
-        "height",
-        "viewBox",
-        "role",
-        "aria-hidden",
-        "class",
-        "d",
-        "x",
-        "y",
-        "x1",
-        "y1",
-        "x2",
-        "y2",
-        "cx",
-        "cy",
-    ),
-    *(
-        "r",
-        "rx",
-        "fill",
-        "fill-rule",
-        "fill-opacity",
-        "stroke",
-        "stroke-width",
-        "stroke-linecap",
-        "stroke-linejoin",
-    ),
+    *("width", "height", "viewBox", "role", "aria-hidden", "class", "d", "x", "y", "x1", "y1", "x2", "y2", "cx", "cy"),
+    *("r", "rx", "fill", "fill-rule", "fill-opacity", "stroke", "stroke-width", "stroke-linecap", "stroke-linejoin"),
     *("stroke-dasharray", "font-family", "font-size", "font-weight", "font-style", "text-anchor"),
 }
 """What cairosvg, Inkscape, librsvg and browsers draw alike; it excludes paint-order, style sheets and patterns."""

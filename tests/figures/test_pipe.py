@@ -15,13 +15,7 @@ PIPE = {
     "radius": 0.1,
     "parts": [
         {"length": 1.0},
-        {
-            "kind": "tee",
-            "name": "T",
-            "branch_radius": 0.05,
-            "share": 0.3,
-            "branch": [{"length": 0.4, "outlet": "up"}],
-        },
+        {"kind": "tee", "name": "T", "branch_radius": 0.05, "share": 0.3, "branch": [{"length": 0.4, "outlet": "up"}]},
         {"kind": "bend", "radius": 0.3, "roll_deg": 90},
         {"length": 1.0, "outlet": "on"},
     ],

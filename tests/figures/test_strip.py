@@ -29,9 +29,7 @@ def test_the_promised_miss_is_drawn_and_written(read, points):
 
 def test_misses_of_zero_or_without_a_bound_stay_on_the_page(read):
     picture = drawn(
-        read,
-        Strip("TP1", 0.0, np.array([0.0, SMALLEST / 10, 5.0]), 5.0),
-        Strip("B", 2.0, np.full(2, np.inf), np.inf),
+        read, Strip("TP1", 0.0, np.array([0.0, SMALLEST / 10, 5.0]), 5.0), Strip("B", 2.0, np.full(2, np.inf), np.inf)
     )
     assert picture.outside() == []
     assert "unknown" in picture.texts

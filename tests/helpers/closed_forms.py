@@ -260,8 +260,7 @@ class ClosedForms(SimulatorContract):
     # Water that is not uniform and steady.
 
     @pytest.mark.parametrize(
-        ("shape", "force", "share"),
-        [("sphere", "full", 1.0), ("spheroid", "full", 1.0), ("sphere", "paper", 1 / 3)],
+        ("shape", "force", "share"), [("sphere", "full", 1.0), ("spheroid", "full", 1.0), ("sphere", "paper", 1 / 3)]
     )
     def test_a_neutral_body_moves_with_accelerating_water(
         self, shape: str, force: Literal["full", "paper"], share: float

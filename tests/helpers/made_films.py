@@ -73,11 +73,7 @@ def draw_world(bench: Bench, rng: np.random.Generator, spread: float = 0.3) -> F
 
 
 def film_flight(
-    bench: Bench,
-    world: Factors,
-    rng: np.random.Generator,
-    filming: Filming | None = None,
-    name: str = "film.csv",
+    bench: Bench, world: Factors, rng: np.random.Generator, filming: Filming | None = None, name: str = "film.csv"
 ) -> Filmed:
     """Return a film of a flight in a world, up to the surface at z = 0."""
     how = filming or Filming()

@@ -20,9 +20,7 @@ def solid_agent(body: Body, density: float, coefficients: Coefficients, offset: 
     centre = np.array([solid.centroid, 0.0, 0.0])
     inertia = density * np.diag([solid.polar, transverse, transverse])
     return Agent(
-        body,
-        MassProperties(mass, centre + np.array([offset, 0.0, 0.0]), inertia, solid.volume, centre),
-        coefficients,
+        body, MassProperties(mass, centre + np.array([offset, 0.0, 0.0]), inertia, solid.volume, centre), coefficients
     )
 
 

@@ -52,12 +52,7 @@ def carry(scenario: Scenario, start: FloatArray, times: FloatArray, size: float 
 
 @allocating
 def _carry(
-    start: FloatArray,
-    begin: FloatArray,
-    times: FloatArray,
-    pipe: FloatArray,
-    flow: FloatArray,
-    walks: FloatArray,
+    start: FloatArray, begin: FloatArray, times: FloatArray, pipe: FloatArray, flow: FloatArray, walks: FloatArray
 ) -> FloatArray:
     out = np.empty((times.shape[0], start.shape[0], 3))
     eddies, y, new, slope = np.zeros((2, STATES)), np.zeros(7), np.zeros(7), np.zeros((4, 7))

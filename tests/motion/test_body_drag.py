@@ -106,15 +106,7 @@ WHITE = "White, table 7.3"
 CASES = [
     # Of a polygon of revolution, whose sphericity is a little less than 1.
     *(
-        Case(
-            "sphere",
-            spheroid_body(RADIUS, RADIUS, edges=100),
-            motion,
-            re,
-            clift_gauvin(re),
-            "Clift and Gauvin",
-            w,
-        )
+        Case("sphere", spheroid_body(RADIUS, RADIUS, edges=100), motion, re, clift_gauvin(re), "Clift and Gauvin", w)
         for motion, w in ((along, 0.01), (across, 0.01))
         for re in (1e3, 3e3, 1e4, 3e4, 1e5, 2e5)
     ),
@@ -262,8 +254,7 @@ def test_the_wake_of_a_blunt_body_begins_at_its_base_and_that_of_a_pointed_one_w
 
 
 @pytest.mark.parametrize(
-    ("term", "zero"),
-    [("sphere", "round_area"), ("roll", "spin"), ("lift", "shear_volume"), ("bore", "blocking")],
+    ("term", "zero"), [("sphere", "round_area"), ("roll", "spin"), ("lift", "shear_volume"), ("bore", "blocking")]
 )
 def test_every_term_can_be_left_out(term, zero):
     body = spheroid_body(0.02, 0.02, edges=100)

@@ -45,11 +45,7 @@ def model_of(surfaces, pipe=PIPE, friction=0.0, restitution=0.7, total=INERTIA):
     numbers["law"] = contact_law(numbers["inverse"][0], OMEGA, restitution, 1e-3, 0.02)
     bristles = np.zeros((2 * len(rows) if friction else 0, 3))
     return SPHERE._replace(
-        numbers=numbers,
-        surfaces=rows,
-        pipe=pipe,
-        touches=np.zeros((len(rows) + 1, 10)),
-        bristles=bristles,
+        numbers=numbers, surfaces=rows, pipe=pipe, touches=np.zeros((len(rows) + 1, 10)), bristles=bristles
     )
 
 

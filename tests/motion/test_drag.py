@@ -331,8 +331,7 @@ def test_the_wrench_in_still_open_water_is_that_of_the_equations(moving, omega):
 
 @pytest.mark.parametrize("factor", [0.6, 1.3])
 @pytest.mark.parametrize(
-    "motion",
-    [((0.4, 0, 0), (0, 0, 0)), ((-0.4, 0, 0), (0, 0, 0)), ((0, 0, 0.3), (0, 0, 0)), ((0, 0, 0), (5.0, 0, 0))],
+    "motion", [((0.4, 0, 0), (0, 0, 0)), ((-0.4, 0, 0), (0, 0, 0)), ((0, 0, 0.3), (0, 0, 0)), ((0, 0, 0), (5.0, 0, 0))]
 )
 def test_scaled_drag_resists_every_motion_by_that_factor(factor, motion):
     drag = replace(FULL, wake_ahead=(0.0, 0.0), wake_astern=(0.0, 0.0))

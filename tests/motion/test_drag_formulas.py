@@ -195,11 +195,7 @@ def test_the_nose_of_a_cylinder_has_the_inclination_of_its_outer_twentieth(chamf
     """A cone of half angle 30 degrees that is cut at a share of the radius; only a chamfer within 5 % is not seen as one."""
     slope = math.tan(math.radians(30))
     inner = (1 - chamfer) * RADIUS
-    nose = [
-        (LENGTH, RADIUS),
-        (LENGTH + chamfer * RADIUS / slope, inner),
-        (LENGTH + chamfer * RADIUS / slope, 0),
-    ]
+    nose = [(LENGTH, RADIUS), (LENGTH + chamfer * RADIUS / slope, inner), (LENGTH + chamfer * RADIUS / slope, 0)]
     body = make_body([(0, 0), (0, RADIUS), *nose])
     # Of a small chamfer, the outer twentieth has all, and the flat face behind it.
     angle = math.radians(30) if chamfer > 0.05 else math.atan2(0.05 * RADIUS, chamfer * RADIUS / slope)

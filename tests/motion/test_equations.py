@@ -132,9 +132,7 @@ def test_damping_about_another_point_is_that_of_the_shifted_matrices(v, w):
 def ramp(agent, acceleration, mode):
     """The agent in water of the velocity acceleration t, in a pipe along it whose walls are far away."""
     scenario = Scenario(
-        pipe=pipe_of(),
-        flow=UniformFlow(speed=0.0),
-        fluid=Fluid(density=DENSITY, gravity=GRAVITY, flow_force=mode),
+        pipe=pipe_of(), flow=UniformFlow(speed=0.0), fluid=Fluid(density=DENSITY, gravity=GRAVITY, flow_force=mode)
     )
     model = flight_model(agent, scenario)
     numbers, flow = model.numbers.copy(), model.flow.copy()
@@ -197,10 +195,7 @@ def test_water_that_accelerates_turns_a_body_whose_mass_is_not_where_its_volume_
     # as its buoyancy. A neutral body with its COG behind the COB therefore turns as if hung up.
     agent = Spheroid(0.06, 0.02).agent()
     agent = replace(agent, mass=replace(agent.mass, cog=np.array([-0.01, 0.0, 0.0])))
-    scenario = Scenario(
-        flow=UniformFlow(speed=0.0),
-        fluid=Fluid(density=DENSITY, gravity=2.0, flow_force="full"),
-    )
+    scenario = Scenario(flow=UniformFlow(speed=0.0), fluid=Fluid(density=DENSITY, gravity=2.0, flow_force="full"))
     hung = flight_model(agent, scenario)
     model = ramp(agent, [0.0, 0.0, 2.0], "full")
     model.numbers["gravity"] = 0.0  # no gravity but that of the moving frame
@@ -297,11 +292,7 @@ def test_the_water_is_that_at_the_centre_of_buoyancy(what, place, velocity, omeg
         along = change_along(model, place, R[:, 0])
         assert shear == pytest.approx(R.T @ along, abs=slack)
         gradient = np.column_stack([change_along(model, place, axis) for axis in np.eye(3)])
-        spin = [
-            gradient[2, 1] - gradient[1, 2],
-            gradient[0, 2] - gradient[2, 0],
-            gradient[1, 0] - gradient[0, 1],
-        ]
+        spin = [gradient[2, 1] - gradient[1, 2], gradient[0, 2] - gradient[2, 0], gradient[1, 0] - gradient[0, 1]]
         assert curl == pytest.approx(R.T @ spin, abs=2 * slack)
 
 

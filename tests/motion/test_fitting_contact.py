@@ -262,10 +262,7 @@ def test_a_body_that_bounces_without_loss_keeps_its_energy_and_stays_inside(name
     spacing = rim_spacing(scenario.pipe.layout)
     rows = rows_of(refined_surfaces(agent.body, spacing), scenario)
     model = open_model._replace(
-        surfaces=rows,
-        touches=np.zeros((len(rows) + 1, 10)),
-        fittings=walls_of(scenario),
-        pipe=np.empty((0, 8)),
+        surfaces=rows, touches=np.zeros((len(rows) + 1, 10)), fittings=walls_of(scenario), pipe=np.empty((0, 8))
     )
     start = release_state(open_model, scenario)
     start[10:] = (3.0, 1.0, -2.0)

@@ -200,12 +200,7 @@ def with_axial_drag_alone(agent):
 def test_the_energy_of_a_tumbling_body_is_kept_in_still_and_in_moving_water():
     for speed, end in ((0.0, (9.0, 0.0, 0.0)), (1.0, (9.0, 0.0, 0.0)), (1.0, (6.0, 2.0, -6.0))):
         scenario = scenario_of(
-            2.0,
-            radius=20.0,
-            end=end,
-            flow=UniformFlow(speed=speed),
-            velocity=(speed + 0.5, 0.2, -0.1),
-            pitch_deg=20.0,
+            2.0, radius=20.0, end=end, flow=UniformFlow(speed=speed), velocity=(speed + 0.5, 0.2, -0.1), pitch_deg=20.0
         )
         trajectory, _, _ = flown(tumbling_agent(), scenario)
         assert trajectory.energy_drift is not None
@@ -227,11 +222,7 @@ def test_rounding_is_no_drift_of_a_body_that_does_not_move_in_the_water(gravity,
     agent = replace(agent, mass=replace(agent.mass, mass=(1 + heavier) * agent.mass.mass))
     for speed, pitch, height in ((0.0, 20.0, 0.3), (1.0, 20.0, 0.0), (1.0, 0.0, -5.0)):
         scenario = scenario_of(
-            2.0,
-            gravity=gravity,
-            flow=UniformFlow(speed=speed),
-            pitch_deg=pitch,
-            position=(0.0, 0.0, height),
+            2.0, gravity=gravity, flow=UniformFlow(speed=speed), pitch_deg=pitch, position=(0.0, 0.0, height)
         )
         assert flown(agent, scenario)[0].energy_drift < 1e-6
 

@@ -105,10 +105,7 @@ def test_both_integrators_roll_and_stick_alike():
             heavy_sphere(),
             scenario_of(3.0, 0.3, position=(1.0, 0.0, RADIUS - 0.5), velocity=(0.3, 0.1, 0.0), yaw_deg=20.0),
         ),
-        (
-            pressed_spheroid(6.0),
-            scenario_of(3.0, 0.3, slope=0.2, position=(1.0, 0.0, 0.03 - 0.5), velocity="rest"),
-        ),
+        (pressed_spheroid(6.0), scenario_of(3.0, 0.3, slope=0.2, position=(1.0, 0.0, 0.03 - 0.5), velocity="rest")),
     ):
         model = flight_model(agent, scenario)
         start = release_state(model, scenario)

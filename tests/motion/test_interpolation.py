@@ -66,9 +66,7 @@ def test_between_samples_it_turns_steadily_the_short_way_round() -> None:
     assert np.abs(np.einsum("ij,ij->i", found, wanted)) == pytest.approx(1.0)
 
 
-def test_resampled_flights_lie_on_the_path_and_have_its_slope(
-    flown: tuple[Agent, Scenario, Trajectory],
-) -> None:
+def test_resampled_flights_lie_on_the_path_and_have_its_slope(flown: tuple[Agent, Scenario, Trajectory]) -> None:
     trajectory = flown[2]
     fine = resample(trajectory, 1000.0)
     assert np.diff(fine.t)[:-1] == pytest.approx(1e-3) and fine.t[-1] == trajectory.t[-1]
@@ -154,9 +152,7 @@ def test_a_turn_about_a_wandering_axis_is_followed_to_the_fourth_order() -> None
         # A body that precesses: R = Rz(2 t) Rx(3 t), so that w = 3 e_x + Rx(3 t)^T (2 e_z).
         first = np.column_stack([np.cos(times), 0 * times, 0 * times, np.sin(times)])
         c, s = np.cos(1.5 * times), np.sin(1.5 * times)
-        quaternion = np.column_stack(
-            [first[:, 0] * c, first[:, 0] * s, first[:, 3] * s, first[:, 3] * c],
-        )
+        quaternion = np.column_stack([first[:, 0] * c, first[:, 0] * s, first[:, 3] * s, first[:, 3] * c])
         omega = np.column_stack([3 + 0 * times, 2 * np.sin(3 * times), 2 * np.cos(3 * times)])
         still = np.zeros((len(times), 3))
         return Trajectory(times, still, quaternion, np.column_stack([still, omega]), drifting_trajectory().end)

@@ -73,10 +73,7 @@ def test_the_rate_of_a_state_is_what_it_is_in_space(
     # Bristles bend along the pipe.
     count = len(model.bristles) // 2
     bristles = bent * np.linspace(1.0, 2.0, count)
-    state, flat = (
-        np.concatenate([start, np.outer(bristles, axis).ravel()]),
-        np.concatenate([start[places], bristles]),
-    )
+    state, flat = (np.concatenate([start, np.outer(bristles, axis).ravel()]), np.concatenate([start[places], bristles]))
     whole, part = np.empty(len(state)), np.empty(len(flat))
     fill_rate_in_space(0.0, state, model, whole)
     fill_plane(model)

@@ -53,8 +53,7 @@ def test_domes_and_rims_reach_as_far_as_the_contour_in_every_direction(seed):
     for x, r, radius, aft, fore in touching_surfaces(body):
         here = np.clip(s, aft, fore) if radius else np.zeros_like(s)
         reach = np.maximum(
-            reach,
-            s * (x + radius * here) + c * (r + radius * np.sqrt(1 - here**2)) if radius else s * x + c * r,
+            reach, s * (x + radius * here) + c * (r + radius * np.sqrt(1 - here**2)) if radius else s * x + c * r
         )
     # A dome is larger than the polyline in it, by an eighth of its step squared: 2.4e-4 of its radius.
     assert (reach - contour).max() < 2.5e-4 * body.max_diameter / 2

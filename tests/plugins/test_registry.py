@@ -159,10 +159,7 @@ def test_two_plugins_that_claim_one_name_are_both_named(install):
     assert "fitness 'mine' is claimed by" in message
     assert "ext_one-plugin 1.0" in message
     assert "ext_two-plugin 1.0" in message
-    assert [r.distribution for r in found.seam("fitness") if r.name == "mine"] == [
-        "ext_one-plugin",
-        "ext_two-plugin",
-    ]
+    assert [r.distribution for r in found.seam("fitness") if r.name == "mine"] == ["ext_one-plugin", "ext_two-plugin"]
 
 
 def test_a_plugin_may_not_take_one_of_our_names(install):
@@ -245,10 +242,7 @@ def driftform_{seam.lower()}():
         ("42", "the hook returned a int, expected a class or a list of classes"),
         ("None", "the hook returned a NoneType, expected a class or a list of classes"),
         ("['not a class']", "'not a class' is not a Fitness"),
-        (
-            "type('Nameless', (Fitness,), {'score': lambda self, t, s: None})",
-            "Nameless has no name of its own",
-        ),
+        ("type('Nameless', (Fitness,), {'score': lambda self, t, s: None})", "Nameless has no name of its own"),
     ],
 )
 def test_a_hook_that_does_not_return_a_class_is_reported_in_its_row(install, returned, reason):
@@ -396,15 +390,9 @@ def test_a_check_of_options_that_fails_itself_names_the_plugin(install):
 @pytest.mark.parametrize(
     ("check", "line"),
     [
-        (
-            "raise ValueError(\"'low' is too low\\n for us\")",
-            "--set fitness.low=5.0: 'low' is too low for us",
-        ),
+        ("raise ValueError(\"'low' is too low\\n for us\")", "--set fitness.low=5.0: 'low' is too low for us"),
         ("assert self.low < 3, 'too high'", "--set fitness.low=5.0: too high"),
-        (
-            "raise ValueError",
-            "--set fitness.low=5.0: [fitness] is refused by its plugin, which gives no reason",
-        ),
+        ("raise ValueError", "--set fitness.low=5.0: [fitness] is refused by its plugin, which gives no reason"),
     ],
 )
 def test_what_a_check_of_options_says_is_one_line_of_the_study(install, monkeypatch, check, line):

@@ -44,10 +44,7 @@ def installed(dist: Path, new_environment: Callable[..., Path]) -> Path:
 
 @pytest.fixture(scope="module", params=["this", "newest"])
 def evolving(
-    request: pytest.FixtureRequest,
-    dist: Path,
-    outside: Callable[..., str],
-    tmp_path_factory: pytest.TempPathFactory,
+    request: pytest.FixtureRequest, dist: Path, outside: Callable[..., str], tmp_path_factory: pytest.TempPathFactory
 ) -> Path:
     """The programs of an environment where pip installed driftform, on this Python and on the newest at hand."""
     python = sys.executable if request.param == "this" else newest_python()

@@ -39,11 +39,7 @@ def test_the_citation_is_of_this_version_and_of_the_paper() -> None:
     [author], [paper] = citation["authors"], citation["references"]
     assert f"*{paper['title']}*" in readme and paper["authors"]
     year = citation["date-released"].year
-    for line in (
-        f"author = {{{{{author['name']}}}}}",
-        f"year = {{{year}}}",
-        f"version = {{{project['version']}}}",
-    ):
+    for line in (f"author = {{{{{author['name']}}}}}", f"year = {{{year}}}", f"version = {{{project['version']}}}"):
         assert line in readme
 
 

@@ -65,16 +65,7 @@ def test_every_distribution_needs_the_others_of_its_own_version(folder: Path) ->
 
 @pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
 def test_packages_whose_internals_are_used_have_an_upper_bound(folder: Path) -> None:
-    bounded = {
-        "cadquery-ocp-novtk",
-        "exudyn",
-        "manifold3d",
-        "numba",
-        "pydantic",
-        "resvg-py",
-        "ribs",
-        "rosbags",
-    }
+    bounded = {"cadquery-ocp-novtk", "exudyn", "manifold3d", "numba", "pydantic", "resvg-py", "ribs", "rosbags"}
     project = read_project(folder)
     needs = [*project["dependencies"], *chain(*project.get("optional-dependencies", {}).values())]
     assert [n for n in needs if re.match(r"[\w-]+", n)[0] in {*bounded, "trimesh", "typer"} and ",<" not in n] == []

@@ -24,8 +24,7 @@ def skipped(*markers: str, program: str = "openscad") -> pytest.TestReport:
 
 
 @pytest.mark.parametrize(
-    ("ci", "markers", "outcome"),
-    [("true", ["peers"], "failed"), ("", ["peers"], "skipped"), ("true", [], "skipped")],
+    ("ci", "markers", "outcome"), [("true", ["peers"], "failed"), ("", ["peers"], "skipped"), ("true", [], "skipped")]
 )
 def test_a_program_that_is_missing_fails_its_tests_in_ci_only(
     conftest: ModuleType, monkeypatch: pytest.MonkeyPatch, ci: str, markers: list[str], outcome: str

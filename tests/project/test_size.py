@@ -9,7 +9,7 @@ CORE = ROOT / "src" / "driftform"
 PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"))
 PACKAGES = [*sorted(path.parent for path in CORE.glob("*/__init__.py")), *PLUGINS]
 
-MOST_LINES, MOST_LINES_OF_PACKAGE, MOST_LINES_OF_FUNCTION = 32_000, 5_800, 120
+MOST_LINES, MOST_LINES_OF_PACKAGE, MOST_LINES_OF_FUNCTION = 32_000, 5_500, 120
 
 MOST_LINES_WITH_PLUGINS = 61_600
 

@@ -303,8 +303,7 @@ def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["</script><script>alert(1)</script>", "<img src=x onerror=alert(1)>", '" onfocus="alert(1)', "&lt;b>"],
+    "name", ["</script><script>alert(1)</script>", "<img src=x onerror=alert(1)>", '" onfocus="alert(1)', "&lt;b>"]
 )
 def test_a_name_from_a_foreign_file_is_text_wherever_the_page_shows_it(run_with_page, name):
     plain = collect_contents(Run.open(run_with_page))

@@ -51,11 +51,7 @@ def smooth(seed: int) -> Trajectory:
     """A flight that winds through the pipe, with samples as far apart as those of a real one."""
     rng = np.random.default_rng(seed)
     t = np.linspace(0.0, 2.0, 41)
-    size, rate, phase = (
-        rng.uniform((0.1, 0.01, 0.1), (1.0, 0.08, 1.0)),
-        rng.uniform(0.5, 4, 3),
-        rng.uniform(0, 6, 3),
-    )
+    size, rate, phase = (rng.uniform((0.1, 0.01, 0.1), (1.0, 0.08, 1.0)), rng.uniform(0.5, 4, 3), rng.uniform(0, 6, 3))
     angle = np.outer(t, rate) + phase
     drift = np.array([rng.uniform(0.2, 1.0), 0.0, 0.0])
     return make_trajectory(t, size * np.sin(angle) + np.outer(t, drift), size * rate * np.cos(angle) + drift)
@@ -85,11 +81,7 @@ def test_the_cells_fill_the_section_of_any_pipe(segment, side):
 
 @pytest.mark.parametrize(
     ("length", "radius", "shape", "size"),
-    [
-        (9.0, 1.0, (90, 20), (0.1, 0.1)),
-        (30.0, 0.15, (1000, 10), (0.03, 0.03)),
-        (0.4, 2.0, (2, 20), (0.2, 0.2)),
-    ],
+    [(9.0, 1.0, (90, 20), (0.1, 0.1)), (30.0, 0.15, (1000, 10), (0.03, 0.03)), (0.4, 2.0, (2, 20), (0.2, 0.2))],
 )
 def test_unless_told_cells_are_a_tenth_of_the_radius_but_not_over_a_thousand_along_the_pipe(
     length, radius, shape, size
@@ -330,12 +322,7 @@ BRANCHED = {
     "parts": [
         {"length": 1.0},
         {"kind": "bend", "radius": 0.3, "roll_deg": 90},
-        {
-            "kind": "tee",
-            "branch_radius": 0.05,
-            "share": 0.3,
-            "branch": [{"length": 0.5, "outlet": "up"}],
-        },
+        {"kind": "tee", "branch_radius": 0.05, "share": 0.3, "branch": [{"length": 0.5, "outlet": "up"}]},
         {"length": 1.0, "outlet": "on"},
     ],
 }

@@ -144,10 +144,7 @@ def test_a_run_whose_directory_goes_away_stops_and_says_so(
     # So that the first are written before the directory goes away.
     monkeypatch.setattr("driftform.search.loop.UNWRITTEN_S", 0.0)
     study = load_study(
-        None,
-        use={"simulator": "fake", "strategy": "paper"},
-        targets=["TP1"],
-        run={"seed": 1, "evaluations": 40},
+        None, use={"simulator": "fake", "strategy": "paper"}, targets=["TP1"], run={"seed": 1, "evaluations": 40}
     )
     path, other = tmp_path / "run", tmp_path / "other"
 

@@ -40,14 +40,7 @@ def standing_of(evaluations: list[Evaluated]) -> RunStatus:
 
 def summary(standing: RunStatus) -> list[Any]:
     return [
-        (
-            t.best,
-            t.index,
-            t.generation,
-            t.failed,
-            t.mean and pytest.approx(t.mean),
-            t.errors(7, standing.extent),
-        )
+        (t.best, t.index, t.generation, t.failed, t.mean and pytest.approx(t.mean), t.errors(7, standing.extent))
         for t in standing.targets.values()
     ]
 

@@ -88,11 +88,7 @@ def test_a_promise_is_said_with_the_number_of_flights():
 
 
 def test_a_summary_counts_who_keeps_the_targets():
-    results = {
-        "A": result_of(0.95, 0.95, 0.0),
-        "B": result_of(0.5, 0.95, 0.95),
-        "C": result_of(0.5, 0.5, 0.0),
-    }
+    results = {"A": result_of(0.95, 0.95, 0.0), "B": result_of(0.5, 0.95, 0.95), "C": result_of(0.5, 0.5, 0.0)}
     found = summarise(ClosestApproach(Table()), results)
     assert found == ("2 of 3 targets are kept if the print is weighed, 1 as it comes, 1 by a body that does nothing")
 

@@ -121,18 +121,7 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def site(source: Path, uv: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A directory that the plugin is installed into."""
     target = tmp_path_factory.mktemp("site")
-    command = [
-        uv,
-        "pip",
-        "install",
-        "--offline",
-        "--no-deps",
-        "--python",
-        sys.executable,
-        "--target",
-        target,
-        source,
-    ]
+    command = [uv, "pip", "install", "--offline", "--no-deps", "--python", sys.executable, "--target", target, source]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr
     return target
@@ -160,13 +149,7 @@ def test_it_is_listed_with_its_distribution_and_version(site, tmp_path):
     rows = driftform(site, tmp_path, "plugins", "list")["plugins"]
     theirs = [row for row in rows if row["distribution"] == "elsewhere-progress"]
     assert theirs == [
-        {
-            "seam": seam,
-            "name": name,
-            "distribution": "elsewhere-progress",
-            "version": "4.5.6",
-            "state": "ok",
-        }
+        {"seam": seam, "name": name, "distribution": "elsewhere-progress", "version": "4.5.6", "state": "ok"}
         for seam, name in (("fitness", "progress"), ("strategy", "stubborn"))
     ]
     assert {"seam", "name", "distribution", "version", "state"} == set(rows[0])

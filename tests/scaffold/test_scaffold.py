@@ -151,11 +151,7 @@ def test_the_command_prints_the_files_and_the_next_steps(call: Call, tmp_path: P
         (
             False,
             {"editable": True},
-            [
-                "uv add --editable '/a clone'",
-                "uv run --extra test pytest",
-                "uv run driftform plugins show dwell",
-            ],
+            ["uv add --editable '/a clone'", "uv run --extra test pytest", "uv run driftform plugins show dwell"],
         ),
     ],
     ids=["pip", "uv", "uv in a clone"],

@@ -71,10 +71,7 @@ def test_a_worker_flies_one_genome_at_a_time_however_many_threads_it_has(
 def test_without_a_worker_it_prints_how_to_start_one_and_continues_when_it_joins(
     start: Start, dask: Dask, dask_scheduler: Scheduler, tmp_path: Path
 ) -> None:
-    with (
-        dask_scheduler() as (address, _),
-        start(*STUDY, "--scheduler", address, "--json", cwd=tmp_path) as process,
-    ):
+    with dask_scheduler() as (address, _), start(*STUDY, "--scheduler", address, "--json", cwd=tmp_path) as process:
         assert process.stderr is not None
         line = process.stderr.readline()
         assert line == f"{address} has no worker; waiting for one: dask worker {address} --nthreads 1\n"
@@ -158,10 +155,7 @@ def test_a_scheduler_with_tls_is_joined_as_the_page_says(
                 "distributed.comm.tls.client.cert": str(tmp_path / "cert.pem"),
                 "distributed.comm.tls.client.key": str(tmp_path / "key.pem"),
             }
-            with (
-                dask_package.config.set(settings),
-                closing(Cluster.join(study.document, address)) as executor,
-            ):
+            with dask_package.config.set(settings), closing(Cluster.join(study.document, address)) as executor:
                 [[(_, evaluation)]] = list(executor.evaluate([job(study)]))
             assert evaluation.failure is None
             worker.terminate()
@@ -235,14 +229,8 @@ def test_an_address_without_a_scheduler_is_refused(
     ("options", "message"),
     [
         (("--executor", "dusk"), "--executor dusk: no such executor; did you mean 'dask'?"),
-        (
-            ("--executor", "local", "--scheduler", "tcp://x:1"),
-            "--scheduler tcp://x:1: only goes with --executor dask",
-        ),
-        (
-            ("--workers", 2, "--scheduler", "tcp://x:1"),
-            "--workers 2: a cluster has the workers that joined it",
-        ),
+        (("--executor", "local", "--scheduler", "tcp://x:1"), "--scheduler tcp://x:1: only goes with --executor dask"),
+        (("--workers", 2, "--scheduler", "tcp://x:1"), "--workers 2: a cluster has the workers that joined it"),
     ],
 )
 def test_options_that_exclude_each_other(refused: Refused, options: tuple[object, ...], message: str) -> None:

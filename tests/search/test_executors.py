@@ -339,12 +339,7 @@ def test_functions_are_called_in_processes_of_their_own_also_before_any_evaluati
 def test_a_function_that_ends_its_process_once_is_called_again_in_a_new_one(tmp_path: Path) -> None:
     with closing(LocalProcesses(study_of().document, 2)) as executor:
         die_once = partial(harm("die_once"), tmp_path / "marker")
-        assert executor.call([partial(abs, 1), die_once, partial(abs, 2), partial(abs, 3)]) == [
-            1,
-            "alive",
-            2,
-            3,
-        ]
+        assert executor.call([partial(abs, 1), die_once, partial(abs, 2), partial(abs, 3)]) == [1, "alive", 2, 3]
 
 
 @pytest.mark.parametrize(("deed", "text"), [("exit", "exit code 3"), ("segfault", "SIGSEGV")])

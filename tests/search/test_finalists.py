@@ -42,9 +42,7 @@ def store(tmp_path: Path) -> Iterator[Store]:
         yield store
 
 
-def test_finalists_fly_under_each_condition_of_the_choice_and_winners_under_those_of_the_promise(
-    store: Store,
-) -> None:
+def test_finalists_fly_under_each_condition_of_the_choice_and_winners_under_those_of_the_promise(store: Store) -> None:
     study, seen = study_of(), []
     executor = InProcess(study.make_pipeline())
     fly_finalists(study, store, executor, lambda done, total: seen.append((done, total)))
@@ -142,9 +140,7 @@ def test_one_that_is_best_undisturbed_loses_to_one_that_can_be_relied_on(store: 
     assert greedy is not None and greedy.index == favourite[0]
 
 
-def test_of_finalists_that_do_equally_well_the_one_with_the_best_undisturbed_flight_wins(
-    store: Store,
-) -> None:
+def test_of_finalists_that_do_equally_well_the_one_with_the_best_undisturbed_flight_wins(store: Store) -> None:
     favourite = store.find_best("TP2")
     assert favourite is not None and favourite[0] > 0
     for index in range(8):
@@ -248,10 +244,7 @@ def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score:
     }
     for number, winner in enumerate(found):
         scores = {
-            row: (
-                robust_fitness(disturbed[row, :12, number], study.scenario.robustness),
-                undisturbed[row, number],
-            )
+            row: (robust_fitness(disturbed[row, :12, number], study.scenario.robustness), undisturbed[row, number])
             for row in finalists
             if may[row, number]
         }

@@ -278,12 +278,7 @@ def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> Non
         fitness = [record.evaluation.fitness[number] for record in records]
         assert best.result["fitness"] == max(fitness)
         assert best.result["evaluation"] == int(np.argmax(fitness))
-        assert {path.name for path in best.files} == {
-            "agent.json",
-            "trajectory.csv",
-            "section.svg",
-            "agent.scad",
-        }
+        assert {path.name for path in best.files} == {"agent.json", "trajectory.csv", "section.svg", "agent.scad"}
         # Equation 25 backwards, with the stored flight in place of the one that was scored.
         d_max = study.scenario.pipe.farthest_distance(np.array(study.scenario.targets[best.target]))
         assert best.result["nominal"] == pytest.approx(best.result["error_percent"] / 100 * d_max, rel=1e-3)

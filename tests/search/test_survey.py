@@ -22,13 +22,7 @@ TARGETS = ("TP2", "TP6")
 def study_of(*settings: str, strategy: str = "evolution", evaluations: int = 24) -> Study:
     return load_study(
         "paper",
-        (
-            "robustness.conditions=3",
-            "robustness.checks=2",
-            "robustness.finalists=2",
-            "strategy.random=8",
-            *settings,
-        ),
+        ("robustness.conditions=3", "robustness.checks=2", "robustness.finalists=2", "strategy.random=8", *settings),
         targets=list(TARGETS),
         use={"simulator": "native", "strategy": strategy},
         run={"seed": 4, "evaluations": evaluations},

@@ -141,9 +141,7 @@ def test_intervals_hold_the_truth_where_a_camera_looks_down_or_up_by_8_degrees_a
 
 
 @pytest.mark.parametrize("filming", [Filming(barrel=0.03), Filming(lost=0.02), Filming(lost=0.05), Filming(lost=-0.1)])
-def test_no_factor_is_known_outside_its_interval_in_more_than_a_tenth_of_the_trials_where(
-    filming: Filming,
-) -> None:
+def test_no_factor_is_known_outside_its_interval_in_more_than_a_tenth_of_the_trials_where(filming: Filming) -> None:
     """With a lens of 3 % barrel, and where frames are lost by chance or in a rhythm."""
     count = min(TRIALS, 100)
     _, outside = count_outside(filming, count)
@@ -225,10 +223,7 @@ def test_agents_that_are_evolved_with_a_calibration_come_nearer(
         "| evolved | median miss over ten targets | greatest miss |",
         "|---|---|---|",
     ]
-    for what, misses in (
-        ("without calibration", before),
-        ("with the calibration", after),
-    ):
+    for what, misses in (("without calibration", before), ("with the calibration", after)):
         lines.append(f"| {what} | {1000 * np.median(misses):.0f} mm | {1000 * misses.max():.0f} mm |")
     publish("next agents", lines)
     assert np.median(after) < np.median(before) / 3

@@ -91,10 +91,7 @@ def row(simulator: str, what: str, change: FloatArray) -> str:
     )
 
 
-HEAD = (
-    "| simulator | change | median | 95 % | largest | below 0.1 | failed |",
-    "|---|---|---|---|---|---|---|",
-)
+HEAD = ("| simulator | change | median | 95 % | largest | below 0.1 | failed |", "|---|---|---|---|---|---|---|")
 
 
 def history(agent, trajectory: Trajectory, radius: float) -> str:

@@ -76,10 +76,7 @@ def test_a_search_finds_an_agent_for_each_outlet_in_nine_of_ten_seeds(tmp_path, 
     seeds, sound = count_of("SEEDS", 10), 0
     for seed in range(seeds):
         study = load_study("t-junction", ["run.formats=[]"], run={"seed": seed})
-        with (
-            closing(LocalProcesses(study.document, 2)) as executor,
-            Run.create(tmp_path / str(seed), study) as run,
-        ):
+        with closing(LocalProcesses(study.document, 2)) as executor, Run.create(tmp_path / str(seed), study) as run:
             best = advance_run(run, executor)
         shares = [found.robust["reached"] for found in best]
         print(f"seed {seed}: {', '.join(f'{share:.0%}' for share in shares)} of the fresh flights", flush=True)

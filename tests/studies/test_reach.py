@@ -60,9 +60,7 @@ def random_points(scenario) -> np.ndarray:
 
 def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
     study = load_study(
-        "paper",
-        use={"simulator": "native", "strategy": strategy},
-        run={"seed": seed, "evaluations": flights},
+        "paper", use={"simulator": "native", "strategy": strategy}, run={"seed": seed, "evaluations": flights}
     )
     directory = folder / f"{strategy}-{seed}"
     directory.mkdir()

@@ -137,10 +137,7 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
     unsound, beyond, checked = [], 0, 0
     for name, settings in SURROUNDINGS.items():
         study = load_study(
-            "paper",
-            [f"grammar.occupied='{occupied}'", *settings],
-            use={"simulator": "native"},
-            run={"seed": SEED},
+            "paper", [f"grammar.occupied='{occupied}'", *settings], use={"simulator": "native"}, run={"seed": SEED}
         )
         pipeline, counts = study.make_pipeline(), Counter()
         sound, failed, found = [], [], []

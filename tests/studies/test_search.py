@@ -140,9 +140,7 @@ def test_evolution_reaches_every_target_in_the_mean_flow_of_real_water(errors_in
     assert errors_in_water["evolution", 500].max(axis=1).mean() <= 1.0
 
 
-def test_evolution_reaches_every_target_with_the_papers_flights(
-    errors: Errors,
-) -> None:
+def test_evolution_reaches_every_target_with_the_papers_flights(errors: Errors) -> None:
     worst = errors["evolution", 500].max(axis=1)
     assert worst.mean() <= 0.5
     assert worst.max() <= 1.0

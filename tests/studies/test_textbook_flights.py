@@ -56,11 +56,7 @@ def test_free_flights_agree_with_the_textbook_to_a_millimetre(pipelines, agents,
     drawn = agents(0)
     scenario = pipelines["native"].scenario
     scenario = scenario.model_copy(
-        update={
-            "pipe": Pipe(),
-            "targets": {},
-            "flight": scenario.flight.model_copy(update={"horizon": HORIZON}),
-        }
+        update={"pipe": Pipe(), "targets": {}, "flight": scenario.flight.model_copy(update={"horizon": HORIZON})}
     )
     times = np.linspace(0, HORIZON, round(100 * HORIZON) + 1)
     expected = list(workers.map(textbook_states, drawn, repeat(scenario), repeat(times)))

@@ -279,12 +279,7 @@ def test_another_kind_of_flow_drops_what_only_the_former_has() -> None:
     assert flow["kind"] == "turbulent"
     assert "acceleration" not in flow
     back = load_study(Document("agent", {**resolved.data, "flow": flow}), ["flow.kind=uniform"])
-    assert back.document["flow"] == {
-        "kind": "uniform",
-        "speed": 0.7,
-        "acceleration": 0.0,
-        "added": [0.0, 0.0, 0.0],
-    }
+    assert back.document["flow"] == {"kind": "uniform", "speed": 0.7, "acceleration": 0.0, "added": [0.0, 0.0, 0.0]}
 
 
 def test_another_kind_keeps_a_misspelt_key_for_its_error(write: Write) -> None:

@@ -92,13 +92,7 @@ def _written(value: Any, style: int) -> str:
     return _quoted(value)
 
 
-@given(
-    st.dictionaries(
-        _names,
-        st.dictionaries(_names, st.tuples(_scalars, st.integers(0, 5)), max_size=3),
-        max_size=3,
-    )
-)
+@given(st.dictionaries(_names, st.dictionaries(_names, st.tuples(_scalars, st.integers(0, 5)), max_size=3), max_size=3))
 def test_every_key_that_was_written_is_found_where_it_was_written(
     tables: dict[str, dict[str, tuple[Any, int]]],
 ) -> None:

@@ -56,12 +56,7 @@ def test_a_kernel_is_recompiled_when_a_file_changes_whose_functions_it_calls(tmp
 def run_kernel(cache, script=SCRIPT, timeout=None, **variables):
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache), **variables}
     done = subprocess.run(
-        [sys.executable, "-c", script],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=timeout,
+        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False, timeout=timeout
     )
     assert done.returncode == 0, done.stderr
     assert abs(float(done.stdout) - (1.0 - 0.1 - 0.02)) < 1e-12

@@ -14,10 +14,7 @@ def test_a_new_folder_replaces_the_former_one(tmp_path: Path) -> None:
     (former / "old.obj").write_text("old")
     with write_folder(tmp_path / "model") as part:
         (part / "new.xml").write_text("new")
-    assert [path.relative_to(tmp_path).as_posix() for path in sorted(tmp_path.rglob("*"))] == [
-        "model",
-        "model/new.xml",
-    ]
+    assert [path.relative_to(tmp_path).as_posix() for path in sorted(tmp_path.rglob("*"))] == ["model", "model/new.xml"]
 
 
 @pytest.mark.parametrize("interruption", [RuntimeError, KeyboardInterrupt])
@@ -27,10 +24,7 @@ def test_an_interruption_leaves_the_former_folder_as_it_was(tmp_path: Path, inte
     with pytest.raises(interruption), write_folder(tmp_path / "model") as part:
         (part / "new.xml").write_text("half")
         raise interruption
-    assert [path.relative_to(tmp_path).as_posix() for path in sorted(tmp_path.rglob("*"))] == [
-        "model",
-        "model/old.xml",
-    ]
+    assert [path.relative_to(tmp_path).as_posix() for path in sorted(tmp_path.rglob("*"))] == ["model", "model/old.xml"]
     assert (tmp_path / "model" / "old.xml").read_text() == "old"
 
 

@@ -67,10 +67,7 @@ def test_a_crash_is_an_error_of_one_line(function: Any, words: str) -> None:
 
 def test_what_is_called_works_in_a_folder_that_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    folder, [path] = (
-        foreign.call_apart(parsers.leave_files),
-        foreign.call_apart(parsers.give_back, Path("here")),
-    )
+    folder, [path] = (foreign.call_apart(parsers.leave_files), foreign.call_apart(parsers.give_back, Path("here")))
     assert list(tmp_path.iterdir()) == [] and not Path(folder).exists()
     assert path == str(tmp_path / "here")
 

@@ -11,10 +11,7 @@ import pytest
 
 from driftform.water.grid_files import read_grid
 
-pytestmark = [
-    pytest.mark.peers,
-    pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits"),
-]
+pytestmark = [pytest.mark.peers, pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")]
 
 MODEL = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 

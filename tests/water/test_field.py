@@ -64,12 +64,7 @@ def test_the_distance_in_the_middle_of_a_reducer_is_that_from_its_arcs() -> None
 
 TEE = [
     {"length": 0.5, "name": "first"},
-    {
-        "kind": "tee",
-        "branch_radius": 0.05,
-        "share": 0.3,
-        "branch": [{"length": 0.5, "outlet": "up"}],
-    },
+    {"kind": "tee", "branch_radius": 0.05, "share": 0.3, "branch": [{"length": 0.5, "outlet": "up"}]},
     {"length": 0.5, "outlet": "on"},
 ]
 

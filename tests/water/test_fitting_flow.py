@@ -113,10 +113,7 @@ def test_the_flow_across_a_bore_takes_up_what_the_vortex_brings(tightness, share
         return np.array(crossing_potential(x, y, bend, R, U)[0])
 
     hessian = np.column_stack(
-        [
-            (slope(xi + h, eta) - slope(xi - h, eta)) / (2 * h),
-            (slope(xi, eta + h) - slope(xi, eta - h)) / (2 * h),
-        ]
+        [(slope(xi + h, eta) - slope(xi - h, eta)) / (2 * h), (slope(xi, eta + h) - slope(xi, eta - h)) / (2 * h)]
     )
     D, _ = vortex_excess(xi, bend, R, U)
     _, (xx, xy) = crossing_potential(xi, eta, bend, R, U)

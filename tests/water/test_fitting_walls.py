@@ -85,15 +85,7 @@ def distance_by_rolling_ball(tee, p):
 
 @pytest.mark.parametrize(
     ("ratio", "degrees", "fillet"),
-    [
-        (0.5, 90, 0.2),
-        (1.0, 90, 0.1),
-        (0.5, 60, 0.2),
-        (1.0, 60, 0.2),
-        (0.7, 45, 0.5),
-        (0.5, 120, 0.1),
-        (1.0, 30, 0.2),
-    ],
+    [(0.5, 90, 0.2), (1.0, 90, 0.1), (0.5, 60, 0.2), (1.0, 60, 0.2), (0.7, 45, 0.5), (0.5, 120, 0.1), (1.0, 30, 0.2)],
 )
 def test_the_gap_in_a_tee_is_the_distance_from_balls_that_roll_in_its_wall(ratio, degrees, fillet):
     pipe = make_wye(ratio, degrees, fillet)

@@ -112,19 +112,10 @@ def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, v
         (["flow.kind=3"], ["flow.kind = 3", "known: developed"]),
         (["flow.kind=true"], ["flow.kind = true", "known: developed"]),
         (["flow.kind=[1]"], ["flow.kind = [1]", "known: developed"]),
-        (
-            ['flow={kind="power_law", exponnent=7}'],
-            ["unknown key 'exponnent' in [flow]", "did you mean 'exponent'?"],
-        ),
-        (
-            ["gusts.memry=1"],
-            ["--set gusts.memry=1: unknown key 'memry' in [gusts]", "did you mean 'memory'?"],
-        ),
+        (['flow={kind="power_law", exponnent=7}'], ["unknown key 'exponnent' in [flow]", "did you mean 'exponent'?"]),
+        (["gusts.memry=1"], ["--set gusts.memry=1: unknown key 'memry' in [gusts]", "did you mean 'memory'?"]),
         (["flow.kind=turbulent", "flow.memory=1"], ["unknown key 'memory' in [flow]"]),
-        (
-            ["gusts.smoothing=0"],
-            ["gusts.smoothing = 0"],
-        ),
+        (["gusts.smoothing=0"], ["gusts.smoothing = 0"]),
         (
             ["flow.kind=log_law", "flow.exponent=7"],
             [
@@ -139,10 +130,7 @@ def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, v
             ["pipe.segments=[]", "targets={}", "flow.kind=log_law"],
             ["--set flow.kind=log_law: flow.kind = 'log_law' needs a pipe", "it must be 'uniform' or 'grid'"],
         ),
-        (
-            ["pipe.segments=[]", "targets={}", "flow={kind='developing'}"],
-            ["flow.kind = 'developing' needs a pipe"],
-        ),
+        (["pipe.segments=[]", "targets={}", "flow={kind='developing'}"], ["flow.kind = 'developing' needs a pipe"]),
     ],
 )
 def test_a_fault_of_a_flow_is_reported_in_one_line(settings, parts):

@@ -101,10 +101,7 @@ def test_the_way_between_parts_leads_through_the_junction():
 @pytest.mark.parametrize(
     ("parts", "message"),
     [
-        (
-            [{"kind": "bend", "radius": 0.1}],
-            r"pipe.parts\[0\].radius = 0.1: the bend is tighter than its bore",
-        ),
+        ([{"kind": "bend", "radius": 0.1}], r"pipe.parts\[0\].radius = 0.1: the bend is tighter than its bore"),
         ([{"kind": "reducer", "length": 0.05, "radius": 0.05}], r"pipe.parts\[0\].length = 0.05: too short"),
         ([{"kind": "reducer", "length": 0.05, "radius": 0.1}], "has this radius already"),
         ([{"kind": "tee", "branch_radius": 0.2, "share": 0.1, "branch": [WAY_OUT]}], "wider than the run"),
@@ -115,10 +112,7 @@ def test_the_way_between_parts_leads_through_the_junction():
         ),
         ([{**TEE, "branch": [WAY_OUT]}], r"pipe.parts\[0\]: the outlet at its end has no name"),
         ([{**TEE, "outlet": "b", "branch": [WAY_OUT]}], "has this outlet, too"),
-        (
-            [{**TEE, "outlet": "A"}],
-            r"the branch of the tee has no parts: add at least \[\[pipe.parts.branch\]\]",
-        ),
+        ([{**TEE, "outlet": "A"}], r"the branch of the tee has no parts: add at least \[\[pipe.parts.branch\]\]"),
         ([{"length": 1.0, "outlet": "A"}, {"length": 1.0}], "another part follows"),
         ([{"length": 1.0, "name": "a"}, {"length": 1.0, "name": "a"}], "another part has this name"),
         ([{"length": 1.0}, {"length": 1.0, "name": "a/b"}], "must consist of letters"),
@@ -191,11 +185,7 @@ def test_parts_that_pass_each_other_closely_are_accepted(parts):
         ({"radius": 0.1}, r"add \[\[pipe.parts\]\]"),
         ({"radius": 0.1, "parts": [WAY_OUT], "direction": [0, 0, 0]}, "pipe.direction has no length"),
         (
-            {
-                "radius": 0.1,
-                "parts": [WAY_OUT],
-                "segments": [{"start": [0, 0, 0], "end": [1, 0, 0], "radius": 1.0}],
-            },
+            {"radius": 0.1, "parts": [WAY_OUT], "segments": [{"start": [0, 0, 0], "end": [1, 0, 0], "radius": 1.0}]},
             "remove one of them",
         ),
     ],
@@ -216,8 +206,7 @@ def test_errors_name_the_line_of_the_part(tmp_path):
         load_study(str(file))
     file.write_text(text % "raduis = 0.2")
     with pytest.raises(
-        InputError,
-        match=r"study.toml:14: unknown key 'raduis' in \[\[pipe.parts.branch\]\]; did you mean 'radius'",
+        InputError, match=r"study.toml:14: unknown key 'raduis' in \[\[pipe.parts.branch\]\]; did you mean 'radius'"
     ):
         load_study(str(file))
     file.write_text(text.partition("[[pipe.parts.branch]]")[0] + 'branch = []\n[targets]\nT = "A"\n')
@@ -230,17 +219,13 @@ def test_errors_name_the_line_of_the_part(tmp_path):
         load_study(str(file))
     file.write_text((text % "radius = 0.2").replace('kind = "bend"', 'kind = "bent"'))
     with pytest.raises(
-        InputError,
-        match=r"study.toml:13: pipe.parts\[1\].branch\[0\].kind = 'bent': unknown kind; did you mean 'bend'",
+        InputError, match=r"study.toml:13: pipe.parts\[1\].branch\[0\].kind = 'bent': unknown kind; did you mean 'bend'"
     ):
         load_study(str(file))
 
 
 def test_a_target_may_be_an_outlet():
-    tables = {
-        "pipe": branched().model_dump(exclude_none=True),
-        "targets": {"left": "B", "middle": [0.5, 0.0, 0.0]},
-    }
+    tables = {"pipe": branched().model_dump(exclude_none=True), "targets": {"left": "B", "middle": [0.5, 0.0, 0.0]}}
     scenario = Scenario.model_validate(tables)
     assert scenario.target_array()[0] == pytest.approx(scenario.pipe.layout.outlets[0].opening.centre)
     assert scenario.target_points()["middle"] == (0.5, 0.0, 0.0)

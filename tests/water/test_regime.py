@@ -82,12 +82,7 @@ def test_a_profile_within_its_range_needs_no_word(kind):
 
 
 def test_every_bore_of_a_junction_is_checked_at_its_own_speed():
-    tee = {
-        "kind": "tee",
-        "branch_radius": 0.05,
-        "share": 0.001,
-        "branch": [{"length": 1.0, "outlet": "side"}],
-    }
+    tee = {"kind": "tee", "branch_radius": 0.05, "share": 0.001, "branch": [{"length": 1.0, "outlet": "side"}]}
     parts = [{"length": 50.0}, tee, {"length": 1.0, "outlet": "main"}]
     scenario = Scenario.model_validate(
         {"pipe": {"radius": 0.1, "parts": parts}, "flow": {"kind": "log_law", "speed": 0.5}, "fluid": {}}

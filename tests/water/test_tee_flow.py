@@ -29,11 +29,7 @@ def end_planes(junction: Junction) -> tuple[float, float, float]:
     """x of the inlet and of the outlet of the part, and the end of its branch from the origin, m."""
     c, s, f = math.cos(junction.angle), math.sin(junction.angle), junction.fillet
     rho = junction.branch + f
-    return (
-        ((1 + f) * c - rho) / s - LEG,
-        ((1 + f) * c + rho) / s + LEG,
-        (1 + f + rho * c) / s + LEG * junction.branch,
-    )
+    return (((1 + f) * c - rho) / s - LEG, ((1 + f) * c + rho) / s + LEG, (1 + f + rho * c) / s + LEG * junction.branch)
 
 
 @cache
@@ -211,11 +207,7 @@ def test_the_flow_decays_to_plug_flow_as_the_slowest_mode_of_a_pipe(junction: Ju
 
 
 @settings(max_examples=300)
-@given(
-    number=st.integers(0, len(JUNCTIONS) - 1),
-    place=st.tuples(*[st.floats(-1.0, 1.0)] * 3),
-    share=st.floats(0, 1),
-)
+@given(number=st.integers(0, len(JUNCTIONS) - 1), place=st.tuples(*[st.floats(-1.0, 1.0)] * 3), share=st.floats(0, 1))
 @example(number=0, place=(-1.0, 0.0, 1.0), share=0.0)
 def test_the_velocity_is_finite_and_continuous_in_the_wall_and_beyond_the_ends(
     number: int, place: tuple[float, float, float], share: float

@@ -459,12 +459,7 @@ def test_memory_is_what_the_diffusivity_of_the_profile_asks_for():
         assert eddy_diffusivity(y, 1.0) == pytest.approx(0.4 / 6)
 
 
-@given(
-    st.floats(0.0, 0.979),
-    st.floats(0, 2 * math.pi),
-    st.floats(0.01, 30),
-    st.tuples(*[st.floats(-1, 1)] * 3),
-)
+@given(st.floats(0.0, 0.979), st.floats(0, 2 * math.pi), st.floats(0.01, 30), st.tuples(*[st.floats(-1, 1)] * 3))
 def test_the_rate_of_a_gust_is_its_change_along_the_path_of_the_water(r, turn, tau, h):
     pipe, flow, walk, eddies = body_in_gusts(scenario_of(GUSTY), 0.02)
     point = (3.0, r * math.cos(turn), r * math.sin(turn))

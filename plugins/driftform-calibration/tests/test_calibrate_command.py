@@ -91,10 +91,7 @@ def test_a_body_of_ones_own_is_calibrated_by_its_film(
     assert design.agent.morphology is not None
     bench = place_drop(design.pipeline, design.agent.morphology, 30.0, depth=3.0)
     film = film_flight(
-        bench,
-        Factors(cross_drag=1.3),
-        np.random.default_rng(5),
-        Filming(noise=1e-5, scale=0.0, tilt=0.0, release=0.0),
+        bench, Factors(cross_drag=1.3), np.random.default_rng(5), Filming(noise=1e-5, scale=0.0, tilt=0.0, release=0.0)
     )
     Path("1.toml").write_text(FILM, encoding="utf-8")
     given = ("--fit", "cross_drag", "--out", "found", "--json")

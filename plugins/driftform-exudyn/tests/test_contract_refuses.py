@@ -130,10 +130,7 @@ FAULTS: dict[Flight, tuple[str, ...]] = {
         "test_a_flight_ends_exactly_at_the_outlet",
         "test_a_tumbling_flight_ends_exactly_at_the_outlet_too",
     ),
-    released_at_rest: (
-        "test_a_body_released_with_the_current_drifts_with_it",
-        "test_a_current_is_a_change_of_frame",
-    ),
+    released_at_rest: ("test_a_body_released_with_the_current_drifts_with_it", "test_a_current_is_a_change_of_frame"),
     with_a_coarse_integrator: (
         "test_the_spheroid_librates_as_in_closed_form",
         "test_free_motion_conserves_energy_impulse_and_angular_impulse",

@@ -16,12 +16,7 @@ from driftform_exudyn import exudyn_system
 def exudyn_frequencies(agent, scenario, height, pitch):
     """Angular frequencies (1/s) of small motions about rest; Exudyn differences the forces itself."""
     release = scenario.release.model_copy(
-        update={
-            "frame": "world",
-            "position": (0.0, 0.0, height),
-            "pitch_deg": math.degrees(pitch),
-            "velocity": "rest",
-        }
+        update={"frame": "world", "position": (0.0, 0.0, height), "pitch_deg": math.degrees(pitch), "velocity": "rest"}
     )
     mbs = exudyn_system(agent, scenario.model_copy(update={"release": release, "pipe": Pipe()})).mbs
     mbs.Assemble()

@@ -321,8 +321,7 @@ def test_an_interruption_waits_until_exudyn_is_done():
 
 
 @pytest.mark.parametrize(
-    "options",
-    [{"width": 63}, {"width": 101}, {"height": 0}, {"fps": 0}, {"speed": 0}, {"view": "above"}, {"rays": 9}],
+    "options", [{"width": 63}, {"width": 101}, {"height": 0}, {"fps": 0}, {"speed": 0}, {"view": "above"}, {"rays": 9}]
 )
 def test_options_out_of_range_are_refused(options):
     with pytest.raises(ValueError, match=next(iter(options))):

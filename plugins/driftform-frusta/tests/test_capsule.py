@@ -129,15 +129,9 @@ def test_a_study_finds_the_file_beside_it_and_needs_it_no_more(tmp_path):
 @pytest.mark.parametrize(
     "extra, message",
     [
-        (
-            "core_cog = 0.03",
-            r"study.toml:3: 'core' is the file of a capsule, whose core_mass is missing: add it",
-        ),
+        ("core_cog = 0.03", r"study.toml:3: 'core' is the file of a capsule, whose core_mass is missing: add it"),
         ("core_mass = 0.02", r"study.toml:3: .*core_cog is missing: add it"),
-        (
-            "core_mass = 0.02\ncore_cog = 0.07",
-            r"study.toml:5: 'core_cog' is 0.07 m from the nose, and .* 0.06 m",
-        ),
+        ("core_mass = 0.02\ncore_cog = 0.07", r"study.toml:5: 'core_cog' is 0.07 m from the nose, and .* 0.06 m"),
     ],
 )
 def test_a_capsule_without_mass_or_balance_is_one_line(extra, message, tmp_path):
@@ -167,14 +161,8 @@ def test_a_file_that_is_no_profile_is_one_line(text, message, tmp_path):
     [
         ({"core_cog": 0.01}, "core_cog' is for a capsule"),
         ({"core_profile": ((0, 0), (0.01, 0.01), (0.02, 0))}, "core_cog is missing"),
-        (
-            {"core_profile": ((0, 0), (0.01, 0.01), (0.02, 0)), "core_cog": 0.01, "core_radius": 0.02},
-            "leave it out",
-        ),
-        (
-            {"core_profile": ((0, 0), (0.01, 0), (0.02, 0)), "core_cog": 0.01},
-            "core_profile must run from the nose",
-        ),
+        ({"core_profile": ((0, 0), (0.01, 0.01), (0.02, 0)), "core_cog": 0.01, "core_radius": 0.02}, "leave it out"),
+        ({"core_profile": ((0, 0), (0.01, 0), (0.02, 0)), "core_cog": 0.01}, "core_profile must run from the nose"),
     ],
 )
 def test_options_of_a_capsule_that_contradict_each_other_are_refused(options, message):
@@ -184,11 +172,6 @@ def test_options_of_a_capsule_that_contradict_each_other_are_refused(options, me
 
 def test_a_capsule_that_is_wider_than_the_pipe_is_refused(tmp_path):
     wide = write_csv(tmp_path / "wide.csv", capsule() * 80)
-    settings = [
-        f'builder.core="{wide}"',
-        "builder.core_mass=0.02",
-        "builder.core_cog=0.9",
-        "builder.made_as=hull",
-    ]
+    settings = [f'builder.core="{wide}"', "builder.core_mass=0.02", "builder.core_cog=0.9", "builder.made_as=hull"]
     with pytest.raises(InputError, match="pipe"):
         load_study("pipe-inspection", settings).list_warnings()

@@ -11,13 +11,7 @@ from driftform.types import Core, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.cores import CORES, DENSITIES, name_core
 
-BALLS_PER_KG = {
-    "steel-10mm": 244,
-    "steel-12mm": 141,
-    "steel-15mm": 72.2,
-    "steel-16mm": 59.5,
-    "steel-20mm": 30.5,
-}
+BALLS_PER_KG = {"steel-10mm": 244, "steel-12mm": 141, "steel-15mm": 72.2, "steel-16mm": 59.5, "steel-20mm": 30.5}
 """Number of bearing balls of 100Cr6 to the kilogram, from the catalogue of a maker (Technoball, ISO 3290)."""
 
 SHEETS = {

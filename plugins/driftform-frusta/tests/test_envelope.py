@@ -16,11 +16,7 @@ from driftform_frusta.section import hull_section, lay_chains
 MM = 1e3
 WALL, DOME = 0.00125, 0.01145
 
-steep_modules = st.builds(
-    Module,
-    st.floats(0.1, 30).map(lambda mm: mm / MM),
-    st.floats(-88, 88).map(math.radians),
-)
+steep_modules = st.builds(Module, st.floats(0.1, 30).map(lambda mm: mm / MM), st.floats(-88, 88).map(math.radians))
 chains = st.builds(
     lambda fore, aft: lay_chains(fore, aft, DOME, 0.003125),
     st.lists(steep_modules, max_size=12),
@@ -67,10 +63,7 @@ def wall_pieces(outer, wall):
                 tips = [reach * bisector]
             else:
                 # Cut off where the component along the bisector is one wall.
-                tips = [
-                    p + u * (1 - p @ bisector) / (u @ bisector),
-                    q + v * (1 - q @ bisector) / (v @ bisector),
-                ]
+                tips = [p + u * (1 - p @ bisector) / (u @ bisector), q + v * (1 - q @ bisector) / (v @ bisector)]
             yield corner, *(corner + wall * np.array([p, *tips, q]))
 
 

@@ -274,12 +274,7 @@ def test_prusa_slicer_finds_the_mesh_manifold_and_turns_nothing(body, write_stl,
 def test_admesh_reads_the_mesh_closed_and_has_nothing_to_mend(body, write_stl, requires_program):
     admesh = requires_program("admesh")
     done = subprocess.run(
-        [admesh, write_stl(body).path],
-        capture_output=True,
-        encoding="utf-8",
-        errors="replace",
-        timeout=60,
-        check=True,
+        [admesh, write_stl(body).path], capture_output=True, encoding="utf-8", errors="replace", timeout=60, check=True
     )
     assert "All facets connected" in done.stdout
     counts = dict(line.split(":", 1) for line in done.stdout.splitlines() if ":" in line)

@@ -14,12 +14,7 @@ parts = st.lists(st.tuples(sides, st.floats(1, 210)), min_size=1, max_size=12)
 
 
 def box(size, spot):
-    return (
-        spot.x - size[0] / 2,
-        spot.y - size[1] / 2,
-        spot.x + size[0] / 2,
-        spot.y + size[1] / 2,
-    )
+    return (spot.x - size[0] / 2, spot.y - size[1] / 2, spot.x + size[0] / 2, spot.y + size[1] / 2)
 
 
 @given(parts)

@@ -166,16 +166,7 @@ def test_a_ball_of_lead_of_a_kilogram() -> None:
 def necked(neck: float) -> Body:
     """A hull whose bore narrows to the radius ``neck`` (m) between the core and a wide chamber at the fore end."""
     cavity = np.array(
-        [
-            (-0.02, 0),
-            (-0.02, 0.011),
-            (0.02, 0.011),
-            (0.03, neck),
-            (0.04, neck),
-            (0.05, 0.011),
-            (0.09, 0.011),
-            (0.09, 0),
-        ]
+        [(-0.02, 0), (-0.02, 0.011), (0.02, 0.011), (0.03, neck), (0.04, neck), (0.05, 0.011), (0.09, 0.011), (0.09, 0)]
     )
     outer = cavity + np.array([(-0.002, 0), *[(0, 0.002)] * 6, (0.002, 0)])
     return Body(outer, cavity, np.array([-0.022, 0.092]), Core(0.01, 0.05), 0.002, 1050.0)

@@ -57,11 +57,7 @@ def nested(levels: int, copies: int) -> str:
             9_000 * '<item objectid="0"/>',
             "has more than 5000000 triangles or vertices",
         ),
-        (
-            f'<object id="0">{MESH}</object>' + " " * (130 << 20),
-            '<item objectid="0"/>',
-            "unpacks to more than 128 MB",
-        ),
+        (f'<object id="0">{MESH}</object>' + " " * (130 << 20), '<item objectid="0"/>', "unpacks to more than 128 MB"),
     ],
     ids=["components of components", "many items", "many copies of many vertices", "much air"],
 )

@@ -16,18 +16,7 @@ from driftform_frusta.hull import hull_volume
 CheckMesh = Callable[..., dict[str, Finding]]
 Written = Callable[..., Path]
 
-LINES = [
-    "unit",
-    "duplicate faces",
-    "closed",
-    "oriented",
-    "shells",
-    "mass",
-    "wall",
-    "bed",
-    "standing",
-    "slender",
-]
+LINES = ["unit", "duplicate faces", "closed", "oriented", "shells", "mass", "wall", "bed", "standing", "slender"]
 
 
 def states(found: dict[str, Finding]) -> dict[str, str]:

@@ -35,12 +35,7 @@ KINDS = ["no module", "all narrowing", "all widening", "zigzag", "39 random modu
 
 
 def build(capsule: str, kind: str):
-    options = {
-        "core_profile": CAPSULES[capsule],
-        "core_radius": 0.0125,
-        "core_mass": 0.025,
-        "core_cog": 0.034,
-    }
+    options = {"core_profile": CAPSULES[capsule], "core_radius": 0.0125, "core_mass": 0.025, "core_cog": 0.034}
     return FrustaBuilder(FrustaOptions(**options)).build(MORPHOLOGIES[kind]())
 
 

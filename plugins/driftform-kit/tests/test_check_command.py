@@ -100,8 +100,7 @@ def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call: Call, 
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("3D/3dmodel.model", model)
         archive.writestr(
-            "_rels/.rels",
-            f'<Relationships><Relationship Target="/3D/3dmodel.model" Type="{start}"/></Relationships>',
+            "_rels/.rels", f'<Relationships><Relationship Target="/3D/3dmodel.model" Type="{start}"/></Relationships>'
         )
         archive.writestr("Metadata/agent.json", agent_file(call, WORD, tmp_path / "own.json").read_text())
     agent_file(call, OTHER, tmp_path / "agent.json")
@@ -118,8 +117,7 @@ def write_archive(path: Path, attached: str) -> Path:
     start = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr(
-            "_rels/.rels",
-            f'<Relationships><Relationship Target="/3D/3dmodel.model" Type="{start}"/></Relationships>',
+            "_rels/.rels", f'<Relationships><Relationship Target="/3D/3dmodel.model" Type="{start}"/></Relationships>'
         )
         archive.writestr(
             "3D/3dmodel.model",
@@ -134,10 +132,7 @@ def write_archive(path: Path, attached: str) -> Path:
 @pytest.mark.skipif(sys.platform == "win32", reason="runs a script as a program")
 @pytest.mark.parametrize(
     ("place", "text"),
-    [
-        ("attached", "the OpenSCAD source attached to it"),
-        ("beside", "the OpenSCAD source beside it, stranger.scad,"),
-    ],
+    [("attached", "the OpenSCAD source attached to it"), ("beside", "the OpenSCAD source beside it, stranger.scad,")],
 )
 def test_source_of_a_stranger_is_rendered_only_when_asked_for(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, text: str

@@ -121,10 +121,7 @@ def test_a_file_holds_what_a_printer_needs_of_kits(call: Call, tmp_path: Path) -
     sheet = next(tmp_path.glob("*-assembly-2.svg")).read_text(encoding="utf-8")
     assert "--option clearance=0.00015" in sheet
     printer.write_text("clearance = 0,15\n", encoding="utf-8")
-    for path, reason in (
-        (printer, "printer.toml:1: is not valid TOML"),
-        (tmp_path / "none.toml", "none.toml"),
-    ):
+    for path, reason in ((printer, "printer.toml:1: is not valid TOML"), (tmp_path / "none.toml", "none.toml")):
         result = call("export", *arguments, "--option", str(path))
         assert result.exit_code == 2 and reason in result.stderr and result.stderr.count("\n") == 1
 

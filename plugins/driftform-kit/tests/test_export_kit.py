@@ -90,10 +90,7 @@ def test_an_option_is_given_to_every_format(call: Call, tmp_path: Path) -> None:
         (("--kit", "--bed", "220,220,0"), "--bed 220,220,0: should be three lengths in mm above 0"),
         (("--option", "jiont=rabbet"), "exporter 'stl' has no option 'jiont'; did you mean 'joint'?"),
         (("--option", "joint"), "--option joint: expected key=value, such as joint=rabbet"),
-        (
-            ("--kit", "--option", "joint=screw"),
-            "error: --option joint=screw: exporter.stl.joint = 'screw': should be",
-        ),
+        (("--kit", "--option", "joint=screw"), "error: --option joint=screw: exporter.stl.joint = 'screw': should be"),
         (("--kit", "--option", "o_ring=0.0015"), "needs a sleeve of 0.0014 m or more, not 0.0012"),
     ],
 )

@@ -38,9 +38,7 @@ MODULES = st.lists(
     max_size=9,
 )
 BODIES = st.builds(
-    lambda fore, aft: FrustaBuilder(FrustaOptions()).build(Morphology(tuple(fore), tuple(aft))),
-    MODULES,
-    MODULES,
+    lambda fore, aft: FrustaBuilder(FrustaOptions()).build(Morphology(tuple(fore), tuple(aft))), MODULES, MODULES
 )
 CLEARANCES = st.sampled_from([0.0001, 0.0002, 0.0003, 0.0004])
 
@@ -427,14 +425,7 @@ def test_a_socket_beside_a_ledge_of_the_cavity_does_not_cut_into_the_wall(side, 
     at = -3.0 * side
     ordered = radii[::-1] if turned else radii
     bore = np.array(
-        [
-            (-21.0, 0.0),
-            (-21.0, ordered[0]),
-            (at, ordered[1]),
-            (at, ordered[2]),
-            (21.0, ordered[3]),
-            (21.0, 0.0),
-        ]
+        [(-21.0, 0.0), (-21.0, ordered[0]), (at, ordered[1]), (at, ordered[2]), (21.0, ordered[3]), (21.0, 0.0)]
     )
     polygon = [(sign * r, z) for sign in (1, -1) for z, r in bore[::sign]]
     hull = replace(tube, bore=bore, cavity=make_polygon(polygon))

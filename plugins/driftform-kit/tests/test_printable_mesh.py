@@ -59,13 +59,7 @@ def test_the_reloaded_mesh_is_watertight_and_weighs_what_inspect_says(exported):
 def test_admesh_finds_nothing_to_mend(exported, requires_program):
     files, mass = exported
     report = output_of(requires_program("admesh"), files["stl"]["path"])
-    for fault in (
-        "Total disconnected facets",
-        "Degenerate facets",
-        "Facets reversed",
-        "Normals fixed",
-        "Edges fixed",
-    ):
+    for fault in ("Total disconnected facets", "Degenerate facets", "Facets reversed", "Normals fixed", "Edges fixed"):
         assert re.search(rf"{fault}\s*:\s*0\b", report), report
     volume = float(re.search(r"Volume\s*:\s*([\d.]+)", report)[1])
     assert volume * 1e-9 * ABS == pytest.approx(mass, rel=1e-4)

@@ -37,13 +37,7 @@ def test_a_program_that_takes_too_long_or_does_not_exist_is_a_failure(tmp_path: 
 def test_admesh_is_understood_whatever_bytes_it_prints(
     sound: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    names = (
-        "Total disconnected facets",
-        "Degenerate facets",
-        "Facets reversed",
-        "Facets added",
-        "Edges fixed",
-    )
+    names = ("Total disconnected facets", "Degenerate facets", "Facets reversed", "Facets added", "Edges fixed")
     report = b"Header : \xd0\xff\x80\n" + "".join(f"{name} : 0\n" for name in names).encode()
     program = tmp_path / "admesh"
     program.write_text(f"#!{sys.executable}\nimport sys\nsys.stdout.buffer.write({report!r})\n")

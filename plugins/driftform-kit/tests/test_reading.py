@@ -100,14 +100,7 @@ def test_an_object_that_is_not_built_is_no_part(block: trimesh.Trimesh, tmp_path
 
 @pytest.mark.parametrize(
     ("unit", "millimetres"),
-    [
-        ("micron", 1e-3),
-        ("millimeter", 1),
-        ("centimeter", 10),
-        ("inch", 25.4),
-        ("foot", 304.8),
-        ("meter", 1e3),
-    ],
+    [("micron", 1e-3), ("millimeter", 1), ("centimeter", 10), ("inch", 25.4), ("foot", 304.8), ("meter", 1e3)],
 )
 def test_3mf_tells_its_unit(block: trimesh.Trimesh, tmp_path: Path, unit: str, millimetres: float) -> None:
     resources = f'<object id="1">{mesh_of(block, 1 / millimetres)}</object>'

@@ -135,19 +135,7 @@ def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call: Call, t
     made = f"{WORD} {' '.join(NEUTRAL)} --kit --option '{option}'"
     assert f"driftform export {made}\n" in text
     assert f"driftform trim {made} --printed-mass KG --simulator native\n" in text
-    command = (
-        "export",
-        WORD,
-        *NEUTRAL,
-        "--kit",
-        "--option",
-        option,
-        "--format",
-        "stl",
-        "--out",
-        "kit",
-        "--json",
-    )
+    command = ("export", WORD, *NEUTRAL, "--kit", "--option", option, "--format", "stl", "--out", "kit", "--json")
     kit = next(file["kit"] for file in json.loads(call(*command).stdout)["files"] if "kit" in file)
     assert kit["ballast"][0]["part"] == "fore shell"
     # ... and weighed again it takes the same ball.
@@ -242,11 +230,7 @@ def kit_of_34_grams(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("kit_of_34_grams")
 def test_a_kit_is_trimmed_by_what_its_parts_should_weigh(call: Call) -> None:
     facts = told(call, "--kit")
-    assert (facts["printed_mass"], facts["printed_cog"], facts["cog_source"]) == (
-        0.034,
-        pytest.approx(0.005),
-        "kit",
-    )
+    assert (facts["printed_mass"], facts["printed_cog"], facts["cog_source"]) == (0.034, pytest.approx(0.005), "kit")
     assert facts["ballast_mass"] == pytest.approx(facts["simulated_mass"] - 0.034)
 
 

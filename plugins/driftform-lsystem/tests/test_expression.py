@@ -180,23 +180,7 @@ def test_the_bounds_of_the_number_with_skipping_are_reached(quintuple, modules):
     assert len(grammar.express(uniform_genotype(quintuple)).modules) == modules
 
 
-RUNS = [
-    "C",
-    "addF",
-    "tiltp",
-    "1",
-    "addB",
-    "tiltn",
-    "2",
-    "S",
-    "moveF",
-    "moveB",
-    "addF",
-    "tiltp",
-    "0",
-    "L",
-    "moveN",
-]
+RUNS = ["C", "addF", "tiltp", "1", "addB", "tiltn", "2", "S", "moveF", "moveB", "addF", "tiltp", "0", "L", "moveN"]
 
 
 def test_the_first_of_a_run_counts():
@@ -303,14 +287,7 @@ def test_narrowing_by_nothing_is_a_plain_zero(tilt_reference):
 
 
 def test_lengths_and_angles_are_the_options():
-    options = {
-        "small": 0.1,
-        "medium": 0.2,
-        "large": 0.3,
-        "tilt_0_deg": 1,
-        "tilt_1_deg": 2,
-        "tilt_2_deg": 3,
-    }
+    options = {"small": 0.1, "medium": 0.2, "large": 0.3, "tilt_0_deg": 1, "tilt_1_deg": 2, "tilt_2_deg": 3}
     word = "addF tiltp 0 S moveF addF tiltn 1 M moveF addF tiltp 2 L moveF"
     assert express(word, **options).fore == (
         Module(0.1, math.radians(1)),

@@ -21,13 +21,7 @@ QUINTUPLES = st.tuples(
     st.sampled_from(["S", "M", "L"]),
     st.sampled_from(["moveF", "moveB", "moveN"]),
 )
-CLASSES = [
-    {"addF", "addB"},
-    {"tiltp", "tiltn"},
-    {"0", "1", "2"},
-    {"S", "M", "L"},
-    {"moveF", "moveB", "moveN"},
-]
+CLASSES = [{"addF", "addB"}, {"tiltp", "tiltn"}, {"0", "1", "2"}, {"S", "M", "L"}, {"moveF", "moveB", "moveN"}]
 GRAMMAR = LSystemGrammar(LSystemOptions())
 
 

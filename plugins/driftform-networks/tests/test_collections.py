@@ -139,12 +139,7 @@ def follow_quality(
             call("settimeparam", code, int(hours * 3600))
         for node in tanks:
             # Their levels, and with them all flows, remain.
-            call(
-                "setnodevalue",
-                node,
-                TANK_DIAMETER,
-                1000 * epanet.EN_getnodevalue(project, node, TANK_DIAMETER)[1],
-            )
+            call("setnodevalue", node, TANK_DIAMETER, 1000 * epanet.EN_getnodevalue(project, node, TANK_DIAMETER)[1])
     for node in range(1, call("getcount", 0) + 1):
         call("setnodevalue", node, INITIAL, 0.0)
     call("settimeparam", 2, step)

@@ -21,8 +21,7 @@ from driftform_networks.snapshot import take_snapshot
 
 
 @pytest.mark.parametrize(
-    ("size", "divided", "steered"),
-    [(1, 0.319, 0.457), (5, 0.418, 0.768), (10, 0.479, 0.912), (23, 0.583, 1.0)],
+    ("size", "divided", "steered"), [(1, 0.319, 0.457), (5, 0.418, 0.768), (10, 0.479, 0.912), (23, 0.583, 1.0)]
 )
 def test_the_headroom_of_net3_is_the_known_one(size: int, divided: float, steered: float, epanet: Any) -> None:
     """Drifters from River that divide like the water, and that are steered perfectly, at hour 0."""

@@ -56,9 +56,7 @@ def test_a_wide_rod_between_equal_bores_passes_the_corner_at_its_middle(width: f
         assert longest_rod(1.0, 1.0, turn, width) == pytest.approx(middle, rel=1e-5)
 
 
-def test_a_body_that_is_as_long_as_the_corner_allows_passes_and_a_longer_one_does_not(
-    sphere: Traveller,
-) -> None:
+def test_a_body_that_is_as_long_as_the_corner_allows_passes_and_a_longer_one_does_not(sphere: Traveller) -> None:
     body = sphere.agent.body
     assert find_obstacle(body, 0.1, 0.059, 0.0) == "too wide: 60 mm in a bore of 59 mm"
     # A sphere passes where the rod around it does, which is as long as it is wide.

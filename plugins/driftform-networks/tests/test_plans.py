@@ -75,18 +75,7 @@ def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(fork_file:
 
 def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(call: Callable[..., Any], epanet: Any) -> None:
     words = ["plan", "Net3", "--release", "61,101,237", "--hours", "6,12", "--nets", 4, "--walks", 100]
-    files = [
-        "--gis",
-        "gis",
-        "--crs",
-        "EPSG:25832",
-        "--map",
-        "plan.svg",
-        "--tables",
-        "tables",
-        "--report",
-        "plan.html",
-    ]
+    files = ["--gis", "gis", "--crs", "EPSG:25832", "--map", "plan.svg", "--tables", "tables", "--report", "plan.html"]
     result = call(*words, *files, "--json")
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
@@ -126,18 +115,7 @@ def test_what_is_seen_is_counted_by_material_and_weighed_by_risk(
     assert groups == [("iron", 400, pytest.approx(5 / 6)), ("lead", 200, pytest.approx(1 / 3))]
     weighed = replace(network, weight=read_weights(columns, "risk"))
     assert trace(weighed, "source", walks=0).coverage == pytest.approx((1 + 3 * 2 / 3 + 4 / 3) / 8)
-    options = [
-        "--pipes",
-        "pipes.csv",
-        "--by",
-        "material",
-        "--by",
-        "diameter",
-        "--receiver",
-        "ahead",
-        "--range",
-        150,
-    ]
+    options = ["--pipes", "pipes.csv", "--by", "material", "--by", "diameter", "--receiver", "ahead", "--range", 150]
     document = json.loads(call("tracers", fork_file, "--release", "source", *options, "--json").stdout)
     assert [row["value"] for row in document["by"]["material"]] == ["iron", "lead"]
     assert [row["value"] for row in document["by"]["diameter"]] == ["0.3"]

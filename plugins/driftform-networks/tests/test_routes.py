@@ -111,13 +111,7 @@ def test_heavy_bodies_go_into_branches_at_the_bottom_and_light_ones_at_the_top(
 def test_flights_are_the_same_for_any_number_of_workers(agent: str, fork_file: Path, tmp_path: Path) -> None:
     network = open_network(fork_file, tmp_path)
     one, two = (
-        route(
-            network,
-            open_traveller(agent, buoyancy=-0.01),
-            "source",
-            workers=n,
-            cache=tmp_path / f"{n}",
-        )
+        route(network, open_traveller(agent, buoyancy=-0.01), "source", workers=n, cache=tmp_path / f"{n}")
         for n in (1, 2)
     )
     assert one.as_document() == two.as_document()

@@ -105,10 +105,7 @@ CROSS = {
         ({"bores": np.array([0.3, 0.05])}, "narrow branch"),
         ({"turns": np.array([0.0, np.deg2rad(150)])}, "steep branch"),
         ({"directions": np.array([[1.0, 0.0], [-1.0, 0.0]])}, "no straight run"),
-        (
-            {name: np.concatenate([part, part[:1]]) for name, part in CROSS.items()},
-            "more branches",
-        ),
+        ({name: np.concatenate([part, part[:1]]) for name, part in CROSS.items()}, "more branches"),
     ],
 )
 def test_streamtubes_divide_what_is_no_tee_of_the_core_and_the_reason_is_named(
@@ -220,10 +217,7 @@ def test_small_neutral_bodies_keep_their_band_in_bends_and_reducers(turn: float,
 
 def test_fittings_are_counted_once_for_all_members_and_flights_come_first() -> None:
     one, two = {1: TEE, 2: "join", 3: "join"}, {1: "join", 2: TEE, 4: JOINT}
-    assert count_passings([one, two]) == {
-        "flown": {TEE: 2, JOINT: 1},
-        "streamtubes": {"join": 1},
-    }
+    assert count_passings([one, two]) == {"flown": {TEE: 2, JOINT: 1}, "streamtubes": {"join": 1}}
 
 
 def test_the_mirror_image_of_a_band_is_that_of_its_points() -> None:

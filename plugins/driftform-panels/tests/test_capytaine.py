@@ -164,10 +164,7 @@ def lines_of(cases: Sequence[Case], version: str) -> list[str]:
         "strip theory": np.array([case.by_strips() for case in cases]),
         "Capytaine's finest mesh": np.array([case.found[-1] for case in cases]),
     }
-    lines = [
-        "| error in percent, mean (largest) | " + " | ".join(models) + " |",
-        "|---|" + "---|" * len(models),
-    ]
+    lines = ["| error in percent, mean (largest) | " + " | ".join(models) + " |", "|---|" + "---|" * len(models)]
     for index, name in enumerate(("M11", "M22", "M55", "M26, of the root of M22 M66")):
         errors = [100 * np.abs(values[:, index] - limits[:, index]) / units[:, index] for values in models.values()]
         lines.append(f"| {name} | " + " | ".join(f"{e.mean():.2g} ({e.max():.2g})" for e in errors) + " |")

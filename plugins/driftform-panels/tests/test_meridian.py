@@ -100,12 +100,7 @@ def test_edges_without_length_or_on_the_axis_do_not_count():
 
 @pytest.mark.parametrize(
     "contour",
-    [
-        [(0, 0), (1, 0)],
-        [(0, 1), (1, 1), (1, 0)],
-        [(0, 0), (0, 1), (1, 1)],
-        [(0, 0), (0, 1), (1, -0.1), (2, 1), (2, 0)],
-    ],
+    [[(0, 0), (1, 0)], [(0, 1), (1, 1), (1, 0)], [(0, 0), (0, 1), (1, 1)], [(0, 0), (0, 1), (1, -0.1), (2, 1), (2, 0)]],
     ids=["nothing", "open aft", "open fore", "beyond the axis"],
 )
 def test_a_contour_without_a_body_is_refused(contour):

@@ -88,10 +88,7 @@ def test_the_page_shows_how_well_spheroids_agree_with_lamb(published):
         percent = 100 * (found / expected - 1)
         return f"{percent:+.3f} %" if abs(percent) < 1 else f"{percent:+.0f} %"
 
-    lines = [
-        "| spheroid | k1 | panels | strips | k2 | panels | strips | k' | panels | strips |",
-        "|---" * 10 + "|",
-    ]
+    lines = ["| spheroid | k1 | panels | strips | k2 | panels | strips | k' | panels | strips |", "|---" * 10 + "|"]
     for a, b in SPHEROIDS:
         body = spheroid_body(a, b, edges=256)
         water = np.array([1, 1, (a * a + b * b) / 5]) * 4 / 3 * np.pi * a * b * b

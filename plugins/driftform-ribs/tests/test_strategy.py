@@ -54,12 +54,7 @@ def test_a_flight_that_is_released_behind_a_station_has_the_height_of_its_releas
 
 
 def test_a_grid_has_as_many_cells_in_each_measure_as_the_number_of_cells_allows():
-    for cells, stations, dims in (
-        (1000, 3, [10] * 3),
-        (999, 3, [9] * 3),
-        (400, 2, [20, 20]),
-        (2, 6, [2] * 6),
-    ):
+    for cells, stations, dims in ((1000, 3, [10] * 3), (999, 3, [9] * 3), (400, 2, [20, 20]), (2, 6, [2] * 6)):
         options = RibsOptions(archive="grid", cells=cells, stations=tuple(np.linspace(0.1, 1, stations)))
         assert make_archive(options, 1.0, 0).dims.tolist() == dims
 

@@ -44,12 +44,7 @@ def describe(element: ET.Element) -> Any:
     ],
 )
 def test_every_element_of_a_block_is_that_of_the_exported_file(
-    export: Callable[..., Path],
-    job: ExportJob,
-    format: str,
-    file: str,
-    tags: tuple[str, ...],
-    options: dict[str, Any],
+    export: Callable[..., Path], job: ExportJob, format: str, file: str, tags: tuple[str, ...], options: dict[str, Any]
 ) -> None:
     folder = export(format, job, **options)
     if not (folder / file).exists():

@@ -58,9 +58,7 @@ def test_across_it_is_the_cylinders_textbook_drag(cylinder: Agent) -> None:
     assert D[4, 2] == pytest.approx(0.03 * expected, rel=1e-6)
 
 
-def test_damping_by_matrices_about_the_centre_of_gravity_stays_as_it_is(
-    jobs: dict[str, ExportJob],
-) -> None:
+def test_damping_by_matrices_about_the_centre_of_gravity_stays_as_it_is(jobs: dict[str, ExportJob]) -> None:
     agent = jobs["skewed"].agent
     D = quadratic_damping(agent, Fluid(), 0.3)
     np.testing.assert_allclose(D, agent.coefficients.quadratic_damping, rtol=1e-9, atol=1e-15)

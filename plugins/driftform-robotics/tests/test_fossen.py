@@ -73,11 +73,7 @@ class UuvSimulator:
             float(current.findtext(f"{tag}/mean")) for tag in ("velocity", "horizontal_angle", "vertical_angle")
         )
         self.current = speed * np.array(
-            [
-                np.cos(horizontal) * np.cos(vertical),
-                np.sin(horizontal) * np.cos(vertical),
-                np.sin(vertical),
-            ]
+            [np.cos(horizontal) * np.cos(vertical), np.sin(horizontal) * np.cos(vertical), np.sin(vertical)]
         )
 
     def buoyancy(self, z: float) -> float:
@@ -163,10 +159,7 @@ class GzSim:
         # DART: G V' = F + ad*(V) G V, and V' is the derivative in the body frame: m (a - w x v).
         momentum = total @ absolute
         gyration = np.concatenate(
-            (
-                np.cross(momentum[:3], w),
-                np.cross(momentum[3:], w) + np.cross(momentum[:3], absolute[:3]),
-            )
+            (np.cross(momentum[:3], w), np.cross(momentum[3:], w) + np.cross(momentum[:3], absolute[:3]))
         )
         rate = np.linalg.solve(total, wrench + gyration)
         return rate + np.concatenate((np.cross(w, absolute[:3]), np.zeros(3)))
@@ -188,11 +181,7 @@ def largest_deviation(found: list[np.ndarray], expected: list[np.ndarray]) -> fl
 
 
 def test_the_uuv_simulators_law_gives_our_accelerations(
-    exact: ExportJob,
-    export: Callable,
-    inertia_of: Callable,
-    random_states: Callable,
-    our_accelerations: Callable,
+    exact: ExportJob, export: Callable, inertia_of: Callable, random_states: Callable, our_accelerations: Callable
 ) -> None:
     simulator = UuvSimulator(export("uuv", exact), inertia_of)
     states = random_states(50)
@@ -242,11 +231,7 @@ def test_in_a_current_gazebo_lacks_the_inertia_of_water_that_turns_past_the_body
 
 
 def flight_by_gazebo(
-    simulator: GzSim,
-    cog: np.ndarray,
-    velocity: np.ndarray,
-    times: np.ndarray,
-    attitude: Rotation | None = None,
+    simulator: GzSim, cog: np.ndarray, velocity: np.ndarray, times: np.ndarray, attitude: Rotation | None = None
 ) -> np.ndarray:
     """Places of the core's centre, released (level) at the origin, by Gazebo's law integrated exactly, (k, 3)."""
     attitude = attitude or Rotation.identity()

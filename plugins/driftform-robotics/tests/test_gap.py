@@ -74,9 +74,7 @@ def test_the_step_is_the_longest_whose_error_is_small_beside_the_gap(jobs: dict[
     assert found["dragged"] > found["random"]
 
 
-def test_a_lag_that_diverges_with_every_step_is_told_and_costs_no_short_steps(
-    jobs: dict[str, ExportJob],
-) -> None:
+def test_a_lag_that_diverges_with_every_step_is_told_and_costs_no_short_steps(jobs: dict[str, ExportJob]) -> None:
     job = jobs["random"]
     link = make_link(job)
     assert link.added_mass_ratio > 1
@@ -101,8 +99,7 @@ HEADERS = {
 
 
 @pytest.mark.parametrize(
-    ("format", "options"),
-    [("sdf", {}), ("sdf", {"gazebo": "fortress"}), ("uuv", {}), ("urdf", {}), ("mjcf", {})],
+    ("format", "options"), [("sdf", {}), ("sdf", {"gazebo": "fortress"}), ("uuv", {}), ("urdf", {}), ("mjcf", {})]
 )
 def test_the_gap_is_in_the_header_and_in_the_readme(
     format: str, options: dict[str, Any], jobs: dict[str, ExportJob], export: Callable[..., Path]

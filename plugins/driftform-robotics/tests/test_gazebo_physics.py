@@ -38,10 +38,7 @@ def fall(
     [folder] = ask("--variable=libdir", ENGINE)
     flags = [f'-DDART="{folder}/lib{ENGINE}.so"', *ask("--cflags", "--libs", *LIBRARIES)]
     built = subprocess.run(
-        [compiler, str(SOURCE), *flags, "-o", str(program)],
-        capture_output=True,
-        encoding="utf-8",
-        check=False,
+        [compiler, str(SOURCE), *flags, "-o", str(program)], capture_output=True, encoding="utf-8", check=False
     )
     assert built.returncode == 0, built.stderr
 
@@ -87,12 +84,7 @@ def copy_for_fortress(folder: Path, target: Path) -> list[Path]:
     [("random", "harmonic"), ("another", "fortress"), ("dragged", "fortress"), ("skewed", "harmonic")],
 )
 def test_dart_steps_every_file_and_finds_mass_inertia_and_free_fall(
-    kind: str,
-    gazebo: str,
-    jobs: dict[str, ExportJob],
-    export: Callable[..., Path],
-    fall: Callable,
-    tmp_path: Path,
+    kind: str, gazebo: str, jobs: dict[str, ExportJob], export: Callable[..., Path], fall: Callable, tmp_path: Path
 ) -> None:
     job = jobs[kind]
     folder = export("sdf", job, gazebo=gazebo, step=0.002)

@@ -157,17 +157,7 @@ def test_a_search_for_a_leak_speaks_of_the_plume_and_not_of_distances(
     from driftform.cli.app import app
 
     monkeypatch.chdir(tmp_path)
-    arguments = [
-        "leak-search",
-        "--simulator",
-        "native",
-        "--evaluations",
-        "3",
-        "--workers",
-        "1",
-        "--seed",
-        "1",
-    ]
+    arguments = ["leak-search", "--simulator", "native", "--evaluations", "3", "--workers", "1", "--seed", "1"]
     printed = CliRunner().invoke(app, ["evolve", *arguments, "--out", "run"], catch_exceptions=False).stdout
     CliRunner().invoke(app, ["report", "run"], catch_exceptions=False)
     page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")

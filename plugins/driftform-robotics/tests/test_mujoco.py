@@ -70,10 +70,7 @@ def test_it_reads_the_urdf_as_a_body_that_floats(job: ExportJob, export: Callabl
     assert model.body_mass.sum() == pytest.approx(expected.mass, rel=1e-10)
     np.testing.assert_allclose(model.body_ipos[-1], 0, atol=1e-15)
     np.testing.assert_allclose(
-        inertia_of_body(model, model.nbody - 1),
-        expected.inertia,
-        rtol=1e-8,
-        atol=1e-8 * expected.inertia.max(),
+        inertia_of_body(model, model.nbody - 1), expected.inertia, rtol=1e-8, atol=1e-8 * expected.inertia.max()
     )
 
 
@@ -142,10 +139,7 @@ def test_drag_along_one_axis_is_ours_at_the_speed_of_reference(
     axis: int, jobs: dict[str, ExportJob], export: Callable, random_states: Callable
 ) -> None:
     job = jobs["dragged"]
-    calm = replace(
-        job,
-        scenario=job.scenario.model_copy(update={"flow": type(job.scenario.flow)(speed=0.0)}),
-    )
+    calm = replace(job, scenario=job.scenario.model_copy(update={"flow": type(job.scenario.flow)(speed=0.0)}))
     speed = 0.3
     folder = export("mjcf", calm, drag_speed=speed)
     nu = np.zeros(6)

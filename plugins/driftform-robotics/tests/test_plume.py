@@ -120,11 +120,7 @@ def test_far_downstream_it_is_mixed_evenly() -> None:
     assert found == pytest.approx(np.ones(50), abs=0.01)
 
 
-@given(
-    st.floats(1e-12, 3.0),
-    st.floats(0.0, 1.0),
-    st.floats(-np.pi, np.pi),
-)
+@given(st.floats(1e-12, 3.0), st.floats(0.0, 1.0), st.floats(-np.pi, np.pi))
 def test_a_concentration_is_finite_never_negative_and_the_same_on_both_sides(tau: float, r: float, phi: float) -> None:
     found = relative_concentration(np.full(2, tau), np.full(2, r), np.array([phi, -phi]))
     assert np.isfinite(found).all() and (found >= 0).all()
@@ -167,11 +163,7 @@ def test_water_that_runs_back_carries_the_plume_back() -> None:
 
 @pytest.mark.parametrize(
     ("point", "wall"),
-    [
-        ((2.0, 0.1, 0.0), (2.0, 0.5, 0.0)),
-        ((2.0, -0.06, 0.08), (2.0, -0.3, 0.4)),
-        ((2.0, 0.0, 0.0), (2.0, 0.0, -0.5)),
-    ],
+    [((2.0, 0.1, 0.0), (2.0, 0.5, 0.0)), ((2.0, -0.06, 0.08), (2.0, -0.3, 0.4)), ((2.0, 0.0, 0.0), (2.0, 0.0, -0.5))],
 )
 def test_the_leak_is_at_the_nearest_place_of_the_wall(
     point: tuple[float, float, float], wall: tuple[float, float, float]

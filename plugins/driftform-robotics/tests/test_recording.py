@@ -302,13 +302,7 @@ def test_noise_is_as_large_as_asked_for_and_comes_again_with_its_seed(
         return np.array([m.fluid_pressure for _, m in messages(path)["/agent/pressure"]])
 
     t = np.linspace(0, 0.4, 200)
-    long = Trajectory(
-        t,
-        np.zeros((200, 3)),
-        np.tile([1.0, 0, 0, 0], (200, 1)),
-        np.zeros((200, 6)),
-        flight.end,
-    )
+    long = Trajectory(t, np.zeros((200, 3)), np.tile([1.0, 0, 0, 0], (200, 1)), np.zeros((200, 6)), flight.end)
     clean, noisy = pressures("clean.mcap"), pressures("noisy.mcap", pressure_noise=30.0)
     assert np.std(noisy - clean) == pytest.approx(30, rel=0.25)
     assert np.mean(noisy - clean) == pytest.approx(0, abs=9)

@@ -17,16 +17,7 @@ from driftform.interfaces import ExportJob
 FORMATS = {"sdf": ("gazebo", "start.launch.py"), "urdf": ("description", "display.launch.py")}
 
 # REP 149: these elements, in the order of the schema package_format3.xsd.
-MANIFEST = [
-    "name",
-    "version",
-    "description",
-    "maintainer",
-    "license",
-    "buildtool_depend",
-    "exec_depend",
-    "export",
-]
+MANIFEST = ["name", "version", "description", "maintainer", "license", "buildtool_depend", "exec_depend", "export"]
 
 
 @pytest.fixture(params=FORMATS)
@@ -183,12 +174,7 @@ def test_the_world_in_the_frame_of_the_water_begins_with_how_to_find_the_pose_in
     text = (folder / "drift.sdf").read_text(encoding="utf-8")
     header = text[text.index("<!--") : text.index("-->")]
     assert text.index("<!--") < text.index("<world")
-    for words in (
-        "the water is at rest",
-        "'pipe' and 'targets' move",
-        "Pose in the pipe",
-        "less the position",
-    ):
+    for words in ("the water is at rest", "'pipe' and 'targets' move", "Pose in the pipe", "less the position"):
         assert words in header
     passing = np.array([float(v) for v in re.search(r"\nat (\S+ \S+ \S+) m/s", header).group(1).split()])
     np.testing.assert_allclose(passing, -jobs["another"].scenario.current())

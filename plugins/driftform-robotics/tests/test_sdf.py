@@ -158,8 +158,7 @@ def test_a_flow_that_is_not_uniform_becomes_its_mean_with_a_warning(
 def test_the_core_is_a_frame_of_the_model(job: ExportJob, export: Callable, model_of: Callable) -> None:
     """Fitness refers to the core's centre, but the origin is the centre of gravity: the file must hold both."""
     model = model_of(
-        export("sdf", job) / "model.sdf",
-        ET.parse(export("sdf", job) / "model.sdf").getroot()[0].get("name"),
+        export("sdf", job) / "model.sdf", ET.parse(export("sdf", job) / "model.sdf").getroot()[0].get("name")
     )
     place = [float(v) for v in model.findtext("frame[@name='core']/pose").split()[:3]]
     np.testing.assert_allclose(place, -job.agent.mass.cog, atol=1e-12)

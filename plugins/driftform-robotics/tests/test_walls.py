@@ -24,21 +24,12 @@ def make_pipe(kind: str, branch_radius: float) -> Scenario:
     parts = [
         {"length": 0.5},
         {"kind": "bend", "radius": 0.3, "roll_deg": 90},
-        {
-            "kind": kind,
-            "branch_radius": branch_radius,
-            "share": 0.3,
-            "branch": [{"length": 0.3, "outlet": "up"}],
-        },
+        {"kind": kind, "branch_radius": branch_radius, "share": 0.3, "branch": [{"length": 0.3, "outlet": "up"}]},
         {"kind": "reducer", "length": 0.2, "radius": 0.05},
         {"length": 0.3, "outlet": "on"},
     ]
     return Scenario.model_validate(
-        {
-            "pipe": {"radius": 0.1, "parts": parts},
-            "flow": {"speed": 0.5},
-            "release": {"position": [0.1, 0, 0]},
-        }
+        {"pipe": {"radius": 0.1, "parts": parts}, "flow": {"speed": 0.5}, "release": {"position": [0.1, 0, 0]}}
     )
 
 

@@ -54,12 +54,7 @@ def read(process: subprocess.Popen[str]) -> dict[str, Any]:
 
 def call(environment: dict[str, str], command: str) -> dict[str, Any]:
     done = subprocess.run(
-        ["bash", "-c", command],
-        env=environment,
-        capture_output=True,
-        encoding="utf-8",
-        timeout=60,
-        check=True,
+        ["bash", "-c", command], env=environment, capture_output=True, encoding="utf-8", timeout=60, check=True
     )
     return yaml.safe_load(done.stdout) or {}
 
@@ -87,9 +82,7 @@ def design_of(*settings: str) -> df.Design:
     return df.open_agent(WORD, *given, scenario="paper", use={"simulator": "native"})
 
 
-def test_a_current_that_arrives_in_flight_moves_the_agent_as_one_that_changes_then(
-    master: dict[str, str],
-) -> None:
+def test_a_current_that_arrives_in_flight_moves_the_agent_as_one_that_changes_then(master: dict[str, str]) -> None:
     current = (0.6, 0.1, -0.05)
     with follow(master, "4.0", "2.0", *map(str, current)) as listener, fly(master):
         found = read(listener)

@@ -119,12 +119,7 @@ def test_a_body_for_an_outlet_is_tuned_until_it_leaves_there() -> None:
     outlets = {"riser": (0.0, 0.0, 0.5), "main": (0.9, 0.0, 0.0)}
     parts = [
         {"length": 0.6},
-        {
-            "kind": "tee",
-            "branch_radius": 0.05,
-            "share": 0.3,
-            "branch": [{"length": 0.5, "outlet": "riser"}],
-        },
+        {"kind": "tee", "branch_radius": 0.05, "share": 0.3, "branch": [{"length": 0.5, "outlet": "riser"}]},
         {"length": 0.4, "outlet": "main"},
     ]
     scenario = Scenario.model_validate(
@@ -160,10 +155,7 @@ def test_a_body_that_hits_matters_and_a_body_on_its_way_does_not() -> None:
 
 
 def test_no_body_is_tuned_twice_for_a_target() -> None:
-    strategy, seen = (
-        TunedStrategy(TunedOptions(flights=2), make_space(Cigars(Table()))),
-        list[tuple[str, str]](),
-    )
+    strategy, seen = (TunedStrategy(TunedOptions(flights=2), make_space(Cigars(Table()))), list[tuple[str, str]]())
     for _ in range(30):
         candidates = strategy.ask(10)
         shapes = [("".join(c.genome.symbols), c.target) for c in candidates if not c.parents]

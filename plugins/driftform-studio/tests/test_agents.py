@@ -16,11 +16,7 @@ def test_an_agent_is_shown_as_its_run_found_it(finished, finished_folder):
     run = Run.open(finished_folder / "small")
     best = run.best()["near"]
     assert shown["promise"]["nominal"] == pytest.approx(best["nominal"], abs=1e-9)
-    assert [shown["promise"][key] for key in ("median", "p90", "flights")] == [
-        best["median"],
-        best["p90"],
-        20,
-    ]
+    assert [shown["promise"][key] for key in ("median", "p90", "flights")] == [best["median"], best["p90"], 20]
     design = open_agent(f"{finished_folder / 'small'}:near")
     assert shown["facts"]["mass"] == design.mass.mass and shown["facts"]["length"] == design.length
     assert len(shown["flight"]["t"]) > 100

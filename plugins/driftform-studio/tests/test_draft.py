@@ -34,11 +34,7 @@ def test_the_text_is_a_study_file_that_the_command_line_reads(tmp_path):
 
 def test_what_a_field_leaves_empty_is_the_default():
     draft = check_draft(
-        {
-            "base": "pipe-inspection",
-            "fluid": {"water_level": None, "density": 1000},
-            "targets": {"a": [1, None, 0, 0]},
-        }
+        {"base": "pipe-inspection", "fluid": {"water_level": None, "density": 1000}, "targets": {"a": [1, None, 0, 0]}}
     )
     assert tomllib.loads(write_draft(draft))["fluid"] == {"density": 1000}
     assert draft["targets"] == {"a": [1, 0, 0]}

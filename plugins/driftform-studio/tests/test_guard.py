@@ -145,14 +145,7 @@ def test_a_link_that_leads_out_of_the_folder_is_not_followed(serve, folder, fini
 
 def test_a_draft_cannot_read_files_by_its_base(finished, tmp_path):
     (tmp_path / "mine.toml").write_text("title = 'precious'")
-    for base in (
-        str(tmp_path / "mine.toml"),
-        "/etc/passwd",
-        "../pyproject.toml",
-        None,
-        3,
-        ["pipe-inspection"],
-    ):
+    for base in (str(tmp_path / "mine.toml"), "/etc/passwd", "../pyproject.toml", None, 3, ["pipe-inspection"]):
         [line] = finished.ask("api/check", {"base": base}, status=422)["errors"]
         assert "is not a built-in scenario" in line and "precious" not in line
 
@@ -267,15 +260,7 @@ def test_a_request_that_is_half_sent_ends_after_ten_seconds(finished, half):
     assert finished.send("GET", f"/{finished.token}/")[0] == 200
 
 
-ODD = [
-    '"\\ud800"',
-    "9999999999999999999",
-    "-9999999999999999999",
-    "1e400",
-    "NaN",
-    "Infinity",
-    '{"\\udfff": 1}',
-]
+ODD = ['"\\ud800"', "9999999999999999999", "-9999999999999999999", "1e400", "NaN", "Infinity", '{"\\udfff": 1}']
 
 
 @pytest.mark.parametrize("value", ODD)
@@ -308,15 +293,7 @@ def test_a_draft_names_no_file_but_those_that_were_given_to_it(finished, finishe
     draft["flow"]["file"] = given
     assert "errors" in finished.ask("api/check", draft)
     link.symlink_to(tmp_path / "secret.csv")
-    outside = [
-        str(tmp_path / "secret.csv"),
-        "/etc/passwd",
-        "secret.csv",
-        str(link),
-        f"{given}/../../../secret",
-        "",
-        7,
-    ]
+    outside = [str(tmp_path / "secret.csv"), "/etc/passwd", "secret.csv", str(link), f"{given}/../../../secret", "", 7]
     for file in outside:
         draft["flow"]["file"] = file
         for path in ("api/check", "api/examine"):

@@ -34,10 +34,7 @@ def test_a_run_of_the_page_is_that_of_the_command_line(serve, folder, finished_f
 
 def test_a_run_that_the_command_line_made_is_shown_with_its_promise(finished):
     info = finished.ask("api/runs/small")
-    assert info["title"] == "A small pipe" and [t["name"] for t in info["outline"]["targets"]] == [
-        "near",
-        "far",
-    ]
+    assert info["title"] == "A small pipe" and [t["name"] for t in info["outline"]["targets"]] == ["near", "far"]
     status = finished.ask("api/runs/small/status")
     assert status["state"] == "finished"
     for target in status["targets"]:
@@ -95,10 +92,7 @@ def test_a_search_that_is_killed_is_a_paused_run(serve, folder, long_draft, wait
     name = server.ask("api/runs", {"draft": long_draft, "name": "long"})["run"]
     wait_for(lambda: server.ask(f"api/runs/{name}/status")["done"] > 3)
     found = subprocess.run(
-        ["pgrep", "-f", f"driftform_studio.search .*{folder / name}$"],
-        capture_output=True,
-        text=True,
-        check=True,
+        ["pgrep", "-f", f"driftform_studio.search .*{folder / name}$"], capture_output=True, text=True, check=True
     )
     [pid] = found.stdout.split()
     subprocess.run(["kill", "-9", pid], check=True)

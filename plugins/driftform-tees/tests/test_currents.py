@@ -148,10 +148,7 @@ def test_the_flow_of_a_straight_pipe_can_be_exported_too(tmp_path):
 def test_a_long_pipe_has_a_coarser_grid(monkeypatch):
     long = Scenario.model_validate(
         {
-            "pipe": {
-                "radius": 0.1,
-                "parts": [{"length": 20.0}, {"kind": "bend", "radius": 0.3}, {"length": 20.0}],
-            },
+            "pipe": {"radius": 0.1, "parts": [{"length": 20.0}, {"kind": "bend", "radius": 0.3}, {"length": 20.0}]},
             "release": {"position": (0.1, 0, 0)},
         }
     )
@@ -163,8 +160,7 @@ def test_a_long_pipe_has_a_coarser_grid(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("spacing", "words"),
-    [(0.06, "choose at most 0.05 m"), (0.0, "must be positive"), (-1.0, "must be positive")],
+    ("spacing", "words"), [(0.06, "choose at most 0.05 m"), (0.0, "must be positive"), (-1.0, "must be positive")]
 )
 def test_a_spacing_that_does_not_suit_the_pipe_is_refused(spacing, words):
     with pytest.raises(InputError, match=words):

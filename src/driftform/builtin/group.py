@@ -21,8 +21,7 @@ class GroupOptions(Table):
     """Which places belong together, and how a flight should pass between them."""
 
     groups: tuple[tuple[str, ...], ...] = option(
-        (),
-        "names of the targets that one flight should pass, for each group; one group of all targets by default",
+        (), "names of the targets that one flight should pass, for each group; one group of all targets by default"
     )
     ride: Literal["none", "crown", "floor"] = option(
         "none",

@@ -134,15 +134,13 @@ def _print_version(wanted: bool) -> None:
 def _options(
     ctx: typer.Context,
     version: Annotated[
-        bool,
-        typer.Option("--version", help="Print the version and end.", is_eager=True, callback=_print_version),
+        bool, typer.Option("--version", help="Print the version and end.", is_eager=True, callback=_print_version)
     ] = False,
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="Show no progress: results, warnings and errors alone.")
     ] = False,
     verbose: Annotated[
-        int,
-        typer.Option("--verbose", "-v", count=True, show_default=False, help="Log what is done; -vv in detail."),
+        int, typer.Option("--verbose", "-v", count=True, show_default=False, help="Log what is done; -vv in detail.")
     ] = 0,
 ) -> None:
     if quiet:

@@ -25,12 +25,10 @@ def evolve(
     target: Annotated[list[str] | None, typer.Option(metavar="NAME", help="Keep only this target; repeatable.")] = None,
     strategy: StrategyName = None,
     evaluations: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, help="Total budget of flights; by default 50 for each target."),
+        int | None, typer.Option(metavar="N", min=1, help="Total budget of flights; by default 50 for each target.")
     ] = None,
     seed: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=0, help="Seed of all randomness; drawn and recorded by default."),
+        int | None, typer.Option(metavar="N", min=0, help="Seed of all randomness; drawn and recorded by default.")
     ] = None,
     robust: Robust = None,
     within: Annotated[

@@ -15,8 +15,7 @@ def export_flight(
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
     rate_hz: Annotated[
-        float,
-        typer.Option(metavar="HZ", help="Samples for each second of the flight; 0 for those of the simulator."),
+        float, typer.Option(metavar="HZ", help="Samples for each second of the flight; 0 for those of the simulator.")
     ] = 100.0,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default flights/AGENT.")

@@ -65,10 +65,7 @@ def parse_page(style: str, width_mm: float | None) -> "Page":
     try:
         import cairosvg  # noqa: F401
     except (ImportError, OSError):
-        print(
-            "warning: figures are written as SVG alone; for PDF: pip install 'driftform[pdf]'",
-            file=sys.stderr,
-        )
+        print("warning: figures are written as SVG alone; for PDF: pip install 'driftform[pdf]'", file=sys.stderr)
     return Page.find(DEFAULT_WIDTH_MM if width_mm is None else width_mm)
 
 

@@ -16,8 +16,7 @@ def inspect(
     hydrodynamics: Hydrodynamics = None,
     settings: Settings = None,
     compare: Annotated[
-        bool,
-        typer.Option("--compare", help="Show the added mass by all installed hydrodynamics models side by side."),
+        bool, typer.Option("--compare", help="Show the added mass by all installed hydrodynamics models side by side.")
     ] = False,
     block: Annotated[
         str | None,
@@ -72,19 +71,13 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
         ("net buoyancy", f"{net:+.4f} N (it {weight})"),
         ("centre of gravity", f"x {1000 * facts['cog'][0]:+.3f} mm from the {origin} centre"),
         ("centre of buoyancy", f"x {1000 * facts['cob'][0]:+.3f} mm"),
-        (
-            "inertia about the COG",
-            f"axial {facts['inertia'][0, 0]:.4g}, transverse {facts['inertia'][1, 1]:.4g} kg m2",
-        ),
+        ("inertia about the COG", f"axial {facts['inertia'][0, 0]:.4g}, transverse {facts['inertia'][1, 1]:.4g} kg m2"),
     ]
     speeds = facts["terminal_speeds"]
     rows += [
         ("at rest", _describe_rest(facts["rest"])),
         ("righting moment", f"{1000 * facts['righting_moment']:.3g} mN m, level"),
-        (
-            "terminal speed",
-            f"{speeds['along']:.3g} m/s along its axis, {speeds['across']:.3g} across, with drag",
-        ),
+        ("terminal speed", f"{speeds['along']:.3g} m/s along its axis, {speeds['across']:.3g} across, with drag"),
         ("added over own mass", f"at most {facts['lambda_max']:.3g}"),
         ("a gram of hull", _describe_gram(facts["sensitivity"], fitness)),
     ]

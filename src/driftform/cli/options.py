@@ -34,8 +34,7 @@ Settings: TypeAlias = Annotated[
     ),
 ]
 ScenarioOption: TypeAlias = Annotated[
-    str | None,
-    _name("NAME|FILE", help="Scenario to fly in, in place of the agent's own.", complete=complete_study),
+    str | None, _name("NAME|FILE", help="Scenario to fly in, in place of the agent's own.", complete=complete_study)
 ]
 Simulator: TypeAlias = Annotated[
     str | None, _name("NAME", help="Simulator to use.", complete=complete_plugin("simulator"))
@@ -49,14 +48,11 @@ StrategyName: TypeAlias = Annotated[
 StudyName: TypeAlias = Annotated[
     str,
     typer.Argument(
-        metavar="STUDY",
-        help="A study file, or the name of a built-in scenario.",
-        autocompletion=complete_study,
+        metavar="STUDY", help="A study file, or the name of a built-in scenario.", autocompletion=complete_study
     ),
 ]
 Bed: TypeAlias = Annotated[
-    str | None,
-    typer.Option(metavar="X,Y,Z", help="Largest part that the printer can make, mm; longer ones are cut."),
+    str | None, typer.Option(metavar="X,Y,Z", help="Largest part that the printer can make, mm; longer ones are cut.")
 ]
 ExporterOptions: TypeAlias = Annotated[
     list[str] | None,
@@ -69,8 +65,7 @@ ExporterOptions: TypeAlias = Annotated[
 Film: TypeAlias = Annotated[
     Path | None,
     typer.Option(
-        metavar="FILE",
-        help="Film of the flight to make; its suffix, such as .mp4 or .gif, decides the format.",
+        metavar="FILE", help="Film of the flight to make; its suffix, such as .mp4 or .gif, decides the format."
     ),
 ]
 Still: TypeAlias = Annotated[
@@ -132,6 +127,5 @@ Scheduler: TypeAlias = Annotated[
     ),
 ]
 OutDirectory: TypeAlias = Annotated[
-    Path | None,
-    typer.Option(metavar="DIR", help="Directory for the files; by default runs/STUDY-N, or flights/AGENT."),
+    Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default runs/STUDY-N, or flights/AGENT.")
 ]

@@ -96,11 +96,7 @@ def new(
             write_text(part / path, text)
     install, test = list_installation()
     run = "uv run " if install.startswith("uv add ") else ""
-    uses = (
-        f"driftform plugins show {names.plugin}",
-        "driftform scenarios check study.toml",
-        *list_uses(parts),
-    )
+    uses = (f"driftform plugins show {names.plugin}", "driftform scenarios check study.toml", *list_uses(parts))
     following = [f"cd {shlex.quote(str(folder))}", install, test, *(run + line for line in uses)]
     if json:
         print_json(

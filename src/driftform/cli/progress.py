@@ -53,11 +53,7 @@ class Progress(Observer):
         """Count one evaluation."""
         candidate, evaluation = record.candidate, record.evaluation
         self._status.add(
-            record.index,
-            candidate.generation,
-            candidate.target,
-            evaluation.failure,
-            evaluation.fitness.tolist(),
+            record.index, candidate.generation, candidate.target, evaluation.failure, evaluation.fitness.tolist()
         )
         self._throughput.mark(self._status.done)
 

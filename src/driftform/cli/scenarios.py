@@ -26,9 +26,7 @@ def list_(json: Json = False) -> None:
         print_json({"scenarios": rows})
     else:
         print_table(
-            ("name", "targets", "title"),
-            ((r["name"], str(r["targets"]), r["title"]) for r in rows),
-            right=(1,),
+            ("name", "targets", "title"), ((r["name"], str(r["targets"]), r["title"]) for r in rows), right=(1,)
         )
 
 
@@ -37,8 +35,7 @@ app = make_group("List and show the built-in scenarios as TOML to copy, and chec
 
 @app.command("show", cls=Command)
 def show(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a built-in scenario.")],
-    json: Json = False,
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a built-in scenario.")], json: Json = False
 ) -> None:
     """Print a built-in scenario: copy it, or start a study of your own with base = "NAME"."""
     import tomllib

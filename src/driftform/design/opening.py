@@ -18,10 +18,7 @@ from driftform.util.files import is_directory, is_file
 
 
 def open_agent(
-    text: str,
-    scenario: str | None = None,
-    settings: Sequence[str] = (),
-    use: Mapping[str, str | None] | None = None,
+    text: str, scenario: str | None = None, settings: Sequence[str] = (), use: Mapping[str, str | None] | None = None
 ) -> Design:
     """Find the agent that ``text`` names and build it.
 

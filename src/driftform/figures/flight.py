@@ -161,12 +161,7 @@ def _draw_view(
         number, approach = nearest
         foot, target = window.to_page(approach.position[None])[0], anchors[1 + number]
         svg.add(
-            root,
-            "path",
-            d=svg.path_data([foot, target]),
-            stroke=VERMILLION,
-            stroke_width=1.2,
-            stroke_dasharray="3 2",
+            root, "path", d=svg.path_data([foot, target]), stroke=VERMILLION, stroke_width=1.2, stroke_dasharray="3 2"
         )
         svg.add_circle(root, foot[0], foot[1], 3.5, "#ffffff", VERMILLION, 1.8, class_="closest")
         ink.append(resample_polyline(np.array([foot, target]), 3))

@@ -176,10 +176,7 @@ def _overlap_areas(boxes: FloatArray, others: FloatArray) -> FloatArray:
 
 def _count_inside(box: FloatArray, points: FloatArray) -> int:
     """Return the number of ``points``, (n, 2) in the order of x, that lie inside a box (4,)."""
-    first, last = (
-        np.searchsorted(points[:, 0], box[0], "right"),
-        np.searchsorted(points[:, 0], box[2], "left"),
-    )
+    first, last = (np.searchsorted(points[:, 0], box[0], "right"), np.searchsorted(points[:, 0], box[2], "left"))
     y = points[first:last, 1]
     return int(np.count_nonzero((y > box[1]) & (y < box[3])))
 

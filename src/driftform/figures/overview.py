@@ -108,13 +108,7 @@ def _draw_flights(
 
 
 def _draw_line(
-    root: ET.Element,
-    window: Window,
-    line: FloatArray,
-    colour: str,
-    width: float,
-    class_: str,
-    dashes: str = "",
+    root: ET.Element, window: Window, line: FloatArray, colour: str, width: float, class_: str, dashes: str = ""
 ) -> None:
     ends = {"stroke_linejoin": "round", "stroke_linecap": "butt" if dashes else "round"}
     svg.add_line(root, window.path_data(line), colour, width, class_, stroke_dasharray=dashes, **ends)

@@ -47,10 +47,7 @@ def pipe_svg(
         draw_scene(root, window, scenario)
         release, *targets = window.to_page(places)
         svg.add_circle(root, release[0], release[1], 4.5, "#ffffff", INK, 1.6)
-        names_of = [
-            *((name, INK, True) for name in scenario.target_names),
-            *((name, WRONG, True) for name, _ in wrong),
-        ]
+        names_of = [*((name, INK, True) for name in scenario.target_names), *((name, WRONG, True) for name, _ in wrong)]
         for (x, y), (_, colour, _) in zip(targets, names_of, strict=True):
             draw_cross(root, x, y, 5.5, colour)
         labels = [("release", MUTED, False), *names_of]

@@ -50,14 +50,7 @@ class Window:
 
     @classmethod
     def around(
-        cls,
-        view: View,
-        points: FloatArray,
-        left: float,
-        top: float,
-        width: float,
-        tallest: float,
-        margin: float,
+        cls, view: View, points: FloatArray, left: float, top: float, width: float, tallest: float, margin: float
     ) -> "Window":
         """Return the window, ``width`` px wide and as tall as needed, that shows all of ``points``.
 
@@ -275,12 +268,7 @@ def label_points(
 
 
 def draw_silhouette(
-    root: ET.Element,
-    window: Window,
-    body: Body,
-    pose: Pose,
-    magnification: float,
-    colours: tuple[str, str, str],
+    root: ET.Element, window: Window, body: Body, pose: Pose, magnification: float, colours: tuple[str, str, str]
 ) -> FloatArray:
     """Draw a body's outline in its attitude, magnified about its core; ``colours`` are fill, edge and core.
 

@@ -93,17 +93,7 @@ def add_line(
     parent: ET.Element, data: str, stroke: str, width: float, class_: str = "", **attributes: str | float
 ) -> None:
     """Append an unfilled line ``width`` px wide; ``data`` is as from :func:`path_data`."""
-    add(
-        parent,
-        "path",
-        "",
-        class_=class_,
-        d=data,
-        fill="none",
-        stroke=stroke,
-        stroke_width=width,
-        **attributes,
-    )
+    add(parent, "path", "", class_=class_, d=data, fill="none", stroke=stroke, stroke_width=width, **attributes)
 
 
 def add_segment(

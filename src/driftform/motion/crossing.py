@@ -13,12 +13,7 @@ _STATIONS = 4
 
 @allocating
 def lower_distances(
-    t: FloatArray,
-    place: FloatArray,
-    rate: FloatArray,
-    size: FloatArray,
-    shape: tuple[int, int],
-    nearest: FloatArray,
+    t: FloatArray, place: FloatArray, rate: FloatArray, size: FloatArray, shape: tuple[int, int], nearest: FloatArray
 ) -> None:
     """Lower ``nearest`` to the least distance (m) of a path from the centre of each cell, while it is inside that cell.
 

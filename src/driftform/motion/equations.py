@@ -132,11 +132,7 @@ def _bore_around(position: Vector, pipe: FloatArray, fittings: FloatArray | None
 def _velocity_at(x: float, moving: Vector, omega: Vector, shear: Vector, middle: float) -> Vector:
     """Return the velocity relative to the water of the point at ``x`` of the axis; see :func:`drag_wrench`."""
     along = x - middle
-    return (
-        moving[0],
-        moving[1] + x * omega[2] - along * shear[1],
-        moving[2] - x * omega[1] - along * shear[2],
-    )
+    return (moving[0], moving[1] + x * omega[2] - along * shear[1], moving[2] - x * omega[1] - along * shear[2])
 
 
 @compiled

@@ -33,12 +33,7 @@ def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario
     velocity = world_velocity(trajectory)
     out, touching = np.empty((len(trajectory.t), 6)), np.zeros(len(trajectory.t), dtype=bool)
     rows = zip(
-        trajectory.t,
-        trajectory.position,
-        trajectory.quaternion,
-        velocity,
-        trajectory.velocity[:, 3:],
-        strict=True,
+        trajectory.t, trajectory.position, trajectory.quaternion, velocity, trajectory.velocity[:, 3:], strict=True
     )
     for k, (t, position, quaternion, v, omega) in enumerate(rows):
         R = rotation_from_quaternion(*quaternion.tolist())

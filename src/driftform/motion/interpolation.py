@@ -99,11 +99,7 @@ def resample(trajectory: Trajectory, rate: float) -> Trajectory:
     along = np.einsum("kji,kj->ki", matrix_from_quaternion(quaternion), slope)
     velocity = np.column_stack([along, omega])
     return replace(
-        trajectory,
-        t=t,
-        position=interpolate_positions(trajectory, t),
-        quaternion=quaternion,
-        velocity=velocity,
+        trajectory, t=t, position=interpolate_positions(trajectory, t), quaternion=quaternion, velocity=velocity
     )
 
 

@@ -240,12 +240,7 @@ def _is_alike_along(model: FlightModel) -> bool:
 
 @compiled
 def _is_settled(
-    y: FloatArray,
-    rate: FloatArray,
-    rest: float,
-    places: npt.NDArray[np.int64],
-    angles: int,
-    model: FlightModel,
+    y: FloatArray, rate: FloatArray, rest: float, places: npt.NDArray[np.int64], angles: int, model: FlightModel
 ) -> bool:
     """Return whether all but the way along the pipe and the angle of the spin is constant for the rest of a flight.
 

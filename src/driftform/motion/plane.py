@@ -115,12 +115,7 @@ def _fill_drag(model: FlightModel) -> None:
 
 @compiled
 def fill_rate_in_plane(
-    y: FloatArray,
-    n: np.record,
-    surfaces: FloatArray,
-    touches: FloatArray,
-    bristles: FloatArray,
-    out: FloatArray,
+    y: FloatArray, n: np.record, surfaces: FloatArray, touches: FloatArray, bristles: FloatArray, out: FloatArray
 ) -> None:
     """Fill ``out`` with the time derivative of ``y``, the numbers of a state at :data:`STATE_INDICES`, (7,), and the bristles.
 

@@ -95,10 +95,7 @@ def _find_surfaces(points: FloatArray) -> FloatArray:
             centre = _centre_circle(x, r, last, height)
             radius = math.hypot(last - centre, height)
             surfaces[row, 0], surfaces[row, 2] = centre, radius
-            surfaces[row, 3], surfaces[row, 4] = (
-                max(-1.0, (x - centre) / radius),
-                min(1.0, (last - centre) / radius),
-            )
+            surfaces[row, 3], surfaces[row, 4] = (max(-1.0, (x - centre) / radius), min(1.0, (last - centre) / radius))
             row += 1
             # The end of a dome is its own rim; what comes next may start with it.
             k = end if ends[end] - end >= FEWEST_EDGES else end + 1

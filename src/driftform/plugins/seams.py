@@ -149,10 +149,7 @@ def require_body(body: object, builder: Plugin[Any]) -> Body:
         x, r = contour.T
         if len(contour) < 3 or not (_is_finite(contour) and x[0] < x[-1] and r.min() >= 0 == r[0] == r[-1]):
             raise _refuse(
-                builder,
-                "build",
-                f"a body whose {name} contour is wrong",
-                "finite points from axis to axis, aft first",
+                builder, "build", f"a body whose {name} contour is wrong", "finite points from axis to axis, aft first"
             )
     return found
 

@@ -45,11 +45,7 @@ class RunMonitor:
                 if summary.index not in self._above:
                     self._above.add(summary.index)
                     self.status.add(
-                        summary.index,
-                        summary.generation,
-                        summary.population,
-                        summary.failure,
-                        summary.fitness,
+                        summary.index, summary.generation, summary.population, summary.failure, summary.fitness
                     )
         while self._first in self._above:
             self._above.remove(self._first)

@@ -486,9 +486,7 @@ class Store:
         if self._grammar not in (None, grammar):
             raise ValueError(f"a genome is of the grammar {grammar!r}, expected {self._grammar!r}")
         return Genome(
-            check_text(grammar, "a grammar"),
-            read_texts(symbols, "the symbols"),
-            check_number(tuning, "the tuning"),
+            check_text(grammar, "a grammar"), read_texts(symbols, "the symbols"), check_number(tuning, "the tuning")
         )
 
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:

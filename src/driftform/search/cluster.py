@@ -137,11 +137,7 @@ class _Workers(WorkerGroup):
     """All workers of a cluster."""
 
     def __init__(
-        self,
-        document: Mapping[str, Any],
-        client: Any,
-        where: str,
-        cluster: "LocalCluster | None" = None,
+        self, document: Mapping[str, Any], client: Any, where: str, cluster: "LocalCluster | None" = None
     ) -> None:
         super().__init__(document)
         self._study = zlib.compress(json.dumps(document).encode(), 9)

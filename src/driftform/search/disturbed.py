@@ -62,10 +62,7 @@ def fly_disturbed(
         store.add_disturbed(
             [
                 DisturbedResult(
-                    *missing[number],
-                    evaluation.fitness,
-                    find_offsets(evaluation, study.scenario),
-                    evaluation.failure,
+                    *missing[number], evaluation.fitness, find_offsets(evaluation, study.scenario), evaluation.failure
                 )
                 for number, evaluation in arrived
             ],

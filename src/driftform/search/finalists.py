@@ -31,10 +31,7 @@ ROUND = 5
 
 
 def fly_finalists(
-    study: Study,
-    store: Store,
-    executor: Executor,
-    on_flights: Callable[[int, int], None] = lambda _, __: None,
+    study: Study, store: Store, executor: Executor, on_flights: Callable[[int, int], None] = lambda _, __: None
 ) -> None:
     """Fly the finalists of each target under the conditions of the choice, and the winners under those of the promise.
 
@@ -118,10 +115,7 @@ def _race(
         }
 
     leaders = [
-        max(
-            (index for index, may in finalists.items() if may[number]),
-            key=lambda index: scores[index][number],
-        )
+        max((index for index, may in finalists.items() if may[number]), key=lambda index: scores[index][number])
         for number in range(len(targets))
     ]
     racing = sorted(set(finalists).difference(leaders))

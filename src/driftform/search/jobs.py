@@ -103,10 +103,7 @@ def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
         [job.threshold for job in batch],
     )
     return [
-        (
-            job.index,
-            _compress(evaluation) if job.condition is None else _measure(evaluation, pipeline.scenario),
-        )
+        (job.index, _compress(evaluation) if job.condition is None else _measure(evaluation, pipeline.scenario))
         for job, evaluation in zip(batch, evaluations, strict=True)
     ]
 

@@ -170,8 +170,7 @@ class _Advice:
         if np.linalg.norm(normal) < 1e-9:
             # In a vertical pipe the release defines the plane, or no plane but the axis.
             sideways = max(
-                (v - (v @ axis) * axis for v in self._released_vectors()),
-                key=lambda v: float(np.linalg.norm(v)),
+                (v - (v @ axis) * axis for v in self._released_vectors()), key=lambda v: float(np.linalg.norm(v))
             )
             normal = np.cross(axis, sideways) if np.linalg.norm(sideways) > 1e-9 else np.zeros(3)
             name = "the plane of the pipe's axis and the release"

@@ -13,11 +13,7 @@ from driftform.study.toml_positions import Path as KeyPath
 
 
 def format_errors(
-    error: ValidationError,
-    prefix: KeyPath,
-    model: type[Table],
-    document: Mapping[str, Any],
-    layers: Sequence[Source],
+    error: ValidationError, prefix: KeyPath, model: type[Table], document: Mapping[str, Any], layers: Sequence[Source]
 ) -> list[str]:
     """Return one line for each error.
 

@@ -67,26 +67,13 @@ class RunOptions(Table):
     """The table ``[run]``: seed, budget, time limit, and files for the best agents."""
 
     seed: int | None = option(
-        None,
-        "seed of all randomness; by default drawn at random and recorded",
-        ge=0,
-        le=MAX_SEED,
-        strict=True,
+        None, "seed of all randomness; by default drawn at random and recorded", ge=0, le=MAX_SEED, strict=True
     )
     evaluations: int | None = option(
-        None,
-        "evaluations in the whole run; by default 50 for each target",
-        "",
-        gt=0,
-        le=MAX_EVALUATIONS,
-        strict=True,
+        None, "evaluations in the whole run; by default 50 for each target", "", gt=0, le=MAX_EVALUATIONS, strict=True
     )
     evaluation_timeout: float = option(
-        60.0,
-        "time after which an evaluation has failed, and its worker process is replaced",
-        "s",
-        gt=0,
-        le=86400,
+        60.0, "time after which an evaluation has failed, and its worker process is replaced", "s", gt=0, le=86400
     )
     formats: tuple[str, ...] = option(("stl",), "formats to export for the best agent of each target")
 

@@ -46,8 +46,7 @@ def sphere_agent(radius: float, mass: float, added: float = 0.5, drag: float = 0
         spheroid_body(radius, radius, edges=24),
         MassProperties(mass, np.zeros(3), 0.4 * mass * radius**2 * np.eye(3), volume, np.zeros(3)),
         Coefficients(
-            np.diag([added * DENSITY * volume] * 3 + [0.0] * 3),
-            quadratic_damping=np.diag([quadratic] * 3 + [0.0] * 3),
+            np.diag([added * DENSITY * volume] * 3 + [0.0] * 3), quadratic_damping=np.diag([quadratic] * 3 + [0.0] * 3)
         ),
     )
 

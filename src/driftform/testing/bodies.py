@@ -59,10 +59,7 @@ def mirrored_contour(contour: FloatArray) -> FloatArray:
 def mirrored_body(body: Body) -> Body:
     """Return the body with fore and aft exchanged."""
     return replace(
-        body,
-        outer=mirrored_contour(body.outer),
-        cavity=mirrored_contour(body.cavity),
-        joints=-body.joints[::-1],
+        body, outer=mirrored_contour(body.outer), cavity=mirrored_contour(body.cavity), joints=-body.joints[::-1]
     )
 
 

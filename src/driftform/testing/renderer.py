@@ -83,11 +83,7 @@ class RendererContract(SeamContract[Renderer[Any]]):
         return Scenario(pipe=straight_pipe(0.5, 0.1), targets={"leak": (0.3, 0.0, 0.05)})
 
     def film(
-        self,
-        path: Path,
-        renderer: Renderer[Any] | None = None,
-        progress: Any = lambda done, total: None,
-        **flight: Any,
+        self, path: Path, renderer: Renderer[Any] | None = None, progress: Any = lambda done, total: None, **flight: Any
     ) -> WrittenFile:
         """Make a film of a ``trajectory``, by default of one that drifts and pitches, in the ``scenario``."""
         renderer = renderer or self.plugin()

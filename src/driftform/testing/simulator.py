@@ -87,21 +87,14 @@ def make_motion(name: str) -> tuple[Agent, Scenario]:
     """Return agent and scenario of one of the motions."""
     tables = {"fluid": {}, "flow": {}, "release": {}} | MOTIONS[name]
     given = {"density": DENSITY, "gravity": GRAVITY, "kind": "uniform", "speed": 0.0, "velocity": "current"}
-    for table, keys in (
-        ("fluid", ("density", "gravity")),
-        ("flow", ("kind", "speed")),
-        ("release", ("velocity",)),
-    ):
+    for table, keys in (("fluid", ("density", "gravity")), ("flow", ("kind", "speed")), ("release", ("velocity",))):
         tables[table] = {key: given[key] for key in keys} | tables[table]
     return make_known_agent(tables.pop("agent")), Scenario.model_validate(tables)
 
 
 def make_known_agent(name: str) -> Agent:
     """Return an agent of the motions by its name."""
-    spheroid, masses = (
-        SPHEROID.agent(),
-        {"buoyant spheroid": 0.5, "heavy spheroid": 1.5, "spheroid with strips": 1.2},
-    )
+    spheroid, masses = (SPHEROID.agent(), {"buoyant spheroid": 0.5, "heavy spheroid": 1.5, "spheroid with strips": 1.2})
     if name in masses:
         spheroid = replace(spheroid, mass=replace(spheroid.mass, mass=masses[name] * SPHEROID.mass))
     match name:

@@ -343,9 +343,7 @@ def compile_kernel(
     return cast(Callable[P, R], _Entry(function, allocates, borrows, vectorizes))
 
 
-def borrow_as(
-    dtype: "np.dtype[Any] | None" = None,
-) -> Callable[[FloatArray, int, tuple[int, ...]], Any]:
+def borrow_as(dtype: "np.dtype[Any] | None" = None) -> Callable[[FloatArray, int, tuple[int, ...]], Any]:
     """Return :data:`borrow`, which returns an array of this type: of records, for example."""
 
     def borrow(_: Any, array: Any, start: Any, shape: Any) -> Any:

@@ -41,9 +41,7 @@ def compile_kernel(function: Callable[P, R], **_: bool) -> Callable[P, R]:
     return cast(Callable[P, R], kernel)
 
 
-def borrow_as(
-    dtype: "np.dtype[Any] | None" = None,
-) -> Callable[[FloatArray, int, tuple[int, ...]], Any]:
+def borrow_as(dtype: "np.dtype[Any] | None" = None) -> Callable[[FloatArray, int, tuple[int, ...]], Any]:
     """Return :data:`borrow`, which returns an array of this type: of records, for example."""
     numbers = 1 if dtype is None else dtype.itemsize // 8
 

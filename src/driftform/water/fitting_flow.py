@@ -96,11 +96,7 @@ def fitting_flow(point: Vector, f: FloatArray, spread: Spread) -> tuple[Vector, 
 @compiled
 def _turn_gradient(gradient: Rotation, f: FloatArray, o: int) -> Rotation:
     """Return a gradient of the local frame of a part in the world frame."""
-    a, b, c = (
-        turn_from_part(gradient[0], f, o),
-        turn_from_part(gradient[1], f, o),
-        turn_from_part(gradient[2], f, o),
-    )
+    a, b, c = (turn_from_part(gradient[0], f, o), turn_from_part(gradient[1], f, o), turn_from_part(gradient[2], f, o))
     x = turn_from_part((a[0], b[0], c[0]), f, o)
     y = turn_from_part((a[1], b[1], c[1]), f, o)
     z = turn_from_part((a[2], b[2], c[2]), f, o)
@@ -115,11 +111,7 @@ def rise(t: float) -> Vector:
     if t >= 1.0:
         return 1.0, 0.0, 0.0
     back = 1.0 - t
-    return (
-        t * t * t * (10.0 - 15.0 * t + 6.0 * t * t),
-        30.0 * t * t * back * back,
-        60.0 * t * back * (1.0 - 2.0 * t),
-    )
+    return (t * t * t * (10.0 - 15.0 * t + 6.0 * t * t), 30.0 * t * t * back * back, 60.0 * t * back * (1.0 - 2.0 * t))
 
 
 @compiled
@@ -180,10 +172,7 @@ def _flow_in_straight(p: Vector, f: FloatArray, o: int, square: float) -> tuple[
         room = min(2.0 * R, 0.5 * f[o + LENGTH])
         w, w1, _ = rise((f[o + LENGTH] - p[0]) / room)
         left = 1.0 / math.cosh(p[0] / far)
-        A, A1 = (
-            U * f[o + SWIRL] * left * w,
-            -U * f[o + SWIRL] * left * (w * math.tanh(p[0] / far) / far + w1 / room),
-        )
+        A, A1 = (U * f[o + SWIRL] * left * w, -U * f[o + SWIRL] * left * (w * math.tanh(p[0] / far) / far + w1 / room))
         w_y, w_z = m * out - n * up, n * out + m * up
         v_y, v_z, a_y, a_z = v_y + A * w_y, v_z + A * w_z, a_y + A1 * w_y, a_z + A1 * w_z
         yy += A * (m * m * xx - m * n * (xe + ex) + n * n * ee)

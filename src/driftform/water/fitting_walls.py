@@ -124,11 +124,7 @@ def fitting_gap(point: Vector, f: FloatArray) -> tuple[float, Vector, int]:
 @allocating
 def wall_gaps(points: FloatArray, fittings: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return distances of points (n, 3) from the wall (m, negative in it), unit vectors to it, and whether between the ends."""
-    gaps, normals, inside = (
-        np.empty(len(points)),
-        np.empty((len(points), 3)),
-        np.empty(len(points), dtype=np.bool_),
-    )
+    gaps, normals, inside = (np.empty(len(points)), np.empty((len(points), 3)), np.empty(len(points), dtype=np.bool_))
     for i in range(len(points)):
         gap, normal, row = fitting_gap((points[i, 0], points[i, 1], points[i, 2]), fittings)
         gaps[i], inside[i] = gap, fittings[row + EXIT] == INNER

@@ -199,10 +199,7 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
                         )
     beyond, nothing = len(parts), _joint(parts, shares, None)
     straight = Straight(
-        rows[beyond, wall.ORIGIN : wall.ORIGIN + 3],
-        layout.inlet.axes,
-        layout.inlet.radius,
-        rows[beyond, wall.LENGTH],
+        rows[beyond, wall.ORIGIN : wall.ORIGIN + 3], layout.inlet.axes, layout.inlet.radius, rows[beyond, wall.LENGTH]
     )
     _fill_straight(rows[beyond], straight, flow, viscosity, [nothing, _joint(parts, shares, 0)])
     for number, outlet in enumerate(layout.outlets):
@@ -289,10 +286,7 @@ def _fill_straight(row: FloatArray, part: Straight, flow: Flow, viscosity: float
         return
     speed = abs(row[stream.SPEED])
     row[stream.PROFILE] = profile_kind(flow, part.radius, speed, viscosity)
-    row[stream.DEVELOPED], row[stream.PARAMETER] = (
-        1.0,
-        profile_parameter(flow, part.radius, speed, viscosity),
-    )
+    row[stream.DEVELOPED], row[stream.PARAMETER] = (1.0, profile_parameter(flow, part.radius, speed, viscosity))
     for start, joint in zip((stream.START, stream.FINISH), joints, strict=True):
         if joint.is_plug:
             row[start + stream.LONG] = min(CHANGE * part.radius, 0.5 * part.straight)
@@ -304,7 +298,4 @@ def _fill_straight(row: FloatArray, part: Straight, flow: Flow, viscosity: float
             )
             inward = bend.axes[2] if at_entry else bend.list_exits()[0].axes[2]
             row[start + stream.AMPLITUDE], row[start + stream.AROUND] = joint.share, bend.bend_radius
-            row[start + stream.TOWARD_Y], row[start + stream.TOWARD_Z] = (
-                part.axes[1] @ inward,
-                part.axes[2] @ inward,
-            )
+            row[start + stream.TOWARD_Y], row[start + stream.TOWARD_Z] = (part.axes[1] @ inward, part.axes[2] @ inward)

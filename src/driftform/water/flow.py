@@ -18,9 +18,7 @@ class UniformFlow(Table):
     speed: float = option(1.0, "speed of the current at the time of release", "m/s", ge=-100, le=100)
     acceleration: float = option(0.0, "change of the speed with time", "m/s2", ge=-10, le=10)
     added: Vector = option(
-        (0.0, 0.0, 0.0),
-        "velocity that is added everywhere, such as that of a cross current, in the world frame",
-        "m/s",
+        (0.0, 0.0, 0.0), "velocity that is added everywhere, such as that of a cross current, in the world frame", "m/s"
     )
 
     @model_validator(mode="after")
@@ -48,11 +46,7 @@ class DevelopedProfile(PipeFlow):
     """A profile that has developed before the water comes to the inlet."""
 
     upstream: float = option(
-        0.0,
-        "length of the pipe before the inlet, of its bore, in which the profile develops",
-        "m",
-        ge=0,
-        le=1e6,
+        0.0, "length of the pipe before the inlet, of its bore, in which the profile develops", "m", ge=0, le=1e6
     )
 
 
@@ -107,11 +101,7 @@ class GridFlow(Table):
         min_length=1,
     )
     speed: float = option(
-        1.0,
-        "mean speed at the inlet: the velocities in the file times speed / reference",
-        "m/s",
-        ge=1e-4,
-        le=100,
+        1.0, "mean speed at the inlet: the velocities in the file times speed / reference", "m/s", ge=1e-4, le=100
     )
     reference: float = option(1.0, "mean speed at the inlet in the file", "m/s", ge=1e-4, le=100)
 

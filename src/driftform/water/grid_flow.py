@@ -240,11 +240,7 @@ def grid_motion(point: Vector, array: FloatArray, spread: Spread = AT_A_POINT) -
             g_s = g + S_xx * X2[m] * Y[n] + S_yy * X[m] * Y2[n] + S_xy * X1[m] * Y1[n]
             g_d = S_xz * X1[m] * Y[n] + S_yz * X[m] * Y1[n]
             p = add(p, add(scale(g_s, s), add(scale(g_d, d), scale(S_zz * g, e))))
-            p_x, p_y, p_z = (
-                add(p_x, scale(X1[m] * Y[n], s)),
-                add(p_y, scale(X[m] * Y1[n], s)),
-                add(p_z, scale(g, d)),
-            )
+            p_x, p_y, p_z = (add(p_x, scale(X1[m] * Y[n], s)), add(p_y, scale(X[m] * Y1[n], s)), add(p_z, scale(g, d)))
     return p, (
         (a * p_x[0], b * p_y[0], c * p_z[0]),
         (a * p_x[1], b * p_y[1], c * p_z[1]),

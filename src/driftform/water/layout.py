@@ -205,13 +205,7 @@ class _Builder:
     counts: dict[str, int] = field(default_factory=dict)
 
     def lay_chain(
-        self,
-        tables: Sequence[AnyPart],
-        key: str,
-        start: Opening,
-        upstream: int | None,
-        by_branch: bool,
-        flow: float,
+        self, tables: Sequence[AnyPart], key: str, start: Opening, upstream: int | None, by_branch: bool, flow: float
     ) -> None:
         """Lay parts end to end from an opening on, and the branches of each."""
         for position, table in enumerate(tables):

@@ -327,11 +327,7 @@ def place_on_axis(part: PipePart, along: FloatArray, on_branch: bool = False) ->
     feet, directions = _along_x(along), np.tile(np.array([1.0, 0.0, 0.0]), (len(along), 1))
     match part:
         case Bend():
-            s, c, zero = (
-                np.sin(along / part.bend_radius),
-                np.cos(along / part.bend_radius),
-                np.zeros(len(along)),
-            )
+            s, c, zero = (np.sin(along / part.bend_radius), np.cos(along / part.bend_radius), np.zeros(len(along)))
             feet = part.bend_radius * np.column_stack([s, zero, 1 - c])
             directions = np.column_stack([c, zero, s])
         case Tee():

@@ -22,11 +22,7 @@ class Place(Table):
     part: str = option("", "name of the part, as `scenarios show` lists them", min_length=1)
     at: float = option(0.0, "distance from the upstream end of the part, along its axis", "m", ge=0, le=1e5)
     clock: float = option(
-        12.0,
-        "direction from the axis as on a clock seen downstream: 12 is the crown, 6 the floor",
-        "h",
-        ge=0,
-        le=12,
+        12.0, "direction from the axis as on a clock seen downstream: 12 is the crown, 6 the floor", "h", ge=0, le=12
     )
     off_wall: float | None = option(None, "distance from the wall; the axis by default", "m", ge=0, le=100)
     branch: bool = option(False, "whether it lies in the branch of a junction")

@@ -52,8 +52,7 @@ class Fluid(Table):
         strict=True,
     )
     flow_force: Literal["full", "paper"] = option(
-        "full",
-        "force of accelerating water: full with its pressure gradient (Froude-Krylov), or paper without it",
+        "full", "force of accelerating water: full with its pressure gradient (Froude-Krylov), or paper without it"
     )
 
     @model_validator(mode="before")
@@ -458,10 +457,7 @@ class Scenario(Table):
                 "rates": tuple(velocity[3:].tolist()),
             }
         )
-        update: dict[str, Any] = {
-            "release": release,
-            "flight": FlightLimits.model_construct(horizon=duration),
-        }
+        update: dict[str, Any] = {"release": release, "flight": FlightLimits.model_construct(horizon=duration)}
         if isinstance(self.flow, UniformFlow) and self.flow.acceleration:
             speed = self.flow.speed + self.flow.acceleration * float(flown.t[-1])
             update["flow"] = self.flow.model_copy(update={"speed": speed})

@@ -80,11 +80,7 @@ def wall_level(x: float, y: float, z: float, wall: FloatArray) -> tuple[float, P
         vx, vy, vz = x - cx, abs(y) - cy, z - cz
         distance = math.sqrt(vx * vx + vy * vy + vz * vz)
         if _is_faced(cx, cy, cz, vx, vy, vz, distance, wall):
-            return f - distance, (
-                -vx / distance,
-                -vy / distance if y >= 0.0 else vy / distance,
-                -vz / distance,
-            )
+            return f - distance, (-vx / distance, -vy / distance if y >= 0.0 else vy / distance, -vz / distance)
     if a < b:
         return a, (0.0, y / (a + 1.0), z / (a + 1.0))
     r = math.sqrt(across * across + y * y)

@@ -33,20 +33,17 @@ def calibrate(
         float, typer.Option(metavar="SHARE", help="Standard deviation of the film's scale, relative to it.")
     ] = 0.005,
     distance: Annotated[
-        float,
-        typer.Option(metavar="M", help="Distance of the camera, m; the nearer, the less do films show."),
+        float, typer.Option(metavar="M", help="Distance of the camera, m; the nearer, the less do films show.")
     ] = 2.5,
     fps: Annotated[
-        float | None,
-        typer.Option(metavar="N", help="Frames for each second, if the file has frames and no times."),
+        float | None, typer.Option(metavar="N", help="Frames for each second, if the file has frames and no times.")
     ] = None,
     y_down: Annotated[
         bool | None,
         typer.Option("--y-down/--y-up", help="Direction of y; by default down for pixels, and up otherwise."),
     ] = None,
     view: Annotated[
-        str,
-        typer.Option(metavar="side|top|front", help="Where the camera looks from, for tracks in a plane."),
+        str, typer.Option(metavar="side|top|front", help="Where the camera looks from, for tracks in a plane.")
     ] = "side",
     point: Annotated[
         list[str] | None,
@@ -59,8 +56,7 @@ def calibrate(
         str | None, typer.Option("--object", metavar="NAME", help="The tracked object, if there are several.")
     ] = None,
     fit: Annotated[
-        list[str] | None,
-        typer.Option(metavar="FACTOR", help="Fit only this factor; repeatable. By default all."),
+        list[str] | None, typer.Option(metavar="FACTOR", help="Fit only this factor; repeatable. By default all.")
     ] = None,
     printed_mass: Annotated[
         float | None, typer.Option(metavar="KG", help="Mass of the print with its core, by scales, kg.")
@@ -70,8 +66,7 @@ def calibrate(
     width_mm: options.WidthMm = None,
     settings: options.Settings = None,
     out: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Directory for the files; by default calibrations/AGENT."),
+        Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default calibrations/AGENT.")
     ] = None,
     json: options.Json = False,
 ) -> None:

@@ -16,8 +16,7 @@ def drop(
     tank: Annotated[
         tuple[float, float, float],
         typer.Option(
-            metavar="LENGTH WIDTH DEPTH",
-            help="Inside of the tank: along the picture, across it, of water; m.",
+            metavar="LENGTH WIDTH DEPTH", help="Inside of the tank: along the picture, across it, of water; m."
         ),
     ] = (1.0, 0.5, 0.5),
     drops: Annotated[int, typer.Option(metavar="N", min=1, max=20, help="Number of drops to film.")] = 3,

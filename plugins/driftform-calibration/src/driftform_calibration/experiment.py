@@ -256,11 +256,7 @@ def _half_width(body: Body, pitch: float) -> float:
 
 
 def _choose(
-    found: Sequence[tuple[Drop, FloatArray]],
-    names: tuple[str, ...],
-    reasons: dict[str, str],
-    bench: Bench,
-    count: int,
+    found: Sequence[tuple[Drop, FloatArray]], names: tuple[str, ...], reasons: dict[str, str], bench: Bench, count: int
 ) -> Plan:
     problem = Problem([Filmed(bench, _blank(np.linspace(0, 1, 8)))], names, [1.0])
     priors = np.array([p.prior for p in problem.parameters[: len(names)]])

@@ -138,9 +138,7 @@ def _round(value: float) -> float:
 
 
 def fit_factors(
-    films: Sequence[Filmed],
-    names: Sequence[str] = Factors.names,
-    priors: dict[str, tuple[float, float]] | None = None,
+    films: Sequence[Filmed], names: Sequence[str] = Factors.names, priors: dict[str, tuple[float, float]] | None = None
 ) -> Fit:
     """Fit the factors ``names`` to films; the others stay at 1.
 

@@ -85,11 +85,7 @@ class DropPlan:
         for number, drop in enumerate(self.drops, start=1):
             dumped = drop.scenario.model_dump(mode="json", exclude_none=True)
             kept = {key: value for key, value in self.document_base.items() if key not in (*dumped, "run")}
-            study = {
-                **kept,
-                "title": f"Drop {number} of {self.name}",
-                **{key: dumped[key] for key in TABLES},
-            }
+            study = {**kept, "title": f"Drop {number} of {self.name}", **{key: dumped[key] for key in TABLES}}
             path = directory / f"drop-{number}.toml"
             files.write_text(path, tomli_w.dumps(study))
             paths.append(path)

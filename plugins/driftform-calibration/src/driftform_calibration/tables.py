@@ -324,11 +324,7 @@ def _find_names(path: Path, rows: list[list[str]]) -> tuple[int, list[_Column | 
     width = len(rows[0])
     if 3 <= width <= 4 and all(_NUMBER.fullmatch(cell) for cell in rows[0]):
         names = ("t", "x", "y", "z")[:width]
-        return (
-            -1,
-            [_Column(name) for name in names],
-            [f"no row of names: columns are taken as {', '.join(names)}"],
-        )
+        return (-1, [_Column(name) for name in names], [f"no row of names: columns are taken as {', '.join(names)}"])
     first = ", ".join(rows[0])[:60]
     raise InputError(f"{path}: no row names its columns: expected t (or frame) with x, y or z, found '{first}'")
 

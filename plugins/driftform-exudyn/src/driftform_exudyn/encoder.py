@@ -23,10 +23,7 @@ _MP4 = (
 )
 # A palette for each frame: for one of all frames, ffmpeg would keep the whole film in memory.
 _GIF = (
-    *(
-        "-lavfi",
-        "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=4",
-    ),
+    *("-lavfi", "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer:bayer_scale=4"),
     *("-loop", "0", "-f", "gif"),
 )
 

@@ -28,15 +28,10 @@ class FilmOptions(Table):
     height: int = option(500, "height of the film", "px", ge=64, le=4096, multiple_of=2)
     fps: float = option(25.0, "frames per second of the film", "1/s", gt=0, le=120)
     speed: float = option(
-        1.0,
-        "seconds of the flight per second of the film; less than 1 is slow motion",
-        "",
-        ge=0.001,
-        le=1000,
+        1.0, "seconds of the flight per second of the film; less than 1 is slow motion", "", ge=0.001, le=1000
     )
     view: Literal["both", "follow", "side"] = option(
-        "both",
-        "'follow': close view of the agent; 'side': the whole pipe; 'both': the first above the second",
+        "both", "'follow': close view of the agent; 'side': the whole pipe; 'both': the first above the second"
     )
     rays: int = option(2, "rays along each side of a pixel: more rays give smoother edges and take longer", ge=1, le=4)
 
@@ -58,12 +53,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         find_ffmpeg()
 
     def film(
-        self,
-        agent: Agent,
-        trajectory: Trajectory,
-        scenario: Scenario,
-        path: Path,
-        progress: Callable[[int, int], None],
+        self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, progress: Callable[[int, int], None]
     ) -> WrittenFile:
         """Write the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
         from driftform_exudyn.scene import Scene

@@ -73,10 +73,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         return self._fly(agent, scenario)
 
     def screen_batch(
-        self,
-        agents: Sequence[Agent],
-        scenarios: Sequence[Scenario],
-        matters: Callable[[int, Trajectory], bool],
+        self, agents: Sequence[Agent], scenarios: Sequence[Scenario], matters: Callable[[int, Trajectory], bool]
     ) -> list[Trajectory]:
         """Return the flights of many agents; of one that does not matter, the first of those that are compared."""
         return [

@@ -72,10 +72,7 @@ def exudyn_system(agent: Agent, scenario: Scenario) -> ExudynSystem:
             inertia=[dry[0, 0], dry[1, 1], dry[2, 2], dry[1, 2], dry[0, 2], dry[0, 1]],
         )
     )
-    for place, force in (
-        (agent.mass.cog, -agent.mass.mass * scenario.fluid.gravity),
-        (agent.mass.cob, water.lift),
-    ):
+    for place, force in ((agent.mass.cog, -agent.mass.mass * scenario.fluid.gravity), (agent.mass.cob, water.lift)):
         marker = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=place.tolist()))
         mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=[0.0, 0.0, force]))
     tries = [-np.inf]
@@ -114,10 +111,7 @@ def _add_water(mbs: Any, node: Any, water: stepping.WaterForces, tries: list[flo
 
     mbs.AddObject(
         items.ObjectGenericODE2(
-            nodeNumbers=[node],
-            massMatrix=np.eye(6),
-            forceUserFunction=force,
-            massMatrixUserFunction=mass,
+            nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force, massMatrixUserFunction=mass
         )
     )
     if states:

@@ -45,10 +45,7 @@ class FrustaOptions(Table):
         None, "distance of a capsule's centre of gravity from its nose, which is fore", "m", ge=0, le=1000
     )
     core_profile: Profile = option(
-        (),
-        "of a capsule, from its file: distance from the nose and radius of each point",
-        "m",
-        max_length=1000,
+        (), "of a capsule, from its file: distance from the nose and radius of each point", "m", max_length=1000
     )
     wall: float = option(0.00125, "wall thickness of the hull", "m", ge=1e-5, le=1)
     material: Literal["custom", "ABS", "ASA", "PLA", "PETG", "PA12", "resin"] = option(
@@ -236,10 +233,7 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
 
             # The ball that lets the body float freely, and the largest one: those between them fit if both do.
             if most and can_hold(most / SPARE):
-                return (
-                    0.0,
-                    next(m for m in (most, *(most * s / SPARE for s in LESS)) if can_hold(m)),
-                )
+                return (0.0, next(m for m in (most, *(most * s / SPARE for s in LESS)) if can_hold(m)))
         return None
 
 
@@ -269,12 +263,7 @@ def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
     section = hull_section if o.wall_model == "mitred" else open_section
     outer, cavity = section(chains, over, o.wall - thinner)
     return Body(
-        outer=outer,
-        cavity=cavity,
-        joints=chains[:, 0],
-        core=core,
-        wall=o.wall - thinner,
-        hull_density=o.hull_density,
+        outer=outer, cavity=cavity, joints=chains[:, 0], core=core, wall=o.wall - thinner, hull_density=o.hull_density
     )
 
 

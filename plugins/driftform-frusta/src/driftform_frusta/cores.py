@@ -7,13 +7,7 @@ from driftform.types import Core
 CUSTOM = "custom"
 """Name of a core whose radius and mass are given."""
 
-DENSITIES = {
-    "steel": 7830.0,
-    "stainless": 8000.0,
-    "brass": 8530.0,
-    "tungsten-carbide": 14_950.0,
-    "glass": 2500.0,
-}
+DENSITIES = {"steel": 7830.0, "stainless": 8000.0, "brass": 8530.0, "tungsten-carbide": 14_950.0, "glass": 2500.0}
 """Densities of balls, kg/m3.
 
 ``steel``: bearing balls of AISI 52100 (100Cr6); data sheets state 0.283 lb/in3, and makers count 30.5 balls of 20 mm to

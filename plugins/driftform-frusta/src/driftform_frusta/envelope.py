@@ -107,15 +107,7 @@ def _offset(contour: FloatArray, wall: float, rows: FloatArray, points: FloatArr
 
 @compiled
 def _add_mitre(
-    x: float,
-    r: float,
-    ux: float,
-    ur: float,
-    vx: float,
-    vr: float,
-    wall: float,
-    rows: FloatArray,
-    count: int,
+    x: float, r: float, ux: float, ur: float, vx: float, vr: float, wall: float, rows: FloatArray, count: int
 ) -> int:
     """Add the lower sides of the mitre at a corner between edges along ``u`` and ``v``, upside down."""
     # Both ends of the mitre, and the bisector, from the corner, in walls.

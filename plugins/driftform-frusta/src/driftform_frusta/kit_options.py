@@ -34,11 +34,7 @@ class KitOptions(Table):
     """How a hull is cut into parts that enclose the core."""
 
     clearance: float = option(
-        0.0002,
-        "gap between parts that fit into each other, and between seat and core",
-        "m",
-        ge=0.00005,
-        le=0.002,
+        0.0002, "gap between parts that fit into each other, and between seat and core", "m", ge=0.00005, le=0.002
     )
     joint: Literal["auto", "sleeve", "rabbet"] = option(
         "auto",
@@ -58,16 +54,10 @@ class KitOptions(Table):
         le=0.01,
     )
     nozzle: float = option(
-        Printer().nozzle,
-        "diameter of the printer's nozzle, which is the thinnest step of a joint",
-        "m",
-        gt=0,
-        le=0.005,
+        Printer().nozzle, "diameter of the printer's nozzle, which is the thinnest step of a joint", "m", gt=0, le=0.005
     )
     bed: tuple[_Length, _Length, _Length] = option(
-        Printer().bed,
-        "largest size of a part: width, depth and height; longer parts are cut at joints of modules",
-        "m",
+        Printer().bed, "largest size of a part: width, depth and height; longer parts are cut at joints of modules", "m"
     )
     ballast: tuple[_Ballast, ...] = option(
         (),
@@ -147,11 +137,7 @@ class PartOptions(KitOptions):
         "in place of the agent, plugs and seats at clearances of 0.1 to 0.3 mm, to find the `clearance` of a printer",
     )
     ballast_density: float = option(
-        LEAD,
-        "density of the balls of ballast, which the assembly sheet weighs",
-        "kg/m3",
-        ge=100,
-        le=30_000,
+        LEAD, "density of the balls of ballast, which the assembly sheet weighs", "kg/m3", ge=100, le=30_000
     )
     brim: float = option(
         0.0,

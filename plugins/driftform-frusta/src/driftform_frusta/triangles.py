@@ -70,10 +70,7 @@ class Mesh:
         if closed:
             return cls(vertices, bands)
         first, last = np.full(segments, len(vertices)), np.full(segments, len(vertices) + 1)
-        caps = (
-            np.column_stack((first, following[0], index[0])),
-            np.column_stack((last, index[-1], following[-1])),
-        )
+        caps = (np.column_stack((first, following[0], index[0])), np.column_stack((last, index[-1], following[-1])))
         poles = np.array([[0.0, 0.0, line[0, 1]], [0.0, 0.0, line[-1, 1]]])
         return cls(np.concatenate((vertices, poles)), np.concatenate((bands, *caps)))
 

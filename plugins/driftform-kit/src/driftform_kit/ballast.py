@@ -106,11 +106,7 @@ def place_one_ball(body: Body, wanted: RequiredBallast, density: float, in_kit: 
 
 
 def place_two_balls(
-    body: Body,
-    wanted: RequiredBallast,
-    density: float,
-    in_kit: bool = False,
-    between: float = 0.0,
+    body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False, between: float = 0.0
 ) -> tuple[Piece, ...]:
     """Return two balls, one on either side of the position of ``wanted``; empty if no pair has room.
 
@@ -133,10 +129,7 @@ def place_two_balls(
         return ()
     i, j = np.unravel_index(np.where(fits, fore[None] - aft[:, None], np.inf).argmin(), fits.shape)
     heavier = float(share[i, j])
-    return (
-        make_ball(mass * (1 - heavier), float(aft[i]), density),
-        make_ball(mass * heavier, float(fore[j]), density),
-    )
+    return (make_ball(mass * (1 - heavier), float(aft[i]), density), make_ball(mass * heavier, float(fore[j]), density))
 
 
 def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: bool = False) -> tuple[Piece, ...]:

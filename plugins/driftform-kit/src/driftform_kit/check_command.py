@@ -54,8 +54,7 @@ def check(
         ),
     ] = False,
     programs: Annotated[
-        bool,
-        typer.Option("--programs/--no-programs", help="Run OpenSCAD, a slicer and the like, if they are on PATH."),
+        bool, typer.Option("--programs/--no-programs", help="Run OpenSCAD, a slicer and the like, if they are on PATH.")
     ] = True,
     attached: Annotated[
         bool,

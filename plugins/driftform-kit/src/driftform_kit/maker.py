@@ -41,10 +41,7 @@ def _make_part(piece: Piece, lift: float, options: PartOptions) -> Part:
         raise WorkFailedError(f"no kit can be made: its {piece.name} falls into pieces")
     label = f"{piece.name}, as joined; fore end up"
     return Part(
-        piece.name,
-        Named(label, Translate((0.0, 0.0, lift), tree)),
-        solid.translate((0.0, 0.0, lift)),
-        piece.fore_down,
+        piece.name, Named(label, Translate((0.0, 0.0, lift), tree)), solid.translate((0.0, 0.0, lift)), piece.fore_down
     )
 
 

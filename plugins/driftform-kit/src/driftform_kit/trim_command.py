@@ -90,10 +90,7 @@ def trim(
         if name_material(density) != name_material(LEAD):
             changed["ballast_density"] = density
         arguments = f"{opened} {list_arguments(names, exporter.options.model_copy(update=changed))}"
-        return (
-            f"driftform export {arguments}",
-            f"driftform trim {arguments} --printed-mass KG {flight}".rstrip(),
-        )
+        return (f"driftform export {arguments}", f"driftform trim {arguments} --printed-mass KG {flight}".rstrip())
 
     _print(facts, design.pipeline.fitness, write)
 
@@ -102,11 +99,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: Commands) -
     from driftform.cli import output
 
     aft = facts["aft_end"]
-    sources = {
-        "measured": "",
-        "hull": "where the hull's material has it",
-        "kit": "where the parts of the kit have it",
-    }
+    sources = {"measured": "", "hull": "where the hull's material has it", "kit": "where the parts of the kit have it"}
     source = sources[facts["cog_source"]]
     masses = []
     for case, remark in (("simulated", ""), ("printed", f"; not measured: {source}" if source else "")):

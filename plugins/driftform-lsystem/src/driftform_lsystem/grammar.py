@@ -80,10 +80,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
             cut = 1 + len(QUINTUPLE) * int(rng.integers(1, pieces))
         else:
             cut = RULE_LENGTH * int(rng.integers(1, len(RULES)))
-        return (
-            self._genome(a.symbols[:cut] + b.symbols[cut:]),
-            self._genome(b.symbols[:cut] + a.symbols[cut:]),
-        )
+        return (self._genome(a.symbols[:cut] + b.symbols[cut:]), self._genome(b.symbols[:cut] + a.symbols[cut:]))
 
     def express(self, genome: Genome) -> Morphology:
         """Return the modules that the genome grows into: lengths in m, tilts in rad.

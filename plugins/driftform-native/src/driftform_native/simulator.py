@@ -71,10 +71,7 @@ class NativeSimulator(Simulator[NativeOptions]):
         return self._map(self._fly, agents, scenarios)
 
     def screen_batch(
-        self,
-        agents: Sequence[Agent],
-        scenarios: Sequence[Scenario],
-        matters: Callable[[int, Trajectory], bool],
+        self, agents: Sequence[Agent], scenarios: Sequence[Scenario], matters: Callable[[int, Trajectory], bool]
     ) -> list[Trajectory]:
         """Return the flights of many agents; of one that does not matter, the first of those that are compared."""
 

@@ -30,13 +30,7 @@ def trace(network: Network, release: str, *, hour: float = 0.0, **how: Any) -> P
 
 
 def route(
-    network: Network,
-    agent: Traveller | str,
-    release: str,
-    *,
-    hour: float = 0.0,
-    compare: bool = False,
-    **how: Any,
+    network: Network, agent: Traveller | str, release: str, *, hour: float = 0.0, compare: bool = False, **how: Any
 ) -> Passage:
     """Return where an agent goes that is released at a node, by flights in the bores of the network.
 

@@ -160,13 +160,7 @@ def fleet(given: Given) -> None:
     travellers = _collect(given, given.agents_from or (), BUOYANCIES)
     with _travel(given, network) as travel:
         planned = plan_fleet(
-            network,
-            travellers,
-            releases,
-            given.size,
-            hours=given.hours_at or (0.0,),
-            **_pick(given),
-            **travel,
+            network, travellers, releases, given.size, hours=given.hours_at or (0.0,), **_pick(given), **travel
         )
     title = f"{network.name}: a fleet of {given.size} from {', '.join(dict.fromkeys(releases))}"
     present_fleet(planned, title, outputs, given.json, sights, travellers)

@@ -74,9 +74,7 @@ class StraightTask:
     def __call__(self) -> StraightFlights:
         """Make the flights, or read them."""
         return keep_result(
-            self.path,
-            StraightFlights,
-            lambda: fly_straight(self.traveller, self.bore, self.speed, self.slope),
+            self.path, StraightFlights, lambda: fly_straight(self.traveller, self.bore, self.speed, self.slope)
         )
 
 

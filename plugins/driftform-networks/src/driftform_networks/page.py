@@ -32,12 +32,7 @@ def render_template(name: str, **values: Any) -> str:
     return environment.get_template(name).render(look | values)
 
 
-def report_html(
-    title: str,
-    text: Sequence[str | TextTable],
-    figures: Sequence[tuple[str, str]],
-    is_body: bool,
-) -> str:
+def report_html(title: str, text: Sequence[str | TextTable], figures: Sequence[tuple[str, str]], is_body: bool) -> str:
     """Return the page of a result.
 
     ``text`` is what a command prints, of which lines come first; ``figures`` are headings and SVG pictures; ``is_body`` is

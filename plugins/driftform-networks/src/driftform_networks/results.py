@@ -178,12 +178,7 @@ def present(document: Mapping[str, Any], text: Sequence[str | TextTable], writte
 
 
 def present_passage(
-    passage: Passage,
-    title: str,
-    outputs: Outputs,
-    json: bool,
-    sights: Sights,
-    is_body: bool = False,
+    passage: Passage, title: str, outputs: Outputs, json: bool, sights: Sights, is_body: bool = False
 ) -> None:
     """Write the files of a passage, and print it."""
     length = passage.network.length[passage.reachable].sum() / 1000
@@ -210,12 +205,7 @@ def present_passage(
 
 
 def present_fleet(
-    fleet: Fleet,
-    title: str,
-    outputs: Outputs,
-    json: bool,
-    sights: Sights,
-    travellers: Sequence[Traveller],
+    fleet: Fleet, title: str, outputs: Outputs, json: bool, sights: Sights, travellers: Sequence[Traveller]
 ) -> None:
     """Write the files of a fleet, and print it."""
     document, size = fleet.as_document(), len(fleet.members)

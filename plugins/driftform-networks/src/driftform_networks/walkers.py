@@ -92,11 +92,7 @@ class Walks:
 
 
 def walk(
-    routings: Sequence[Routing],
-    times: Sequence[float],
-    release: int,
-    began: FloatArray,
-    rng: np.random.Generator,
+    routings: Sequence[Routing], times: Sequence[float], release: int, began: FloatArray, rng: np.random.Generator
 ) -> Walks:
     """Return ways of bodies that are drawn from their tables.
 

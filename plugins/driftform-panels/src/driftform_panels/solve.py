@@ -24,16 +24,10 @@ class PanelOptions(HydrodynamicsOptions):
     """Resolution of the meridian."""
 
     panels: int = option(
-        20,
-        "number of panels of a straight meridian without corners; every edge has at least one",
-        ge=4,
-        le=400,
+        20, "number of panels of a straight meridian without corners; every edge has at least one", ge=4, le=400
     )
     corner: float = option(
-        0.2,
-        "length of the panels at a corner that turns by more than 35 degrees, relative to its radius",
-        gt=0,
-        le=1,
+        0.2, "length of the panels at a corner that turns by more than 35 degrees, relative to its radius", gt=0, le=1
     )
 
 

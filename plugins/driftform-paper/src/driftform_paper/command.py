@@ -10,8 +10,7 @@ from driftform.cli import options
 
 def reproduce(
     repeats: Annotated[
-        int,
-        typer.Option(metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed."),
+        int, typer.Option(metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed.")
     ] = 10,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the first repeat.")] = 1,
     workers: options.Workers = None,
@@ -47,10 +46,7 @@ def reproduce(
     files.make_directory(out)
     runs = {key: out / "runs" / f"{key[0]}-{key[1]}" for key in studies}
     try:
-        with (
-            open_executor(first, executor, scheduler, workers) as place,
-            progress.count_progress("flights") as show,
-        ):
+        with open_executor(first, executor, scheduler, workers) as place, progress.count_progress("flights") as show:
             search_all({runs[key]: study for key, study in studies.items()}, place, show)
     except KeyboardInterrupt:
         typer.echo(f"stopped; the same command continues: driftform reproduce --out {out}", err=True)

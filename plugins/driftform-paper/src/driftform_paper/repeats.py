@@ -52,10 +52,7 @@ class Search:
 def load_repeat(strategy: str, seed: int, simulator: str | None = None, settings: Sequence[str] = ()) -> Study:
     """Return the study of one repeat."""
     return load_study(
-        "paper",
-        settings,
-        use={"strategy": strategy, "simulator": simulator},
-        run={"seed": seed, "evaluations": None},
+        "paper", settings, use={"strategy": strategy, "simulator": simulator}, run={"seed": seed, "evaluations": None}
     )
 
 

@@ -94,11 +94,7 @@ def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Res
 
 
 def write_figures(
-    directory: Path,
-    study: Study,
-    found: Mapping[str, Search],
-    again: Resimulation,
-    page: style.Page = style.SCREEN,
+    directory: Path, study: Study, found: Mapping[str, Search], again: Resimulation, page: style.Page = style.SCREEN
 ) -> tuple[Path, ...]:
     """Write the paper's Figures 5 to 7 of our own flights, and return the files."""
     scenario, paper, random = study.scenario, found["paper"], found["random"]

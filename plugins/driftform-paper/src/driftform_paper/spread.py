@@ -36,11 +36,7 @@ class FlightSpread:
 
 
 def spread_svg(
-    repeats: Sequence[FlightSpread],
-    scenario: Scenario,
-    title: str,
-    subtitle: str,
-    page: style.Page = style.SCREEN,
+    repeats: Sequence[FlightSpread], scenario: Scenario, title: str, subtitle: str, page: style.Page = style.SCREEN
 ) -> str:
     """Return a panel for each target: every flight faint, their mean solid, one standard deviation as a band.
 

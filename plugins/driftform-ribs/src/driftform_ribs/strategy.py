@@ -25,8 +25,7 @@ class RibsOptions(Table):
     """The archive, the measures of its elites, and how they breed."""
 
     archive: Literal["cvt", "grid"] = option(
-        "cvt",
-        "'cvt': cells around centroids (Vassiliades et al. 2018), 'grid': equal boxes (Mouret and Clune 2015)",
+        "cvt", "'cvt': cells around centroids (Vassiliades et al. 2018), 'grid': equal boxes (Mouret and Clune 2015)"
     )
     cells: int = option(
         1000,

@@ -18,11 +18,7 @@ class LeakOptions(SensorOptions):
 
     rate: float = option(0.001, "mass flow into the pipe at each leak", "kg/s", ge=1e-9, le=1000)
     threshold: float = option(
-        2.5e-5,
-        "concentration at which the sensor detects the leak half of the time",
-        "kg/m3",
-        ge=1e-15,
-        le=1000,
+        2.5e-5, "concentration at which the sensor detects the leak half of the time", "kg/m3", ge=1e-15, le=1000
     )
     interval: float = option(0.05, "time between two readings of the sensor", "s", ge=1e-4, le=1)
 

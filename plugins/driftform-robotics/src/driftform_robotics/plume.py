@@ -200,8 +200,5 @@ def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: floa
     leak = start + along * axis + segment.radius * outward
     # With a negative speed the water carries the plume towards the inlet.
     downstream, left = (axis, length - along) if scenario.flow.speed > 0 else (-axis, along)
-    spread, speed = (
-        eddy_diffusivity(scenario) if diffusivity is None else diffusivity,
-        abs(scenario.flow.speed),
-    )
+    spread, speed = (eddy_diffusivity(scenario) if diffusivity is None else diffusivity, abs(scenario.flow.speed))
     return Plume(leak, downstream, outward, segment.radius, left, speed, spread, rate)

@@ -16,8 +16,7 @@ from driftform_robotics.options import ATMOSPHERE
 def point_positions(trajectory: Trajectory, point: FloatArray) -> FloatArray:
     """Return the positions of a point of the body, one for each sample, world frame, m, (k, 3)."""
     return np.asarray(
-        trajectory.position + rotations.matrix_from_quaternion(trajectory.quaternion) @ point,
-        dtype=np.float64,
+        trajectory.position + rotations.matrix_from_quaternion(trajectory.quaternion) @ point, dtype=np.float64
     )
 
 

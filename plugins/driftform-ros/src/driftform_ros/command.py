@@ -20,8 +20,7 @@ def ros(
         typer.Option(metavar="N", min=0, max=1000, help="Seconds of flight in each second; 0 for as many as it can."),
     ] = 1.0,
     rate_hz: Annotated[
-        float,
-        typer.Option(metavar="HZ", min=0.1, max=1000, help="Messages of each topic for each second of flight."),
+        float, typer.Option(metavar="HZ", min=0.1, max=1000, help="Messages of each topic for each second of flight.")
     ] = 20.0,
     once: Annotated[
         bool, typer.Option("--once", help="End with the flight, in place of waiting for a release.")

@@ -68,12 +68,7 @@ class LiveNode:
     """
 
     def __init__(
-        self,
-        bus: Bus,
-        open_other: Callable[[str], "Design"],
-        options: FlightOptions,
-        interval: float,
-        rate: float,
+        self, bus: Bus, open_other: Callable[[str], "Design"], options: FlightOptions, interval: float, rate: float
     ) -> None:
         self._bus, self._open, self._options, self._interval = bus, open_other, options, interval
         self._rate = rate or math.inf
@@ -191,8 +186,7 @@ class LiveNode:
         """Return the topics of the last sample of the flight."""
         flown = self._flight.latest
         last = replace(
-            flown,
-            **{name: getattr(flown, name)[-1:] for name in ("t", "position", "quaternion", "velocity")},
+            flown, **{name: getattr(flown, name)[-1:] for name in ("t", "position", "quaternion", "velocity")}
         )
         if self._job.scenario is not self._flight.scenario:
             self._job = replace(self._job, scenario=self._flight.scenario)

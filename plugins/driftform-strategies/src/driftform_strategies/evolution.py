@@ -34,11 +34,7 @@ class EvolutionOptions(Table):
     random: int = option(30, "random genomes at the start", "", gt=0, le=10_000_000)
     batch: int = option(5, "children per batch; one batch is made while another is flown", "", gt=0, le=100_000)
     elites: int = option(
-        5,
-        "best flights kept for each target; its children descend from them or aim at them",
-        "",
-        gt=0,
-        le=10_000,
+        5, "best flights kept for each target; its children descend from them or aim at them", "", gt=0, le=10_000
     )
     explore: float = option(0.5, "share of the children that try a new change of a symbol", "", ge=0, le=1)
     pressure: float = option(

@@ -34,13 +34,7 @@ class TunedOptions(Table):
     batch: int = option(3, "flights per batch; one batch is asked for while another is flown", "", gt=0, le=100_000)
     elites: int = option(4, "best shapes kept for each target, from which others descend", "", gt=0, le=10_000)
     flights: int = option(6, "most flights to tune a shape for a target", "", gt=1, le=1000)
-    first: int = option(
-        3,
-        "bodies for each target before those with a large miss get more",
-        "",
-        gt=0,
-        le=10_000,
-    )
+    first: int = option(3, "bodies for each target before those with a large miss get more", "", gt=0, le=10_000)
     pressure: float = option(
         1.0,
         "the share of the bodies for a target is proportional to this power of the miss of its best",
@@ -49,11 +43,7 @@ class TunedOptions(Table):
         le=10,
     )
     retune: float = option(
-        0.3,
-        "share of the new bodies that have a shape which is among the best for another target",
-        "",
-        ge=0,
-        le=1,
+        0.3, "share of the new bodies that have a shape which is among the best for another target", "", ge=0, le=1
     )
     random: float = option(0.1, "share of the new bodies that have a random shape", "", ge=0, le=1)
     cross: float = option(0.2, "share of the changed shapes that descend from two", "", ge=0, le=1)

@@ -15,8 +15,7 @@ class StripTheoryOptions(HydrodynamicsOptions):
     """Options of the strip-theory model."""
 
     m11: Literal["ellipsoid", "volume"] = option(
-        "ellipsoid",
-        "M11 is k11 times the mass of water in the equivalent ellipsoid (eq. 7) or in the true volume",
+        "ellipsoid", "M11 is k11 times the mass of water in the equivalent ellipsoid (eq. 7) or in the true volume"
     )
 
 

@@ -83,16 +83,7 @@ def trim_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
     design, number = _aim(key, live.find_agent(key))
     facts = trim_design(design, grams / 1000, kit=True, format="3mf")
     target = design.scenario.target_names[number]
-    kept = (
-        "simulated_mass",
-        "printed_mass",
-        "ballast_mass",
-        "pieces",
-        "held",
-        "unheld",
-        "buoyancy",
-        "aft_end",
-    )
+    kept = ("simulated_mass", "printed_mass", "ballast_mass", "pieces", "held", "unheld", "buoyancy", "aft_end")
     misses = {case: found[target] for case, found in facts["misses"].items()}
     return {name: facts[name] for name in kept} | {"misses": misses}
 

@@ -65,11 +65,7 @@ class LiveRun:
                 curve = target.errors(COLUMNS, max(status.extent, 1))
                 result = self._read_result(run, name, (target.index, monitor.state, disturbed))
                 targets.append(
-                    {
-                        "name": name,
-                        "curve": [None if error is None else round(error, 5) for error in curve],
-                        **result,
-                    }
+                    {"name": name, "curve": [None if error is None else round(error, 5) for error in curve], **result}
                 )
             failure = searches.read_failure(self.directory)
             state = self._name_state(run, searches, failure, targets)

@@ -138,6 +138,5 @@ def _subdivision(coarse: Level, fine: Level, needed: IntArray) -> csr_array:
     row = np.repeat(needed, weight.shape[1])
     entries = weight.ravel() > 0
     return coo_array(
-        (weight.ravel()[entries], (row[entries], column.ravel()[entries])),
-        shape=(fine.active.size, coarse.active.size),
+        (weight.ravel()[entries], (row[entries], column.ravel()[entries])), shape=(fine.active.size, coarse.active.size)
     ).tocsr()

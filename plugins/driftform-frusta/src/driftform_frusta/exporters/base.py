@@ -55,10 +55,7 @@ class PartExporter(Exporter[PartOptions]):
         if kit:
             for number, drawn in enumerate(find_maker().draw_sheet(job, self.options, self.name), 1):
                 sheet = path.with_name(f"{path.stem}-assembly-{number}.svg")
-                for target, page in (
-                    (sheet, drawn),
-                    (sheet.with_suffix(".pdf"), picture_files.make_pdf(drawn)),
-                ):
+                for target, page in ((sheet, drawn), (sheet.with_suffix(".pdf"), picture_files.make_pdf(drawn))):
                     if page is not None:
                         save(target, page)
                         written.append(WrittenFile(self.name, str(target)))

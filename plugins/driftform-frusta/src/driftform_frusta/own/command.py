@@ -27,8 +27,7 @@ def body(
         ),
     ] = None,
     unit: Annotated[
-        str | None,
-        typer.Option(metavar="UNIT", help="Unit of a mesh: mm, cm, m or in; by default mm, and m for GLB."),
+        str | None, typer.Option(metavar="UNIT", help="Unit of a mesh: mm, cm, m or in; by default mm, and m for GLB.")
     ] = None,
     flip: Annotated[bool, typer.Option("--flip", help="Take the other end as the nose.")] = False,
     scenario: options.ScenarioOption = None,

@@ -32,11 +32,7 @@ def place_capsule(profile: tuple[tuple[float, float], ...], mass: float, cog: fl
     r = contour[:, 1]
     first, last = np.flatnonzero(_is_widest(r))[[0, -1]]
     room = np.concatenate(
-        (
-            np.maximum.accumulate(r[:first]),
-            np.full(last + 1 - first, r.max()),
-            np.maximum.accumulate(r[:last:-1])[::-1],
-        )
+        (np.maximum.accumulate(r[:first]), np.full(last + 1 - first, r.max()), np.maximum.accumulate(r[:last:-1])[::-1])
     )
     return Core(
         radius=float(r.max()),

@@ -45,18 +45,10 @@ class MeshOptions(Table):
     coarse: float = option(1e-2, "largest such difference that is only a warning", gt=0, lt=1)
     overhang: float = option(1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0, le=1)
     push: float = option(
-        PUSH,
-        "force with which a nozzle pushes at the top of a part (PrusaSlicer's 10 gram-force)",
-        "N",
-        gt=0,
-        le=100,
+        PUSH, "force with which a nozzle pushes at the top of a part (PrusaSlicer's 10 gram-force)", "N", gt=0, le=100
     )
     catch: float = option(
-        0.735,
-        "force with which it catches on material that has curled up (75 gram-force)",
-        "N",
-        gt=0,
-        le=100,
+        0.735, "force with which it catches on material that has curled up (75 gram-force)", "N", gt=0, le=100
     )
     stiffness: float = option(2e9, "modulus of elasticity of the material (ABS)", "Pa", ge=1e5, le=1e12)
     strength: float = option(33e6, "its yield strength (ABS)", "Pa", ge=1e4, le=1e10)
@@ -148,8 +140,7 @@ class MeshChecker(Checker[MeshOptions]):
             # Of two dangers the graver comes first: it is lifted off before it sways.
             brim = find_brim(turned, o.push, o.adhesion)
             faults.insert(
-                0,
-                f"a nozzle pushes with {o.push:.2g} N and lifts it off: print it with a brim of {brim:g} mm",
+                0, f"a nozzle pushes with {o.push:.2g} N and lifts it off: print it with a brim of {brim:g} mm"
             )
         if beam.break_force < o.catch:
             faults.append(f"a nozzle that catches, with {o.catch:.2g} N, breaks it: make its wall thicker there")

@@ -44,12 +44,7 @@ class HeldBall:
 
 
 def hold_ballast(
-    hull: Hull,
-    parts: list[CrossSection],
-    joints: Sequence[Joint],
-    core_joint: Joint,
-    gap: float,
-    balls: Sequence[Ball],
+    hull: Hull, parts: list[CrossSection], joints: Sequence[Joint], core_joint: Joint, gap: float, balls: Sequence[Ball]
 ) -> tuple[HeldBall, ...]:
     """Add seats for balls of ballast to the sections of parts as joined, and return how each is held, from aft to fore.
 
@@ -99,10 +94,7 @@ def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float
     # The nearest point of a polygon is a vertex, except where an end of the way is nearest to an edge.
     corners = np.concatenate(meridian.list_rings(part))
     beyond = corners[:, 1] - np.clip(corners[:, 1], low, high)
-    return min(
-        float(np.hypot(corners[:, 0], beyond).min()),
-        float(distance_along([part], np.array([low, high])).min()),
-    )
+    return min(float(np.hypot(corners[:, 0], beyond).min()), float(distance_along([part], np.array([low, high])).min()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,9 +131,7 @@ class _Bay:
                 if held and _fore_down(printed) == (side > 0):
                     return HeldBall(ball, part, None, side, seat)
         raise _refuse(
-            ball,
-            hull,
-            "it is wider than the way to it, or a seat has no room beside joint, core and other balls",
+            ball, hull, "it is wider than the way to it, or a seat has no room beside joint, core and other balls"
         )
 
     def support(self, part: int, ball: Ball, side: int, taken: Sequence[CrossSection]) -> tuple[bool, Seat | None]:

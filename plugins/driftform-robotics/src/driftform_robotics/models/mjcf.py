@@ -40,22 +40,14 @@ class MjcfExporter(ModelExporter[ModelOptions]):
         warnings = _list_warnings(model, ellipsoid)
         warnings.insert(1, gap.describe())
         agent = render(
-            "mujoco/agent.xml",
-            model=model,
-            ellipsoid=ellipsoid,
-            step=step,
-            warnings=warnings,
-            negligible=BUOYANT_MASS,
+            "mujoco/agent.xml", model=model, ellipsoid=ellipsoid, step=step, warnings=warnings, negligible=BUOYANT_MASS
         )
         # The planks of a pipe with parts are hidden, and its wall is displayed in their place.
         wall = model.wall if model.job.scenario.pipe.straight is None else None
         extent = max((bore.length for bore in model.bores), default=1.0)
         if len(model.bores) > 1:
             extent = float(np.ptp([bore.position for bore in model.bores], axis=0).max())
-        files = {
-            "scene.xml": render("mujoco/scene.xml", model=model, wall=wall, extent=extent),
-            "agent.xml": agent,
-        }
+        files = {"scene.xml": render("mujoco/scene.xml", model=model, wall=wall, extent=extent), "agent.xml": agent}
         return files | ({} if wall is None else {PIPE: obj_text(wall.mesh)}), warnings
 
 

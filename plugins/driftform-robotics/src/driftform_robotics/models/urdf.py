@@ -19,8 +19,7 @@ class UrdfOptions(Table):
     """Options of the exporter."""
 
     floating: bool = option(
-        True,
-        "start with a link 'world' and a floating joint; without them some programs fix the agent to the world",
+        True, "start with a link 'world' and a floating joint; without them some programs fix the agent to the world"
     )
 
 

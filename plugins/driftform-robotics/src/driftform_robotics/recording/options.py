@@ -17,11 +17,7 @@ class FlightOptions(SensorOptions):
         "agent", "namespace of topics and frames", "", min_length=1, pattern=r"^[A-Za-z][A-Za-z0-9_]*$"
     )
     start: float = option(
-        1.0,
-        "time of the release on the clock of the file; tf reads 0 as 'the latest'",
-        "s",
-        ge=0,
-        le=4e9,
+        1.0, "time of the release on the clock of the file; tf reads 0 as 'the latest'", "s", ge=0, le=4e9
     )
     leak_rate: float = option(0.001, "mass flow into the pipe at each target on the wall", "kg/s", ge=1e-9, le=1000)
     atmosphere: float = option(ATMOSPHERE, "pressure at the surface of the water", "Pa", ge=0, le=1e9)

@@ -165,9 +165,7 @@ class FlightTopics:
         found = forces.net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
         for stamp, values in zip(self.stamps, found, strict=True):
             wrench = self.ros.make(
-                "geometry_msgs/Wrench",
-                force=self.ros.make_vector(values[:3]),
-                torque=self.ros.make_vector(values[3:]),
+                "geometry_msgs/Wrench", force=self.ros.make_vector(values[:3]), torque=self.ros.make_vector(values[3:])
             )
             header = self.ros.make_header(stamp, f"{self.options.namespace}/cog")
             yield stamp, self.ros.make("geometry_msgs/WrenchStamped", header=header, wrench=wrench)
