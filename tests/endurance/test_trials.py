@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, closing, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -108,53 +109,59 @@ def test_a_run_that_is_killed_a_hundred_times_loses_no_row_that_was_shown(
     )
 
 
-def send(process: int, number: int) -> None:
-    with suppress(ProcessLookupError):
-        os.kill(process, number)
-
-
 SIGNALS = [signal.SIGKILL, signal.SIGTERM, signal.SIGINT]
 
 
-@pytest.mark.peers
-@pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
-def test_a_cluster_that_loses_workers_loses_no_row(
+@dataclass(frozen=True)
+class Cluster:
+    """What the trials of clusters have in common."""
+
+    start: Start
+    dask: Dask
+    scheduler: Scheduler
+    run: Program
+    rows: Rows
+    folder: Path
+    count: int
+    show: ShowRow
+
+    def work(self, address: str, *options: str) -> subprocess.Popen[bytes]:
+        """Start a worker, or a nanny with one."""
+        return self.dask("worker", address, "--nthreads", 1, "--no-dashboard", *options, cwd=self.folder)
+
+    def go_on(self, study: Sequence[object], address: str) -> subprocess.Popen[str]:
+        """Start the run, or resume it."""
+        words = ("resume", "run") if (self.folder / "run" / "run.db").exists() else (*study, *PAUSE)
+        return self.start(*words, "--scheduler", address, cwd=self.folder)
+
+    def wait(self, rows: int, process: subprocess.Popen[str]) -> set[Row]:
+        """Return the rows, once there are so many, of a run that goes on."""
+        wait_for_rows(self.folder / "run", rows, process)
+        assert process.poll() is None, process.communicate()[1]
+        return read_rows(self.folder / "run")
+
+    def finish(self, study: Sequence[object], what: str, found: str) -> None:
+        finish(self.run, study, self.folder, self.rows)
+        self.show("trials", f"{what} of a cluster, with rows written", self.count, found)
+
+
+@pytest.fixture
+def cluster(
     start: Start,
     dask: Dask,
     dask_scheduler: Scheduler,
     run: Program,
     rows: Rows,
     tmp_path: Path,
-    number: signal.Signals,
     count_of: Count,
     show_row: ShowRow,
-) -> None:
-    count, stored = count_of("SIGNALS", 40), set[Row]()
-    study = (*STUDY, "--evaluations", 40 * count)
-    with (
-        dask_scheduler() as (address, _),
-        dask("worker", address, "--nthreads", 1, "--no-dashboard", cwd=tmp_path) as nanny,
-        start(*study, *PAUSE, "--scheduler", address, cwd=tmp_path) as process,
-    ):
-        for _ in range(count):
-            wait_for_rows(tmp_path / "run", len(stored) + 3, process)
-            assert process.poll() is None, process.communicate()[1]
-            # The nanny starts another in its place.
-            workers = wait_for_workers(nanny.pid)
-            shown = read_rows(tmp_path / "run")
-            for worker in workers:
-                send(worker, number)
-            stored = read_rows(tmp_path / "run")
-            assert shown <= stored
-        wait_for_rows(tmp_path / "run", len(stored) + 3, process)
-        process.send_signal(signal.SIGINT)
-        process.communicate()
-        nanny.kill()
-    assert stored <= read_rows(tmp_path / "run")
-    finish(run, study, tmp_path, rows)
-    show_row(
-        "trials", f"{number.name} to the worker of a cluster, with rows written", count, "no row lost; the run goes on"
-    )
+) -> Cluster:
+    return Cluster(start, dask, dask_scheduler, run, rows, tmp_path, count_of("SIGNALS", 40), show_row)
+
+
+def send(process: int, number: int) -> None:
+    with suppress(ProcessLookupError):
+        os.kill(process, number)
 
 
 def read_command(process: int) -> bytes:
@@ -166,81 +173,63 @@ def read_command(process: int) -> bytes:
 
 @pytest.mark.peers
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
-def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(
-    start: Start,
-    dask: Dask,
-    dask_scheduler: Scheduler,
-    run: Program,
-    rows: Rows,
-    tmp_path: Path,
-    number: signal.Signals,
-    count_of: Count,
-    show_row: ShowRow,
-) -> None:
-    count, stored = count_of("SIGNALS", 40), set[Row]()
-    study = (*STUDY, "--evaluations", 12 * count)
-    with (
-        dask_scheduler() as (address, _),
-        dask("worker", address, "--nthreads", 1, "--no-dashboard", "--no-nanny", cwd=tmp_path) as worker,
-    ):
-        for _ in range(count):
-            words = ("resume", "run") if (tmp_path / "run" / "run.db").exists() else (*study, *PAUSE)
-            with start(*words, "--scheduler", address, cwd=tmp_path) as process:
-                wait_for_rows(tmp_path / "run", len(stored) + 3, process)
-                assert process.poll() is None, process.communicate()[1]
-                shown = read_rows(tmp_path / "run")
+def test_a_cluster_that_loses_workers_loses_no_row(cluster: Cluster, number: signal.Signals) -> None:
+    study, stored = (*STUDY, "--evaluations", 40 * cluster.count), set[Row]()
+    with cluster.scheduler() as (address, _), cluster.work(address) as nanny, cluster.go_on(study, address) as process:
+        for _ in range(cluster.count):
+            cluster.wait(len(stored) + 3, process)
+            # The nanny starts another in its place.
+            workers = wait_for_workers(nanny.pid)
+            shown = read_rows(cluster.folder / "run")
+            for worker in workers:
+                send(worker, number)
+            stored = read_rows(cluster.folder / "run")
+            assert shown <= stored
+        wait_for_rows(cluster.folder / "run", len(stored) + 3, process)
+        process.send_signal(signal.SIGINT)
+        process.communicate()
+        nanny.kill()
+    assert stored <= read_rows(cluster.folder / "run")
+    cluster.finish(study, f"{number.name} to the worker", "no row lost; the run goes on")
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
+def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(cluster: Cluster, number: signal.Signals) -> None:
+    study, stored = (*STUDY, "--evaluations", 12 * cluster.count), set[Row]()
+    with cluster.scheduler() as (address, _), cluster.work(address, "--no-nanny") as worker:
+        for _ in range(cluster.count):
+            with cluster.go_on(study, address) as process:
+                shown = cluster.wait(len(stored) + 3, process)
                 process.send_signal(number)
                 _, said = process.communicate(timeout=120)
             if number != signal.SIGKILL:
                 assert process.returncode == 128 + number, said
                 assert said.splitlines()[-1].endswith("resume with: driftform resume run"), said
             assert "Traceback" not in said
-            stored = read_rows(tmp_path / "run")
+            stored = read_rows(cluster.folder / "run")
             assert shown <= stored
         worker.kill()
-    finish(run, study, tmp_path, rows)
-    show_row(
-        "trials",
-        f"{number.name} to the coordinator of a cluster, with rows written",
-        count,
-        "no row lost; it is resumed",
-    )
+    cluster.finish(study, f"{number.name} to the coordinator", "no row lost; it is resumed")
 
 
 @pytest.mark.peers
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
-def test_a_cluster_that_loses_its_scheduler_loses_no_row(
-    start: Start,
-    dask: Dask,
-    dask_scheduler: Scheduler,
-    run: Program,
-    rows: Rows,
-    tmp_path: Path,
-    number: signal.Signals,
-    count_of: Count,
-    show_row: ShowRow,
-) -> None:
-    count, stored = count_of("SIGNALS", 40), set[Row]()
-    study = (*STUDY, "--evaluations", 12 * count)
-    for _ in range(count):
-        words = ("resume", "run") if (tmp_path / "run" / "run.db").exists() else (*study, *PAUSE)
+def test_a_cluster_that_loses_its_scheduler_loses_no_row(cluster: Cluster, number: signal.Signals) -> None:
+    study, stored = (*STUDY, "--evaluations", 12 * cluster.count), set[Row]()
+    for _ in range(cluster.count):
         with (
-            dask_scheduler() as (address, scheduler),
-            dask("worker", address, "--nthreads", 1, "--no-dashboard", "--no-nanny", cwd=tmp_path) as worker,
-            start(*words, "--scheduler", address, cwd=tmp_path) as process,
+            cluster.scheduler() as (address, scheduler),
+            cluster.work(address, "--no-nanny") as worker,
+            cluster.go_on(study, address) as process,
         ):
-            wait_for_rows(tmp_path / "run", len(stored) + 3, process)
-            assert process.poll() is None, process.communicate()[1]
-            shown = read_rows(tmp_path / "run")
+            shown = cluster.wait(len(stored) + 3, process)
             send(scheduler.pid, number)
             _, said = process.communicate(timeout=120)
             worker.kill()
         assert process.returncode == 1, said
         assert "Traceback" not in said
         assert said.splitlines()[-1].endswith("resume with: driftform resume run"), said
-        stored = read_rows(tmp_path / "run")
+        stored = read_rows(cluster.folder / "run")
         assert shown <= stored
-    finish(run, study, tmp_path, rows)
-    show_row(
-        "trials", f"{number.name} to the scheduler of a cluster, with rows written", count, "no row lost; it is resumed"
-    )
+    cluster.finish(study, f"{number.name} to the scheduler", "no row lost; it is resumed")

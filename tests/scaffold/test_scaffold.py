@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from driftform.cli import plugins
 from driftform.interfaces import SEAMS
 from driftform.scaffold import KINDS, list_files, make_names
 
@@ -144,25 +145,38 @@ def test_the_command_prints_the_files_and_the_next_steps(call: Call, tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("has_pip", "origin", "steps"),
+    ("has_pip", "origin", "prefix", "steps"),
     [
-        (True, {"editable": True}, ['pip install -e ".[test]"', "pytest", "driftform plugins show dwell"]),
-        (False, {}, ['uv pip install -e ".[test]"', "pytest", "driftform plugins show dwell"]),
+        (
+            True,
+            {"editable": True},
+            "/a clone/.venv",
+            ['pip install -e ".[test]"', "pytest", "driftform plugins show dwell"],
+        ),
+        (False, {}, "/a clone/.venv", ['uv pip install -e ".[test]"', "pytest", "driftform plugins show dwell"]),
         (
             False,
             {"editable": True},
+            "/elsewhere",
+            ['uv pip install -e ".[test]"', "pytest", "driftform plugins show dwell"],
+        ),
+        (
+            False,
+            {"editable": True},
+            "/a clone/.venv",
             ["uv add --editable '/a clone'", "uv run --extra test pytest", "uv run driftform plugins show dwell"],
         ),
     ],
-    ids=["pip", "uv", "uv in a clone"],
+    ids=["pip", "uv", "uv beside a clone", "uv in a clone"],
 )
 def test_the_next_steps_are_those_of_the_installer(
-    call: Call, monkeypatch: pytest.MonkeyPatch, has_pip: bool, origin: dict[str, bool], steps: list[str]
+    call: Call, monkeypatch: pytest.MonkeyPatch, has_pip: bool, origin: dict[str, bool], prefix: str, steps: list[str]
 ) -> None:
     found = importlib.util.find_spec
     monkeypatch.setattr(
         "importlib.util.find_spec", lambda name: (name if has_pip else None) if name == "pip" else found(name)
     )
+    monkeypatch.setattr("sys.prefix", prefix)
     text = json.dumps({"url": "file:///a%20clone", "dir_info": origin})
     monkeypatch.setattr("importlib.metadata.PathDistribution.read_text", lambda *_: text)
     document = json.loads(call("plugins", "new", "driftform-dwell", "--seam", "fitness", "--json").stdout)
@@ -241,6 +255,10 @@ def test_names_are_normalised(call: Call, tmp_path: Path) -> None:
     assert project["name"] == "driftform-long-dwell"
     assert project["entry-points"]["driftform"] == {"long-dwell": "driftform_long_dwell"}
     assert "class LongDwellFitness" in next(tmp_path.rglob("fitness.py")).read_text()
+
+
+def test_the_help_names_what_a_plugin_can_bring() -> None:
+    assert plugins.KINDS.replace(" or ", ", ").split(", ") == list(KINDS)
 
 
 def test_an_unknown_seam_is_refused(refused: Callable[..., str]) -> None:

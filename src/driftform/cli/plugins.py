@@ -8,6 +8,11 @@ import typer
 from driftform.cli.help import Command, make_group
 from driftform.cli.options import Json
 
+KINDS = (
+    "grammar, builder, hydrodynamics, simulator, fitness, strategy, exporter, recorder, "
+    "renderer, checker, inspector, reporter, commands or scenarios"
+)
+
 
 def list_(json: Json = False) -> None:
     """List the plugins by seam, and commands, also those that cannot be used, with the reason."""
@@ -72,7 +77,7 @@ def show(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plu
 @app.command("new", cls=Command)
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the distribution, such as driftform-dwell.")],
-    seam: Annotated[list[str], typer.Option(metavar="SEAM", help="What it is to bring, such as fitness; repeatable.")],
+    seam: Annotated[list[str], typer.Option(metavar="SEAM", help=f"What it is to bring: {KINDS}; repeatable.")],
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default NAME.")] = None,
     json: Json = False,
 ) -> None:

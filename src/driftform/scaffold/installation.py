@@ -2,6 +2,7 @@
 
 import json
 import shlex
+import sys
 from importlib import metadata, util
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -11,9 +12,8 @@ from urllib.request import url2pathname
 def list_installation() -> list[str]:
     """Return the commands that install a new distribution beside driftform and run its tests, from its folder.
 
-    An environment with pip takes it as any other. One without was made by uv. If driftform is there in editable form,
-    as in its clone, the distribution gets an environment of its own, so that ``uv sync`` of the clone does not
-    uninstall it.
+    An environment with pip takes it as any other. One without was made by uv. If it is that of a clone of driftform, the
+    distribution gets an environment of its own, so that ``uv sync`` of the clone does not uninstall it.
     """
     if util.find_spec("pip") is not None:
         return ['pip install -e ".[test]"', "pytest"]
@@ -24,9 +24,10 @@ def list_installation() -> list[str]:
 
 
 def _find_clone() -> Path | None:
-    """Return the folder of which driftform is installed in editable form, if it is."""
+    """Return the folder of driftform's source if this environment is in it."""
     text = metadata.distribution("driftform").read_text("direct_url.json")
     origin = json.loads(text) if text else {}
     if not origin.get("dir_info", {}).get("editable"):
         return None
-    return Path(url2pathname(urlsplit(origin["url"]).path))
+    folder = Path(url2pathname(urlsplit(origin["url"]).path))
+    return folder if Path(sys.prefix).is_relative_to(folder) else None
