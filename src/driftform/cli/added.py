@@ -1,7 +1,7 @@
 """The commands that plugins add, by the hook ``driftform_commands``."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -47,8 +47,8 @@ class Added:
     commands: Mapping[str, Any]
     owners: Mapping[str, PluginModule]
     problems: Mapping[str, str]
-    broken: Mapping[str, PluginModule]
-    """Plugins by their line of :attr:`problems`, if their hook for commands raises."""
+    broken: Sequence[PluginModule]
+    """Plugins whose hook for commands raises, with the reason as their problem."""
 
 
 @cache
@@ -57,7 +57,7 @@ def load_added() -> Added:
     commands: dict[str, Any] = {}
     owners: dict[str, PluginModule] = {}
     problems: dict[str, str] = {}
-    broken: dict[str, PluginModule] = {}
+    broken: list[PluginModule] = []
     for plugin in find_modules():
         if plugin.problem:
             problems[plugin.distribution] = f"{plugin.distribution} is {plugin.problem}"
@@ -66,8 +66,8 @@ def load_added() -> Added:
             hook = plugin.find_hook("driftform_commands")
             made = {} if hook is None else make_commands(hook)
         except (Exception, SystemExit) as error:
-            problems[plugin.distribution] = f"{plugin.distribution} is unavailable: {describe_error(error)}"
-            broken[problems[plugin.distribution]] = plugin
+            broken.append(replace(plugin, problem=f"unavailable: {describe_error(error)}"))
+            problems[plugin.distribution] = f"{plugin.distribution} is {broken[-1].problem}"
             continue
         for name, command in made.items():
             if name in owners:
@@ -92,7 +92,8 @@ def find_added(name: str) -> Any:
         raise InputError(f"command '{name}' is unavailable: {added.problems[name]}")
     package = BROUGHT_BY.get(name)
     if package is None and added.broken:
-        raise InputError(f"no command is named '{name}'; {'; '.join(added.broken)}")
+        reasons = "; ".join(added.problems[plugin.distribution] for plugin in added.broken)
+        raise InputError(f"no command is named '{name}'; {reasons}")
     if package is None:
         return None
     distribution = package.replace("[", "-").removesuffix("]")

@@ -24,7 +24,7 @@ def list_(json: Json = False) -> None:
     rows = [{c: getattr(row, c) for c in columns} for row in registry().contributions()]
     added = load_added()
     commands = [(name, added.owners[name], "ok") for name in sorted(added.commands)]
-    commands += [(one.name, one, line.partition(" is ")[2]) for line, one in added.broken.items()]
+    commands += [(plugin.name, plugin, plugin.problem) for plugin in added.broken]
     for name, plugin, state in commands:
         rows.append(dict(zip(columns, ("commands", name, plugin.distribution, plugin.version, state), strict=True)))
     if json:
