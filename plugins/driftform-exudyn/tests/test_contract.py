@@ -5,8 +5,6 @@ from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
 
 class TestExudyn(ClosedForms):
     # Attained: energy and impulse of free motions to 2.5e-6, the libration to 1.2e-3 of its speeds.
-    # The first flight in a bend compiles the forces there.
-    time_limit = 300.0
 
     def plugin(self) -> ExudynSimulator:
         return ExudynSimulator(ExudynOptions())
