@@ -11,7 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, closing, suppress
+from contextlib import AbstractContextManager, ExitStack, closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -175,14 +175,18 @@ def read_command(process: int) -> bytes:
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
 def test_a_cluster_that_loses_workers_loses_no_row(cluster: Cluster, number: signal.Signals) -> None:
     study, stored = (*STUDY, "--evaluations", 40 * cluster.count), set[Row]()
-    with cluster.scheduler() as (address, _), cluster.work(address) as nanny, cluster.go_on(study, address) as process:
+    with cluster.scheduler() as (address, _), ExitStack() as nannies, cluster.go_on(study, address) as process:
+        nanny = nannies.enter_context(cluster.work(address))
         for _ in range(cluster.count):
             cluster.wait(len(stored) + 3, process)
-            # The nanny starts another in its place.
             workers = wait_for_workers(nanny.pid)
             shown = read_rows(cluster.folder / "run")
             for worker in workers:
                 send(worker, number)
+            if number == signal.SIGINT:
+                # The nanny ends with an interrupted worker; otherwise it starts another in its place.
+                nanny.wait(timeout=60)
+                nanny = nannies.enter_context(cluster.work(address))
             stored = read_rows(cluster.folder / "run")
             assert shown <= stored
         wait_for_rows(cluster.folder / "run", len(stored) + 3, process)
