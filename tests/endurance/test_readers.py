@@ -267,6 +267,12 @@ def make_run(folder: Path) -> bytes:
     return (run.path / "run.db").read_bytes()
 
 
+def make_cells(folder: Path) -> list[bytes]:
+    """Make the run whose cells :func:`read_database` changes, and return a file that names one."""
+    DATABASE[:] = [make_run(folder)]
+    return [bytes(range(0, 256, 9))]
+
+
 def read_run(path: Path) -> None:
     folder = path.parent / "read"
     folder.mkdir(exist_ok=True)
@@ -363,7 +369,7 @@ READERS: dict[str, tuple[str, Make, Callable[[Path], Any]]] = {
     "GLB": ("part.glb", lambda f: [make_glb(f)], read_both),
     "STEP": ("part.step", lambda f: [make_step(f)], read_own_body),
     "run": ("run.db", lambda f: [make_run(f)], read_run),
-    "cells of a run": ("cells", lambda _: [bytes(range(0, 256, 9))], read_database),
+    "cells of a run": ("cells", make_cells, read_database),
 }
 """Of each reader the name of its file, sound files, and what reads them."""
 
@@ -443,8 +449,6 @@ def test_a_changed_file_is_read_or_refused_in_one_line(
     name: str, tmp_path: Path, count_of: Callable[[str, int], int]
 ) -> None:
     file, make, read = READERS[name]
-    if name == "cells of a run":
-        DATABASE[:] = [make_run(tmp_path)]
     corpus, found = make(tmp_path), Counter[str]()
     end, path = time.monotonic() + count_of("SECONDS", 60), tmp_path / "given" / file
     path.parent.mkdir()
@@ -483,8 +487,6 @@ def test_5_000_altered_files_are_read_or_refused_in_one_line(
     """In this process, which is quicker; the seed repeats what fell."""
     count, dice, found = count_of("ALTERED", 5_000), random.Random(1), Counter[str]()
     file, make, read = READERS[name]
-    if name == "cells of a run":
-        DATABASE[:] = [make_run(tmp_path)]
     [whole], path = make(tmp_path), tmp_path / "given" / file
     path.parent.mkdir()
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

@@ -105,7 +105,7 @@ def test_a_run_that_is_killed_a_hundred_times_loses_no_row_that_was_shown(
         "trials",
         "a run killed by SIGKILL",
         kills,
-        f"{early} of them before a new row; no row lost; the end is that of a whole run",
+        f"{early} of them before a new row; every row is kept; the end is that of a whole run",
     )
 
 
@@ -194,7 +194,7 @@ def test_a_cluster_that_loses_workers_loses_no_row(cluster: Cluster, number: sig
         process.communicate()
         nanny.kill()
     assert stored <= read_rows(cluster.folder / "run")
-    cluster.finish(study, f"{number.name} to the worker", "no row lost; the run goes on")
+    cluster.finish(study, f"{number.name} to the worker", "every row is kept; the run goes on")
 
 
 @pytest.mark.peers
@@ -214,7 +214,7 @@ def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(cluster: Cluste
             stored = read_rows(cluster.folder / "run")
             assert shown <= stored
         worker.kill()
-    cluster.finish(study, f"{number.name} to the coordinator", "no row lost; it is resumed")
+    cluster.finish(study, f"{number.name} to the coordinator", "every row is kept; it is resumed")
 
 
 @pytest.mark.peers
@@ -236,4 +236,4 @@ def test_a_cluster_that_loses_its_scheduler_loses_no_row(cluster: Cluster, numbe
         assert said.splitlines()[-1].endswith("resume with: driftform resume run"), said
         stored = read_rows(cluster.folder / "run")
         assert shown <= stored
-    cluster.finish(study, f"{number.name} to the scheduler", "no row lost; it is resumed")
+    cluster.finish(study, f"{number.name} to the scheduler", "every row is kept; it is resumed")
