@@ -1,13 +1,11 @@
 """A run that is given a larger budget ends as one that had it from the start."""
 
 import json
-import os
 import shutil
 import sqlite3
 import subprocess
 import tomllib
 from collections.abc import Callable
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -161,44 +159,18 @@ def test_a_budget_that_is_none_is_refused(copy: Path, refused: Callable[..., str
     assert "--evaluations" in refused("resume", "run", "--evaluations", value)
 
 
-def multiply_rows(directory: Path, count: int) -> None:
-    """As if a run that has ended had so many evaluations, by copies of those that it has."""
-    with Store.open(directory / "run.db") as store:
-        facts, stored = store.read_ended(), store.count()
-    assert facts
-    set_budget(directory, count)
-    with closing(sqlite3.connect(directory / "run.db")) as connection, connection:
-        columns = [name for _, name, *_ in connection.execute("PRAGMA table_info(evaluation)") if name != "id"]
-        for first in range(stored, count, stored):
-            names = ", ".join(columns)
-            connection.execute(
-                f"INSERT INTO evaluation SELECT id + {first}, {names} FROM evaluation WHERE id < {stored}"
-            )
-            connection.execute(
-                f"INSERT INTO score SELECT evaluation + {first}, target, fitness FROM score WHERE evaluation < {stored}"
-            )
-    with Store.open(directory / "run.db") as store:
-        store.mark_ended({key: value for key, value in facts.items() if key != "digest"})
-
-
-@pytest.mark.skipif(not hasattr(os, "wait4"), reason="Windows does not say what a child used")
-def test_a_run_of_20_000_evaluations_that_has_ended_is_resumed_in_less_than_twice_the_time_of_a_small_one(
-    run: Program, tmp_path: Path
+def test_a_run_that_has_ended_is_resumed_without_reading_an_evaluation_again(
+    call: Callable[..., Any], fakes: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import resource
+    monkeypatch.chdir(tmp_path)
+    ended = call("evolve", *STUDY, "--evaluations", 20, "--out", "run", "--json")
+    assert ended.exit_code == 0
 
-    def resume() -> tuple[float, dict[str, Any]]:
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = run("resume", "run", "--json", cwd=tmp_path)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        assert done.returncode == 0, done.stderr
-        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, json.loads(done.stdout)
+    def refuse(*_: object) -> None:
+        raise AssertionError("a run that has ended reads its evaluations, however many there are")
 
-    assert run("evolve", *STUDY, "--evaluations", 20, "--out", "run", cwd=tmp_path).returncode == 0
-    small, expected = resume()
-    multiply_rows(tmp_path / "run", 20_000)
-    large, found = resume()
-    print(f"resume: {small:.1f} CPU s of 20 evaluations, {large:.1f} of 20 000")
-    assert (found["evaluations"], found["targets"]) == (20_000, expected["targets"])
-    # What both take is imports, whose time depends on the machine, its load, and whether it keeps them compiled.
-    assert large < 2 * small
+    for name in ("read_records", "read_summaries", "read_trajectories"):
+        monkeypatch.setattr(Store, name, refuse)
+    result = call("resume", "run", "--json")
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["targets"] == json.loads(ended.stdout)["targets"]
