@@ -4,7 +4,6 @@ import codecs
 import logging
 import os
 import re
-import secrets
 import shutil
 import sys
 from collections.abc import Callable, Collection, Iterator
@@ -193,7 +192,7 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     # In the same folder, because renaming is atomic only within a file system.
-    part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
     try:
         write(part)
         part.replace(path)
@@ -231,7 +230,7 @@ def write_together(folder: Path, names: Collection[str]) -> Iterator[Path]:
     """
     folder = folder.resolve()
     make_directory(folder if folder.exists() else folder.parent)
-    part = folder.with_name(f".{folder.name}.{secrets.token_hex(4)}.part")
+    part = folder.with_name(f".{folder.name}.{os.urandom(4).hex()}.part")
     part.mkdir()
     try:
         yield part
@@ -258,7 +257,7 @@ def write_folder(folder: Path) -> Iterator[Path]:
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: cannot create the directory: it is a file; choose another --out")
     make_directory(folder.parent)
-    token = secrets.token_hex(4)
+    token = os.urandom(4).hex()
     part, former = (folder.with_name(f".{folder.name}.{token}.{end}") for end in ("part", "former"))
     part.mkdir()
     try:

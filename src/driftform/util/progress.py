@@ -25,9 +25,6 @@ FIRST_SHOWN_S = 0.3
 LONGEST_SILENCE_S = 10.0
 """Longest time between two lines where there is no terminal, s."""
 
-_tracked = threading.local()
-"""Has ``now`` while :func:`track_progress` shows something in this thread."""
-
 _shown: ContextVar[Callable[[str, int, int], None] | None] = ContextVar("shown", default=None)
 
 
@@ -157,9 +154,8 @@ def track_progress(items: Iterable[T], total: int, what: str, delay: float | Non
             yield item
             if done == 1:
                 began = time.monotonic()
-            if show is None and time.monotonic() - began > delay and not getattr(_tracked, "now", False):
+            if show is None and time.monotonic() - began > delay:
                 show = shown.enter_context(count_progress(what))
-                _tracked.now = True
-                shown.callback(setattr, _tracked, "now", False)
+                shown.enter_context(show_progress(lambda *_: None))
             if show is not None:
                 show(done, max(done, total))
