@@ -153,8 +153,8 @@ def present_plan(plan: Plan, title: str, outputs: Outputs, json: bool, sights: S
         f"{len(plan.members)} bodies see {percent['coverage']} of the {document['reachable_length'] / 1000:.1f} km that water "
         f"from the releases reaches; {percent['coverage_with_nets']} if nets catch them",
         f"nets catch {percent['caught']} of the bodies, which have seen {percent['recorded']}",
-        f"of what nets everywhere could yield, these yield {100 * plan.value:.1f} %, no choice of as many more than "
-        f"{100 * plan.bound:.1f} %, and random ones {100 * plan.random:.1f} %",
+        f"share of what nets everywhere could yield: these {100 * plan.value:.1f} %, the best {len(plan.nets)} at most "
+        f"{100 * plan.bound:.1f} %, random ones {100 * plan.random:.1f} %",
     ]
     more, groups = sights.describe(network, plan.recorded, plan.reachable, document)
     steps = {network.hydraulics.find_step(hour) for _, _, hour in plan.members}
