@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from shared import shared_folder
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 SCRIPTS = (
@@ -19,13 +20,16 @@ pytestmark = [pytest.mark.long, pytest.mark.peers]
 
 @pytest.fixture
 def printed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path_factory: pytest.TempPathFactory,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> Callable[[str, str], list[float]]:
     """Run a script, and return the numbers of the groups of a pattern in its output, one for each match."""
 
     def run(script: str, pattern: str) -> list[float]:
         monkeypatch.chdir(tmp_path)
-        monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+        monkeypatch.setenv("XDG_CACHE_HOME", str(shared_folder(tmp_path_factory, "networks")))
         runpy.run_path(str(EXAMPLES / f"{script}.py"), run_name="__main__")
         return [float(number) for number in re.findall(pattern, capsys.readouterr().out)]
 
