@@ -1,7 +1,4 @@
-"""Motions integrated by Exudyn, which calls driftform's equations for the accelerations.
-
-It is that of a unit mass on a rigid body's node, with a force function.
-"""
+"""Motions integrated by Exudyn, of the system that :mod:`driftform_exudyn.system` makes."""
 
 import contextlib
 import math

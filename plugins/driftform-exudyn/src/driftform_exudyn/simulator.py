@@ -1,4 +1,4 @@
-"""Flights integrated by Exudyn, with driftform's equations of motion as the right-hand side."""
+"""Flights of Exudyn's rigid body, with driftform's forces of water and wall."""
 
 import math
 from collections.abc import Callable, Sequence
