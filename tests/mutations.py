@@ -33,8 +33,11 @@ from typing import Any
 
 ROOT = Path(__file__).parents[1]
 
-LIMIT_S = 300
-"""Time limit of one mutant, s."""
+LIMIT_S = 1800
+"""Time limit of the tests of a file that is unchanged, s."""
+
+LONGER, LEAST_LIMIT_S = 3, 60
+"""Time limit of a mutant over the time of the file unchanged, and the least, s."""
 
 PACKAGES = (
     "hypothesis.extra.numpy",
@@ -252,13 +255,13 @@ def prepare_parent() -> None:
     assert not early, f"{early} are imported before they are changed"
 
 
-def start(target: Target, source: str | None, folder: Path, number: int) -> int:
+def start(target: Target, source: str | None, folder: Path, number: int, limit: float) -> int:
     """Run the tests of a file in a child, with another source of it; return the child's process number."""
     log = folder / f"{number}.txt"
     pid = os.fork()
     if pid:
         return pid
-    signal.alarm(LIMIT_S)
+    signal.alarm(math.ceil(limit))
     sys.dont_write_bytecode = True
     stream = os.open(log, os.O_WRONLY | os.O_CREAT)
     os.dup2(stream, 1)
@@ -277,15 +280,18 @@ def start(target: Target, source: str | None, folder: Path, number: int) -> int:
         os._exit(code)
 
 
-def run_all(jobs: Sequence[tuple[Target, str | None]], processes: int, folder: Path) -> Iterator[tuple[int, int]]:
-    """Generate the number of each job and its exit code, negative after a signal, as they end."""
+def run_all(
+    jobs: Sequence[tuple[Target, str | None, float]], processes: int, folder: Path
+) -> Iterator[tuple[int, int, float]]:
+    """Generate the number of each job, its exit code, negative after a signal, and its time (s), as they end."""
     waiting, running = list(enumerate(jobs)), {}
     while waiting or running:
         while waiting and len(running) < processes:
-            number, (target, source) = waiting.pop(0)
-            running[start(target, source, folder, number)] = number
+            number, (target, source, limit) = waiting.pop(0)
+            running[start(target, source, folder, number, limit)] = number, time.monotonic()
         pid, status = os.wait()
-        yield running.pop(pid), os.waitstatus_to_exitcode(status)
+        number, begun = running.pop(pid)
+        yield number, os.waitstatus_to_exitcode(status), time.monotonic() - begun
 
 
 def main() -> int:
@@ -307,13 +313,16 @@ def main() -> int:
     begun = time.monotonic()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for number, code in run_all([(target, None) for target in targets], given.processes, folder):
+        limits = {}
+        for number, code, seconds in run_all([(target, None, LIMIT_S) for target in targets], given.processes, folder):
+            limits[targets[number]] = max(LONGER * seconds, LEAST_LIMIT_S)
             print(f"{time.monotonic() - begun:6.1f} s  {targets[number].name}: exit code {code} unchanged", flush=True)
             if code:
                 print((folder / f"{number}.txt").read_text(encoding="utf-8"))
                 return 2
         alive = []
-        for number, code in run_all([(m.target, m.source) for m in mutants], given.processes, folder):
+        jobs = [(m.target, m.source, limits[m.target]) for m in mutants]
+        for number, code, _ in run_all(jobs, given.processes, folder):
             mutant = mutants[number]
             word = {0: "LIVES", -signal.SIGALRM: "too slow"}.get(code, "killed")
             print(

@@ -117,17 +117,32 @@ def test_heights_alone_do_not_show_how_an_agent_turns(film: Film) -> None:
     assert found.estimates["axial_drag"].reason == "not asked for"
 
 
+def lose_frames(film: Filmed, frames: list[int]) -> Filmed:
+    """Return a film without some frames, whose others are numbered without a gap."""
+    kept = np.delete(np.arange(len(film.track.t)), frames)
+    marker = replace(film.track.markers[0], points=film.track.markers[0].points[kept])
+    short = replace(film.track, t=film.track.t[: len(kept)], markers=(marker,), angle=film.track.angle[kept])
+    return replace(film, track=check_track("1.csv", short))
+
+
 def test_lost_frames_are_the_reason_why_nothing_is_known(noisy: list[Filmed]) -> None:
     first, *others = noisy
-    kept = np.delete(np.arange(len(first.track.t)), [10, 17])
-    marker = replace(first.track.markers[0], points=first.track.markers[0].points[kept])
-    short = replace(first.track, t=first.track.t[: len(kept)], markers=(marker,), angle=first.track.angle[kept])
-    track = check_track("1.csv", short)
+    short = lose_frames(first, [10, 17])
     # The first was lost while the agent was still slow.
-    assert track.lost == pytest.approx(short.t[[16]])
-    found = fit_factors([replace(first, track=track), *others], FALLING)
+    assert short.track.lost == pytest.approx(short.track.t[[16]])
+    found = fit_factors([short, *others], FALLING)
     assert found.known == ()
     assert found.estimates["cross_drag"].reason.startswith("1.csv lost frames, the first at t = 0.267 s")
+
+
+@pytest.mark.parametrize("frame", [20, 60])
+def test_a_lost_frame_shows_in_what_the_fit_leaves(film: Film, frame: int) -> None:
+    first, *others = film(WORLD, Filming(), depth=2.0)
+    short = lose_frames(first, [frame])
+    unseen = replace(short, track=replace(short.track, lost=()))
+    found = fit_factors([unseen, *others], FALLING)
+    assert found.known == ()
+    assert found.estimates["cross_drag"].reason.startswith(f"1.csv lost frames, the first at t = {frame / 60:.3f} s")
 
 
 def test_what_films_cannot_show_is_named_and_left_at_1(film: Film) -> None:

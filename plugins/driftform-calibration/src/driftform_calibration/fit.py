@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 from driftform.types import FloatArray
 from driftform.water import Calibration, Factors
 from driftform_calibration.bench import Bench, Path
+from driftform_calibration.lost_frames import find_lost_frames
 from driftform_calibration.problem import RELEASE_RISE, Filmed, Problem, factor_of, parameter_of, shown_name
 from driftform_calibration.solution import Solution, find_best, merge_solutions, place_releases, solve_problem
 from driftform_calibration.tracks import estimate_noise
@@ -195,9 +196,9 @@ def _measure_noise(film: Filmed) -> float:
 
 def _find_misfit(solution: Solution) -> str:
     """Return why no factor is known, if frames were lost or a track lies far off the flight that fits it best; else nothing."""
-    for film in solution.problem.films:
-        if film.track.lost:
-            return f"{film.track.name} lost frames, the first at t = {film.track.lost[0]:.3f} s: give it the times of its frames"
+    jumps = [(film.track.name, film.track.lost[0]) for film in solution.problem.films if film.track.lost]
+    if lost := next(iter(jumps), None) or find_lost_frames(solution):
+        return f"{lost[0]} lost frames, the first at t = {lost[1]:.3f} s: give it the times of its frames"
     share, least = FILM_NOISE
     ratios = [
         noise / max(_measure_noise(film), share * film.track.span, least)

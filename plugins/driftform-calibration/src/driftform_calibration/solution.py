@@ -250,10 +250,13 @@ def _split(problem: Problem, rows: FloatArray) -> list[FloatArray]:
 
 def _spread(residuals: FloatArray, lost: float = 0.0) -> float:
     """Return the standard deviation of residuals that the soft loss has fitted (Huber 1964), of which ``lost`` are used up."""
-    z = (residuals / ROBUST) ** 2
-    influence = residuals / np.sqrt(1 + z)
-    slope = float(np.mean((1 + z) ** -1.5))
-    return float(np.sqrt((influence**2).sum() / max(1.0, len(residuals) - lost)) / slope)
+    slope = float(np.mean((1 + (residuals / ROBUST) ** 2) ** -1.5))
+    return float(np.sqrt((soften(residuals) ** 2).sum() / max(1.0, len(residuals) - lost)) / slope)
+
+
+def soften(residuals: FloatArray) -> FloatArray:
+    """Return what residuals count by the soft loss: themselves if they are small, at most :data:`ROBUST`."""
+    return np.asarray(residuals / np.sqrt(1 + (residuals / ROBUST) ** 2))
 
 
 def _list_residuals(problem: Problem, x: FloatArray) -> list[tuple[FloatArray, float]]:
@@ -284,15 +287,19 @@ def estimate_covariance(problem: Problem, x: FloatArray) -> FloatArray:
 
 
 def correlation_time(problem: Problem, x: FloatArray, number: int) -> float:
-    """Return the integrated autocorrelation time of a track's residuals, in points, at least 1.
+    """Return the integrated autocorrelation time of a track's residuals, in points, at least 1."""
+    film = problem.films[number]
+    points, _ = problem.see(x, number, problem.paths(x)[number])
+    return measure_correlation(np.moveaxis(points - film.observed, 1, 2).reshape(-1, len(film.track.t)))
+
+
+def measure_correlation(off: FloatArray) -> float:
+    """Return the integrated autocorrelation time of some series, (series, n), NaN where not seen, in points, at least 1.
 
     1 + 2 sum of the autocorrelations, up to the first that is not above its noise (Sokal 1997, Monte Carlo methods in
     statistical mechanics, section 3, with a simpler end).
     """
-    film = problem.films[number]
-    points, _ = problem.see(x, number, problem.paths(x)[number])
-    off = np.moveaxis(points - film.observed, 1, 2).reshape(-1, len(film.track.t))
-    products = np.zeros(len(film.track.t))
+    products = np.zeros(off.shape[1])
     for series in off:
         seen = series[np.isfinite(series)]
         if len(seen) >= 8:

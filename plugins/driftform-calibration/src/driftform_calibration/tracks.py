@@ -171,7 +171,7 @@ def check_track(label: str, track: Track) -> Track:
     for k in np.flatnonzero(np.diff(track.t) > GAP * usual)[:3]:
         notes.append(f"nothing was seen from t = {track.t[k]:.3f} to {track.t[k + 1]:.3f} s")
     track = _mend_lost_frames(track, notes)
-    if jumps := find_lost_frames(track):
+    if jumps := find_jumps_ahead(track):
         track = replace(track, lost=jumps)
         notes.append(f"jumps ahead at t = {jumps[0]:.3f} s by whole frames, as if some were lost there")
     _check_jumps(label, track, notes)
@@ -282,7 +282,7 @@ def _mend_lost_frames(track: Track, notes: list[str]) -> Track:
     return track
 
 
-def find_lost_frames(track: Track) -> tuple[float, ...]:
+def find_jumps_ahead(track: Track) -> tuple[float, ...]:
     """Return the times (s) before which frames were lost and numbered without a gap: there the points jump along their path.
 
     A cubic is fitted to each 16 points in a row, without and with a jump by some frames of its own speed in the middle
