@@ -1,11 +1,13 @@
 """Mass properties of whole bodies against hand-worked assemblies."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from driftform.agent import hull_mass, mass_properties
 from driftform.agent.mass import wall_moments
-from driftform.types import Body, Core
+from driftform.types import Body, Core, Fittings, Moments
 
 
 def capsule(core_mass=0.05, shift=0.0, density=1050.0):
@@ -50,6 +52,14 @@ def test_inertia_about_the_cog_is_that_of_tube_caps_and_core_by_steiners_theorem
     axial = axial_o - axial_i + core
     across = across_o - across_i + hull * (0.02 - x) ** 2 + core + 0.05 * x**2
     assert properties.inertia == pytest.approx(np.diag([axial, across, across]), rel=1e-10)
+
+
+def test_fittings_weigh_with_the_hull_at_their_place():
+    volume, x = 3e-6, 0.03
+    ring = Moments(volume, volume * x, volume * x * x + 1e-10, 2e-10)
+    bare, fitted = capsule(), replace(capsule(), fittings=Fittings(ring))
+    assert hull_mass(fitted) == pytest.approx(hull_mass(bare) + 1050 * volume, rel=1e-12)
+    assert mass_properties(fitted).cog[0] == pytest.approx(1050 * volume * x / mass_properties(fitted).mass, rel=1e-9)
 
 
 def test_a_body_and_its_mirror_image_have_mirrored_centres_and_the_same_inertia():

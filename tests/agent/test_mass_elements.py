@@ -1,5 +1,7 @@
 """Masses along the axis against closed forms, and against the properties that a body has as simulated."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -54,9 +56,10 @@ def test_without_a_measured_balance_the_material_keeps_its_distribution(share: f
     assert found.transverse == pytest.approx(share * whole.transverse, rel=1e-6)
 
 
-@given(x=st.floats(-0.02, 0.02), mass=st.floats(0.055, 0.2))
-def test_a_measured_balance_is_that_of_print_and_core_together(x: float, mass: float) -> None:
-    found = print_agent(mass, x).mass
+@given(x=st.floats(-0.02, 0.02), mass=st.floats(0.055, 0.2), cog=st.sampled_from([0.0, 0.004]))
+def test_a_measured_balance_is_that_of_print_and_core_together(x: float, mass: float, cog: float) -> None:
+    body = replace(BODY, core=replace(BODY.core, cog=cog))
+    found = MassElement.reweigh(AGENT, MassElement.of_print(body, mass, x)).mass
     assert found.mass == pytest.approx(mass, rel=1e-12)
     assert found.cog[0] == pytest.approx(x, abs=1e-12)
 

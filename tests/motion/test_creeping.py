@@ -165,6 +165,18 @@ def test_a_spheroid_in_a_shear_turns_as_jeffery_found(aspect):
         assert couple == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
 
 
+vectors = st.tuples(*[st.floats(-3, 3)] * 3)
+
+
+@given(there=vectors, omega=vectors, shear=vectors, curl=vectors, turn=st.floats(0, 2 * math.pi))
+def test_creeping_drag_knows_no_direction_across_the_axis(there, omega, shear, curl, turn):
+    R = np.array([[1, 0, 0], [0, math.cos(turn), -math.sin(turn)], [0, math.sin(turn), math.cos(turn)]])
+    creeping = np.array([1.0, 1.4, 0.3, 0.2])
+    force, couple = creeping_drag(there, omega, shear, curl, 1.0, creeping)
+    turned = creeping_drag(*(tuple(R @ v) for v in (there, omega, shear, curl)), 1.0, creeping)
+    np.testing.assert_allclose(turned, (R @ force, R @ couple), atol=1e-12)
+
+
 def test_the_page_has_the_errors_from_creeping_to_fast_motion(published):
     lines = [
         "| cylinder, L/d | along, Re 1e-3 to 1e5 | across | creeping along | creeping across |",

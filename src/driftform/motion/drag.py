@@ -145,7 +145,7 @@ def still_water_wrench(drag: Drag, moving: Vector, omega: Vector, density: float
     for strip in drag.strips:
         push(strip_drag(moving, omega, ZERO, 0.0, (density, rubbing, 1.0), strip), float(strip[0]))
     axial = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
-    push((axial_drag(moving[0], density, viscosity, axial), 0.0, 0.0), 0.0)
+    out[0] += axial_drag(moving[0], density, viscosity, axial)
     there = velocity_at(drag.centre)
     push(sphere_drag(there, density, viscosity, drag.round_area, drag.diameter), drag.centre)
     force, couple = creeping_drag(there, omega, ZERO, ZERO, density * viscosity, np.array(drag.creeping))
