@@ -105,6 +105,7 @@ TARGETS = (
 
 EQUIVALENT = {
     "contact.axis_in_bore: 0.0 -> 1.0": "these numbers are not read in a pipe with parts",
+    "contact.wall_wrench: 1.0 -> 1.1": "any negative number ends the list of touches",
     "contact.wall_wrench: pressed += energy * force -> pressed -= energy * force": "only its square is used",
 }
 """Mutants that compute the same, or differ by less than the formula itself is known, with the reason."""
