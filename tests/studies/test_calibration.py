@@ -87,7 +87,7 @@ def test_intervals_hold_the_truth(trials: list[dict[str, Any]], publish: Callabl
         held = [r["found"][name][1] <= r["world"][name] <= r["found"][name][2] for r in known]
         half = [(r["found"][name][2] - r["found"][name][1]) / 2 / r["found"][name][0] for r in known]
         reasons = Counter(
-            reason.split(" from ")[0].split(" possible")[0]
+            reason.removeprefix("film.csv ").split(" from ")[0].split(" possible")[0].split(",")[0]
             for reason in (row["found"][name][4] for row in trials)
             if reason
         )
