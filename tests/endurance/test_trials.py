@@ -142,7 +142,7 @@ class Cluster:
 
     def finish(self, study: Sequence[object], what: str, found: str) -> None:
         finish(self.run, study, self.folder, self.rows)
-        self.show("trials", f"{what} of a cluster, with rows written", self.count, found)
+        self.show("trials", f"{what} of a cluster that has stored rows", self.count, found)
 
 
 @pytest.fixture
@@ -194,7 +194,7 @@ def test_a_cluster_that_loses_workers_loses_no_row(cluster: Cluster, number: sig
         process.communicate()
         nanny.kill()
     assert stored <= read_rows(cluster.folder / "run")
-    cluster.finish(study, f"{number.name} to the worker", "every row is kept; the run goes on")
+    cluster.finish(study, f"{number.name} to the worker", "every row is kept; the run continues")
 
 
 @pytest.mark.peers

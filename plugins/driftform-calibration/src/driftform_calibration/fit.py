@@ -196,8 +196,8 @@ def _measure_noise(film: Filmed) -> float:
 
 def _find_misfit(solution: Solution) -> str:
     """Return why no factor is known, if frames were lost or a track lies far off the flight that fits it best; else nothing."""
-    jumps = [(film.track.name, film.track.lost[0]) for film in solution.problem.films if film.track.lost]
-    if lost := next(iter(jumps), None) or find_lost_frames(solution):
+    jumps = ((film.track.name, film.track.lost[0]) for film in solution.problem.films if film.track.lost)
+    if lost := next(jumps, None) or find_lost_frames(solution):
         return f"{lost[0]} lost frames, the first at t = {lost[1]:.3f} s: give it the times of its frames"
     share, least = FILM_NOISE
     ratios = [

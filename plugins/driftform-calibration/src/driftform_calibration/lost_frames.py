@@ -5,15 +5,13 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform_calibration.problem import Filmed
 from driftform_calibration.solution import Solution, measure_correlation, soften
+from driftform_calibration.tracks import has_even_times
 
 CLEAR = 4.5
 """Step over its standard error from which frames were lost: of fits of three films of 100 points, one in 1000 has it by chance."""
 
 FEWEST = 2
 """Points before the first place of a step, and after the last."""
-
-EVEN = 0.1
-"""Range of the times between frames, over their median, up to which nobody has noted what was lost."""
 
 
 def find_lost_frames(solution: Solution) -> tuple[str, float] | None:
@@ -32,7 +30,7 @@ def find_lost_frames(solution: Solution) -> tuple[str, float] | None:
     ends = np.cumsum(problem.counts)
     for number, (film, end, count) in enumerate(zip(problem.films, ends, problem.counts, strict=True)):
         steps = np.diff(film.track.t)
-        if len(steps) < 2 * FEWEST or np.ptp(steps) > EVEN * np.median(steps):
+        if len(steps) < 2 * FEWEST or not has_even_times(film.track):
             continue
         [delay] = (j for j, p in enumerate(problem.parameters) if (p.owner, p.name) == (number, "delay"))
         rows = slice(end - count, end)
@@ -46,7 +44,7 @@ def find_lost_frames(solution: Solution) -> tuple[str, float] | None:
         frames = rest @ shifts / energy
         best = int(np.argmax(frames * np.sqrt(energy)))
         left = rest[rows] - frames[best] * shifts[rows, best]
-        deviation = np.sqrt(np.mean(left**2) * measure_correlation(_list_series(film, left)))
+        deviation = np.sqrt(np.mean(left**2) * measure_correlation(_place(film, left)))
         if frames[best] > 0.5 and frames[best] * np.sqrt(energy[best]) > CLEAR * deviation:
             return film.track.name, float(film.track.t[places[best]])
     return None
@@ -57,9 +55,9 @@ def _list_frames(film: Filmed) -> FloatArray:
     return np.concatenate([np.nonzero(~np.isnan(film.observed))[1], np.flatnonzero(~np.isnan(film.track.angle))])
 
 
-def _list_series(film: Filmed, values: FloatArray) -> FloatArray:
-    """Return the residuals of the points of a film as one series for each marker and coordinate, NaN where not seen."""
+def _place(film: Filmed, values: FloatArray) -> FloatArray:
+    """Return the residuals of a film's points in the shape of the points, NaN where not seen."""
     seen = ~np.isnan(film.observed)
-    series = np.full(film.observed.shape, np.nan)
-    series[seen] = values[: int(seen.sum())]
-    return np.moveaxis(series, 1, 2).reshape(-1, len(film.track.t))
+    off = np.full(film.observed.shape, np.nan)
+    off[seen] = values[: int(seen.sum())]
+    return off

@@ -290,17 +290,17 @@ def correlation_time(problem: Problem, x: FloatArray, number: int) -> float:
     """Return the integrated autocorrelation time of a track's residuals, in points, at least 1."""
     film = problem.films[number]
     points, _ = problem.see(x, number, problem.paths(x)[number])
-    return measure_correlation(np.moveaxis(points - film.observed, 1, 2).reshape(-1, len(film.track.t)))
+    return measure_correlation(points - film.observed)
 
 
 def measure_correlation(off: FloatArray) -> float:
-    """Return the integrated autocorrelation time of some series, (series, n), NaN where not seen, in points, at least 1.
+    """Return the integrated autocorrelation time of differences (markers, n, d), NaN where not seen, in points, at least 1.
 
     1 + 2 sum of the autocorrelations, up to the first that is not above its noise (Sokal 1997, Monte Carlo methods in
     statistical mechanics, section 3, with a simpler end).
     """
     products = np.zeros(off.shape[1])
-    for series in off:
+    for series in np.moveaxis(off, 1, 2).reshape(-1, off.shape[1]):
         seen = series[np.isfinite(series)]
         if len(seen) >= 8:
             limit = 3 * 1.4826 * np.median(np.abs(seen)) + 1e-300

@@ -241,6 +241,12 @@ def _merge_doubles(label: str, track: Track, notes: list[str]) -> Track:
     return _pick_rows(track, np.delete(np.arange(len(track.t)), double + 1))
 
 
+def has_even_times(track: Track) -> bool:
+    """Return whether the times of a track have no gaps: what was lost between its frames, if anything, is not in them."""
+    steps = np.diff(track.t)
+    return bool(np.ptp(steps) <= 0.1 * np.median(steps))
+
+
 def _mend_lost_frames(track: Track, notes: list[str]) -> Track:
     """Return a track with the times of frames that were lost in a rhythm and numbered without a gap, if there are such.
 
@@ -249,7 +255,7 @@ def _mend_lost_frames(track: Track, notes: list[str]) -> Track:
     """
     half, steps = 10, np.diff(track.t)
     points = track.markers[0].points[:, np.isfinite(track.markers[0].points).all(axis=0)]
-    if len(steps) < 4 * half or not points.size or np.ptp(steps) > 0.1 * np.median(steps):
+    if len(steps) < 4 * half or not points.size or not has_even_times(track):
         return track
     kernel = np.linalg.pinv(np.vander(np.arange(-half, half + 1), 3))[-1]
 
