@@ -20,6 +20,7 @@ from made_films import Filming, draw_world, film_flight, place_drop
 
 import driftform as df
 from driftform.design.design import Design
+from driftform.errors import InputError
 from driftform.motion.approach import closest_approach
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
@@ -124,7 +125,11 @@ def count_outside(filming: Filming, count: int) -> tuple[Counter[str], Counter[s
         morphology = pipeline.express(pipeline.grammar.random(rng))
         benches = [place_drop(pipeline, morphology, pitch) for pitch in PITCHES_DEG]
         world = draw_world(benches[0], rng)
-        fit = fit_factors([film_flight(bench, world, rng, filming) for bench in benches], falling)
+        try:
+            fit = fit_factors([film_flight(bench, world, rng, filming) for bench in benches], falling)
+        except InputError:
+            # Two frames lost in a row are a jump, for which a track is refused: no factor is known.
+            continue
         for name in falling:
             found = fit.estimates[name]
             if found.low is not None and found.high is not None:

@@ -59,6 +59,21 @@ def test_exact_points_of_an_unknown_camera_leave_its_scale_and_pitch_open(film: 
         assert 0.005 < (estimate.high - estimate.low) / 2 < 0.04
 
 
+def test_a_release_from_higher_up_than_stated_does_not_change_the_restitution(film: Film) -> None:
+    """Before it touches the floor, a camera that was aimed lower shows the same."""
+    films = []
+    for stated in film(WORLD, EXACT):
+        release = stated.bench.scenario.release
+        x, y, z = release.position
+        higher = release.model_copy(update={"position": (x, y, z + 0.008)})
+        scenario = stated.bench.scenario.model_copy(update={"release": higher})
+        seen = film_flight(replace(stated.bench, scenario=scenario), WORLD, np.random.default_rng(5), EXACT)
+        films.append(replace(seen, bench=stated.bench, scale_error=0.0, distance=1000.0))
+    found = fit_factors(films).estimates["restitution"]
+    assert found.known
+    assert found.value == pytest.approx(WORLD.restitution, rel=0.01)
+
+
 @pytest.mark.parametrize("name", FALLING)
 def test_noisy_films_show_them_within_their_intervals(fit: Fit, name: str) -> None:
     found = fit.estimates[name]

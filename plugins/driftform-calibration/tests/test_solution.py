@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from driftform.types import FloatArray
+from driftform.types import BoolArray, FloatArray
 from driftform_calibration.problem import Parameter, Problem
 from driftform_calibration.solution import (
     ROBUST,
@@ -22,7 +22,8 @@ from driftform_calibration.solution import (
 class Lines:
     """A problem whose films show u = a + b t, one coordinate each: least squares in closed form.
 
-    The unknowns are a and b; each film may have its own noise, by which residuals are divided.
+    The unknowns are a and b; each film may have its own noise, by which residuals are divided. An earlier fit has counted
+    the first ``early`` points of each film.
     """
 
     def __init__(
@@ -31,7 +32,9 @@ class Lines:
         noise: Sequence[float],
         prior_rows: FloatArray | None = None,
         t: FloatArray | None = None,
+        early: int = 0,
     ) -> None:
+        self.early = early
         self.noise, self.seen = tuple(noise), list(seen)
         self.prior_rows = np.zeros((0, 2)) if prior_rows is None else prior_rows
         times = [np.linspace(-1, 1, len(u)) if t is None else t for u in seen]
@@ -59,6 +62,9 @@ class Lines:
     def jacobian(self, x: FloatArray) -> FloatArray:
         parts = [A[np.isfinite(u)] / s for A, u, s in zip(self.designs, self.seen, self.noise, strict=True)]
         return np.vstack([*parts, self.prior_rows])
+
+    def list_new(self, number: int) -> BoolArray:
+        return np.flatnonzero(np.isfinite(self.seen[number])) >= self.early
 
     def solve(self) -> FloatArray:
         return np.linalg.lstsq(self.jacobian(np.zeros(2)), -self.residuals(np.zeros(2)), rcond=None)[0]
@@ -204,6 +210,16 @@ def test_a_solution_keeps_its_covariance_as_what_is_known_before_another_fit() -
     assert list(anchor.keys) == [(-1, "a"), (-1, "b")]
     assert anchor.centre == pytest.approx([0.1, 0.2])
     assert np.linalg.inv(anchor.rows.T @ anchor.rows) == pytest.approx(covariance, rel=1e-9)
+
+
+def test_points_count_once_where_an_earlier_fit_has_counted_them() -> None:
+    """What that fit found, and the points that are new to this one, show as much as all points do in one fit."""
+    lines = Lines([np.tile([1.0, -1.0], 50)], [1.0])
+    design = lines.designs[0]
+    known = np.linalg.cholesky(design[:60].T @ design[:60]).T / _spread(lines.residuals(np.zeros(2)), 2.0)
+    anchored = Lines(lines.seen, [1.0], known, early=60)
+    once, again = (estimate_covariance(as_problem(problem), np.zeros(2)) for problem in (lines, anchored))
+    assert again == pytest.approx(once, rel=0.02, abs=2e-4)
 
 
 def test_an_unknown_without_variance_is_held_with_a_finite_weight() -> None:

@@ -192,12 +192,12 @@ def _examine(
     if len(t) < FEWEST_FRAMES:
         return None
     inform = partial(_inform, bench, names, noise, CAMERA * tank.length)
-    information = inform(t, has_contact=path.contact < duration)
+    information = inform(t)
     if path.contact < duration:
         # A fit takes drag and weight from free flight alone.
         free = np.array([name not in CONTACT for name in names])
         before = t[t < path.contact]
-        falling = inform(before, has_contact=False) if len(before) >= FEWEST_FRAMES else 0.0
+        falling = inform(before) if len(before) >= FEWEST_FRAMES else 0.0
         information = np.where(np.outer(free, free), falling, np.where(np.outer(~free, ~free), information, 0.0))
     points, _ = path.points_at(t)
     release = bench.scenario.release
@@ -205,12 +205,10 @@ def _examine(
     return Drop(*start, duration, end, 0.0, points[:, [0, 2]], bench.scenario), information
 
 
-def _inform(
-    bench: Bench, names: Sequence[str], noise: float, distance: float, t: FloatArray, has_contact: bool
-) -> FloatArray:
+def _inform(bench: Bench, names: Sequence[str], noise: float, distance: float, t: FloatArray) -> FloatArray:
     """Return what a film with frames at ``t`` (s) shows of the factors, (factors, factors), besides its own unknowns."""
     film = Filmed(bench, _blank(t), distance=distance)
-    problem = Problem([film], names, [noise], has_contact=has_contact)
+    problem = Problem([film], names, [noise])
     jacobian, count = problem.jacobian(problem.start), len(names)
     whole = jacobian.T @ jacobian
     # What is known of the factors before counts once, not with each film.

@@ -177,16 +177,18 @@ def _solve(
     free, x = _solve_free_flight(whole, x)
     if free is not None and not _touches(whole, x):
         return free, None, []
-    ends = [min(c + AFTER_CONTACT, float(f.track.t[-1])) for c, f in zip(_contacts(whole, x), films, strict=True)]
-    shown = [film.cut(end) for film, end in zip(films, ends, strict=True)]
+    lasts = [min(c + AFTER_CONTACT, float(f.track.t[-1])) for c, f in zip(_contacts(whole, x), films, strict=True)]
+    shown = [film.cut(last) for film, last in zip(films, lasts, strict=True)]
     shown = [cut if len(cut.track.t) >= FEWEST_FREE else film for cut, film in zip(shown, films, strict=True)]
     lost = sum(len(film.track.t) - len(short.track.t) for film, short in zip(films, shown, strict=True))
     notes = [f"{lost} points more than {AFTER_CONTACT:g} s after the first contact left out"] if lost else []
     noise = list(free.problem.noise) if free is not None else noise
     anchor = None if free is None else free.anchor()
-    problem = Problem(shown, wanted, noise, priors, has_contact=True, anchor=anchor)
+    problem = Problem(shown, wanted, noise, priors, anchor)
     starts = _list_contacts(problem, problem.take_over(whole, x))
-    touching = merge_solutions([solve_problem(problem, start) for start in starts])
+    found = [solve_problem(problem, start, is_near=True) for start in starts]
+    ends = _list_ends(merge_solutions(found))
+    touching = merge_solutions([*found, *(solve_problem(problem, end, is_near=True) for end in ends)])
     return free or touching, touching, notes
 
 
@@ -279,7 +281,10 @@ def _contacts(problem: Problem, x: FloatArray) -> list[float]:
 
 
 def _list_contacts(problem: Problem, x: FloatArray) -> list[FloatArray]:
-    """Return the unknowns with each start of the last coefficient of contact, and those of the others that fit best with it."""
+    """Return the unknowns with each start of the last coefficient of contact, and those of the others that fit best with it.
+
+    Starts that fit alike are one: where no contact is filmed, any coefficient does.
+    """
     places = [j for j, name in enumerate(problem.names) if name in CONTACT]
     found: dict[float, tuple[float, FloatArray]] = {}
     for values in product(STARTS, repeat=len(places)):
@@ -289,7 +294,23 @@ def _list_contacts(problem: Problem, x: FloatArray) -> list[FloatArray]:
         last = float(trial[places[-1]]) if places else 0.0
         if last not in found or cost < found[last][0]:
             found[last] = (cost, trial)
-    return [trial for _, trial in found.values()]
+    return list({round(cost, 6): trial for cost, trial in found.values()}.values())
+
+
+def _list_ends(solution: Solution) -> list[FloatArray]:
+    """Return the unknowns at both ends of each interval of a coefficient of contact that may count, the others as expected there.
+
+    A bounce depends on the finest details of the release. So there are many hollows, and the slopes in one do not show
+    how far away the others are: what the fits from these ends find widens the interval.
+    """
+    problem, covariance = solution.problem, solution.covariance
+    found = []
+    for j, name in enumerate(problem.names):
+        half = Calibration.quantile * float(np.sqrt(covariance[j, j]))
+        if name in CONTACT and half < WIDEST:
+            away = half * covariance[:, j] / covariance[j, j]
+            found += [np.clip(solution.x + way * away, problem.low, problem.high) for way in (-1.0, 1.0)]
+    return found
 
 
 def _touches(problem: Problem, x: FloatArray) -> bool:

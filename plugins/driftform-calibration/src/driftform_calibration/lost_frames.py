@@ -38,7 +38,7 @@ def find_lost_frames(solution: Solution) -> tuple[str, float] | None:
         # A track that is ahead by a frame fits a flight that began a frame earlier.
         late = jacobian[rows, delay] * float(np.median(steps))
         shifts = np.zeros((len(rest), len(places)))
-        shifts[rows] = late[:, None] * (_list_frames(film)[:, None] >= places)
+        shifts[rows] = late[:, None] * (film.times[:, None] >= film.track.t[places])
         shifts -= basis @ (basis.T @ shifts)
         energy = np.maximum((shifts**2).sum(axis=0), 1e-12)
         frames = rest @ shifts / energy
@@ -48,11 +48,6 @@ def find_lost_frames(solution: Solution) -> tuple[str, float] | None:
         if frames[best] > 0.5 and frames[best] * np.sqrt(energy[best]) > CLEAR * deviation:
             return film.track.name, float(film.track.t[places[best]])
     return None
-
-
-def _list_frames(film: Filmed) -> FloatArray:
-    """Return the number of the frame of each residual of a film."""
-    return np.concatenate([np.nonzero(~np.isnan(film.observed))[1], np.flatnonzero(~np.isnan(film.track.angle))])
 
 
 def _place(film: Filmed, values: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from driftform.types import FloatArray
+from driftform.types import BoolArray, FloatArray
 from driftform.water import Factors
 from driftform_calibration.bench import Bench, Path, ReleaseError
 from driftform_calibration.camera import Camera, see_points, view_matrix
@@ -59,7 +59,7 @@ LONGEST_LEAD = 3.0
 """Longest time before the first point at which the release may be, over the duration of the track."""
 
 
-_STEPS = {"pitch": 1e-3, "yaw": 1e-3, "right": 1e-3, "up": 1e-3, "rise": 1e-4}
+_STEPS = {"pitch": 1e-3, "yaw": 1e-3, "right": 1e-3, "up": 1e-3, "rise": 1e-3}
 
 _ROUGH = 0.02
 """Step of a derivative by a coefficient of contact: bounces make smaller ones accidental."""
@@ -93,6 +93,12 @@ class Filmed:
         return np.array([marker.points for marker in self.track.markers])
 
     @cached_property
+    def times(self) -> FloatArray:
+        """Time of each residual: of the coordinates of the points that were seen, and then of the angles, s."""
+        frames = np.nonzero(~np.isnan(self.observed))[1], np.flatnonzero(~np.isnan(self.track.angle))
+        return np.asarray(self.track.t[np.concatenate(frames)])
+
+    @cached_property
     def seen_axes(self) -> FloatArray:
         """True for each coordinate that the track has, (d,)."""
         return np.asarray(~np.isnan(self.observed).all(axis=(0, 1)))
@@ -122,11 +128,13 @@ class Anchor:
         keys: owner and name of the parameters, (k,).
         centre: their values, (k,).
         rows: (k, k).
+        ends: time of the last point of each track of that fit, s.
     """
 
     keys: Sequence[tuple[int, str]]
     centre: FloatArray
     rows: FloatArray
+    ends: Sequence[float]
 
 
 class Problem:
@@ -138,14 +146,13 @@ class Problem:
         names: Sequence[str],
         noise: Sequence[float],
         priors: dict[str, tuple[float, float]] | None = None,
-        has_contact: bool = False,
         anchor: "Anchor | None" = None,
     ) -> None:
         self.films, self.names, self.noise = tuple(films), tuple(names), tuple(noise)
-        self.has_contact, self.known_before, self._anchor = has_contact, priors, anchor
+        self.known_before, self._anchor = priors, anchor
         self.parameters = [*self._list_factors(priors or {})]
         for number, film in enumerate(films):
-            self.parameters += _list_release(number, film, has_contact) + _list_camera(number, film)
+            self.parameters += _list_release(number, film) + _list_camera(number, film)
         self.start = np.array([p.start for p in self.parameters])
         self.low = np.array([p.low for p in self.parameters])
         self.high = np.array([p.high for p in self.parameters])
@@ -175,7 +182,7 @@ class Problem:
 
     def with_noise(self, noise: Sequence[float]) -> "Problem":
         """Return the same problem with another noise of each track, m."""
-        return Problem(self.films, self.names, noise, self.known_before, self.has_contact, self._anchor)
+        return Problem(self.films, self.names, noise, self.known_before, self._anchor)
 
     def take_over(self, other: "Problem", x: FloatArray) -> FloatArray:
         """Return the unknowns of another problem as those of this one; what that one does not have has its start."""
@@ -253,6 +260,11 @@ class Problem:
         film = self.films[number]
         return self._weigh_change(number, points - film.observed, _wrap(angle - film.track.angle))
 
+    def list_new(self, number: int) -> BoolArray:
+        """Return which residuals of a track the earlier fit has not counted, (residuals,)."""
+        end = -np.inf if self._anchor is None else self._anchor.ends[number]
+        return np.asarray(self.films[number].times > end)
+
     @cached_property
     def counts(self) -> list[int]:
         """Number of residuals of each track."""
@@ -292,7 +304,10 @@ class Problem:
                 step = p.step if x[j] + p.step <= p.high else -p.step
                 moved = x.copy()
                 moved[j] += step
-                out[:, j] = (self._weigh(number, *self.see(moved, number)) - base) / step
+                # In still water a whole flight without a contact rises with its release, but for rounding.
+                is_lifted = p.name == "rise" and np.isinf(path.contact)
+                other = replace(path, position=path.position + (0.0, 0.0, step)) if is_lifted else None
+                out[:, j] = (self._weigh(number, *self.see(moved, number, other)) - base) / step
             elif p.name in ("delay", "aspect", "keystone", "barrel"):
                 # The flight is the same: its end, which follows the delay, is not seen.
                 moved = x.copy()
@@ -334,16 +349,15 @@ def _wrap(angle: FloatArray) -> FloatArray:
     return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)
 
 
-def _list_release(number: int, film: Filmed, has_contact: bool) -> list[Parameter]:
-    widths = {"pitch": RELEASE_ANGLE, "up": RELEASE_SPEED}
+def _list_release(number: int, film: Filmed) -> list[Parameter]:
+    # A rise shows at a contact only, but until then it is a part of what the place of the camera seems to be.
+    widths = {"pitch": RELEASE_ANGLE, "up": RELEASE_SPEED, "rise": RELEASE_RISE}
     # A film of the height alone shows nothing of a drift.
     if film.seen_axes.all():
         widths["right"] = RELEASE_SPEED
         # Seen from the side, a small turn about the vertical hardly shortens what is seen.
         if film.view == "top" or film.track.is_spatial or film.bench.scenario.release.yaw_deg:
             widths["yaw"] = RELEASE_ANGLE
-    if has_contact:
-        widths["rise"] = RELEASE_RISE
     return [Parameter(number, name, 0.0, -6 * width, 6 * width, width, _STEPS[name]) for name, width in widths.items()]
 
 

@@ -51,15 +51,15 @@ class Solution:
         keys = [(p.owner, p.name) for p in self.problem.parameters]
         values, vectors = np.linalg.eigh(self.covariance)
         rows = (vectors / np.sqrt(np.maximum(values, 1e-18 * values.max()))).T
-        return Anchor(keys, self.x, rows)
+        return Anchor(keys, self.x, rows, [float(film.track.t[-1]) for film in self.problem.films])
 
 
-def solve_problem(problem: Problem, x: FloatArray) -> Solution:
-    """Return the best fit from a start that may be far from it.
+def solve_problem(problem: Problem, x: FloatArray, is_near: bool = False) -> Solution:
+    """Return the best fit from a start that may be far from it; if it ``is_near``, no other start is tried.
 
     The noise sets the weight of the tracks against what is known of releases and cameras: it becomes that of the residuals.
     """
-    x = _approach(problem, x) if problem.has_contact else _approach_from_several(problem, x)
+    x = _approach(problem, x) if is_near else _approach_from_several(problem, x)
     for _ in range(ROUNDS):
         scales = [_spread(residuals, lost) for residuals, lost in _list_residuals(problem, x)]
         if max(abs(np.log(scales))) < STEADY:
@@ -276,13 +276,15 @@ def estimate_covariance(problem: Problem, x: FloatArray) -> FloatArray:
     """Return the covariance of the unknowns, (parameters, parameters).
 
     Residuals of each track have the variance s^2, and along the track the integrated autocorrelation time tau: the track
-    counts as if it had 1 / tau as many points. What was known before adds its own information.
+    counts as if it had 1 / tau as many points. What was known before adds its own information, and the points that an
+    earlier fit has counted add none.
     """
     information = problem.prior_rows.T @ problem.prior_rows
     tracks = zip(_split(problem, problem.jacobian(x)), _list_residuals(problem, x), strict=True)
     for number, (block, (residuals, lost)) in enumerate(tracks):
         spread, tau = _spread(residuals, lost), correlation_time(problem, x, number)
-        information = information + block.T @ block / (spread**2 * tau)
+        new = block[problem.list_new(number)]
+        information = information + new.T @ new / (spread**2 * tau)
     return np.asarray(np.linalg.pinv(information, hermitian=True))
 
 
