@@ -306,7 +306,7 @@ class Problem:
                 moved[j] += step
                 # In still water a whole flight without a contact rises with its release, but for rounding.
                 is_lifted = p.name == "rise" and np.isinf(path.contact)
-                other = replace(path, position=path.position + (0.0, 0.0, step)) if is_lifted else None
+                other = replace(path, position=path.position + np.array([0.0, 0.0, step])) if is_lifted else None
                 out[:, j] = (self._weigh(number, *self.see(moved, number, other)) - base) / step
             elif p.name in ("delay", "aspect", "keystone", "barrel"):
                 # The flight is the same: its end, which follows the delay, is not seen.
