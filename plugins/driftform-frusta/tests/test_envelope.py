@@ -110,6 +110,13 @@ def test_a_mitre_is_cut_off_at_one_wall_if_it_is_longer_than_two(tilt, depth):
     assert 1 - np.interp(0, *offset.T) == pytest.approx(0.01 * depth, rel=1e-4)
 
 
+@pytest.mark.parametrize("twice", range(5))
+def test_a_point_that_a_contour_has_twice_has_no_edge(twice):
+    contour = np.array([[-1.0, 0], [-0.5, 1], [0, 0.8], [0.5, 1], [1, 0]])
+    expected = offset_inward(contour, 0.1)
+    np.testing.assert_array_equal(offset_inward(np.insert(contour, twice, contour[twice], axis=0), 0.1), expected)
+
+
 def test_a_contour_that_does_not_cover_the_core_gives_no_union():
     beside = np.array([[0.1, 1.0], [0.2, 1.0]])
     assert len(unite_contours(beside, beside)) == 0

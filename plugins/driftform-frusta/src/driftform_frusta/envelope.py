@@ -88,6 +88,8 @@ def _offset(contour: FloatArray, wall: float, rows: FloatArray, points: FloatArr
     for k in range(last):
         x0, r0, x1, r1 = contour[k, 0], contour[k, 1], contour[k + 1, 0], contour[k + 1, 1]
         length = math.sqrt((x1 - x0) * (x1 - x0) + (r1 - r0) * (r1 - r0))
+        if length == 0.0:
+            continue
         along, rise = (x1 - x0) / length, (r1 - r0) / length
         # The lower envelope is the upper one upside down: here r points to the axis.
         x, r = wall * rise, wall * along
