@@ -351,8 +351,8 @@ def _check_jumps(label: str, track: Track, notes: list[str]) -> None:
         first = jumps[0]
         if len(jumps) % 2 == 1 and min(first, len(speed) - 1 - first) >= FEWEST:
             raise InputError(
-                f"{label}: jumps {excess[first]:.2g} m between t = {t[first]:.3f} and {t[first + 1]:.3f} s, as if it "
-                "followed another object from there; cut the file there"
+                f"{label}: jumps {excess[first]:.2g} m between t = {t[first]:.3f} and {t[first + 1]:.3f} s, as if frames were "
+                "lost there, or it followed another object from there; give it the times of its frames, or cut it there"
             )
         notes.append(f"{len(jumps)} jumps, the first at t = {t[first]:.3f} s: such points count little")
 
