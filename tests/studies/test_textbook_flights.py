@@ -32,7 +32,7 @@ def agents(pipelines, count_of):
 
     def drawn(seed: int):
         pipeline, rng = pipelines["native"], np.random.default_rng(seed)
-        return [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count_of("AGENTS", 200))]
+        return [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count_of("AGENTS", 100))]
 
     return drawn
 
