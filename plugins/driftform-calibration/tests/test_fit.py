@@ -12,7 +12,7 @@ from driftform.study import load_study
 from driftform.water import Factors
 from driftform_calibration.bench import Bench
 from driftform_calibration.fit import Fit, fit_factors
-from driftform_calibration.problem import Filmed, factor_of, parameter_of
+from driftform_calibration.problem import Anchor, Filmed, Problem, factor_of, parameter_of
 from driftform_calibration.tracks import check_track
 
 pytestmark = pytest.mark.long
@@ -72,6 +72,17 @@ def test_a_release_from_higher_up_than_stated_does_not_change_the_restitution(fi
     found = fit_factors(films).estimates["restitution"]
     assert found.known
     assert found.value == pytest.approx(WORLD.restitution, rel=0.01)
+
+
+def test_points_up_to_the_end_of_an_earlier_fit_are_not_new(noisy: list[Filmed]) -> None:
+    ends = [float(f.track.t[k]) for k, f in enumerate(noisy)]
+    anchor = Anchor([], np.zeros(0), np.zeros((0, 0)), ends)
+    problem = Problem(noisy, FALLING, [0.002] * 3, anchor=anchor)
+    for number, film in enumerate(noisy):
+        new = problem.list_new(number)
+        assert len(new) == problem.counts[number]
+        # Two coordinates of each point.
+        assert new.sum() == 2 * (len(film.track.t) - number - 1)
 
 
 @pytest.mark.parametrize("name", FALLING)

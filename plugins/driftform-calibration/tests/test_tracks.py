@@ -129,7 +129,9 @@ def test_two_objects_in_one_track_are_refused():
     with pytest.raises(InputError, match=r"its points scatter by .* as if it followed two objects"):
         check_track("film.csv", track_of(t, alternating))
     later = np.where((np.arange(40) >= 20)[:, None], other + np.array([0.0, 0.5]), points)
-    with pytest.raises(InputError, match=f"between t = {t[19]:.3f} and {t[20]:.3f} s, .* or it followed another object .* cut it there"):
+    with pytest.raises(
+        InputError, match=f"between t = {t[19]:.3f} and {t[20]:.3f} s, .* or it followed another object .* cut it there"
+    ):
         check_track("film.csv", track_of(t, later))
 
 
