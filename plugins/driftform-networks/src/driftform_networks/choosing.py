@@ -73,8 +73,8 @@ def bound_steering(
 ) -> float:
     """Return an upper bound on the share of the reachable length that bodies see that choose their way at every node.
 
-    A linear program: bodies are a flow of ``size`` from the releases along the water, which may end anywhere; a link is seen
-    by as much of this flow as passes it in all hours, and at most once. Whole bodies, and chance, see less. Tanks and
+    A linear program: bodies are a flow of ``size`` from the releases along the water, which may end anywhere. Of those that
+    pass a link in all hours, one sees it, and the others pass unseeing. Whole bodies, and chance, see less. Tanks and
     reservoirs end a way, and none leads through ``blocked`` links. Each body travels by one of the ``flows``; one of several
     snapshots, which follow each other, allows every direction that any of them has.
 
@@ -82,33 +82,30 @@ def bound_steering(
     """
     network = flows[0][0].network
     arcs = [_list_arcs(flow) for flow in flows]
-    length, nodes = np.where(reachable, network.worth, 0.0), len(network.nodes)
-    links, widths = len(network.links), [len(rows) for rows in arcs]
-    moves = sum(widths)
-    # Columns: share of each link that is seen, bodies in each link of each snapshot, bodies from each release.
-    start = len(flows) * len(releases)
-    balance, sight = [], []
-    for (link, tail, head), width in zip((rows.T for rows in arcs), widths, strict=True):
-        ones, column = np.ones(width), np.arange(width)
-        leave = sparse.csr_array((ones, (tail, column)), (nodes, width))
+    worth, nodes = np.where(reachable, network.worth, 0.0), len(network.nodes)
+    balance = []
+    for link, tail, head in (rows.T for rows in arcs):
+        ones, column, shape = np.ones(len(link)), np.arange(len(link)), (nodes, len(link))
         passes = ~network.stores[head] & ~np.isin(link, blocked)
-        enter = sparse.csr_array((ones * passes, (head, column)), (nodes, width))
-        balance.append(leave - enter)
-        sight.append(sparse.csr_array((-ones, (link, column)), (links, width)))
+        balance.append(
+            sparse.csr_array((ones, (tail, column)), shape) - sparse.csr_array((ones * passes, (head, column)), shape)
+        )
     source = sparse.csr_array((-np.ones(len(releases)), (releases, np.arange(len(releases)))), (nodes, len(releases)))
-    conserved = sparse.hstack([
-        sparse.csr_array((nodes * len(flows), links)),
-        sparse.block_diag(balance),
-        sparse.block_diag([source] * len(flows)),
-    ])  # fmt: skip
-    seen = sparse.hstack([sparse.eye_array(links), *sight, sparse.csr_array((links, start))])
+    # Columns: bodies that see in each link of each flow, those that pass unseeing, and those from each release of each flow.
+    along = sparse.block_diag(balance)
+    conserved = sparse.hstack([along, along, sparse.block_diag([source] * len(flows))])
+    links = np.concatenate([rows[:, 0] for rows in arcs])
+    moves, starts = len(links), len(flows) * len(releases)
+    # A link that is passed in one way at one time has no row of its own: a bound is enough, and far faster.
+    again = np.flatnonzero(np.bincount(links) > 1)
+    seen = sparse.csr_array((np.ones(moves), (links, np.arange(moves))))[again]
     found = linprog(
-        np.concatenate([-length / length.sum(), np.zeros(moves + start)]),
-        A_ub=sparse.vstack([conserved, seen]).tocsr(),
-        b_ub=np.zeros(nodes * len(flows) + links),
-        A_eq=sparse.csr_array(np.concatenate([np.zeros(links + moves), np.ones(start)])[None]),
+        np.concatenate([-worth[links] / worth.sum(), np.zeros(moves + starts)]),
+        A_ub=sparse.vstack([conserved, sparse.hstack([seen, sparse.csr_array((len(again), moves + starts))])]).tocsr(),
+        b_ub=np.concatenate([np.zeros(conserved.shape[0]), np.ones(len(again))]),
+        A_eq=sparse.csr_array(np.concatenate([np.zeros(2 * moves), np.ones(starts)])[None]),
         b_eq=[float(size)],
-        bounds=[(0, 1)] * links + [(0, None)] * (moves + start),
+        bounds=[(0, 1)] * moves + [(0, None)] * (moves + starts),
         method="highs",
     )
     if not found.success:
