@@ -66,7 +66,7 @@ def measure(file: Path, words: Sequence[str]) -> tuple[float, float]:
     return used.ru_utime + used.ru_stime, used.ru_maxrss * 1024
 
 
-def test_time_grows_no_faster_than_n_log_n_but_for_the_bound_of_a_fleet(tmp_path: Path) -> None:
+def test_time_grows_no_faster_than_n_log_n(tmp_path: Path) -> None:
     print(f"\n| pipes | n log n | {' | '.join(COMMANDS)} | MB |")
     found = []
     # What is compiled once per machine is not timed.
@@ -80,8 +80,7 @@ def test_time_grows_no_faster_than_n_log_n_but_for_the_bound_of_a_fleet(tmp_path
         row = "".join(f" {time:.1f} |" for time, _ in found[-1].values())
         most = max(size for _, size in found[-1].values())
         print(f"| {pipes} | {order:.2f} |{row} {most / 1e6:.0f} |", flush=True)
-    # The linear program that bounds steered bodies grows faster, with it `fleet`.
-    for name in ("show", "route", "plan"):
+    for name in ("show", "route", "fleet", "plan"):
         # What a command takes in the smallest town does not depend on the size: it starts Python.
         start, small, large = (found[row][name][0] for row in (0, 1, 3))
         assert large - start < 1.5 * order * (small - start) + 1, name
