@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 
 DOCS = Path(__file__).parents[2] / "docs"
 REPEATS = {"native": 10, "exudyn": 1}
-"""Exudyn integrates a rigid body step by step: all ten repeats take it two hours."""
+"""Exudyn integrates a rigid body step by step: all ten repeats take it an hour and a half."""
 
 WITHIN = {"native": 200.0, "exudyn": 1800.0}
 """Seconds of CPU time; the paper took 20 hours for half as many flights as ten repeats."""
