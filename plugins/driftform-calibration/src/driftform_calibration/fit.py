@@ -283,18 +283,19 @@ def _contacts(problem: Problem, x: FloatArray) -> list[float]:
 def _list_contacts(problem: Problem, x: FloatArray) -> list[FloatArray]:
     """Return the unknowns with each start of the last coefficient of contact, and those of the others that fit best with it.
 
-    Starts that fit alike are one: where no contact is filmed, any coefficient does.
+    Starts with which the films show the same are one: the last coefficient may have no effect on them.
     """
-    places = [j for j, name in enumerate(problem.names) if name in CONTACT]
-    found: dict[float, tuple[float, FloatArray]] = {}
+    places, data = [j for j, name in enumerate(problem.names) if name in CONTACT], sum(problem.counts)
+    best: dict[float, tuple[float, float, FloatArray]] = {}
     for values in product(STARTS, repeat=len(places)):
         trial = x.copy()
         trial[places] = np.clip(values, problem.low[places], problem.high[places])
-        cost = float(np.minimum(problem.residuals(trial) ** 2, 100.0).sum())
-        last = float(trial[places[-1]]) if places else 0.0
-        if last not in found or cost < found[last][0]:
-            found[last] = (cost, trial)
-    return list({round(cost, 6): trial for cost, trial in found.values()}.values())
+        terms = np.minimum(problem.residuals(trial) ** 2, 100.0)
+        cost, last = float(terms.sum()), float(trial[places[-1]]) if places else 0.0
+        if last not in best or cost < best[last][0]:
+            best[last] = (cost, round(float(terms[:data].sum()), 1), trial)
+    by_cost = sorted(best.values(), key=lambda found: -found[0])
+    return list({shown: trial for _, shown, trial in by_cost}.values())
 
 
 def _list_ends(solution: Solution) -> list[FloatArray]:
