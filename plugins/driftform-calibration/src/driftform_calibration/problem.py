@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
+import numpy.typing as npt
 
-from driftform.types import BoolArray, FloatArray
+from driftform.types import FloatArray
 from driftform.water import Factors
 from driftform_calibration.bench import Bench, Path, ReleaseError
 from driftform_calibration.camera import Camera, see_points, view_matrix
@@ -260,7 +261,7 @@ class Problem:
         film = self.films[number]
         return self._weigh_change(number, points - film.observed, _wrap(angle - film.track.angle))
 
-    def list_new(self, number: int) -> BoolArray:
+    def list_new(self, number: int) -> npt.NDArray[np.bool_]:
         """Return which residuals of a track the earlier fit has not counted, (residuals,)."""
         end = -np.inf if self._anchor is None else self._anchor.ends[number]
         return np.asarray(self.films[number].times > end)
