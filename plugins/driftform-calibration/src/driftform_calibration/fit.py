@@ -184,6 +184,8 @@ def _solve(
     notes = [f"{lost} points more than {AFTER_CONTACT:g} s after the first contact left out"] if lost else []
     noise = list(free.problem.noise) if free is not None else noise
     anchor = None if free is None else free.anchor()
+    # Points of free flight count again in this fit, though not in its covariance: what bounces seem to show of drag and
+    # weight must not outweigh them.
     problem = Problem(shown, wanted, noise, priors, anchor)
     starts = _list_contacts(problem, problem.take_over(whole, x))
     found = [solve_problem(problem, start, is_near=True) for start in starts]

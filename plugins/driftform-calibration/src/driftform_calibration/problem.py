@@ -59,8 +59,8 @@ ANGLE_ERROR = np.deg2rad(1.5)
 LONGEST_LEAD = 3.0
 """Longest time before the first point at which the release may be, over the duration of the track."""
 
-
-_STEPS = {"pitch": 1e-3, "yaw": 1e-3, "right": 1e-3, "up": 1e-3, "rise": 1e-3}
+_STEP = 1e-3
+"""Step of a derivative by an unknown of a release, SI."""
 
 _ROUGH = 0.02
 """Step of a derivative by a coefficient of contact: bounces make smaller ones accidental."""
@@ -359,7 +359,7 @@ def _list_release(number: int, film: Filmed) -> list[Parameter]:
         # Seen from the side, a small turn about the vertical hardly shortens what is seen.
         if film.view == "top" or film.track.is_spatial or film.bench.scenario.release.yaw_deg:
             widths["yaw"] = RELEASE_ANGLE
-    return [Parameter(number, name, 0.0, -6 * width, 6 * width, width, _STEPS[name]) for name, width in widths.items()]
+    return [Parameter(number, name, 0.0, -6 * width, 6 * width, width, _STEP) for name, width in widths.items()]
 
 
 def _list_camera(number: int, film: Filmed) -> list[Parameter]:
