@@ -393,11 +393,11 @@ def find_widest(bench: Bench, name: str, factor: float) -> float:
 
 def _find_interval(solution: Solution, j: int, x: FloatArray, deviation: FloatArray) -> tuple[float, float, float]:
     """Return low, value and high of factor ``j`` from the unknowns and the deviations of factors."""
-    from scipy.stats import t as student
+    from scipy.special import stdtrit
 
     problem, value = solution.problem, float(x[j])
     freedom = max(3.0, sum(problem.counts) - len(problem.parameters))
-    width = float(student.ppf(0.5 + CONFIDENCE / 2, freedom)) * float(deviation[j])
+    width = float(stdtrit(freedom, 0.5 + CONFIDENCE / 2)) * float(deviation[j])
     low, middle, high = (_limit(factor_of(problem.names[j], v)) for v in (value - width, value, value + width))
     return low, middle, high
 
