@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 import pytest
 from made_films import Filming, draw_world, film_flight, place_drop
-from scipy.stats import binomtest
 
 import driftform as df
 from driftform.design.design import Design
@@ -34,11 +33,8 @@ pytestmark = pytest.mark.slow
 TRIALS = int(os.environ.get("COUNT", "250"))
 PITCHES_DEG = (-45.0, 0.0, 45.0)
 SEED = 23
-LEAST, MOST = 0.85, 0.95
-"""Share of intervals that hold the truth."""
-
-CHANCE = 0.05
-"""Probability of a share of one factor that is further off than chance explains."""
+ENOUGH = 30
+"""Number of trials that know a factor from which a share of them says something."""
 
 WORLD = Factors(axial_drag=1.4, cross_drag=1.4, hull_density=0.95)
 """More drag than the model has, and a lighter hull."""
@@ -111,11 +107,10 @@ def test_intervals_hold_the_truth(trials: list[dict[str, Any]], publish: Callabl
         f"A fit of three films takes {np.median(seconds):.1f} s in the median, {max(seconds):.0f} s at most.",
     ]
     publish("coverage", lines)
-    assert LEAST <= every <= MOST
+    assert 0.85 <= every <= 0.95
     for name, (share, count) in shares.items():
-        held = round(share * count)
-        assert binomtest(held, count, LEAST, "less").pvalue > CHANCE, f"{name}: only {held} of {count}"
-        assert binomtest(held, count, MOST, "greater").pvalue > CHANCE, f"{name}: {held} of {count}"
+        if count >= ENOUGH:
+            assert 0.85 <= share <= 0.95, f"{name}: {share:.2f} of {count}"
 
 
 def count_outside(filming: Filming, count: int) -> tuple[Counter[str], Counter[str]]:
