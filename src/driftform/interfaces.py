@@ -221,6 +221,8 @@ class Fitness(Plugin[OptionsT_co]):
     """What a target that is reached has, in words."""
     share: ClassVar[str] = ""
     """Heading of the column with the share of the disturbed flights that reach the target; empty for none."""
+    judges_passing: ClassVar[bool] = False
+    """Whether only how near a flight passes the target counts, so that a disturbed flight may end behind it."""
 
     @abstractmethod
     def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:

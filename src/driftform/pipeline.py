@@ -29,6 +29,7 @@ from driftform.water.disturbances import (
     disturb_calibration,
     disturb_fluid,
     disturb_scenario,
+    end_behind,
 )
 from driftform.water.misfit import ease_release, find_misfit
 
@@ -185,6 +186,7 @@ class Pipeline:
         seeds: Sequence[int | None] | None = None,
         conditions: Sequence[Condition | None] | None = None,
         thresholds: Sequence[tuple[float, ...] | None] | None = None,
+        wanted: Sequence[tuple[bool, ...] | None] | None = None,
     ) -> list[Evaluation]:
         """Genomes -> evaluations, in their order; one flight scores every target.
 
@@ -199,10 +201,12 @@ class Pipeline:
             conditions: disturbed conditions of each genome's flight, ``None`` for undisturbed.
             thresholds: for each genome, the fitness for each target (%) that it must exceed to matter; ``None`` if
                 every fitness matters.
+            wanted: for each genome, which targets its disturbed flight is for, (targets,), ``None`` for all. It may end behind
+                the last of them (:func:`driftform.water.disturbances.end_behind`), and what it scores for others means nothing.
         """
         started = time.perf_counter()
         targets = len(self.scenario.targets)
-        conditions = conditions or [None] * len(genomes)
+        conditions, wanted = conditions or [None] * len(genomes), wanted or [None] * len(genomes)
         scenarios = [self.scenario.with_gusts(seed) for seed in seeds or [None] * len(genomes)]
         scenarios = [
             usual if condition is None else disturb_scenario(condition, usual)
@@ -218,6 +222,8 @@ class Pipeline:
                 continue
             if conditions[index] is not None:
                 scenarios[index] = ease_release(agent.body, self.scenario, scenarios[index])
+                if (flown_for := wanted[index]) is not None and self.fitness.judges_passing:
+                    scenarios[index] = end_behind(scenarios[index], flown_for)
             misfit = find_misfit(agent.body, scenarios[index])
             if misfit is None:
                 agents[index] = agent

@@ -90,6 +90,20 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
         assert np.linalg.norm(offset) == pytest.approx((1 - fitness / 100) * d_max, abs=1e-5)
 
 
+def test_flights_of_the_promise_say_nothing_of_targets_that_another_agent_is_for(tmp_path: Path) -> None:
+    study = study_of(evaluations=24)
+    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
+        run_search(study, store, InProcess(study.make_pipeline()))
+        fly_finalists(study, store, InProcess(study.make_pipeline()))
+        winners = {target: find_winner(study, store, target) for target in ("TP2", "TP6")}
+        first, second = (won.index for won in winners.values() if won is not None)
+        assert first != second
+        for target, (winner, other) in (("TP2", (first, second)), ("TP6", (second, first))):
+            flown = store.read_disturbed(target)
+            assert not np.isnan([flown[winner][number] for number in range(4, 13)]).any()
+            assert np.isnan([flown[other][number] for number in range(4, 13)]).all()
+
+
 def test_the_conditions_of_the_promise_are_not_those_of_the_choice() -> None:
     drawn = draw_rounds(study_of())
     assert len(set(drawn)) == len(drawn) == 4 + 3 * len(Specimen)

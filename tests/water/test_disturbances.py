@@ -25,6 +25,7 @@ from driftform.water.disturbances import (
     draw_conditions,
     draw_latin_hypercube,
     draw_normals,
+    end_behind,
 )
 from driftform.water.scenario import Robustness
 
@@ -164,6 +165,51 @@ def test_disturbed_flights_do_not_depend_on_the_rest_of_their_batch():
         assert a.failure is None
         assert a.fitness.tolist() == b.fitness.tolist()
     assert together[0].fitness.tolist() != together[3].fitness.tolist()
+
+
+def test_a_disturbed_flight_for_some_targets_ends_behind_them_and_passes_them_as_the_whole_flight_does():
+    pipeline = load_study("pipe-inspection", use={"simulator": "native"}).make_pipeline()
+    conditions, rng = draw_conditions(Robustness(), 6, (5,)), np.random.default_rng(3)
+    genomes, names = [pipeline.grammar.random(rng) for _ in conditions], list(pipeline.scenario.targets)
+    for name in ("TP1", "TP4"):
+        wanted, number = tuple(target == name for target in names), names.index(name)
+        whole = pipeline.evaluate(genomes, conditions=conditions)
+        short = pipeline.evaluate(genomes, conditions=conditions, wanted=[wanted] * len(genomes))
+        behind = pipeline.scenario.targets[name][0] + 2.0
+        for longer, shorter in zip(whole, short, strict=True):
+            assert shorter.fitness[number] == pytest.approx(longer.fitness[number], abs=0.1)
+            assert shorter.trajectory.position[-1, 0] == pytest.approx(behind, abs=1e-9)
+            # Without the rest of the flight it takes fewer steps, often with the same tolerance.
+            assert len(shorter.trajectory.t) < len(longer.trajectory.t)
+        assert sum(a.fitness[number] == b.fitness[number] for a, b in zip(whole, short, strict=True)) >= 3
+    undisturbed = pipeline.evaluate(genomes[:1], wanted=[(True,) + (False,) * 9])
+    assert undisturbed[0].trajectory.position[-1, 0] == pytest.approx(9.0)
+
+
+@given(
+    st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda d: np.linalg.norm(d) > 0.1),
+    st.lists(st.floats(0.1, 8.9), min_size=1, max_size=3),
+    st.floats(0.05, 1.0),
+)
+def test_a_pipe_in_any_direction_ends_a_bore_behind_the_last_wanted_target(direction, along, radius):
+    axis = np.array(direction) / np.linalg.norm(direction)
+    segment = {
+        "start": (0.5, -1.0, 2.0),
+        "end": tuple((np.array([0.5, -1.0, 2.0]) + 9 * axis).tolist()),
+        "radius": radius,
+    }
+    targets = {f"T{n}": tuple((np.array([0.5, -1.0, 2.0]) + s * axis).tolist()) for n, s in enumerate(along)}
+    scenario = Scenario.model_validate({"pipe": {"segments": (segment,)}, "targets": targets})
+    wanted = [True] + [False] * (len(along) - 1)
+    end = np.array(end_behind(scenario, wanted).pipe.straight.end)
+    assert (end - (0.5, -1.0, 2.0)) @ axis == pytest.approx(min(9.0, along[0] + 2 * radius))
+    assert end_behind(scenario, [False] * len(along)) is scenario
+    assert end_behind(scenario, [True] * len(along)).pipe.straight.start == scenario.pipe.straight.start
+
+
+def test_a_pipe_with_parts_stays_whole():
+    scenario = load_study("t-junction").scenario
+    assert end_behind(scenario, [True] * len(scenario.targets)) is scenario
 
 
 def test_disturbed_flights_have_the_secondary_flow_of_bends_and_no_other_draw_depends_on_it():

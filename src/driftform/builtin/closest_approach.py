@@ -20,6 +20,7 @@ class ClosestApproach(Fitness[Table]):
     name = "closest-approach"
     heading = "error % of d_max"
     goal = "an error of at most 1 % of the farthest distance in the pipe"
+    judges_passing = True
 
     def measure(self, fitness: float) -> float:
         """Return the error, in percent of d_max."""

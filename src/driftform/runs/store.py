@@ -117,7 +117,7 @@ class DisturbedResult:
         condition: number of the condition, from 0.
         fitness: for each target, %, (targets,).
         offsets: vector from each target to the closest approach, world frame, m, (targets, 3); NaN for a failed
-            flight.
+            flight, and where the flight was not for the target.
         failure: what went wrong, ``None`` for nothing.
     """
 
@@ -334,7 +334,7 @@ class Store:
             }
 
     def read_disturbed(self, target: str, first: int = 0, end: int = MAX_INDEX) -> dict[int, dict[int, float]]:
-        """Return the fitness (%) of every disturbed flight, NaN if it failed: by evaluation, and by condition.
+        """Return the fitness (%) of every disturbed flight, NaN if it says nothing: by evaluation, and by condition.
 
         Evaluations are those from ``first`` up to ``end``, exclusive.
         """

@@ -1,12 +1,15 @@
 """Flights of evaluations under disturbed conditions: each is flown once, and stored as it arrives."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from driftform.motion.way import find_offsets
 from driftform.runs.store import DisturbedResult, Store
 from driftform.search.jobs import Executor, Job
 from driftform.study import Study
+from driftform.types import BoolArray
 from driftform.util.latest import keep_latest
 from driftform.water.disturbances import Condition, Specimen, draw_conditions
 from driftform.water.scenario import evaluation_seed
@@ -33,41 +36,50 @@ def fly_disturbed(
     store: Store,
     executor: Executor,
     conditions: Sequence[Condition],
-    wanted: Iterable[tuple[int, int]],
+    flights: Iterable[tuple[int, int]],
     on_flights: Callable[[int], None] = lambda _: None,
     threshold: tuple[float, ...] | None = None,
+    wanted: Mapping[int, BoolArray] | None = None,
 ) -> int:
     """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs.
 
     Args:
         conditions: all of them; a pair holds the index of one.
-        wanted: pairs of an evaluation and a condition.
+        flights: pairs of an evaluation and a condition.
         on_flights: called with the number of pairs that are done.
         threshold: that of :class:`driftform.search.Job`.
+        wanted: for which targets the flights of an evaluation are, (targets,); all if it is not given. For another target
+            they are stored as flights that say nothing, without an offset.
     """
     targets = study.scenario.target_names
-    pairs = list(wanted)
+    pairs = list(flights)
     indices = {index for index, _ in pairs}
     # A flight has a result for each target.
     flown = store.read_disturbed(targets[0], min(indices, default=0), max(indices, default=-1) + 1)
     missing = [(index, condition) for index, condition in pairs if condition not in flown.get(index, ())]
     genomes = {index: store.read_genome(index) for index in {index for index, _ in missing}}
+    flown_for = {index: np.ones(len(targets), bool) if wanted is None else wanted[index] for index in genomes}
     jobs = [
-        Job(number, genomes[index], evaluation_seed(study.seed, index), conditions[condition], threshold)
+        Job(
+            number,
+            genomes[index],
+            evaluation_seed(study.seed, index),
+            conditions[condition],
+            threshold,
+            tuple(flown_for[index].tolist()),
+        )
         for number, (index, condition) in enumerate(missing)
     ]
     count = len(pairs) - len(missing)
     on_flights(count)
     for arrived in executor.evaluate(jobs):
-        store.add_disturbed(
-            [
-                DisturbedResult(
-                    *missing[number], evaluation.fitness, find_offsets(evaluation, study.scenario), evaluation.failure
-                )
-                for number, evaluation in arrived
-            ],
-            targets,
-        )
+        results = list[DisturbedResult]()
+        for number, evaluation in arrived:
+            index, condition = missing[number]
+            at, offsets = flown_for[index], find_offsets(evaluation, study.scenario)
+            fitness, offsets = np.where(at, evaluation.fitness, 0.0), np.where(at[:, None], offsets, np.nan)
+            results.append(DisturbedResult(index, condition, fitness, offsets, evaluation.failure))
+        store.add_disturbed(results, targets)
         count += len(arrived)
         on_flights(count)
     return len(pairs)

@@ -51,10 +51,11 @@ def fly_finalists(
     to_come = min(len(finalists), len(targets)) * (len(conditions) - robustness.conditions)
     fly = partial(fly_disturbed, study, store, executor, conditions)
     done = _race(study, store, fly, finalists, scores, lambda count, left: on_flights(count, left + to_come))
-    winners = sorted({won.index for t in targets if (won := find_winner(study, store, t)) is not None})
+    won = [None if (winner := find_winner(study, store, t)) is None else winner.index for t in targets]
+    winners = {index: np.array([index == of for of in won]) for index in won if index is not None}
     numbers = range(robustness.conditions, len(conditions))
-    checked = [(index, number) for index in winners for number in numbers]
-    fly(checked, lambda count: on_flights(done + count, done + len(checked)))
+    checked = [(index, number) for index in sorted(winners) for number in numbers]
+    fly(checked, lambda count: on_flights(done + count, done + len(checked)), wanted=winners)
 
 
 def _find_reaching(fitness: Fitness[Any], undisturbed: Mapping[int, float]) -> BoolArray:
@@ -103,7 +104,7 @@ def _race(
     def fly_on(indices: Sequence[int], first: int, end: int, behind: int) -> int:
         pairs = [(index, number) for index in indices for number in range(first, end)]
         bound = done + len(pairs) + behind
-        return done + fly(pairs, lambda flown: on_flights(done + flown, bound), unchecked)
+        return done + fly(pairs, lambda flown: on_flights(done + flown, bound), unchecked, finalists)
 
     def find_bounds(flown: int) -> dict[int, FloatArray]:
         flights = read_flights(store, targets, flown, min(finalists), max(finalists) + 1)

@@ -27,6 +27,7 @@ class Job:
         condition: disturbed conditions of the flight, ``None`` for undisturbed.
         threshold: for each target the fitness (%) that the genome must exceed to matter, ``None`` if every fitness
             matters; see :meth:`driftform.pipeline.Pipeline.evaluate`.
+        wanted: for each target whether a disturbed flight is for it, ``None`` if it is for all; it may end behind the last.
     """
 
     index: int
@@ -34,6 +35,7 @@ class Job:
     seed: int | None = None
     condition: Condition | None = None
     threshold: tuple[float, ...] | None = None
+    wanted: tuple[bool, ...] | None = None
 
 
 Outcome = tuple[int, Evaluation]
@@ -101,6 +103,7 @@ def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
         [job.seed for job in batch],
         [job.condition for job in batch],
         [job.threshold for job in batch],
+        [job.wanted for job in batch],
     )
     return [
         (job.index, _compress(evaluation) if job.condition is None else _measure(evaluation, pipeline.scenario))

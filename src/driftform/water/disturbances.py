@@ -15,6 +15,7 @@ from driftform.util.vectors import cross
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import DRAGS
 from driftform.water.flow import PipeFlow, UniformFlow
+from driftform.water.pipe import Pipe
 from driftform.water.scenario import Robustness
 
 MAX_DEVIATION = 3.0
@@ -152,6 +153,26 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
             "calibration": disturb_calibration(condition, scenario.calibration),
         }
     )
+
+
+def end_behind(scenario: Scenario, wanted: Sequence[bool]) -> Scenario:
+    """Return the scenario with a straight pipe that ends a bore behind the last of the targets that are ``wanted``.
+
+    A flight that is so far is farther from each than it was where it passed them. Upstream nothing changes: the flow in a
+    straight pipe is developed. Another pipe stays whole, and so does one that ends before.
+    """
+    straight = scenario.pipe.straight
+    if straight is None or not any(wanted):
+        return scenario
+    start, whole = np.array(straight.start), np.subtract(straight.end, straight.start)
+    length = float(np.linalg.norm(whole))
+    last = float(((scenario.target_array()[np.array(wanted)] - start) @ whole).max()) / length
+    share = (last + 2 * straight.radius) / length
+    if not share < 1:
+        return scenario
+    x, y, z = (start + share * whole).tolist()
+    segment = straight.model_copy(update={"end": (x, y, z)})
+    return scenario.model_copy(update={"pipe": Pipe(segments=(segment,))})
 
 
 def disturb_fluid(condition: Condition, fluid: Fluid) -> Fluid:
