@@ -271,7 +271,15 @@ def test_flights_that_do_not_end_alike_are_infinitely_far_apart():
     broken = straight(times)
     broken[-1, 5] = np.nan
     for a, b in ((straight(times), broken), (broken, straight(times))):
-        assert greatest_distance(a, b) == math.inf
+        assert greatest_distance(a, b) == greatest_distance(a, b, False) == math.inf
+
+
+def test_flights_in_gusts_that_arrive_at_different_times_are_as_far_apart_as_up_to_the_first_arrival():
+    early, late = straight(np.linspace(0, 2, 21)), straight(np.linspace(0, 2.2, 26), velocity=(0.9, 0.2, -0.1))
+    assert greatest_distance(early, late) == math.inf
+    # The later flight is sampled at 1.936 s, and then at 2.024 s.
+    assert greatest_distance(early, late, False) == pytest.approx(0.1936, rel=1e-9)
+    assert greatest_distance(late, early, False) == pytest.approx(0.2, rel=1e-9)
 
 
 def test_a_flight_released_at_the_outlet_is_over_at_once_and_has_no_error():

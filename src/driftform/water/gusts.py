@@ -21,9 +21,11 @@ for any S and T. A tracer has the least a, a thousandth of R, where the viscous 
 
 import math
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
@@ -84,16 +86,22 @@ def draw_gusts(gusts: Gusts, count: float, radius: float, length: float = 0.0) -
     """
     knots = 1 << (math.ceil(min(max(count, FEWEST_KNOTS), MOST_KNOTS)) - 1).bit_length()
     apart, correlation = length / math.sqrt(3), _correlate(gusts, radius, length)
-    angles = 2 * np.pi * np.arange(knots // 2 + 1)[:, None] / knots
-    kept = math.exp(-gusts.smoothing)
-    spectrum = np.sqrt(1 - kept**2) / np.abs(1 - kept * np.exp(1j * angles))
+    spectrum, differences = _shape_waves(knots, gusts.smoothing)
     noise = np.random.default_rng(gusts.seed).standard_normal((knots, 6))
     waves = spectrum * np.fft.rfft(noise, axis=0)
     waves[:, 3:] *= 2 * math.sqrt((1 - correlation) / (1 + correlation)) / apart if apart > 0 else 0.0
-    # Slopes of a periodic cubic spline: s[k-1] + 4 s[k] + s[k+1] = 3 (v[k+1] - v[k-1]) / step.
-    rates = waves * (6j * np.sin(angles) / (4 + 2 * np.cos(angles)) / gusts.smoothing)
-    values, slopes = (np.fft.irfft(array, knots, axis=0) for array in (waves, rates))
+    values, slopes = (np.fft.irfft(array, knots, axis=0) for array in (waves, waves * differences))
     return np.ascontiguousarray(np.hstack([values[:, :3], slopes[:, :3], values[:, 3:], slopes[:, 3:]]))
+
+
+@lru_cache(maxsize=16)
+def _shape_waves(knots: int, smoothing: float) -> tuple[FloatArray, npt.NDArray[np.complex128]]:
+    """Return what makes of each wave of white noise one of a walk, and of that one of its slopes, (knots // 2 + 1, 1)."""
+    angles = 2 * np.pi * np.arange(knots // 2 + 1)[:, None] / knots
+    kept = math.exp(-smoothing)
+    spectrum = np.sqrt(1 - kept**2) / np.abs(1 - kept * np.exp(1j * angles))
+    # Slopes of a periodic cubic spline: s[k-1] + 4 s[k] + s[k+1] = 3 (v[k+1] - v[k-1]) / step.
+    return spectrum, 6j * np.sin(angles) / (4 + 2 * np.cos(angles)) / smoothing
 
 
 def least_memory(flow: FloatArray, bores: Iterable[tuple[float, float]]) -> float:

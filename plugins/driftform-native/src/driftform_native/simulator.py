@@ -30,7 +30,7 @@ class NativeOptions(Table):
     accuracy: float = option(
         1e-3,
         "largest estimated error of the position, in gusts ten times as much up to 10 mm; the tolerance is reduced until "
-        "this is met",
+        "this is met, in gusts only as long as that helps",
         "m",
         ge=1e-12,
         le=1e6,
