@@ -93,6 +93,20 @@ class FitnessContract(SeamContract[Fitness[Any]]):
             again = self.copy().score(pickle.loads(pickle.dumps(trajectory)), self.scenario(), self.agent())
             np.testing.assert_array_equal(self.score(trajectory), again)
 
+    def test_what_comes_behind_a_target_counts_unless_the_fitness_judges_passing(self) -> None:
+        """A flight that ends a bore behind a target scores the same for it as the whole flight, if it ``judges_passing``."""
+        ends: list[Vector] = [(9.0, 0.9, -0.3), (9.0, 0.0, -0.9)] if self.plugin().judges_passing else []
+        for end in ends:
+            whole = straight_trajectory((0, 0, 0), end, np.linspace(0, 9, 91))
+            short = replace(
+                whole,
+                t=whole.t[:31],
+                position=whole.position[:31],
+                quaternion=whole.quaternion[:31],
+                velocity=whole.velocity[:31],
+            )
+            assert self.score(short, "near")[0] == pytest.approx(self.score(whole, "near")[0], rel=1e-12)
+
     def test_people_read_a_number_with_its_unit_and_a_verdict(self) -> None:
         """Every fitness has a finite measure, a text of one line with its unit, and a verdict."""
         fitness = self.plugin()
