@@ -38,6 +38,9 @@ SURROUNDINGS = {
 }
 WITH_DRAG = ("drag strips", "all of these")
 
+ACCURACY = 1e-3
+"""m: what the default settings ask of flights without gusts."""
+
 SPOT_CHECK = 20
 """One sound flight of so many is flown again as exactly as can be."""
 
@@ -100,7 +103,9 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
     }
     if not where[trajectory.end]:
         yield f"ends as {trajectory.end} after {trajectory.t[-1]} s at {trajectory.position[-1]}"
-    if trajectory.error is None or not trajectory.error <= pipeline.simulator.options.accuracy:
+    # In gusts a chaotic flight states how far it may be off.
+    accepted = np.inf if scenario.has_gusts else ACCURACY
+    if trajectory.error is None or not trajectory.error <= accepted:
         yield f"passes with an error of {trajectory.error} m"
     if wall_depths(flown.agent, trajectory, pipe.radius).max() > 1.5e-3:
         yield "goes through the wall"
@@ -109,20 +114,23 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
         yield f"has the fitness {fitness}"
 
 
-def true_errors(sound: list[Flown], settings, workers) -> tuple[list[float], int]:
-    """How far (m) flights are from the same flown again, to 0.01 mm; and how many cannot be flown so exactly."""
+def true_errors(sound: list[Flown], settings, workers) -> tuple[list[tuple[float, float]], int]:
+    """How far (m) flights are from the same flown again, and state at most; and how many cannot be flown exactly.
+
+    They are flown again to 0.01 mm, in gusts to 0.1 mm. What no tolerance fixes has no exact flight.
+    """
     tight = ("simulator.tolerance=1e-9", "simulator.accuracy=1e-5", "simulator.tightest=1e-12")
     exact = load_study("paper", [*settings, *tight], use={"simulator": "native"}).make_pipeline()
     again = list(workers.map(exact.simulator.simulate, [f.agent for f in sound], [f.scenario for f in sound]))
     errors = []
     for flown, trajectory in zip(sound, again, strict=True):
-        if not trajectory.end.failed:
+        if not trajectory.end.failed and trajectory.error <= 1e-4:
             times = np.arange(0, min(flown.trajectory.t[-1], trajectory.t[-1]), 0.01)
-            errors.append(
-                largest_distance(
-                    interpolate_positions(flown.trajectory, times), interpolate_positions(trajectory, times)
-                )
+            apart = largest_distance(
+                interpolate_positions(flown.trajectory, times), interpolate_positions(trajectory, times)
             )
+            stated = flown.trajectory.error if flown.scenario.has_gusts else 0.0
+            errors.append((apart, max(stated, ACCURACY)))
     return errors, len(again) - len(errors)
 
 
@@ -131,7 +139,7 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
     count = count_of("AGENTS", 10_000)
     ends = list(End)
     lines = [
-        f"| surroundings | {' | '.join(ends)} | unsound | checked | worst error mm | beyond 1 mm |",
+        f"| surroundings | {' | '.join(ends)} | unsound | checked | worst error mm | beyond 1 mm, in gusts beyond what it states |",
         "|---" * (len(ends) + 5) + "|",
     ]
     unsound, beyond, checked = [], 0, 0
@@ -155,8 +163,8 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
                 if evaluation.failure is None or evaluation.fitness.any():
                     found.append(f"{occupied}, {name}, agent {flown.index} is no failed evaluation")
         errors, unknown = true_errors(sound, settings, workers)
-        far = sum(error > pipeline.simulator.options.accuracy for error in errors)
-        worst = 1e3 * max(errors, default=np.nan)
+        far = sum(error > stated for error, stated in errors)
+        worst = 1e3 * max((error for error, _ in errors), default=np.nan)
         lines.append(
             f"| {name} | {' | '.join(str(counts[end]) for end in ends)} "
             f"| {len(found)} | {len(errors)} | {worst:.2g} | {far} |"
