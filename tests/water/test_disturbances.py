@@ -186,25 +186,34 @@ def test_a_disturbed_flight_for_some_targets_ends_behind_them_and_passes_them_as
     assert undisturbed[0].trajectory.position[-1, 0] == pytest.approx(9.0)
 
 
+def laid(axis, along, radius, flow, release=0.0):
+    start = np.array([0.5, -1.0, 2.0])
+    segment = {"start": tuple(start.tolist()), "end": tuple((start + 9 * axis).tolist()), "radius": radius}
+    targets = {f"T{n}": tuple((start + s * axis).tolist()) for n, s in enumerate(along)}
+    tables = {"pipe": {"segments": (segment,)}, "targets": targets, "flow": flow}
+    return Scenario.model_validate(tables | {"release": {"position": (release, 0.0, 0.0)}}), start
+
+
 @given(
-    st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda d: np.linalg.norm(d) > 0.1),
-    st.lists(st.floats(0.1, 8.9), min_size=1, max_size=3),
-    st.floats(0.05, 1.0),
+    st.floats(-3, 3), st.lists(st.floats(0.1, 8.9), min_size=1, max_size=3), st.floats(0.05, 1.0), st.floats(0.0, 8.0)
 )
-def test_a_pipe_in_any_direction_ends_a_bore_behind_the_last_wanted_target(direction, along, radius):
-    axis = np.array(direction) / np.linalg.norm(direction)
-    segment = {
-        "start": (0.5, -1.0, 2.0),
-        "end": tuple((np.array([0.5, -1.0, 2.0]) + 9 * axis).tolist()),
-        "radius": radius,
-    }
-    targets = {f"T{n}": tuple((np.array([0.5, -1.0, 2.0]) + s * axis).tolist()) for n, s in enumerate(along)}
-    scenario = Scenario.model_validate({"pipe": {"segments": (segment,)}, "targets": targets})
+def test_a_level_pipe_ends_a_bore_behind_the_last_wanted_target_and_the_release(angle, along, radius, release):
+    axis = np.array([np.cos(angle), np.sin(angle), 0.0])
+    scenario, start = laid(axis, along, radius, {"kind": "developed", "speed": 1.0}, release)
     wanted = [True] + [False] * (len(along) - 1)
     end = np.array(end_behind(scenario, wanted).pipe.straight.end)
-    assert (end - (0.5, -1.0, 2.0)) @ axis == pytest.approx(min(9.0, along[0] + 2 * radius))
+    assert (end - start) @ axis == pytest.approx(min(9.0, max(along[0], release) + 2 * radius))
     assert end_behind(scenario, [False] * len(along)) is scenario
     assert end_behind(scenario, [True] * len(along)).pipe.straight.start == scenario.pipe.straight.start
+
+
+@pytest.mark.parametrize(
+    ("axis", "flow"),
+    [((0.6, 0.0, 0.8), {"kind": "developed", "speed": 1.0}), ((1.0, 0.0, 0.0), {"kind": "uniform", "speed": 1.0})],
+)
+def test_a_pipe_stays_whole_if_a_flight_may_come_back(axis, flow):
+    scenario, _ = laid(np.array(axis), [1.0], 0.1, flow)
+    assert end_behind(scenario, [True]) is scenario
 
 
 def test_a_pipe_with_parts_stays_whole():

@@ -24,6 +24,9 @@ MAX_DEVIATION = 3.0
 BEYOND = 0.0013498980316300933
 """Share of a normal distribution that lies beyond them on either side: ``scipy.special.ndtr(-MAX_DEVIATION)``."""
 
+LEVEL = 1e-9
+"""Largest slope of a pipe that counts as level."""
+
 MAX_RADIUS_SHARE = 0.98
 """Largest distance of a disturbed release from the axis, relative to the radius of the bore."""
 
@@ -156,19 +159,20 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
 
 
 def end_behind(scenario: Scenario, wanted: Sequence[bool]) -> Scenario:
-    """Return the scenario with a straight pipe that ends a bore behind the last of the targets that are ``wanted``.
+    """Return the scenario with a level, straight pipe that ends a bore behind the last of the targets that are ``wanted``.
 
-    A flight that is so far is farther from each than it was where it passed them. Upstream nothing changes: the flow in a
-    straight pipe is developed. Another pipe stays whole, and so does one that ends before.
+    A flight that is so far is farther from each than it was where it passed them, and does not come back: nothing but the
+    water moves it along the axis. Upstream nothing changes: the flow does not know what follows. Another pipe stays whole, and
+    so does one that ends before.
     """
-    straight = scenario.pipe.straight
-    if straight is None or not any(wanted):
+    straight, targets = scenario.pipe.straight, scenario.target_array()[np.array(wanted, bool)]
+    if straight is None or not len(targets) or not isinstance(scenario.flow, PipeFlow):
         return scenario
     start, whole = np.array(straight.start), np.subtract(straight.end, straight.start)
     length = float(np.linalg.norm(whole))
-    last = float(((scenario.target_array()[np.array(wanted)] - start) @ whole).max()) / length
-    share = (last + 2 * straight.radius) / length
-    if not share < 1:
+    along = ((np.vstack([targets, scenario.release_position()]) - start) @ whole) / length
+    share = (float(along.max()) + 2 * straight.radius) / length
+    if not share < 1 or abs(whole[2]) > LEVEL * length:
         return scenario
     x, y, z = (start + share * whole).tolist()
     segment = straight.model_copy(update={"end": (x, y, z)})
