@@ -161,7 +161,8 @@ def test_robot_state_publisher_leaves_the_pose_of_the_agent_to_others(
     with listen(environment, topic, "--frames", "world", "base_link") as finish, publisher(environment):
         time.sleep(2.0)
         received = finish()
-    assert received["counts"] == {"/tf_static": 1}
+    # roscpp sends a latched message twice to a listener that joins while it is published.
+    assert received["counts"] in ({"/tf_static": 1}, {"/tf_static": 2})
     assert received["poses"] == ([None] if joint == "floating" else [[0, 0, 0, 1, 0, 0, 0]])
 
 
