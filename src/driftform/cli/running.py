@@ -26,13 +26,14 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
         from driftform.search.jobs import WorkersLostError
 
         progress = Progress(run)
-        with stop_at_signals():
-            results = finish_run(run, executor, progress)
+        try:
+            with stop_at_signals():
+                results = finish_run(run, executor, progress)
+        except WorkersLostError as error:
+            raise WorkersLostError(f"{error}; {_describe_stop(run)}") from None
     except KeyboardInterrupt as stop:
         typer.echo(_describe_stop(run), err=True)
         raise typer.Exit(stop.args[0] if stop.args else 130) from None
-    except WorkersLostError as error:
-        raise WorkersLostError(f"{error}; {_describe_stop(run)}") from None
     show_results(run, results, json, time.perf_counter() - started, [*warnings, *progress.warnings])
 
 

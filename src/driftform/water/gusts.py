@@ -101,7 +101,10 @@ def _shape_waves(knots: int, smoothing: float) -> tuple[FloatArray, npt.NDArray[
     kept = math.exp(-smoothing)
     spectrum = np.sqrt(1 - kept**2) / np.abs(1 - kept * np.exp(1j * angles))
     # Slopes of a periodic cubic spline: s[k-1] + 4 s[k] + s[k+1] = 3 (v[k+1] - v[k-1]) / step.
-    return spectrum, 6j * np.sin(angles) / (4 + 2 * np.cos(angles)) / smoothing
+    differences = 6j * np.sin(angles) / (4 + 2 * np.cos(angles)) / smoothing
+    for kept_for_others in (spectrum, differences):
+        kept_for_others.setflags(write=False)
+    return spectrum, differences
 
 
 def least_memory(flow: FloatArray, bores: Iterable[tuple[float, float]]) -> float:

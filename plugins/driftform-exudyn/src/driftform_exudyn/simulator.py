@@ -103,7 +103,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         while True:
             max_step /= STEP_RATIO if controlled else 1.0
             fine = integrate(tolerance, max_step)
-            distance = integrator.greatest_distance(coarse, fine)
+            distance = integrator.greatest_distance(coarse, fine, not scenario.has_gusts)
             # A distance that falls faster than the tolerance does so by chance.
             error, least = SAFETY_FACTOR * max(distance, least), distance / RATIO
             tolerance /= RATIO
