@@ -1,6 +1,6 @@
 """Does every flight of a random agent end soundly, or say that it did not?
 
-``AGENTS=300 pytest -m slow -s tests/studies/test_robust_flights.py`` takes fewer than the page tells of.
+``AGENTS=300 pytest -m slow -s tests/studies/test_robust_flights.py`` takes fewer than the thousand of the page.
 """
 
 from collections import Counter
@@ -40,6 +40,9 @@ WITH_DRAG = ("drag strips", "all of these")
 
 ACCURACY = 1e-3
 """m: what the default settings ask of flights without gusts."""
+
+DEEPEST = 1.5e-3
+"""m: what no impact passes."""
 
 SPOT_CHECK = 20
 """One sound flight of so many is flown again as exactly as can be."""
@@ -107,7 +110,9 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
     accepted = np.inf if scenario.has_gusts else ACCURACY
     if trajectory.error is None or not trajectory.error <= accepted:
         yield f"passes with an error of {trajectory.error} m"
-    if wall_depths(flown.agent, trajectory, pipe.radius).max() > 1.5e-3:
+    # A rim that lies flat on the wall touches it with its middle, and its sides are beyond the curved bore.
+    sides = (flown.agent.body.max_diameter / 2) ** 2 / (2 * pipe.radius)
+    if wall_depths(flown.agent, trajectory, pipe.radius).max() > DEEPEST + sides:
         yield "goes through the wall"
     fitness = pipeline.fitness.score(trajectory, scenario, flown.agent)
     if not (np.isfinite(fitness).all() and (fitness >= 0).all() and (fitness <= 100).all()):
@@ -136,7 +141,7 @@ def true_errors(sound: list[Flown], settings, workers) -> tuple[list[tuple[float
 
 @pytest.mark.parametrize("occupied", ["insert", "skip"])
 def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, sensitivity, publish):
-    count = count_of("AGENTS", 10_000)
+    count = count_of("AGENTS", 1000)
     ends = list(End)
     lines = [
         f"| surroundings | {' | '.join(ends)} | unsound | checked | worst error mm | beyond 1 mm, in gusts beyond what it states |",
