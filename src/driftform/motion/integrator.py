@@ -35,7 +35,7 @@ Both integrations sometimes err alike, for example after the same collision, so 
 random agents in `paper`, 1983 have an exact flight to compare with. It is at least the true error for 99.1 % of them, 21
 times that in the median (18 if errors were proportional to the tolerance), and at most 100 times for 91 %. Five are off by
 more than the millimetre that is asked for: four by up to 4.1 mm, and one by 24 mm, of which both integrations step over
-the same graze of the wall.
+the same graze of the wall. Of 1000 in `pipe-inspection`, whose water damps, none is off by more than 0.5 mm.
 """
 
 CONVERGENCE = 0.5
