@@ -80,4 +80,4 @@ def listen(environment: dict[str, str], *arguments: str) -> Iterator[Callable[[]
     with start("/usr/bin/python3", str(LISTENER), *arguments, env=environment) as process:
         assert process.stdin is not None and process.stdout is not None
         assert process.stdout.readline() == "ready\n"
-        yield lambda: loads(process.communicate("end\n", timeout=20)[0])
+        yield lambda: loads(process.communicate("end\n", timeout=80)[0])

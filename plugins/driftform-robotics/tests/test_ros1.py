@@ -1,7 +1,6 @@
 """ROS 1: catkin builds the package for the UUV simulator, roslaunch reads it, and rospy receives what bags hold."""
 
 import subprocess
-import time
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
@@ -126,10 +125,13 @@ def test_rospy_receives_every_message_of_a_bag_and_tf2_the_poses(
     topics = [f"{topic['topic']}:{topic['type']}" for topic in info["topics"]]
     times = [str(1 + t) for t in flight.t[:-1]]
     run_system("rosparam set /use_sim_time true", tmp_path, env=environment)
-    with listen(environment, *topics, "--frames", "world", "agent/base_link", "--times", *times) as finish:
-        play = f"timeout 60 rosbag play --quiet --wait-for-subscribers --queue 10000 --delay 0.5 {bag}"
-        run_system(play, tmp_path, env=environment)
-        time.sleep(0.5)
+    options = ("--messages", str(sum(expected.values())), "--frames", "world", "agent/base_link", "--times", *times)
+    # A player that has ended may take its last message with it.
+    play = ("--quiet", "--keep-alive", "--wait-for-subscribers", "--queue", "10000", "--delay", "0.5", str(bag))
+    with (
+        listen(environment, *topics, *options) as finish,
+        start("/usr/lib/rosbag/play", *play, cwd=tmp_path, env=environment),
+    ):
         received = finish()
     assert received["counts"] == expected
     assert set(expected) >= {"/clock", "/tf", "/markers", "/agent/range", "/agent/odom"}
@@ -158,8 +160,8 @@ def test_robot_state_publisher_leaves_the_pose_of_the_agent_to_others(
     run_system("rosparam set /use_sim_time false", tmp_path, env=environment)
     run_system(f"rosparam set /robot_description --textfile {description}", tmp_path, env=environment)
     topic = "/tf_static:tf2_msgs/TFMessage"
-    with listen(environment, topic, "--frames", "world", "base_link") as finish, publisher(environment):
-        time.sleep(2.0)
+    options = ("--messages", "1", "--frames", "world", "base_link")
+    with listen(environment, topic, *options) as finish, publisher(environment):
         received = finish()
     # roscpp sends a latched message twice to a listener that joins while it is published.
     assert received["counts"] in ({"/tf_static": 1}, {"/tf_static": 2})
