@@ -15,7 +15,8 @@ from driftform.agent.slices import slice_solid
 from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
-from driftform.types import Agent, Drag, End, Trajectory
+from driftform.types import Agent, Drag, End, FloatArray, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
 from driftform.water.scenario import evaluation_seed
 
@@ -40,9 +41,6 @@ WITH_DRAG = ("drag strips", "all of these")
 
 ACCURACY = 1e-3
 """m: what the default settings ask of flights without gusts."""
-
-DEEPEST = 1.5e-3
-"""m: what no impact passes."""
 
 SPOT_CHECK = 20
 """One sound flight of so many is flown again as exactly as can be."""
@@ -87,6 +85,20 @@ def flights_of(study, dragged: bool, count: int, workers) -> Iterator[Flown]:
         yield from map(Flown, indices, agents, scenarios, flights)
 
 
+def find_sides(flown: Flown, radius: float) -> FloatArray:
+    """Return how far (m) the sides of the widest rim are beyond a bore that its middle touches, at each sample, (k,).
+
+    The axis has the cosine c to the wall's tangent plane. The rim's point at the angle phi from its middle is farther out than
+    its centre by r c cos(phi) + (r sin(phi))^2 / 2R: by most at cos(phi) = c R / r, which is (r - c R)^2 / 2R more than at
+    the middle, and at the middle itself if c R > r.
+    """
+    across, r = flown.trajectory.position[:, 1:], flown.agent.body.max_diameter / 2
+    normal = across / np.maximum(np.linalg.norm(across, axis=1), 1e-12)[:, None]
+    axis = matrix_from_quaternion(flown.trajectory.quaternion)[:, 1:, 0]
+    c = np.sqrt(np.maximum(0.0, 1 - (axis * normal).sum(axis=1) ** 2))
+    return np.maximum(0.0, r - c * radius) ** 2 / (2 * radius)
+
+
 def complaints(flown: Flown, pipeline) -> Iterator[str]:
     """What is unsound about a flight: nothing, if it is as its end says."""
     trajectory, scenario = flown.trajectory, flown.scenario
@@ -110,9 +122,7 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
     accepted = np.inf if scenario.has_gusts else ACCURACY
     if trajectory.error is None or not trajectory.error <= accepted:
         yield f"passes with an error of {trajectory.error} m"
-    # A rim that lies flat on the wall touches it with its middle, and its sides are beyond the curved bore.
-    sides = (flown.agent.body.max_diameter / 2) ** 2 / (2 * pipe.radius)
-    if wall_depths(flown.agent, trajectory, pipe.radius).max() > DEEPEST + sides:
+    if (wall_depths(flown.agent, trajectory, pipe.radius) - find_sides(flown, pipe.radius)).max() > 1.5e-3:
         yield "goes through the wall"
     fitness = pipeline.fitness.score(trajectory, scenario, flown.agent)
     if not (np.isfinite(fitness).all() and (fitness >= 0).all() and (fitness <= 100).all()):

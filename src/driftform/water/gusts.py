@@ -102,8 +102,8 @@ def _shape_waves(knots: int, smoothing: float) -> tuple[FloatArray, npt.NDArray[
     spectrum = np.sqrt(1 - kept**2) / np.abs(1 - kept * np.exp(1j * angles))
     # Slopes of a periodic cubic spline: s[k-1] + 4 s[k] + s[k+1] = 3 (v[k+1] - v[k-1]) / step.
     differences = 6j * np.sin(angles) / (4 + 2 * np.cos(angles)) / smoothing
-    for kept_for_others in (spectrum, differences):
-        kept_for_others.setflags(write=False)
+    for array in (spectrum, differences):
+        array.setflags(write=False)
     return spectrum, differences
 
 
