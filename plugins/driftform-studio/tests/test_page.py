@@ -96,6 +96,13 @@ class Page:
     def find(self, selector):
         return self.browser.find_element("css selector", selector)
 
+    def find_all(self, selector):
+        return self.browser.find_elements("css selector", selector)
+
+    def press(self, selector, number=0):
+        """Click on an element; an answer of the server may make it anew between the look and the click."""
+        self.wait_for(lambda: (found := self.find_all(selector)) and found[number].click() is None)
+
     def text(self, id):
         return self.run("return document.getElementById(arguments[0]).textContent", id)
 
@@ -124,11 +131,15 @@ class Page:
     def set(self, label, value):
         from selenium.webdriver.support.ui import Select
 
-        field = self.field(label)
-        if field.tag_name == "select":
-            Select(field).select_by_value(value)
-            return
-        field.send_keys("\ue009a\ue000", value or "\ue017")  # Ctrl+A, and Delete for nothing
+        def enter():
+            field = self.field(label)
+            if field.tag_name == "select":
+                Select(field).select_by_value(value)
+            else:
+                field.send_keys("\ue009a\ue000", value or "\ue017")  # Ctrl+A, and Delete for nothing
+            return True
+
+        self.wait_for(enter)
 
     def at(self, x, z):
         """Return the place of a point of the pipe on the side view, px from its middle."""
@@ -255,7 +266,7 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     page.picture("design", ".moves")
     words = page.run("return document.querySelector('main').innerText.split('The same in a terminal')[0]")
     assert not re.search(NOT_OF_A_PAGE, words), re.search(NOT_OF_A_PAGE, words)
-    page.find("#start").click()
+    page.press("#start")
     page.wait_for(lambda: "#run=pump-house-1" in browser.current_url)
     page.wait_until("Searching", "Finished")
     if UPDATE:
@@ -272,13 +283,13 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     whole, printed = agent.mass.mass, hull_mass(agent.agent.body) + agent.agent.body.core.mass
     assert row[0] == "leak" and float(row[1]) == pytest.approx(100 * best["robust"]["hit"], abs=0.6)
     assert float(row[3]) == pytest.approx(1000 * best["p90"], rel=0.06, abs=0.6)
-    page.find("[aria-label='Show the agent for leak']").click()
+    page.press("[aria-label='Show the agent for leak']")
     page.until("!document.getElementById('agent-shown').hidden")
     seen = [page.pixels("agent-view")]
     assert 0.005 < seen[0][0] < 0.6
     page.find("#agent-view").send_keys("\ue012")  # arrow left
     seen.append(page.pixels("agent-view"))
-    page.find("#cut").click()
+    page.press("#cut")
     seen.append(page.pixels("agent-view"))
     assert len(set(seen)) == 3
     moment = page.text("moment")
@@ -289,46 +300,46 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     # The files.
     shutil.rmtree(browser.downloads)
     browser.downloads.mkdir()
-    page.find("[data-kind=kit]").click()
+    page.press("[data-kind=kit]")
     [kit] = page.wait_for(lambda: [p for p in browser.downloads.iterdir() if p.suffix in (".3mf", ".zip")])
     with zipfile.ZipFile(kit) as archive:
         names = archive.namelist()
     assert "3D/3dmodel.model" in names or any(name.endswith(".3mf") for name in names)
     for kind, ending in (("stl", ".stl"), ("agent", ".json"), ("study", ".toml")):
-        page.find(f"[data-kind={kind}]").click()
+        page.press(f"[data-kind={kind}]")
         page.wait_for(lambda ending=ending: [p for p in browser.downloads.iterdir() if p.suffix == ending])
-    page.find("[data-kind=report]").click()
+    page.press("[data-kind=report]")
     page.wait_for(lambda: "open the report" in page.text("take-wait"))
     assert (run / "report.html").stat().st_size > 100_000
     # Weighed without its ballast, with a gram and a half missing, and trimmed.
     page.set("Weight with the core", f"{1000 * printed - 1.5:.2f}")
-    page.find("#trim").click()
-    page.wait_for(lambda: browser.find_elements("css selector", "#trimmed table"))
-    weighed = [row.text for row in browser.find_elements("css selector", "#trimmed tbody tr")]
+    page.press("#trim")
+    page.wait_for(lambda: page.find_all("#trimmed table"))
+    weighed = [row.text for row in page.find_all("#trimmed tbody tr")]
     assert [row.split(" g")[0].split()[-1] for row in weighed[:2]] == [
         f"{1000 * whole:.1f}",
         f"{1000 * printed - 1.5:.1f}",
     ]
     assert f"{1000 * (whole - printed) + 1.5:.1f} g of ballast" in page.find("#trimmed").text
-    if seat := browser.find_elements("css selector", "[data-kind=trimmed]"):
+    if page.find_all("[data-kind=trimmed]"):
         before = set(browser.downloads.iterdir())
-        seat[0].click()
+        page.press("[data-kind=trimmed]")
         page.wait_for(lambda: [p for p in set(browser.downloads.iterdir()) - before if p.suffix in (".3mf", ".zip")])
     words = page.run(
         "return [...document.querySelectorAll('main > :not(#terminal)')].map((e) => e.innerText).join(' ')"
     )
     assert not re.search(NOT_OF_A_PAGE, words), re.search(NOT_OF_A_PAGE, words)
     # Any point of the map.
-    page.find("#reach").click()
+    page.press("#reach")
     page.wait_for(lambda: "Click any point" in page.text("hint"))
     page.click(4.0, 0.2)
     page.wait_for(lambda: "Agent that passes 4.0" in page.text("h-agent"))
     page.picture("reach", "#transport")
     assert list((run / "picks").glob("4*/agent.json"))
-    page.find("#show-space").click()
+    page.press("#show-space")
     page.wait_for(lambda: page.pixels("space")[0] > 0.01)
     page.picture("space", "#transport")
-    page.find("#show-side").click()
+    page.press("#show-side")
     page.look(390, "dark")
     page.open(f"{server.address}#run=pump-house-1&agent=leak")
     page.until("!document.getElementById('agent-shown').hidden")
@@ -372,7 +383,7 @@ def test_a_design_survives_that_its_page_is_loaded_again(page, finished, browser
     browser.refresh()
     page.wait_for(lambda: page.targets() == targets)
     assert page.field("Length").get_attribute("value") == "12.5"
-    page.find("#new").click()
+    page.press("#new")
     page.wait_for(lambda: page.targets() == {})
 
 
@@ -381,9 +392,9 @@ def test_two_tabs_show_one_search_and_keep_designs_of_their_own(page, long_run, 
     page.open(server.address)
     page.click(3.0, -0.4)
     page.wait_for(lambda: len(page.targets()) == 1)
-    page.find("#open-runs").click()
-    page.wait_for(lambda: page.browser.find_elements("css selector", "#run-list button"))
-    page.find("#run-list button").click()
+    page.press("#open-runs")
+    page.wait_for(lambda: page.find_all("#run-list button"))
+    page.press("#run-list button")
     page.wait_until("Searching")
     first = browser.current_window_handle
     browser.switch_to.new_window("tab")
@@ -393,11 +404,11 @@ def test_two_tabs_show_one_search_and_keep_designs_of_their_own(page, long_run, 
     page.open(f"{server.address}#run={name}")
     page.wait_until("Searching")
     page.wait_for(lambda: page.find("#pause").is_displayed())
-    page.find("#pause").click()
+    page.press("#pause")
     page.wait_until("Paused")
     browser.switch_to.window(first)
     page.wait_until("Paused")
-    page.find("#resume").click()
+    page.press("#resume")
     before = page.flights()
     page.wait_for(lambda: page.state() == "Searching" and page.flights() > before)
     assert page.messages() == []
@@ -419,7 +430,7 @@ def test_a_server_that_ends_in_mid_search_costs_nothing(page, long_run, serve, b
     # The page finds it by itself.
     page.wait_for(lambda: not page.find("#offline").is_displayed())
     page.wait_for(lambda: page.state() == "Searching" and page.flights() > before)
-    page.find("#pause").click()
+    page.press("#pause")
     page.wait_until("Paused")
     assert page.messages() == []
 
@@ -443,17 +454,16 @@ def test_html_in_names_is_text(page, serve, folder, finished_folder, browser):
     (damaged / "run.db").write_bytes(b"<script>" * 100)
     server = serve()
     page.open(server.address)
-    page.find("#open-runs").click()
-    page.wait_for(lambda: len(browser.find_elements("css selector", "#run-list button")) == 2)
+    page.press("#open-runs")
+    page.wait_for(lambda: len(page.find_all("#run-list button")) == 2)
     shown = page.find("#run-list").text
     assert evil in shown and "<script>document.title" in shown and "<svg onload" in shown
-    [button] = [b for b in browser.find_elements("css selector", "#run-list button") if evil in b.text]
-    button.click()
+    page.press("#run-list button", [evil in button.text for button in page.find_all("#run-list button")].index(True))
     page.wait_until("Finished")
     assert evil in page.text("place") and "<script>" in page.text("place")
     page.wait_for(lambda: f"<b>bold</b> {evil}" in page.find("#problems").text)
     assert "</code><script>" in page.text("study") and evil in page.text("command").replace("'\"'\"'", "'")
-    page.find("[aria-label='Show the agent for near']").click()
+    page.press("[aria-label='Show the agent for near']")
     page.until("!document.getElementById('agent-shown').hidden")
     assert (
         page.run("return document.querySelectorAll('main img[src=x], main script, #problems b, dialog img').length")
@@ -471,13 +481,13 @@ def test_nothing_overflows_and_every_text_has_contrast(page, finished, width, sc
         page.open(finished.address + part)
         if part:
             page.until("!document.getElementById('agent-shown').hidden")
-            page.find("#drawing summary").click()
+            page.press("#drawing summary")
         else:
-            page.find("#example-targets").click()
+            page.press("#example-targets")
             page.wait_for(lambda: len(page.targets()) == 10)
             page.set("Mean speed", "500")
-            page.wait_for(lambda: page.browser.find_elements("css selector", "form .error.own"))
-        for opened in page.browser.find_elements("css selector", "main > section > details:not([open]) > summary"):
+            page.wait_for(lambda: page.find_all("form .error.own"))
+        for opened in page.find_all("main > section > details:not([open]) > summary"):
             opened.click()
         assert page.run("return document.documentElement.scrollWidth") <= width
         wide = page.run(
@@ -500,37 +510,37 @@ def test_axe_finds_no_barrier_in_any_state(page, finished, width, scheme):
 
     page.open(finished.address)
     check("empty")
-    page.find("#example-targets").click()
-    page.find("#add-target").click()
+    page.press("#example-targets")
+    page.press("#add-target")
     page.set("Mean speed", "-3")
-    page.wait_for(lambda: page.browser.find_elements("css selector", "form .error.own"))
-    page.find("#start").click()
+    page.wait_for(lambda: page.find_all("form .error.own"))
+    page.press("#start")
     check("targets, and a field that holds what is no number")
     page.set("Mean speed", "1")
     page.set("Length", "2")
-    page.wait_for(lambda: page.browser.find_elements("css selector", ".target .error"))
+    page.wait_for(lambda: page.find_all(".target .error"))
     check("targets outside of the pipe")
     page.set("Core", "capsule")
     check("a capsule whose file is missing")
     page.set("Start from", "t-junction")
     page.wait_for(lambda: page.find("#show-above").is_displayed())
     check("parts")
-    page.find("#show-space").click()
+    page.press("#show-space")
     check("space")
     page.open(f"{finished.address}#run=small")
     page.wait_until("Finished")
-    page.wait_for(lambda: page.browser.find_elements("css selector", "#promises button"))
+    page.wait_for(lambda: page.find_all("#promises button"))
     check("a run")
-    page.find("[aria-label='Show the agent for near']").click()
+    page.press("[aria-label='Show the agent for near']")
     page.until("!document.getElementById('agent-shown').hidden")
-    page.find("#trim").click()
-    page.wait_for(lambda: page.browser.find_elements("css selector", "#trimmed table"))
+    page.press("#trim")
+    page.wait_for(lambda: page.find_all("#trimmed table"))
     check("an agent that is trimmed")
-    page.find("#reach").click()
+    page.press("#reach")
     page.wait_for(lambda: "Click any point" in page.text("hint"))
     check("the reach map")
-    page.find("#open-runs").click()
-    page.wait_for(lambda: page.browser.find_elements("css selector", "#run-list button"))
+    page.press("#open-runs")
+    page.wait_for(lambda: page.find_all("#run-list button"))
     check("the runs")
 
 
@@ -538,8 +548,8 @@ def test_the_dialog_of_runs_has_contrast_too(page, finished):
     for scheme in ("light", "dark"):
         page.look(390, scheme)
         page.open(finished.address)
-        page.find("#open-runs").click()
-        page.wait_for(lambda: page.browser.find_elements("css selector", "#run-list button"))
+        page.press("#open-runs")
+        page.wait_for(lambda: page.find_all("#run-list button"))
         assert page.run(CONTRASTS) == []
 
 
@@ -553,7 +563,7 @@ def test_a_capsule_and_a_current_are_files_that_a_design_takes(page, serve, tmp_
     page.set("Core", "capsule")
     page.wait_for(lambda: "One field holds" in page.text("held"))
     assert not page.find("#start").is_enabled() and "core_cog" not in page.text("study")
-    page.find("#undo").click()
+    page.press("#undo")
     page.wait_for(lambda: page.field("Core").get_attribute("value") == "steel-20mm")
     page.set("Core", "capsule")
     page.field("Profile of the capsule").send_keys(str(current))
@@ -567,9 +577,9 @@ def test_a_capsule_and_a_current_are_files_that_a_design_takes(page, serve, tmp_
     page.set("Flights", "6")
     page.set("Disturbed flights", "2")
     page.wait_for(lambda: page.find("#start").is_enabled())
-    page.find("#start").click()
+    page.press("#start")
     page.wait_until("Finished")
-    page.find("#change").click()
+    page.press("#change")
     page.wait_for(lambda: page.field("Core").get_attribute("value") == "capsule")
     assert "the profile of the run" in page.find("#agent-fields").text
     page.set("Core", "brass-20mm")
@@ -659,12 +669,12 @@ def test_an_error_of_the_core_is_shown_at_its_field(page, finished):
     page.set("Length", "2")
     page.wait_for(lambda: "beyond its end" in page.find(".target[data-name=T1] .error").text)
     # The remedy is a button.
-    page.find(".target[data-name=T1] .error button").click()
+    page.press(".target[data-name=T1] .error button")
     page.wait_for(lambda: page.targets()["T1"][0] == 2.0 and page.find("#start").is_enabled())
     page.set("Length", "9")
-    page.find("[aria-label='Remove T1']").click()
+    page.press("[aria-label='Remove T1']")
     page.wait_for(lambda: page.find("#start").is_enabled())
-    page.find("#start").click()
+    page.press("#start")
     page.wait_for(lambda: "click in the pipe" in page.text("targets-error"))
 
 
@@ -683,7 +693,7 @@ document.addEventListener("input", () => setTimeout(() => window.states.push(
 
 def open_all(page):
     page.run("document.querySelectorAll('form details').forEach((e) => { e.open = true; })")
-    fields = page.browser.find_elements("css selector", "form input[inputmode=decimal]")
+    fields = page.find_all("form input[inputmode=decimal]")
     return [field.get_attribute("id") for field in fields if field.is_displayed()]
 
 
@@ -697,7 +707,7 @@ def test_every_field_forgives_what_is_typed_and_can_be_undone(page, finished, sc
     page.set("Material", "custom")
     page.set("Printer", "Own")
     page.set("Kind", "Other")
-    page.find("#add-target").click()
+    page.press("#add-target")
     page.wait_for(lambda: page.find("#start").is_enabled())
     page.until("document.querySelectorAll('#release-fields input').length > 0")
     ids = open_all(page)
@@ -749,10 +759,13 @@ def add_part(page, kind, to="pipe"):
     """Add a part at the end of the pipe, or of the last branch."""
     from selenium.webdriver.support.ui import Select
 
-    lists = page.browser.find_elements("css selector", f"[aria-label='Add a part to the {to}']")
-    count = len(page.browser.find_elements("css selector", ".part"))
-    Select(lists[-1]).select_by_value(kind)
-    page.wait_for(lambda: len(page.browser.find_elements("css selector", ".part")) > count)
+    def choose():
+        Select(page.find_all(f"[aria-label='Add a part to the {to}']")[-1]).select_by_value(kind)
+        return True
+
+    count = len(page.find_all(".part"))
+    page.wait_for(choose)
+    page.wait_for(lambda: len(page.find_all(".part")) > count)
 
 
 def test_the_command_and_the_study_file_can_be_copied(page, finished, browser):
@@ -760,9 +773,9 @@ def test_the_command_and_the_study_file_can_be_copied(page, finished, browser):
     browser.execute_cdp_cmd("Browser.grantPermissions", asked)
     page.open(f"{finished.address}#run=small")
     page.wait_until("Finished")
-    page.find("#terminal summary").click()
+    page.press("#terminal summary")
     for id in ("command", "study"):
-        page.find(f"[data-copy={id}]").click()
+        page.press(f"[data-copy={id}]")
         page.wait_for(lambda id=id: page.find(f"[data-copy={id}]").text == "Copied")
         copied = browser.execute_async_script("navigator.clipboard.readText().then(arguments[0])")
         assert copied == page.text(id) != ""
@@ -772,9 +785,9 @@ def test_the_command_and_the_study_file_can_be_copied(page, finished, browser):
 
 def test_a_search_of_the_command_line_is_watched_on_the_page(page, serve, terminal_search):
     page.open(serve().address)
-    page.find("#open-runs").click()
+    page.press("#open-runs")
     page.wait_for(lambda: "searching" in page.find("#run-list").text)
-    page.find("#run-list button").click()
+    page.press("#run-list button")
     page.wait_until("Searching")
     before = page.flights()
     page.wait_for(lambda: page.flights() > before)
@@ -791,7 +804,7 @@ def test_a_pipe_is_laid_of_parts_and_drawn_to_scale(page, finished):
     add_part(page, "bend")
     page.wait_for(lambda: "bend" in page.text("study"))
     # A bend down of 3 m about (4, -3): the outlet is at (7, -3), and looks down.
-    page.wait_for(lambda: len(page.browser.find_elements("css selector", "#side .bore")) == 2)
+    page.wait_for(lambda: len(page.find_all("#side .bore")) == 2)
     left, top, right, bottom, end = page.run(
         "const box = (e) => e.getBBox(), bores = [...document.querySelectorAll('#side .bore')].map(box);"
         "const straight = bores[0], bend = bores[1], metre = straight.width / 4;"
@@ -799,24 +812,23 @@ def test_a_pipe_is_laid_of_parts_and_drawn_to_scale(page, finished):
         "straight.height].map((v) => v / metre);"
     )
     assert [left, top, right, bottom, end] == pytest.approx([4, 0, 8, 4, 2], abs=0.03)
-    # The answer to the second of the two changes may come between the look and the click.
-    page.wait_for(lambda: page.find("[data-outlet=outlet]").click() is None)
+    page.press("[data-outlet=outlet]")
     page.wait_for(lambda: page.targets() == {"out": [7.0, 0.0, -3.0]})
     assert 'out = "outlet"' in page.text("study")
     # A tee needs names of its outlets, and gets them.
     add_part(page, "tee")
     add_part(page, "reducer", "branch")
     page.wait_for(lambda: "did you mean" in page.text("targets") or "no such outlet" in page.text("targets"))
-    page.find("[aria-label='Remove out']").click()
-    page.wait_for(lambda: len(page.browser.find_elements("css selector", "[data-outlet]:not(.target)")) == 2)
+    page.press("[aria-label='Remove out']")
+    page.wait_for(lambda: len(page.find_all("[data-outlet]:not(.target)")) == 2)
     for outlet in "BA":
-        page.find(f"button[data-outlet={outlet}]").click()
+        page.press(f"button[data-outlet={outlet}]")
     page.wait_for(lambda: list(page.targets()) == ["outlet-B", "outlet-A"])
     page.until("document.querySelectorAll('#side .mark').length === 2 && document.querySelector('#side .current')")
     page.picture("parts", ".stage")
-    page.find("#show-space").click()
+    page.press("#show-space")
     page.wait_for(lambda: page.pixels("space")[0] > 0.002)
-    page.find("#show-side").click()
+    page.press("#show-side")
     # An error of a part is shown at its field.
     page.set("Share of the water", "2")
     page.wait_for(lambda: page.field("Share of the water").get_attribute("aria-invalid") == "true")
@@ -825,24 +837,22 @@ def test_a_pipe_is_laid_of_parts_and_drawn_to_scale(page, finished):
     assert page.run(CONTRASTS) == [] and page.messages() == []
     # Without its parts the pipe is straight again.
     for _ in range(2):
-        page.browser.find_elements("css selector", "[aria-label^='Remove tee'], [aria-label^='Remove bend']")[
-            -1
-        ].click()
-    page.wait_for(lambda: not page.browser.find_elements("css selector", ".part"))
+        page.press("[aria-label^='Remove tee'], [aria-label^='Remove bend']", -1)
+    page.wait_for(lambda: not page.find_all(".part"))
     assert page.field("Length").get_attribute("value") == "4"
 
 
 def test_a_pipe_that_leaves_the_plane_of_the_side_view_is_shown_from_above(page, finished):
     bores = "const b = document.getElementById('side').querySelector('.bore').parentElement.getBBox();"
     page.open(finished.address)
-    page.wait_for(lambda: page.browser.find_elements("css selector", "#side .bore"))
+    page.wait_for(lambda: page.find_all("#side .bore"))
     assert not page.find("#show-above").is_displayed()
     page.set("Start from", "t-junction")
     page.wait_for(lambda: page.find("#show-above").is_displayed())
-    page.find("#example-targets").click()
-    page.wait_for(lambda: len(page.browser.find_elements("css selector", "#side .mark")) == 2)
+    page.press("#example-targets")
+    page.wait_for(lambda: len(page.find_all("#side .mark")) == 2)
     side = page.run(f"{bores} return b.width / b.height")
-    page.find("#show-above").click()
+    page.press("#show-above")
     above = page.run(f"{bores} return b.width / b.height")
     # From the side 2 m wide and the branch high, from above 2.6 m to the right of the inlet's direction.
     assert side > 2
@@ -867,11 +877,11 @@ def test_a_search_in_a_pipe_of_parts_is_shown_as_one_in_a_straight_pipe(page, se
     name = server.ask("api/runs", {"draft": draft, "name": "elbow"})["run"]
     page.open(f"{server.address}#run={name}")
     page.wait_for(lambda: page.flights() == 10)
-    page.wait_for(lambda: len(page.browser.find_elements("css selector", "#side .flight")) == 2)
-    page.find("[aria-label='Show the agent for end']").click()
+    page.wait_for(lambda: len(page.find_all("#side .flight")) == 2)
+    page.press("[aria-label='Show the agent for end']")
     page.until("!document.getElementById('agent-shown').hidden")
     assert "from end" in page.text("moment")
-    page.find("#show-space").click()
+    page.press("#show-space")
     page.wait_for(lambda: page.pixels("space")[0] > 0.002)
     assert page.messages() == []
     # The arrows of its current drift around the bend, as fast as the water.
@@ -888,8 +898,8 @@ def test_a_search_in_a_pipe_of_parts_is_shown_as_one_in_a_straight_pipe(page, se
     assert np.count_nonzero(in_straight) > 20
     assert moved[in_straight].max() / 0.1 == pytest.approx(max(scene["profile"]), rel=0.1)
     # The reach map lies in the pipe, around the bend too.
-    page.find("#show-side").click()
-    page.find("#reach").click()
+    page.press("#show-side")
+    page.press("#reach")
     page.wait_for(lambda: "Click any point" in page.text("hint"))
     assert page.run("return document.querySelectorAll('#side .reached').length") > 0
     bore, cells = (
@@ -911,7 +921,7 @@ def test_whoever_waits_is_shown_that_something_goes_on(page, serve):
     page.open(server.address)
     os.kill(server.pid, signal.SIGSTOP)
     try:
-        page.find("#open-runs").click()
+        page.press("#open-runs")
         page.wait_for(lambda: page.find("#busy").is_displayed())
     finally:
         os.kill(server.pid, signal.SIGCONT)
@@ -922,12 +932,12 @@ def test_whoever_waits_is_shown_that_something_goes_on(page, serve):
 def test_the_promise_of_a_picked_agent_is_flown_on_demand(page, finished):
     page.open(f"{finished.address}#run=small")
     page.wait_until("Finished")
-    page.find("#reach").click()
+    page.press("#reach")
     page.wait_for(lambda: "Click any point" in page.text("hint"))
     page.click(5.5, 0.3)
     page.wait_for(lambda: "Agent that passes 5.5" in page.text("h-agent"))
     page.wait_for(lambda: page.find("#disturb").is_displayed())
-    page.find("#disturb").click()
+    page.press("#disturb")
     page.wait_for(lambda: "mm" in page.find("#agent-promise .main dd").text)
     assert page.find("#agent-effects").text.startswith("What its miss depends on")
 
@@ -950,9 +960,9 @@ def test_the_first_picture_comes_within_three_seconds_of_the_command(page, serve
 def test_a_flight_plays_at_thirty_frames_a_second(page, finished, view, follow):
     page.open(f"{finished.address}#run=small&agent=far")
     page.until("!document.getElementById('agent-shown').hidden")
-    page.find(f"#show-{view}").click()
+    page.press(f"#show-{view}")
     if follow:
-        page.find("#follow").click()
+        page.press("#follow")
     page.run("const t = document.getElementById('time'); t.value = 0; t.dispatchEvent(new Event('input'));")
     rate = page.browser.execute_async_script(
         "const done = arguments[0], began = performance.now(); let count = 0;"
