@@ -6,7 +6,7 @@ degrees, so that it prints without support with the closed end of its part on th
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -161,8 +161,7 @@ def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: t
         if is_held(parts, core, side, gap):
             continue
         part = shells[0 if side < 0 else 1]
-        others = [p for i, p in enumerate(parts) if i != part]
-        section = draw_seat(hull, core, parts[part], others, side, gap)
+        section = draw_seat(hull, core, parts[part], unite(p for i, p in enumerate(parts) if i != part), side, gap)
         if section is None:
             raise WorkFailedError(
                 f"no kit can be made: the core is not held on its {'fore' if side > 0 else 'aft'} side, and a seat has "
@@ -172,11 +171,15 @@ def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: t
     return found
 
 
+def unite(sections: Iterable[CrossSection]) -> CrossSection:
+    """Return the area inside any of some sections."""
+    return CrossSection.batch_boolean(list(sections), OpType.Add)
+
+
 def draw_seat(
-    hull: Hull, ball: Ball, part: CrossSection, others: Sequence[CrossSection], side: int, gap: float
+    hull: Hull, ball: Ball, part: CrossSection, taken: CrossSection, side: int, gap: float
 ) -> CrossSection | None:
-    """Return the section of a cone on one side of a ball that merges with a part and is clear of others; ``None`` without room."""
-    taken = CrossSection.batch_boolean(list(others), OpType.Add)
+    """Return the section of a cone on one side of a ball that merges with a part and is clear of what is taken; ``None`` without room."""
     far = 2 * float(np.abs(hull.skin).max())
     for latitude in np.radians(_LATITUDES_DEG).tolist():
         # A strip about the ray at that latitude, for a ball from its centre.
@@ -190,13 +193,12 @@ def draw_seat(
 
 
 def draw_tube(
-    hull: Hull, ball: Ball, part: CrossSection, others: Sequence[CrossSection], side: int, gap: float
+    hull: Hull, ball: Ball, part: CrossSection, taken: CrossSection, side: int, gap: float
 ) -> CrossSection | None:
     """Return the section of a tube along the axis, from the wall to one side of a ball, as :func:`draw_seat`.
 
     In a wide bore, near its end, it is lighter than a cone. The ball lies in its mouth, at a latitude of 45 degrees.
     """
-    taken = CrossSection.batch_boolean(list(others), OpType.Add)
     inner = max(math.sqrt(0.5) * (ball.radius + gap), LEAST_TUBE)
     far = 2 * float(np.abs(hull.skin).max())
     corners = np.array([(inner, 0.0), (inner, side * far), (inner + SEAT, side * far), (inner + SEAT, 0.0)])

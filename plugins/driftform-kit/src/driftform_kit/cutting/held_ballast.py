@@ -7,13 +7,14 @@ Only a drop of glue keeps it from falling back: a second seat would not let it i
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from manifold3d import CrossSection
 
 from driftform.errors import WorkFailedError
 from driftform_kit.cutting import meridian
-from driftform_kit.cutting.bay import Ball, Seat, distance_along, draw_seat, draw_tube, is_held
+from driftform_kit.cutting.bay import Ball, Seat, distance_along, draw_seat, draw_tube, is_held, unite
 from driftform_kit.cutting.joint import Joint, takes_core_aft
 from driftform_kit.cutting.meridian import Hull, Ring
 from driftform_kit.cutting.upright import prints_fore_down
@@ -139,15 +140,13 @@ class _Bay:
         own = self.parts[part]
         if is_held([own], ball, side, self.gap):
             return True, None
-        drawn = [draw(self.hull, ball, own, taken, side, self.gap) for draw in (draw_seat, draw_tube)]
-        sections = [s for s in drawn if s is not None and (s - own).area() > _LEAST]
-        if not sections:
-            return False, None
-
-        def added_volume(section: CrossSection) -> float:
-            return meridian.moments(meridian.list_rings(meridian.take_right(section - own))).volume
-
-        return True, Seat(min(sections, key=added_volume), part)
+        clear, found = unite(taken), []
+        for draw in (draw_seat, draw_tube):
+            section = draw(self.hull, ball, own, clear, side, self.gap)
+            if section is not None and (added := section - own).area() > _LEAST:
+                volume = meridian.moments(meridian.list_rings(meridian.take_right(added))).volume
+                found.append((volume, section))
+        return (True, Seat(min(found, key=itemgetter(0))[1], part)) if found else (False, None)
 
 
 def _opens_upward(hull: Hull, ball: Ball, side: int) -> bool:

@@ -45,14 +45,17 @@ def _measure_areas(polygons: Sequence[Ring], up: int) -> tuple[float, float]:
 def _areas(ring: Ring, up: int, lowest: float) -> FloatArray:
     """Area on the bed, and area that hangs in the air, mm2."""
     # Turned over, a ring runs the other way round.
-    r, z = (ring if up > 0 else ring[::-1] * (1.0, -1.0)).T
-    dr, dz = np.roll(r, -1) - r, np.roll(z, -1) - z
+    turned = ring if up > 0 else ring[::-1] * (1.0, -1.0)
+    # From the last point, round the ring, to the first one again.
+    corners = np.concatenate((turned[-1:], turned, turned[:1])).T
+    r, z = corners[:, 1:-1]
+    (dr_before, dr), (dz_before, dz) = [(step[:-1], step[1:]) for step in corners[:, 1:] - corners[:, :-1]]
     size = np.hypot(dr, dz)
     area = np.pi * (2 * r + dr) * size
-    flat = (z < lowest + _LEVEL) & (np.roll(z, -1) < lowest + _LEVEL)
+    low = corners[1, 1:] < lowest + _LEVEL
+    flat = low[:-1] & low[1:]
     # Counterclockwise round the material, an edge's outward normal is (dz, -dr).
     hangs = (dr > math.sin(STEEPEST) * size) & ~flat
-    before = np.roll(z, 1)
-    convex = dr * np.roll(dz, 1) - dz * np.roll(dr, 1) < 0
-    begins = (z < before - 1e-9) & (dz > 1e-9) & (z > lowest + _LEVEL) & convex
+    convex = dr * dz_before - dz * dr_before < 0
+    begins = (z < corners[1, :-2] - 1e-9) & (dz > 1e-9) & (z > lowest + _LEVEL) & convex
     return np.array([area[flat].sum(), area[hangs].sum() + 2 * np.pi * _LINE * r[begins].sum()])
