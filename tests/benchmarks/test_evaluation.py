@@ -112,9 +112,9 @@ def test_errors_of_unchecked_flights(publish, count_of, tmp_path):
             assert missed <= 0.02 * matter.sum()
     lines += [
         "",
-        f"{count} genomes with `native`, a tenth of them with Exudyn; ten targets. The margin is {MARGIN:g} %. The "
-        "search is repeated with all of its flights checked: a flight matters if it exceeds its threshold for any "
-        "target, and is missed if it would stay unchecked.",
+        f"{count} genomes, a tenth of them with Exudyn; ten targets. The search is repeated with all flights checked: "
+        "one that exceeds its threshold for any target is missed if it would stay unchecked. "
+        f"The margin is {MARGIN:g} %.",
     ]
     publish("unchecked flights", lines)
 
