@@ -113,8 +113,8 @@ def test_errors_of_unchecked_flights(publish, count_of, tmp_path):
     lines += [
         "",
         f"{count} genomes, a tenth of them with Exudyn; ten targets. The search is repeated with all flights checked: "
-        "one that exceeds its threshold for any target is missed if it would stay unchecked. "
-        f"The margin is {MARGIN:g} %.",
+        "one above its threshold for any target matters, and is missed if it would stay unchecked. "
+        f"Margin: {MARGIN:g} %.",
     ]
     publish("unchecked flights", lines)
 

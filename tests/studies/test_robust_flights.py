@@ -42,6 +42,9 @@ WITH_DRAG = ("drag strips", "all of these")
 ACCURACY = 1e-3
 """m: what the default settings ask of flights without gusts."""
 
+DEEPEST = 1.5e-3
+"""m: what no impact passes."""
+
 SPOT_CHECK = 20
 """One sound flight of so many is flown again as exactly as can be."""
 
@@ -122,7 +125,7 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
     accepted = np.inf if scenario.has_gusts else ACCURACY
     if trajectory.error is None or not trajectory.error <= accepted:
         yield f"passes with an error of {trajectory.error} m"
-    if (wall_depths(flown.agent, trajectory, pipe.radius) - find_sides(flown, pipe.radius)).max() > 1.5e-3:
+    if (wall_depths(flown.agent, trajectory, pipe.radius) - find_sides(flown, pipe.radius)).max() > DEEPEST:
         yield "goes through the wall"
     fitness = pipeline.fitness.score(trajectory, scenario, flown.agent)
     if not (np.isfinite(fitness).all() and (fitness >= 0).all() and (fitness <= 100).all()):

@@ -100,7 +100,7 @@ class Page:
         return self.browser.find_elements("css selector", selector)
 
     def press(self, selector, number=0):
-        """Click on an element; an answer of the server may make it anew between the look and the click."""
+        """Click on an element once it is there; an answer of the server may make it anew between the look and the click."""
         self.wait_for(lambda: (found := self.find_all(selector)) and found[number].click() is None)
 
     def text(self, id):
@@ -137,9 +137,8 @@ class Page:
                 Select(field).select_by_value(value)
             else:
                 field.send_keys("\ue009a\ue000", value or "\ue017")  # Ctrl+A, and Delete for nothing
-            return True
 
-        self.wait_for(enter)
+        self.wait_for(lambda: enter() is None)
 
     def at(self, x, z):
         """Return the place of a point of the pipe on the side view, px from its middle."""
@@ -458,7 +457,8 @@ def test_html_in_names_is_text(page, serve, folder, finished_folder, browser):
     page.wait_for(lambda: len(page.find_all("#run-list button")) == 2)
     shown = page.find("#run-list").text
     assert evil in shown and "<script>document.title" in shown and "<svg onload" in shown
-    page.press("#run-list button", [evil in button.text for button in page.find_all("#run-list button")].index(True))
+    [number] = [n for n, button in enumerate(page.find_all("#run-list button")) if evil in button.text]
+    page.press("#run-list button", number)
     page.wait_until("Finished")
     assert evil in page.text("place") and "<script>" in page.text("place")
     page.wait_for(lambda: f"<b>bold</b> {evil}" in page.find("#problems").text)
@@ -759,12 +759,8 @@ def add_part(page, kind, to="pipe"):
     """Add a part at the end of the pipe, or of the last branch."""
     from selenium.webdriver.support.ui import Select
 
-    def choose():
-        Select(page.find_all(f"[aria-label='Add a part to the {to}']")[-1]).select_by_value(kind)
-        return True
-
-    count = len(page.find_all(".part"))
-    page.wait_for(choose)
+    lists, count = f"[aria-label='Add a part to the {to}']", len(page.find_all(".part"))
+    page.wait_for(lambda: Select(page.find_all(lists)[-1]).select_by_value(kind) is None)
     page.wait_for(lambda: len(page.find_all(".part")) > count)
 
 

@@ -6,12 +6,12 @@ degrees, so that it prints without support with the closed end of its part on th
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from manifold3d import CrossSection, OpType
+from manifold3d import CrossSection
 
 from driftform.agent import distance_from
 from driftform.errors import WorkFailedError
@@ -161,7 +161,8 @@ def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: t
         if is_held(parts, core, side, gap):
             continue
         part = shells[0 if side < 0 else 1]
-        section = draw_seat(hull, core, parts[part], unite(p for i, p in enumerate(parts) if i != part), side, gap)
+        taken = meridian.unite(p for i, p in enumerate(parts) if i != part)
+        section = draw_seat(hull, core, parts[part], taken, side, gap)
         if section is None:
             raise WorkFailedError(
                 f"no kit can be made: the core is not held on its {'fore' if side > 0 else 'aft'} side, and a seat has "
@@ -169,11 +170,6 @@ def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: t
             )
         found.append(Seat(section, part))
     return found
-
-
-def unite(sections: Iterable[CrossSection]) -> CrossSection:
-    """Return the area inside any of some sections."""
-    return CrossSection.batch_boolean(list(sections), OpType.Add)
 
 
 def draw_seat(

@@ -14,7 +14,7 @@ from manifold3d import CrossSection
 
 from driftform.errors import WorkFailedError
 from driftform_kit.cutting import meridian
-from driftform_kit.cutting.bay import Ball, Seat, distance_along, draw_seat, draw_tube, is_held, unite
+from driftform_kit.cutting.bay import Ball, Seat, distance_along, draw_seat, draw_tube, is_held
 from driftform_kit.cutting.joint import Joint, takes_core_aft
 from driftform_kit.cutting.meridian import Hull, Ring
 from driftform_kit.cutting.upright import prints_fore_down
@@ -117,7 +117,7 @@ class _Bay:
             raise _refuse(ball, hull, "it is not in the cavity")
         if (ball.draw(-_ROUNDING) ^ parts[part]).area() > _AREA:
             raise _refuse(ball, hull, "the bore is narrower there")
-        taken = [*others, *kept_free]
+        taken = meridian.unite((*others, *kept_free))
         mouths = (joint for joint in (part - 1, part) if 0 <= joint < len(joints))
         for mouth in sorted(mouths, key=lambda m: abs(joints[m].z - ball.z)):
             if free_radius(hull, parts[part], joints[mouth], ball.z) >= ball.radius - _ROUNDING:
@@ -135,14 +135,14 @@ class _Bay:
             ball, hull, "it is wider than the way to it, or a seat has no room beside joint, core and other balls"
         )
 
-    def support(self, part: int, ball: Ball, side: int, taken: Sequence[CrossSection]) -> tuple[bool, Seat | None]:
+    def support(self, part: int, ball: Ball, side: int, taken: CrossSection) -> tuple[bool, Seat | None]:
         """Return whether a ball can rest on one side, and the seat for that, ``None`` if the wall holds it."""
         own = self.parts[part]
         if is_held([own], ball, side, self.gap):
             return True, None
-        clear, found = unite(taken), []
+        found = []
         for draw in (draw_seat, draw_tube):
-            section = draw(self.hull, ball, own, clear, side, self.gap)
+            section = draw(self.hull, ball, own, taken, side, self.gap)
             if section is not None and (added := section - own).area() > _LEAST:
                 volume = meridian.moments(meridian.list_rings(meridian.take_right(added))).volume
                 found.append((volume, section))

@@ -5,14 +5,14 @@ there.
 """
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from manifold3d import CrossSection, FillRule, JoinType
+from manifold3d import CrossSection, FillRule, JoinType, OpType
 
 from driftform.agent import distance_from, solid_of_revolution
 from driftform.errors import WorkFailedError
@@ -207,6 +207,11 @@ def circumradius(radius: float) -> float:
 def grow(section: CrossSection, by: float) -> CrossSection:
     """Return a section with its edges moved outward; a negative distance moves them inward."""
     return section.offset(by, JoinType.Miter, 2.0) if by else section
+
+
+def unite(sections: Iterable[CrossSection]) -> CrossSection:
+    """Return the area inside any of some sections."""
+    return CrossSection.batch_boolean(list(sections), OpType.Add)
 
 
 def subtract_near(section: CrossSection, hole: CrossSection) -> CrossSection:

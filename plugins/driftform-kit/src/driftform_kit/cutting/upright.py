@@ -48,14 +48,13 @@ def _areas(ring: Ring, up: int, lowest: float) -> FloatArray:
     turned = ring if up > 0 else ring[::-1] * (1.0, -1.0)
     # From the last point, round the ring, to the first one again.
     corners = np.concatenate((turned[-1:], turned, turned[:1])).T
-    r, z = corners[:, 1:-1]
-    (dr_before, dr), (dz_before, dz) = [(step[:-1], step[1:]) for step in corners[:, 1:] - corners[:, :-1]]
+    before, here, after = corners[:, :-2], corners[:, 1:-1], corners[:, 2:]
+    (r, z), (dr, dz), (dr_before, dz_before) = here, after - here, here - before
     size = np.hypot(dr, dz)
     area = np.pi * (2 * r + dr) * size
-    low = corners[1, 1:] < lowest + _LEVEL
-    flat = low[:-1] & low[1:]
+    flat = (z < lowest + _LEVEL) & (after[1] < lowest + _LEVEL)
     # Counterclockwise round the material, an edge's outward normal is (dz, -dr).
     hangs = (dr > math.sin(STEEPEST) * size) & ~flat
     convex = dr * dz_before - dz * dr_before < 0
-    begins = (z < corners[1, :-2] - 1e-9) & (dz > 1e-9) & (z > lowest + _LEVEL) & convex
+    begins = (z < before[1] - 1e-9) & (dz > 1e-9) & (z > lowest + _LEVEL) & convex
     return np.array([area[flat].sum(), area[hangs].sum() + 2 * np.pi * _LINE * r[begins].sum()])
