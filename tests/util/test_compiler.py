@@ -1,5 +1,7 @@
 """What the compiler of the kernels leaves out changes no result."""
 
+import signal
+
 import numpy as np
 import pytest
 from numba import njit
@@ -177,6 +179,41 @@ def test_an_exception_passes_through_the_kernels_that_call_the_one_that_raises_i
     with pytest.raises(ValueError, match="negative"):
         twice(np.array([4.0, -1.0]))
     assert twice(np.array([9.0])) == 6.0
+
+
+@allocating
+def spend(turns: int) -> np.ndarray:
+    values = np.zeros(3)
+    for turn in range(turns):
+        values[turn % 3] += 1.0 / (1.0 + values[(turn + 1) % 3])
+    return values
+
+
+@allocating
+def spend_twice(turns: int) -> tuple[np.ndarray, float, np.ndarray]:
+    first = spend(turns)
+    return first, 0.5, spend(turns)
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timers that send signals")
+@pytest.mark.parametrize("kernel", [spend, spend_twice])
+def test_a_signal_while_a_kernel_runs_raises_what_its_handler_raises_once_the_kernel_has_returned(kernel):
+    def stop(number, _):
+        raise KeyboardInterrupt(number)
+
+    kernel(1)
+    before = signal.signal(signal.SIGALRM, stop)
+    try:
+        for _ in range(3):
+            with pytest.raises(KeyboardInterrupt) as interruption:
+                signal.setitimer(signal.ITIMER_REAL, 0.02)
+                kernel(20_000_000)
+            assert interruption.value.args == (signal.SIGALRM,)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    values = kernel(3)
+    assert (values[0] if isinstance(values, tuple) else values).tolist() == [1.0, 1.0, 0.5]
 
 
 @borrowing

@@ -12,6 +12,7 @@ them, optimizes them and translates them, once.
 import hashlib
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from copy import copy
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
@@ -23,6 +24,8 @@ from numba.core.cgutils import pack_array
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.cpu import CPUContext
+from numba.core.pythonapi import PythonAPI
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime._nrt_python import c_helpers
 from numba.core.types import Dispatcher, intp, unliteral
@@ -41,6 +44,9 @@ COMPILATION_S = 15
 
 FOLDER = find_folder("linked")
 """The folder of the machine code."""
+
+_ARRAY_SYMBOL = "numpy.ndarray"
+"""The class of arrays, as machine code names it."""
 
 _OPTIONS = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
@@ -152,6 +158,29 @@ class _VectorizedLibrary(_EntryLibrary):
     _speed_level = 3
 
 
+class _Wrapping(PythonAPI):
+    """Writes the wrapper by which Python calls an entry, so that it runs no code in Python.
+
+    numba's own looks up the class of each array that it returns by a function in Python. A signal that came while the
+    kernel ran is handled there, and what its handler raises is lost: Ctrl-C would end in an error of the interpreter.
+    """
+
+    def serialize_object(self, obj: object) -> object:
+        """Return what :meth:`unserialize` takes for an object."""
+        return obj if obj is np.ndarray else super().serialize_object(obj)
+
+    def unserialize(self, structptr: Any) -> Any:
+        """Return the instructions that find an object."""
+        return self.get_c_object(_ARRAY_SYMBOL) if structptr is np.ndarray else super().unserialize(structptr)
+
+
+class _EntryContext(CPUContext):
+    """What numba knows of the processor, and how Python calls entries."""
+
+    def get_python_api(self, builder: Any) -> _Wrapping:
+        return _Wrapping(self, builder)
+
+
 class _PartCompiler(Compiler):
     """Compiles a part."""
 
@@ -167,7 +196,9 @@ class _EntryCompiler(Compiler):
     def __init__(self, typing: Any, target: Any, _: None, *rest: Any) -> None:
         library = self._library(target.codegen(), "entry")
         library.enable_object_caching()
-        super().__init__(typing, target, library, *rest)
+        context = copy(target)
+        context.__class__ = _EntryContext
+        super().__init__(typing, context, library, *rest)
 
     def compile_extra(self, func: Callable[..., Any]) -> Any:
         """Compile the entry, and whatever it calls, as parts."""
@@ -194,10 +225,12 @@ def _make_parts(codegen: Any) -> Iterator[None]:
 
 @cache
 def _publish_runtime() -> None:
-    """Give machine code that was loaded the addresses of numba's runtime.
+    """Give machine code the addresses of the class of arrays and of numba's runtime.
 
-    numba does this too before it compiles, and then compiles what counts references, of which that code has its own copy.
+    numba publishes its runtime too before it compiles, and then compiles what counts references, of which code that was
+    loaded has its own copy.
     """
+    add_symbol(_ARRAY_SYMBOL, id(np.ndarray))
     for name, address in c_helpers.items():
         add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
 
@@ -226,7 +259,6 @@ class _Cache(FunctionCache):
 
     def load_overload(self, sig: Any, context: Any) -> Any:
         """Load machine code, if there is any; numba's own method also prepares the compiler, for 0.8 s."""
-        _publish_runtime()
         found = None
         try:
             found = self._load_overload(sig, context)
@@ -328,6 +360,7 @@ class _Entry(CPUDispatcher):
 
         Others that need it wait, and load what that one compiled.
         """
+        _publish_runtime()
         with preparing(), self._lock(sig):
             entry_point = super().compile(sig)
             for overload in cast(Any, self.overloads).values():
