@@ -1,4 +1,4 @@
-"""What the searches find in the paper's pipe, and in the mean flow of real water, over ten seeds, as docs/results.md tells of it.
+"""What the searches find in the paper's pipe, and in the mean flow of real water, over ten seeds, as docs/results.md shows it.
 
 ``UPDATE_DOCS=1 pytest -m slow -s tests/studies/test_search.py`` writes the tables anew; ``SEEDS=2`` takes fewer seeds.
 """
@@ -73,7 +73,7 @@ def _runs(
         yield found
 
 
-def test_the_searches_are_told(errors: Errors, publish: Callable[[str, Sequence[str]], None]) -> None:
+def test_the_table_of_searches_has_each_strategy(errors: Errors, publish: Callable[[str, Sequence[str]], None]) -> None:
     names = study_of("random", 1, 1).scenario.target_names
     shown = {strategy: e for (strategy, flights), e in errors.items() if flights == min(f for _, f in errors)}
     heads = [f"`{strategy}`: mean (std, worst)" for strategy in shown]
@@ -84,16 +84,16 @@ def test_the_searches_are_told(errors: Errors, publish: Callable[[str, Sequence[
         ]
         lines.append(f"| {name} | {' | '.join(cells)} |")
     publish("searches", lines)
-    publish("worst targets", tell_worst(errors))
+    publish("worst targets", tabulate_worst(errors))
 
 
-def test_the_searches_in_the_mean_flow_of_real_water_are_told(
+def test_the_table_in_the_mean_flow_of_real_water_has_each_strategy(
     errors_in_water: Errors, publish: Callable[[str, Sequence[str]], None]
 ) -> None:
-    publish("worst targets in water", tell_worst(errors_in_water))
+    publish("worst targets in water", tabulate_worst(errors_in_water))
 
 
-def tell_worst(errors: Errors) -> list[str]:
+def tabulate_worst(errors: Errors) -> list[str]:
     lines = [
         "| strategy | flights | mean of all targets | worst target: mean over seeds | at most |",
         "|---|---|---|---|---|",

@@ -32,8 +32,8 @@ def gauss_strips(x: FloatArray, r: FloatArray, count: int) -> FloatArray:
     """Return x, diameter and width (m) of strips that integrate over the side area: Gauss points, (count, 3).
 
     The sum of d dx p(x) over them is the integral of 2 r p(x) dx for every polynomial p up to degree 2 ``count`` - 1
-    (Golub and Welsch, Math. Comp. 23, 1969). Width and diameter of a strip are those of the part of the side that it stands
-    for: the parts lie side by side, in the order of the points.
+    (Golub and Welsch, Math. Comp. 23, 1969). Width and diameter of a strip are those of the part of the side that it
+    represents: the parts lie side by side, in the order of the points.
 
     Args:
         x, r: radius at equal steps of x, m, (k,) each; the steps are the unit in which the integral is exact.

@@ -20,7 +20,7 @@ def write_genome(grammar: Grammar[Any], genome: Genome) -> str:
 def read_genome(grammar: Grammar[Any], text: str) -> Genome:
     """Return the genome that :func:`write_genome` wrote.
 
-    Raises InputError if it is none of the grammar, or its tuning is not a number of at least 0.
+    Raises InputError if it does not belong to the grammar, or its tuning is not a number of at least 0.
     """
     words, mark, tuning = text.partition(MARK)
     genome = require_genome(grammar.parse(words), grammar, "parse")

@@ -34,5 +34,5 @@ CORES = {
 
 
 def name_core(core: Core) -> str:
-    """Return the name of a core, ``custom`` if it is none of those by name."""
+    """Return the name of a core, ``custom`` if it has none."""
     return next((name for name, known in CORES.items() if known == core), CUSTOM)

@@ -143,7 +143,7 @@ class _Walkers:
         links, most = len(routings[0].snapshot.network.links), max(routing.most for routing in routings)
         self._flow = np.zeros((len(routings), links))
         self._row = np.full((len(routings), links), -1)
-        """Row of a link at a step, -1 if its water stands still."""
+        """Row of a link at a step, -1 if its water does not move."""
         outlets, choices, arrivals, row = [], [], [], 0
         for step, routing in enumerate(routings):
             snapshot = routing.snapshot

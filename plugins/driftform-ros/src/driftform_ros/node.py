@@ -43,7 +43,7 @@ LATE = 1.0
 """Delay of which a warning speaks, s."""
 
 SAME = 1e-9
-"""Steps shorter than this are none, s."""
+"""Shorter steps are left out, s."""
 
 Current = tuple[float, float, float]
 

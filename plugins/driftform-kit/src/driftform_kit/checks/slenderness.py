@@ -1,4 +1,4 @@
-"""How a part stands the push of the nozzle: as a beam that is clamped to the bed by its first layer.
+"""Whether a part resists the push of the nozzle: as a beam that is clamped to the bed by its first layer.
 
 A nozzle pushes the part sideways wherever material has curled up or leaked. At the top, where its lever is longest, a
 push F bends a part of height H by
