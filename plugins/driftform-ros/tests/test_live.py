@@ -173,8 +173,9 @@ def wait_for_end(process: subprocess.Popen[str]) -> float:
 
 
 def split_lines(stderr: str) -> list[str]:
-    """The lines of an output, without the warning of a flight that is late, as on a busy machine."""
-    return [line for line in stderr.splitlines() if not line.startswith("warning: the flight is ")]
+    """The lines of an output, without those of a busy machine, whose flights are late, and of a new one, which compiles."""
+    passing = ("warning: the flight is ", "compiling the equations of motion")
+    return [line for line in stderr.splitlines() if not line.startswith(passing)]
 
 
 def find_waiting(pid: int) -> float:
