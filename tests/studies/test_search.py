@@ -73,7 +73,7 @@ def _runs(
         yield found
 
 
-def test_the_table_of_searches_has_each_strategy(errors: Errors, publish: Callable[[str, Sequence[str]], None]) -> None:
+def test_the_searches_are_shown_side_by_side(errors: Errors, publish: Callable[[str, Sequence[str]], None]) -> None:
     names = study_of("random", 1, 1).scenario.target_names
     shown = {strategy: e for (strategy, flights), e in errors.items() if flights == min(f for _, f in errors)}
     heads = [f"`{strategy}`: mean (std, worst)" for strategy in shown]
@@ -87,7 +87,7 @@ def test_the_table_of_searches_has_each_strategy(errors: Errors, publish: Callab
     publish("worst targets", tabulate_worst(errors))
 
 
-def test_the_table_in_the_mean_flow_of_real_water_has_each_strategy(
+def test_the_searches_in_the_mean_flow_of_real_water_are_shown_side_by_side(
     errors_in_water: Errors, publish: Callable[[str, Sequence[str]], None]
 ) -> None:
     publish("worst targets in water", tabulate_worst(errors_in_water))

@@ -196,6 +196,7 @@ class _EntryCompiler(Compiler):
     def __init__(self, typing: Any, target: Any, _: None, *rest: Any) -> None:
         library = self._library(target.codegen(), "entry")
         library.enable_object_caching()
+        # Only entries have wrappers; whatever else numba compiles keeps its own context.
         context = copy(target)
         context.__class__ = _EntryContext
         super().__init__(typing, context, library, *rest)
