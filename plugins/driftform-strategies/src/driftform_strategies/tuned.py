@@ -21,7 +21,7 @@ MAX_DRAWS = 200
 """Number of genomes that are drawn in the search for a new shape that can be tuned."""
 
 MOST_UNFIT = 10
-"""Number of random shapes that are drawn in the search for one that can be heavy or light enough for a target."""
+"""Most random shapes that are drawn to find one that can be heavy or light enough for a target."""
 
 DRAG = 1.0
 """Drag coefficient, on length times greatest diameter, by which the first response to a change of weight is guessed."""
@@ -124,6 +124,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         self._asked: deque[list[Job]] = deque()
         self._bodies: dict[int, None] = {}
         self._numbers = count()
+        self._unfit: set[int] = set()
         release = space.scenario.release_position()
         points = space.scenario.target_array().reshape(-1, 3)
         self._ways = np.linalg.norm(points - release, axis=1)
@@ -270,11 +271,14 @@ class TunedStrategy(Strategy[TunedOptions]):
         untried = [shape for shape in self._fresh if target not in shape.tried and self._may_hit(shape, target)]
         if len(self._fresh) < self.options.shapes or not untried:
             found = None
-            for _ in range(MOST_UNFIT):
+            # Where so many were in vain before, the next will hardly be fit: each costs more than the flights of a body.
+            for _ in range(1 if target in self._unfit else MOST_UNFIT):
                 shape = self._draw_shape(lambda: self.space.grammar.random(self.space.rng))
                 found = shape or found
                 if shape is not None and self._may_hit(shape, target):
                     break
+            else:
+                self._unfit.add(target)
             if found is not None:
                 return found
         # In a small space all shapes may be known: one of them is tried again.

@@ -55,16 +55,11 @@ def hold_ballast(
     """
     if not balls:
         return ()
-    core = hull.core - _ROUNDING
-    # In the shell that takes the core, the core passes from the joint to the origin. The other shell is put over it.
-    held_core = hull.draw_core(-_ROUNDING)
-    path = held_core + held_core.translate((0.0, core_joint.z))
-    path += CrossSection.square((2 * core, abs(core_joint.z))).translate((-core, min(0.0, core_joint.z)))
     shell = joints.index(core_joint) + (not takes_core_aft(core_joint))
     held = []
     for ball in balls:
         part = sum(joint.z < ball.z for joint in joints)
-        kept_free = [path if part == shell else held_core]
+        kept_free = [_draw_path(hull, core_joint) if part == shell else hull.draw_core(-_ROUNDING)]
         kept_free += [*(other.draw(-_ROUNDING) for other in balls if other is not ball)]
         if (ball.draw() ^ kept_free[0]).area() > _AREA:
             raise _refuse(ball, hull, "the core is there, or passes there")
@@ -73,14 +68,21 @@ def hold_ballast(
         held.append(_Bay(hull, parts, joints, gap).hold(ball, part, kept_free))
         if held[-1].seat is not None:
             parts[held[-1].part] += held[-1].seat.section
-    for one in held:
-        # A seat may be in the way of a ball beyond it.
+    # A seat may be in the way of a ball beyond it.
+    for one in held if len(held) > 1 else ():
         if one.mouth is None:
             if _fore_down(parts[one.part]) != (one.side > 0):
                 raise _refuse(one.ball, hull, "with all seats its part is printed on its other end")
         elif free_radius(hull, parts[one.part], joints[one.mouth], one.ball.z) < one.ball.radius - _ROUNDING:
             raise _refuse(one.ball, hull, "the seat of another ball is in its way")
     return tuple(sorted(held, key=lambda one: one.ball.z))
+
+
+def _draw_path(hull: Hull, joint: Joint) -> CrossSection:
+    """Return where the core passes in the shell that takes it, from the joint to the origin; the other shell is put over it."""
+    core, held = hull.core - _ROUNDING, hull.draw_core(-_ROUNDING)
+    way = CrossSection.square((2 * core, abs(joint.z))).translate((-core, min(0.0, joint.z)))
+    return held + held.translate((0.0, joint.z)) + way
 
 
 def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float:
