@@ -15,7 +15,7 @@ from driftform.testing.strategy import search_space
 from driftform.types import Body, Core, End, Evaluation, FloatArray, Genome, Moments, Morphology, Trajectory
 from driftform.water import Scenario
 from driftform_strategies.direct import DirectStrategy
-from driftform_strategies.tuned import HIT, Shape, TunedOptions, TunedStrategy
+from driftform_strategies.tuned import HIT, MOST_UNFIT, Shape, TunedOptions, TunedStrategy
 
 RADIUS = 0.02
 """Of the bodies, m."""
@@ -162,6 +162,25 @@ def test_no_body_is_tuned_twice_for_a_target() -> None:
         seen += shapes
         strategy.tell(0, [Evaluation(c.genome, np.zeros(2), failure="it broke") for c in candidates])
     assert len(seen) > 60 and len(set(seen)) == len(seen)
+
+
+def test_ten_shapes_are_drawn_once_for_a_target_that_none_is_heavy_enough_for() -> None:
+    class Light(Cigars):
+        most = 0.2
+        measured = 0
+
+        def find_tunings(self, morphology: Morphology) -> tuple[float, float] | None:
+            Light.measured += 1
+            return super().find_tunings(morphology)
+
+    space = make_space(Light(Table()))
+    deep = space.scenario.model_copy(update={"targets": {"deep": (0.1, 0.0, -0.9)}})
+    strategy, flown = TunedStrategy(TunedOptions(), replace(space, scenario=deep, targets=("deep",))), set()
+    while len(flown) < 20:
+        candidates = strategy.ask(3)
+        flown |= {candidate.genome.symbols for candidate in candidates}
+        strategy.tell(0, [Evaluation.failed(candidate.genome, 1, "lost") for candidate in candidates])
+    assert Light.measured == MOST_UNFIT - 1 + len(flown)
 
 
 def test_a_long_search_keeps_no_more_than_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:

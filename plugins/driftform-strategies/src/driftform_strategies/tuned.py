@@ -233,7 +233,9 @@ class TunedStrategy(Strategy[TunedOptions]):
                 elite = self._draw_elite(elites)
                 shape = self._vary(elite, target)
         if shape is None:
-            shape, elite = self._take_random(target), None
+            # Where so many were in vain before, the next will hardly be fit: each costs more than the flights of a body.
+            draws = 1 if target in self._unfit else MOST_UNFIT
+            shape, elite = self._take_random(target, draws), None
             if len(self._fresh) < self.options.shapes and shape not in self._fresh:
                 self._fresh.append(shape)
         shape.tried.add(target)
@@ -266,13 +268,12 @@ class TunedStrategy(Strategy[TunedOptions]):
         """Return the best with probability 1/2, the second with 1/4, and so on."""
         return elites[min(int(self.space.rng.geometric(0.5)), len(elites)) - 1]
 
-    def _take_random(self, target: int) -> Shape:
-        """Return a random shape; at first one of a few that serve all targets."""
+    def _take_random(self, target: int, draws: int = MOST_UNFIT) -> Shape:
+        """Return a random shape, of some draws the first that may hit; at first one of a few that serve all targets."""
         untried = [shape for shape in self._fresh if target not in shape.tried and self._may_hit(shape, target)]
         if len(self._fresh) < self.options.shapes or not untried:
             found = None
-            # Where so many were in vain before, the next will hardly be fit: each costs more than the flights of a body.
-            for _ in range(1 if target in self._unfit else MOST_UNFIT):
+            for _ in range(draws):
                 shape = self._draw_shape(lambda: self.space.grammar.random(self.space.rng))
                 found = shape or found
                 if shape is not None and self._may_hit(shape, target):
