@@ -1,9 +1,11 @@
 """Other masses fly as bodies of another density do: an independent way to the same agent."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from driftform.agent import hull_mass
+from driftform.agent import hull_mass, mass_properties
 from driftform.design.design import Design
 from driftform.design.opening import open_agent
 from driftform.design.sensitivity import GRAM, measure_gram_sensitivity
@@ -43,6 +45,22 @@ def test_a_gram_of_hull_is_a_denser_hull(opened: Design, neutral: str) -> None:
         np.testing.assert_allclose(errors, 100 - flight.fitness, atol=PERCENT)
     # A gram is 2 % of its mass, and takes it to another wall.
     assert np.abs(found.heavier - found.lighter).max() > 1
+
+
+def test_ballast_stays_where_it_is_when_the_hull_is_a_gram_heavier() -> None:
+    settings = ["builder.tuning=ballast", "builder.core_mass=0.01", SHORT]
+    opened = open_agent(WORD, "paper", settings=settings, use=NATIVE)
+    assert opened.agent.morphology is not None
+    _, most = opened.pipeline.builder.find_tunings(opened.agent.morphology) or (0.0, 0.0)
+    agent = opened.pipeline.realise(replace(opened.agent.morphology, tuning=0.7 * most))
+    ballast, hull = agent.body.ballast, hull_mass(agent.body)
+    assert ballast.volume * agent.body.ballast_density > hull and abs(ballast.centroid) > 0.01
+    found = measure_gram_sensitivity(opened.pipeline, agent, "agent")
+    assert found is not None
+    for change, errors in ((-GRAM, found.lighter), (GRAM, found.heavier)):
+        denser = replace(agent.body, hull_density=agent.body.hull_density * (hull + change) / hull)
+        [flight] = opened.pipeline.simulate([replace(agent, body=denser, mass=mass_properties(denser))], "agent")
+        np.testing.assert_allclose(errors, 100 - flight.fitness, atol=PERCENT)
 
 
 def test_a_hull_of_less_than_a_gram_has_none_to_lose() -> None:

@@ -31,8 +31,20 @@ class MassElement:
         return cls(mass, x, inertia, inertia)
 
     @classmethod
+    def of_hull(cls, body: Body, mass: float, x: float | None = None) -> "MassElement":
+        """Return ``mass`` (kg) of hull, spread as its material is; about ``x`` (m), or about the centre of the material."""
+        solid = hull_moments(body)
+        share = mass / solid.volume
+        return cls(
+            mass=mass,
+            x=solid.centroid if x is None else x,
+            axial=share * solid.polar,
+            transverse=share * (solid.transverse - solid.volume * solid.centroid**2),
+        )
+
+    @classmethod
     def of_print(cls, body: Body, mass: float, x: float | None = None) -> "tuple[MassElement, MassElement]":
-        """Return the hull and the core of a printed agent that weighs ``mass`` (kg) together.
+        """Return the hull and the core of a printed agent that weigh ``mass`` (kg) together; ballast is not among them.
 
         ``x`` is the centre of gravity of both (m); without it, the hull's centre is that of its material. The hull's
         inertia is proportional to its mass: the distribution of the material is taken to be unchanged.
@@ -40,17 +52,11 @@ class MassElement:
         Raises:
             ValueError: if no mass is left for the hull.
         """
-        core, solid = body.core, hull_moments(body)
+        core = body.core
         hull = mass - core.mass
         if not hull > 0:
             raise ValueError(f"{mass:g} kg is not more than the core's {core.mass:g} kg alone")
-        share = hull / solid.volume
-        element = cls(
-            mass=hull,
-            x=solid.centroid if x is None else (mass * x - core.mass * core.cog) / hull,
-            axial=share * solid.polar,
-            transverse=share * (solid.transverse - solid.volume * solid.centroid**2),
-        )
+        element = cls.of_hull(body, hull, None if x is None else (mass * x - core.mass * core.cog) / hull)
         return element, cls(core.mass, core.cog, *core.inertia)
 
     @staticmethod

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from driftform.agent.mass_elements import MassElement
+from driftform.agent import MassElement, hull_mass
 from driftform.pipeline import Pipeline
 from driftform.types import Agent, FloatArray
 
@@ -27,8 +27,9 @@ def measure_gram_sensitivity(pipeline: Pipeline, agent: Agent, name: str) -> Sen
 
     Raises WorkFailedError as :meth:`driftform.pipeline.Pipeline.simulate`.
     """
-    if agent.mass.mass - agent.body.core.mass <= GRAM:
+    if hull_mass(agent.body) <= GRAM:
         return None
-    masses = (agent.mass.mass - GRAM, agent.mass.mass + GRAM)
-    others = [MassElement.reweigh(agent, MassElement.of_print(agent.body, mass)) for mass in masses]
+    mass = agent.mass
+    whole = MassElement(mass.mass, float(mass.cog[0]), float(mass.inertia[0, 0]), float(mass.inertia[1, 1]))
+    others = [MassElement.reweigh(agent, (whole, MassElement.of_hull(agent.body, gram))) for gram in (-GRAM, GRAM)]
     return Sensitivity(*(100 - one.fitness for one in pipeline.simulate([agent, *others], name)))

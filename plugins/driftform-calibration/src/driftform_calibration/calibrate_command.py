@@ -59,7 +59,7 @@ def calibrate(
         list[str] | None, typer.Option(metavar="FACTOR", help="Fit only this factor; repeatable. By default all.")
     ] = None,
     printed_mass: Annotated[
-        float | None, typer.Option(metavar="KG", help="Mass of the print with its core, by scales, kg.")
+        float | None, typer.Option(metavar="KG", help="Mass of the print with core and ballast, by scales, kg.")
     ] = None,
     hydrodynamics: options.Hydrodynamics = None,
     style: options.Style = "screen",

@@ -44,7 +44,7 @@ def calibrate_design(
         scale_error: standard deviation of a film's scale, relative to it.
         distance: of the camera, m: the nearer, the more do heights bend if it looks down.
         fit: names of the factors to fit; empty for all.
-        printed_mass: what the agent weighs with its core, kg, by scales; ``None`` if it was not weighed.
+        printed_mass: what the agent weighs with core and ballast, kg, by scales; ``None`` if it was not weighed.
 
     Raises:
         InputError: if a track is not that of a flight of this agent.

@@ -72,7 +72,7 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
     shown = [(name.replace("_", " "), *rest) for name, *rest in rows]
     output.print_table(("factor", "expected 90 % interval", ""), shown, right=(1,))
     output.print_text(
-        f"weigh the print with its core: {1000 * document['mass']:.2f} g as simulated; calibrate takes it as --printed-mass"
+        f"weigh the print with core and ballast: {1000 * document['mass']:.2f} g as simulated; calibrate takes it as --printed-mass"
     )
     for path in paths:
         print(f"wrote {path}")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from driftform.agent import hull_mass
+from driftform.agent import hull_mass, mass_properties
 from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
 from driftform.water import Factors
@@ -91,12 +91,13 @@ def weigh_prior(bench: Bench, printed_mass: float | None) -> dict[str, tuple[flo
     """
     if printed_mass is None:
         return {}
-    core, hull = bench.body.core.mass, hull_mass(bench.body)
-    if not core < printed_mass < 20 * (core + hull) or hull == 0:
+    whole, hull = mass_properties(bench.body).mass, hull_mass(bench.body)
+    rest = whole - hull
+    if not rest < printed_mass < 20 * whole or hull == 0:
         raise InputError(
-            f"--printed-mass {printed_mass:g}: in kg, with the core in; the agent was simulated with {core + hull:.4g} kg"
+            f"--printed-mass {printed_mass:g}: in kg, with all that is in it; the agent was simulated with {whole:.4g} kg"
         )
-    return {"hull_density": ((printed_mass - core) / hull - 1.0, SCALES * printed_mass / hull)}
+    return {"hull_density": ((printed_mass - rest) / hull - 1.0, SCALES * printed_mass / hull)}
 
 
 def choose_factors(names: Sequence[str]) -> tuple[str, ...]:

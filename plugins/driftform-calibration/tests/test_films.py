@@ -1,0 +1,38 @@
+"""What scales show of an agent before it is filmed."""
+
+from dataclasses import replace
+
+import pytest
+
+from driftform.agent import hull_mass
+from driftform.design.opening import open_agent
+from driftform.errors import InputError
+from driftform.water import Factors
+from driftform_calibration.bench import Bench
+from driftform_calibration.films import SCALES, weigh_prior
+
+WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB"
+
+
+@pytest.fixture(scope="module", params=[0.0, 0.8])
+def bench(request: pytest.FixtureRequest) -> Bench:
+    """An agent without ballast, and one whose ballast weighs more than its hull."""
+    opened = open_agent(WORD, "tank", ["builder.tuning=ballast", "builder.core=glass-20mm"])
+    morphology = opened.agent.morphology
+    assert morphology is not None
+    _, most = opened.pipeline.builder.find_tunings(morphology) or (0.0, 0.0)
+    return Bench.of(opened.pipeline, replace(morphology, tuning=request.param * most))
+
+
+@pytest.mark.parametrize("density", [0.9, 1.0, 1.2])
+def test_the_weight_of_a_print_shows_the_density_of_its_hull(bench: Bench, density: float) -> None:
+    mass = bench.agent(Factors(hull_density=density)).mass.mass
+    value, deviation = weigh_prior(bench, mass)["hull_density"]
+    assert 1 + value == pytest.approx(density, rel=1e-9)
+    assert deviation * hull_mass(bench.body) == pytest.approx(SCALES * mass)
+
+
+def test_a_print_that_weighs_no_more_than_what_is_in_it_was_weighed_without(bench: Bench) -> None:
+    inside = bench.agent(Factors()).mass.mass - hull_mass(bench.body)
+    with pytest.raises(InputError, match="in kg, with all that is in it; the agent was simulated with"):
+        weigh_prior(bench, 0.99 * inside)
