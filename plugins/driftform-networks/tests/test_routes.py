@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from runpy import run_path
 from time import process_time
@@ -17,8 +18,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from driftform.design.design import Design
+from driftform.design.opening import open_agent
+from driftform.errors import InputError
 from driftform_networks.api import route, trace
-from driftform_networks.bodies import open_traveller
+from driftform_networks.bodies import open_traveller, trim_design
 from driftform_networks.bore import spread_points
 from driftform_networks.reading import open_network
 from driftform_networks.streamtubes import divide_bore, smallest_share
@@ -144,6 +148,25 @@ def test_a_trimmed_agent_has_the_buoyancy_that_was_asked_for() -> None:
         assert traveller.agent.mass.net_buoyancy(traveller.scenario.fluid) == pytest.approx(buoyancy, abs=1e-9)
     sphere = open_traveller("sphere:60mm", buoyancy=-0.01)
     assert sphere.agent.mass.net_buoyancy(sphere.scenario.fluid) == pytest.approx(-0.01)
+
+
+def test_the_ballast_of_a_tuned_agent_trims_it_and_stays_in_its_seat() -> None:
+    plain = open_agent(f"{WORD}-addF-tiltp-2-L-moveF", "pipe-inspection", ["builder.core=glass-20mm"])
+    assert plain.agent.morphology is not None
+    _, most = plain.pipeline.builder.find_tunings(plain.agent.morphology) or (0.0, 0.0)
+    stored = replace(plain.stored, genome=replace(plain.stored.genome, tuning=0.9 * most))
+    design = Design.build(stored, "tuned")
+    for buoyancy in (0.0, 0.003, -0.003):
+        traveller = trim_design(design, buoyancy)
+        body = traveller.agent.body
+        assert traveller.agent.mass.net_buoyancy(traveller.scenario.fluid) == pytest.approx(buoyancy, abs=1e-9)
+        assert body.ballast.centroid == pytest.approx(design.agent.body.ballast.centroid)
+        assert body.core == design.agent.body.core
+        assert np.array_equal(body.outer, design.agent.body.outer)
+    with pytest.raises(
+        InputError, match=r"--buoyancy -9: word-\w+ can be tuned from -0.\d+ to 0.\d+ N: choose another"
+    ):
+        trim_design(design, -9.0)
 
 
 FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]

@@ -88,10 +88,10 @@ def open_traveller(
         text: AGENT as every command takes it, or ``sphere:5mm`` for a homogeneous sphere of that diameter.
         scenario: scenario or study whose environment to use; ``None`` for that of water mains.
         settings: ``key=value`` of the study, as ``--set`` takes them.
-        buoyancy: net buoyancy to which the core trims it, N, upward positive; ``None`` for that of its design, and
+        buoyancy: net buoyancy to which ballast or core trims it, N, upward positive; ``None`` for that of its design, and
             for 0 of a sphere.
 
-    Raises InputError if there is no such agent, or no core gives it that buoyancy.
+    Raises InputError if there is no such agent, or neither gives it that buoyancy.
     """
     from driftform import open_agent
 
@@ -117,12 +117,44 @@ def open_traveller(
 
 
 def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
-    """Return an agent that travels as designed, or whose core has the mass that gives it a net buoyancy (N).
+    """Return an agent that travels as designed, or with the net buoyancy (N) that its ballast gives it, or else its core.
 
-    Raises InputError if it is too heavy for this buoyancy without a core, or too light for it with one of lead.
+    Raises InputError if it has no room for so much ballast, or is too heavy for this buoyancy without a core, or too
+    light for it with one of lead.
     """
     if buoyancy is None:
         return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator, design)
+    environment, genome = design.study.environment(), design.stored.genome
+    if genome.tuning:
+        genome = replace(genome, tuning=_find_tuning(design, buoyancy))
+    else:
+        mass = _weigh_core(design, buoyancy)
+        environment = {**environment, "builder": {**environment["builder"], "core": "custom", "core_mass": mass}}
+    name = design.name + _name_trim(buoyancy)
+    stored = replace(design.stored, name=name, genome=genome, environment=environment, result={})
+    return trim_design(type(design).build(stored, name), None)
+
+
+def _find_tuning(design: "Design", buoyancy: float) -> float:
+    """Return the tuning that gives a tuned agent a net buoyancy, N."""
+    from scipy.optimize import brentq
+
+    morphology, pipeline, fluid = design.agent.morphology, design.pipeline, design.scenario.fluid
+    assert morphology is not None
+
+    def find_excess(tuning: float) -> float:
+        return pipeline.realise(replace(morphology, tuning=tuning)).mass.net_buoyancy(fluid) - buoyancy
+
+    bounds = pipeline.builder.find_tunings(morphology) or (morphology.tuning, morphology.tuning)
+    least, most = sorted(map(find_excess, bounds))
+    if not least <= 0 <= most:
+        room = f"from {least + buoyancy:.3g} to {most + buoyancy:.3g} N"
+        raise InputError(f"--buoyancy {buoyancy:g}: {design.name} can be tuned {room}: choose another agent")
+    return float(brentq(find_excess, *bounds)) if least < most else bounds[0]
+
+
+def _weigh_core(design: "Design", buoyancy: float) -> float:
+    """Return the mass (kg) of a core that gives an agent a net buoyancy, N."""
     fluid, core = design.scenario.fluid, design.agent.body.core
     mass = core.mass + (design.agent.mass.net_buoyancy(fluid) - buoyancy) / fluid.gravity
     heaviest = LEAD_DENSITY * core.volume
@@ -131,11 +163,7 @@ def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
             f"--buoyancy {buoyancy:g}: {design.name} needs a core of {1000 * mass:.1f} g for it; one of "
             f"{2000 * core.radius:.0f} mm in lead has {1000 * heaviest:.1f} g: choose another agent"
         )
-    environment = design.study.environment()
-    builder = {**environment["builder"], "core": "custom", "core_mass": mass}
-    stored = replace(design.stored, environment={**environment, "builder": builder}, result={})
-    stored = replace(stored, name=design.name + _name_trim(buoyancy))
-    return trim_design(type(design).build(stored, stored.name), None)
+    return mass
 
 
 def _name_trim(buoyancy: float) -> str:
