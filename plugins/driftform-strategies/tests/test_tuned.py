@@ -179,7 +179,7 @@ def test_ten_shapes_are_drawn_once_for_a_target_that_none_is_heavy_enough_for() 
     while len(flown) < 20:
         candidates = strategy.ask(3)
         flown |= {candidate.genome.symbols for candidate in candidates}
-        strategy.tell(0, [Evaluation.failed(candidate.genome, 1, "lost") for candidate in candidates])
+        strategy.tell(0, [Evaluation.failed(candidate.genome, 1, "the flight failed") for candidate in candidates])
     assert Light.measured == MOST_UNFIT - 1 + len(flown)
 
 

@@ -117,10 +117,10 @@ def open_traveller(
 
 
 def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
-    """Return an agent that travels as designed, or with the net buoyancy (N) that its ballast gives it, or else its core.
+    """Return an agent that travels as designed, or trimmed to a net buoyancy (N): by its tuning, or else by its core.
 
-    Raises InputError if it has no room for so much ballast, or is too heavy for this buoyancy without a core, or too
-    light for it with one of lead.
+    Raises InputError if no tuning gives it that buoyancy, or if it is too heavy for it without a core, or too light
+    with one of lead.
     """
     if buoyancy is None:
         return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator, design)
@@ -150,7 +150,7 @@ def _find_tuning(design: "Design", buoyancy: float) -> float:
     if not least <= 0 <= most:
         room = f"from {least + buoyancy:.3g} to {most + buoyancy:.3g} N"
         raise InputError(f"--buoyancy {buoyancy:g}: {design.name} can be tuned {room}: choose another agent")
-    return float(brentq(find_excess, *bounds)) if least < most else bounds[0]
+    return float(brentq(find_excess, *bounds))
 
 
 def _weigh_core(design: "Design", buoyancy: float) -> float:
