@@ -74,7 +74,7 @@ def test_a_cache_that_cannot_be_written_names_the_variable_that_moves_it(
         kernel_cache.announce.__wrapped__(15)
     # Once, although nothing is cached.
     assert capsys.readouterr().err == (
-        f"compiling the equations of motion, about 15 s, at each start: {tmp_path / 'file' / 'cache'} cannot be "
+        f"compiling the equations of motion for this kind of flight, about 15 s, at each start: {tmp_path / 'file' / 'cache'} cannot be "
         "written to; set NUMBA_CACHE_DIR to a directory that can\n"
     )
 

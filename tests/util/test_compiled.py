@@ -10,6 +10,7 @@ import pytest
 from filelock import FileLock
 
 import driftform
+from driftform.util import kernel_cache
 
 SCRIPT = """
 from driftform.motion.buoyancy import slice_depth
@@ -76,6 +77,30 @@ def test_a_compiler_that_does_not_suit_numba_is_replaced_by_that_of_numba_with_o
     assert run_kernel(tmp_path / "new", **variables) == ""
 
 
+def test_copies_of_the_same_sources_share_their_machine_code(tmp_path, package):
+    def list_times():
+        return {file: file.stat().st_mtime_ns for file in (tmp_path / "cache").rglob("*.nb[ci]")}
+
+    run_kernel(tmp_path / "cache")
+    before = list_times()
+    assert before
+    run_kernel(tmp_path / "cache", PYTHONPATH=str(tmp_path))
+    assert list_times() == before
+
+
+def test_machine_code_is_removed_when_no_process_has_used_it_for_a_month(tmp_path, monkeypatch):
+    monkeypatch.setattr(kernel_cache, "BASE", tmp_path)
+    used = kernel_cache.find_folder("linked")
+    folders = [tmp_path / "kernels-linked-old", tmp_path / "kernels-linked-recent", used]
+    for folder in folders:
+        folder.mkdir()
+    for folder in (folders[0], used):
+        os.utime(folder, (0, 0))
+    assert kernel_cache.find_folder("linked") == used
+    kernel_cache.find_folder("another")
+    assert [folder.exists() for folder in folders] == [False, True, True]
+
+
 @pytest.mark.skipif(not hasattr(os, "setsid"), reason="no sessions of processes")
 def test_a_compilation_is_announced_once_to_the_processes_of_a_run_and_again_to_another_run(tmp_path):
     command = [sys.executable, "-c", "from driftform.util.kernel_cache import announce; announce(9)"]
@@ -84,7 +109,9 @@ def test_a_compilation_is_announced_once_to_the_processes_of_a_run_and_again_to_
         environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
         return subprocess.run(command, env=environment, capture_output=True, text=True, check=True, **options).stderr
 
-    assert announce() == "compiling the equations of motion, about 9 s, once per machine\n"
+    assert announce() == (
+        "compiling the equations of motion for this kind of flight, about 9 s; later runs load the result\n"
+    )
     assert announce() == ""
     # The studio's server may have compiled something; a search that it begins is a session of its own.
     assert announce(start_new_session=True).startswith("compiling")

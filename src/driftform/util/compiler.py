@@ -19,7 +19,7 @@ from typing import Any, ParamSpec, TypeVar, cast
 
 import numpy as np
 from llvmlite.binding import Linkage, add_symbol, create_pass_builder, create_pipeline_tuning_options, parse_assembly
-from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.cgutils import pack_array
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
@@ -33,7 +33,7 @@ from numba.extending import intrinsic
 from numba.np.numpy_support import from_dtype
 
 from driftform.types import FloatArray
-from driftform.util.kernel_cache import announce, find_folder, lock, use_folder
+from driftform.util.kernel_cache import announce, find_folder, hash_sources, lock
 from driftform.util.preparation import preparing
 
 P = ParamSpec("P")
@@ -236,12 +236,43 @@ def _publish_runtime() -> None:
         add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
 
 
+class _Place(_CacheLocator):
+    """Where the machine code of a kernel is: a folder named by the content of the kernel's file, not by its path."""
+
+    def __init__(self, function: Callable[..., Any], file: Path) -> None:
+        self._folder, self._line = (
+            FOLDER / f"{function.__module__}-{hash_sources([file])}",
+            function.__code__.co_firstlineno,
+        )
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> "_Place | None":
+        """Return the place of a kernel; None, which raises RuntimeError, if it has no file or nothing can be written."""
+        with suppress(OSError):
+            place = cls(py_func, Path(py_file))
+            place.ensure_cache_path()
+            return place
+        return None
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        """Return nothing: other sources have another folder."""
+        return ""
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+
 class _Contents(CompileResultCacheImpl):
     """What the files of a cache hold: all but the environments of numba's own functions.
 
     Code needs its environment to print and to use Python's objects. Loading one imports its module: numba's for arrays
     imports those for texts, hashes and random numbers, which took a third of the time of loading all kernels.
     """
+
+    _locator_classes = [_Place]  # noqa: RUF012 - as numba declares it
 
     def reduce(self, result: Any) -> Any:
         """Return what is written of a compiled kernel."""
@@ -338,7 +369,7 @@ class _Entry(CPUDispatcher):
     @cached_property
     def _has_cache(self) -> bool:
         """Open the cache; false if its folder cannot be written to."""
-        with suppress(RuntimeError), use_folder(FOLDER):
+        with suppress(RuntimeError):
             self._cache = _Cache(self.py_func)
             return True
         return False

@@ -1,8 +1,8 @@
-"""Where the machine code of kernels is kept: a folder for each state of their sources, and of what compiles them.
+"""Where the machine code of kernels is kept: a folder for each state of their sources, and of the packages that compile them.
 
 numba's cache of a function depends only on the file of that function. After an upgrade, a kernel that calls a function of
 another file, or uses its constants, would silently keep their old code. A folder therefore belongs to the sources of all
-packages with kernels.
+packages with kernels. It is in the cache of the user: all environments and clones with the same sources share it.
 """
 
 import hashlib
@@ -18,6 +18,7 @@ from pathlib import Path
 from tempfile import gettempdir
 from typing import Any
 
+import llvmlite
 import numba
 import numpy as np
 from filelock import FileLock
@@ -25,33 +26,25 @@ from filelock import FileLock
 from driftform.util.files import cache_folder
 
 KERNELS = ("util", "water", "motion")
-"""The packages of the core that contain kernels."""
+"""The packages of the core that contain kernels, in them or in packages below them."""
 
 ANNOUNCED_S = 300.0
 """Time for which one announcement of the compilation serves all processes, s."""
 
 UNUSED_S = 30 * 86400.0
-"""Age of the folder of other sources at which it is removed, s."""
+"""Time without use after which a folder is removed, s."""
 
 _CORE = Path(__file__).parents[1]
 _CONFIG: Any = numba.config
 
-
-def _find_base() -> Path:
-    """Return NUMBA_CACHE_DIR, or the folder of Python's own caches of this package, or the cache of the user."""
-    if _CONFIG.CACHE_DIR:
-        return Path(_CONFIG.CACHE_DIR)
-    beside = _CORE / "__pycache__"
-    return beside if os.access(beside, os.W_OK) else cache_folder()
-
-
-BASE = _find_base()
-"""The folder of all these folders."""
+BASE = Path(_CONFIG.CACHE_DIR) if _CONFIG.CACHE_DIR else cache_folder()
+"""The folder of all these folders: NUMBA_CACHE_DIR, or the cache of the user."""
 
 
 def hash_sources(sources: Iterable[Path]) -> str:
-    """Return a number of files and of the versions of Python, NumPy and numba, in hexadecimal digits."""
-    digest = hashlib.sha256(f"{sys.version} {np.__version__} {numba.__version__}".encode())
+    """Return a hash of files and of the versions of Python, NumPy, numba and llvmlite, in hexadecimal digits."""
+    versions = f"{sys.version} {np.__version__} {numba.__version__} {llvmlite.__version__}"
+    digest = hashlib.sha256(versions.encode())
     for source in sources:
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
@@ -59,13 +52,16 @@ def hash_sources(sources: Iterable[Path]) -> str:
 
 def find_folder(compiler: str) -> Path:
     """Return the folder of the machine code that a compiler makes, and remove those that have long been unused."""
-    kernels = (file for name in KERNELS for file in sorted((_CORE / name).glob("*.py")))
+    kernels = (file for name in KERNELS for file in sorted((_CORE / name).rglob("*.py")))
     folder = BASE / f"kernels-{compiler}-{hash_sources(kernels)}"
-    if not folder.exists():
-        for other in BASE.glob("kernels-*-*"):
-            with suppress(OSError):
-                if time.time() - other.stat().st_mtime > UNUSED_S:
-                    shutil.rmtree(other)
+    with suppress(OSError):
+        # Files that are only read leave the time of their folder as it is.
+        os.utime(folder)
+        return folder
+    for other in BASE.glob("kernels-*-*"):
+        with suppress(OSError):
+            if time.time() - other.stat().st_mtime > UNUSED_S:
+                shutil.rmtree(other)
     return folder
 
 
@@ -96,15 +92,15 @@ def lock(path: Path) -> Iterator[None]:
 def announce(seconds: int) -> None:
     """Print once that a compilation of so many seconds begins, unless the display of a run on a terminal shows it.
 
-    A file beside the machine code keeps the other processes of the same run silent; a run that a server began is a
-    session of its own.
+    A file in the cache keeps the other processes of the same run silent; a run that a server began is a session of its
+    own. Flights in space, near fittings or in another simulator need other machine code: each kind is compiled once.
     """
-    marker, often = BASE / "kernels.announced", "once per machine"
+    marker, often = BASE / "kernels.announced", "; later runs load the result"
     session = str(os.getsid(0)) if hasattr(os, "getsid") else ""
     with suppress(OSError):
         BASE.mkdir(parents=True, exist_ok=True)
     if not os.access(BASE, os.W_OK):
-        often = f"at each start: {BASE} cannot be written to; set NUMBA_CACHE_DIR to a directory that can"
+        often = f", at each start: {BASE} cannot be written to; set NUMBA_CACHE_DIR to a directory that can"
         marker = Path(gettempdir()) / f"driftform-{getattr(os, 'getuid', os.getpid)()}.announced"
     with suppress(OSError):
         if abs(time.time() - marker.stat().st_mtime) < ANNOUNCED_S and marker.read_text() == session:
@@ -113,5 +109,5 @@ def announce(seconds: int) -> None:
         marker.write_text(session)
     is_worker = multiprocessing.parent_process() is not None
     if not (is_worker and sys.stdout.isatty() and sys.stderr.isatty()):
-        text = f"compiling the equations of motion, about {seconds} s, {often}"
+        text = f"compiling the equations of motion for this kind of flight, about {seconds} s{often}"
         print(text, file=sys.stderr, flush=True)
