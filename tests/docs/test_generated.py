@@ -27,7 +27,7 @@ from driftform.validity import RANGES
 from driftform.water import Scenario
 from driftform.water.flow import FLOWS
 from driftform.water.fluids import FLUIDS
-from driftform.water.part_tables import PARTS as PIPE_PARTS
+from driftform.water.parts.tables import PARTS as PIPE_PARTS
 
 Check = Callable[[Path, str], None]
 

@@ -34,7 +34,7 @@ from driftform.errors import DriftformError
 from driftform.runs.agent_file import StoredAgent
 from driftform.study import load_study
 from driftform.util import foreign
-from driftform.water.grid_files import read_grid
+from driftform.water.parts.grid_files import read_grid
 
 pytestmark = [
     pytest.mark.slow,

@@ -13,6 +13,7 @@ MODULES = (
     "driftform.errors",
     "driftform.agent",
     "driftform.water",
+    "driftform.water.parts",
     "driftform.motion",
     "driftform.search",
     "driftform.figures",

@@ -7,7 +7,7 @@ from driftform.util.compiled import allocating
 from driftform.util.small_vectors import add
 from driftform.water import Scenario
 from driftform.water.gusts import STATES, draw_gusts
-from driftform.water.profiles import MIN_WALL_DISTANCE
+from driftform.water.parts.profiles import MIN_WALL_DISTANCE
 from driftform.water.velocity import flow_array, gust_at, pipe_rows, set_gusts, water_motion
 
 KNOTS = 65_536

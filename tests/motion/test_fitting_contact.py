@@ -27,8 +27,9 @@ from driftform.motion.surfaces import refined_surfaces, touching_surfaces
 from driftform.testing.bodies import cylinder_body, dome_body
 from driftform.types import Coefficients
 from driftform.water import Scenario
-from driftform.water.fitting_walls import fitting_gap
-from driftform.water.fittings import greatest_curvature, rim_spacing, wall_array
+from driftform.water.fittings import wall_array
+from driftform.water.parts.rows import greatest_curvature, rim_spacing
+from driftform.water.parts.walls import fitting_gap
 
 BEND = {"kind": "bend", "radius": 0.2, "angle_deg": 120}
 TEE = {

@@ -124,6 +124,14 @@ def test_each_part_of_the_core_imports_only_those_below_it() -> None:
     assert find_forbidden(read_imports(CORE)) == []
 
 
+def test_the_parts_of_a_pipe_know_nothing_of_the_water_in_it() -> None:
+    inner, outer = "driftform.water.parts", "driftform.water."
+    imports = {module: names for module, names in read_imports(CORE).items() if module.startswith(inner)}
+    assert len(imports) > 10
+    found = {module: {name for name in names if name.startswith(outer)} for module, names in imports.items()}
+    assert [module for module, names in found.items() if any(not name.startswith(inner) for name in names)] == []
+
+
 def test_an_import_that_points_upward_is_found_also_inside_a_function() -> None:
     source = "def fly():\n    from driftform.cli import app\n    import driftform.runs.store\n"
     imports = {"driftform.motion.flight": set(list_imports(source))}

@@ -15,7 +15,7 @@ from public import list_public
 ROOT = Path(__file__).parents[2]
 PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"))
 
-MOST_MODULES, MOST_NAMES = 12, 120
+MOST_MODULES, MOST_NAMES = 13, 120
 
 
 def is_public(module: str, name: str, public: dict[str, list[str]]) -> bool:

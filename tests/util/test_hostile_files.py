@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.water.grid_files import read_grid
+from driftform.water.parts.grid_files import read_grid
 
 pytestmark = [pytest.mark.peers, pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")]
 

@@ -16,7 +16,7 @@ from driftform.testing.bodies import cylinder_body
 from driftform.types import Coefficients, End
 from driftform.water import Scenario
 from driftform.water.fittings import fitting_array
-from driftform.water.profiles import AT_A_POINT
+from driftform.water.parts.profiles import AT_A_POINT
 from driftform.water.velocity import flow_array, water_motion
 
 PARTS = [

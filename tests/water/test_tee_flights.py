@@ -15,7 +15,7 @@ from driftform.testing.agents import sphere_agent
 from driftform.types import End
 from driftform.water import Scenario
 from driftform.water.fittings import fitting_array
-from driftform.water.profiles import AT_A_POINT
+from driftform.water.parts.profiles import AT_A_POINT
 from driftform.water.velocity import flow_array, water_motion
 
 R = 0.1

@@ -30,7 +30,7 @@ from driftform.water.flow import (
     friction_velocity,
 )
 from driftform.water.gusts import draw_gusts, eddy_diffusivity, gust_motion, gust_numbers, least_memory
-from driftform.water.profiles import AT_A_POINT, MIN_WALL_DISTANCE
+from driftform.water.parts.profiles import AT_A_POINT, MIN_WALL_DISTANCE
 from driftform.water.scenario import FlightLimits
 from driftform.water.velocity import FRICTION, gust_at, water_motion
 

@@ -80,8 +80,8 @@ def test_a_body_that_fits_into_a_branch_fits_into_the_one_that_stands_for_it(
 
 @pytest.mark.parametrize("angle", sorted(RATIOS))
 def test_the_flow_in_every_tee_that_stands_for_others_comes_with_driftform(angle: float) -> None:
-    from driftform.water.tee_store import PACKAGED, file_name
-    from driftform.water.tee_wall import Junction
+    from driftform.water.parts.tee_store import PACKAGED, file_name
+    from driftform.water.parts.tee_wall import Junction
 
     for ratio in RATIOS[angle]:
         shape = Junction(ratio, np.deg2rad(min(angle, 180 - angle)), round(0.2 * ratio, 9))

@@ -13,7 +13,7 @@ import pytest
 from driftform.interfaces import ExportJob
 from driftform.water import Scenario
 from driftform.water.fittings import fitting_array
-from driftform.water.grid_flow import wall_gaps
+from driftform.water.parts.grid_flow import wall_gaps
 from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.pipe import RELATIVE_THICKNESS, make_wall
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from driftform.water.tee_wall import Junction
+from driftform.water.parts.tee_wall import Junction
 from driftform_tees import solve
 from driftform_tees.cells import cut_stiffness
 

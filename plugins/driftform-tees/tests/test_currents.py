@@ -16,11 +16,11 @@ from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Coefficients
 from driftform.water import Scenario
-from driftform.water.fitting_walls import wall_gaps
 from driftform.water.fittings import fitting_array
-from driftform.water.grid_files import read_grid
-from driftform.water.grid_flow import grid_velocities
-from driftform.water.profiles import AT_A_POINT
+from driftform.water.parts.grid_files import read_grid
+from driftform.water.parts.grid_flow import grid_velocities
+from driftform.water.parts.profiles import AT_A_POINT
+from driftform.water.parts.walls import wall_gaps
 from driftform.water.velocity import flow_array, water_motion
 from driftform_tees.currents import COLUMNS, MOST_NODES, sample_current, usual_spacing, write_current
 

@@ -24,7 +24,7 @@ from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
 from driftform.motion.interpolation import Pose
 from driftform.types import Body, FloatArray
 from driftform.water import Pipe, Scenario
-from driftform.water.pipe_parts import Opening, Straight
+from driftform.water.parts.shapes import Opening, Straight
 
 _NAMES = "xyz"
 

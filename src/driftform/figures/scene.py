@@ -12,7 +12,7 @@ from driftform.motion.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Pipe, Scenario
 from driftform.water.flow import UniformFlow
-from driftform.water.pipe_parts import Straight
+from driftform.water.parts.shapes import Straight
 
 __all__ = ["agent_data", "read_viewer", "scene_data", "simplify_polyline"]
 

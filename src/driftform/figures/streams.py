@@ -8,7 +8,7 @@ import numpy as np
 from driftform.figures.projection import find_corners
 from driftform.types import FloatArray
 from driftform.water import Pipe, Scenario
-from driftform.water.pipe_parts import Straight, Tee
+from driftform.water.parts.shapes import Straight, Tee
 
 STREAMS = 40
 """Number of paths; they begin in the middle of parts of the inlet of equal area."""
@@ -39,7 +39,7 @@ def trace_streams(scenario: Scenario) -> list[FloatArray]:
     takes a minute, and is left to the first flight.
     """
     from driftform.water.fittings import fitting_array
-    from driftform.water.tee_flow import is_tee_solved
+    from driftform.water.parts.tee_flow import is_tee_solved
     from driftform.water.velocity import flow_array
 
     if scenario.pipe.is_open or scenario.pipe.straight is not None:
@@ -55,7 +55,7 @@ def trace_streams(scenario: Scenario) -> list[FloatArray]:
 @lru_cache(maxsize=16)
 def _trace(pipe: Pipe, flow: tuple[float, ...], fittings: bytes) -> list[FloatArray]:
     """Integrate the paths by the midpoint rule; a page asks for the same pipe again and again."""
-    from driftform.water.profiles import AT_A_POINT
+    from driftform.water.parts.profiles import AT_A_POINT
     from driftform.water.velocity import water_motion
 
     no_pipe, current = np.empty((0, 8)), np.array(flow)

@@ -6,8 +6,8 @@ from driftform.motion.surfaces import refined_surfaces, touching_surfaces
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
-from driftform.water.fitting_walls import wall_gaps
 from driftform.water.fittings import wall_array
+from driftform.water.parts.walls import wall_gaps
 
 RIMS = 20
 """Parts of a body's length between which it has a rim where the wall may bulge."""

@@ -34,7 +34,7 @@ from driftform.util.small_vectors import (
     to_body,
     to_world,
 )
-from driftform.water.fitting_walls import is_far_in_fittings
+from driftform.water.parts.walls import is_far_in_fittings
 
 Touch: TypeAlias = tuple[float, Vector, Vector, float, float]
 """Depth in the wall (m, 0 if clear), lever from the body's origin (m) and the wall's normal in the world frame, and the

@@ -38,7 +38,7 @@ from driftform.util.small_vectors import (
     to_body,
     to_world,
 )
-from driftform.water.fitting_flow import bore_radius
+from driftform.water.parts.stream import bore_radius
 from driftform.water.velocity import gust_at, water_motion
 
 

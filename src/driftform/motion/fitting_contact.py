@@ -13,7 +13,7 @@ from driftform.motion.bore import ANGLE_TOLERANCE, AxisLine, end_of_dome
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import ZERO, Vector, add, cross, dot, scale, subtract
-from driftform.water.fitting_walls import (
+from driftform.water.parts.walls import (
     KIND,
     LENGTH,
     RADIUS,

@@ -15,8 +15,8 @@ from driftform.util.cubic import Cubic, cubic_between, cubic_point, cubic_slope
 from driftform.util.rotations import quaternion_rate, rotation_from_quaternion
 from driftform.util.small_vectors import Vector, add, dot, scale, subtract, to_body
 from driftform.water import Scenario
-from driftform.water.fitting_walls import EXIT, LENGTH, OUTSIDE, RADIUS, find_part, to_part
-from driftform.water.profiles import AT_A_POINT
+from driftform.water.parts.profiles import AT_A_POINT
+from driftform.water.parts.walls import EXIT, LENGTH, OUTSIDE, RADIUS, find_part, to_part
 from driftform.water.velocity import gust_at, water_motion
 
 SAMPLE = 14

@@ -25,7 +25,7 @@ from driftform.motion.runge_kutta import copy, take_step
 from driftform.motion.tableaus import DOP853, DOPRI5, ROS34PW2
 from driftform.types import FloatArray
 from driftform.util.compiled import allocating, borrow, compiled
-from driftform.water.profiles import GRID
+from driftform.water.parts.profiles import GRID
 from driftform.water.velocity import ACCELERATION, KIND
 
 TOLERANCE_GROWTH = 0.5

@@ -17,9 +17,10 @@ from driftform.types import Agent, Body, Drag, FloatArray
 from driftform.util.compiled import borrow, borrow_as, borrowing, compiled
 from driftform.util.latest import keep_latest
 from driftform.water import Scenario
-from driftform.water.fittings import fitting_array, greatest_curvature, rim_spacing
+from driftform.water.fittings import fitting_array
 from driftform.water.gusts import STATES
-from driftform.water.profiles import UNIFORM
+from driftform.water.parts.profiles import UNIFORM
+from driftform.water.parts.rows import greatest_curvature, rim_spacing
 from driftform.water.scenario import Contact
 from driftform.water.velocity import ACCELERATION, SPEED, flow_array, gust_array, pipe_rows, set_gusts
 

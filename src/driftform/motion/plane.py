@@ -30,7 +30,7 @@ from driftform.motion.impact import common_mass, damper, spring
 from driftform.motion.model import FlightModel
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
-from driftform.water.profiles import LOG_LAW, PARABOLA, POWER_LAW, UNIFORM, spread_profile
+from driftform.water.parts.profiles import LOG_LAW, PARABOLA, POWER_LAW, UNIFORM, spread_profile
 from driftform.water.velocity import KIND, PARAMETER, SPEED
 
 Point: TypeAlias = tuple[float, float]

@@ -3,7 +3,7 @@
 In a straight pipe and in open water that is the straight distance. A pipe that bends or branches may bring two of its parts side by
 side, and a flight in one does not come near a target in the other. There the distance is straight within a part, and to a part that shares
 an opening with it; further away it leads straight to the centre of the next opening, along the axes, and straight to
-the target from the last opening: :meth:`driftform.water.layout.Layout.way_to_point`.
+the target from the last opening: :meth:`driftform.water.parts.layout.Layout.way_to_point`.
 """
 
 from functools import lru_cache

@@ -10,9 +10,9 @@ import numpy.typing as npt
 from driftform.errors import InputError
 from driftform.types import BoolArray, FloatArray, Trajectory
 from driftform.water import Pipe, Scenario, Segment
-from driftform.water.layout import Layout
+from driftform.water.parts.layout import Layout
+from driftform.water.parts.shapes import locate_on_axis, place_on_axis
 from driftform.water.pipe import Vector
-from driftform.water.pipe_parts import locate_on_axis, place_on_axis
 
 IntArray = npt.NDArray[np.int64]
 

@@ -18,7 +18,7 @@ from driftform.water.factors import DRAGS
 from driftform.water.field import wall_distance
 from driftform.water.flow import PowerLawFlow, UniformFlow, is_laminar
 from driftform.water.misfit import find_misfit, show_length
-from driftform.water.pipe_parts import Bend
+from driftform.water.parts.shapes import Bend
 from driftform.water.regime import warn_of_regime
 
 NEGLIGIBLE = 1e-3

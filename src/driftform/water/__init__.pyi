@@ -1,8 +1,4 @@
 from . import field as field
-from . import grid_files as grid_files
-from . import pipe_parts as pipe_parts
-from . import tee_store as tee_store
-from . import tee_wall as tee_wall
 from .factors import Calibration as Calibration
 from .factors import Factors as Factors
 from .pipe import Pipe as Pipe

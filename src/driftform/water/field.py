@@ -7,11 +7,11 @@ from driftform.types import FloatArray
 from driftform.util.compiled import allocating
 from driftform.util.latest import keep_latest
 from driftform.util.small_vectors import add
-from driftform.water.fitting_walls import wall_gaps
 from driftform.water.fittings import fitting_array, wall_array
 from driftform.water.flow import UniformFlow
 from driftform.water.gusts import STATES
-from driftform.water.profiles import AT_A_POINT
+from driftform.water.parts.profiles import AT_A_POINT
+from driftform.water.parts.walls import wall_gaps
 from driftform.water.scenario import Scenario
 from driftform.water.velocity import flow_array, gust_array, gust_at, pipe_rows, water_motion
 

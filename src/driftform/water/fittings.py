@@ -10,16 +10,17 @@ import numpy as np
 from driftform.errors import InputError
 from driftform.types import FloatArray
 from driftform.util.latest import keep_latest
-from driftform.water import fitting_flow as stream
-from driftform.water import fitting_walls as wall
 from driftform.water.flow import Flow, GridFlow, PipeFlow, friction_velocity, is_laminar
-from driftform.water.grid_flow import load_grid
-from driftform.water.layout import BEYOND, Layout, Placed
+from driftform.water.parts import stream
+from driftform.water.parts import walls as wall
+from driftform.water.parts.grid_flow import load_grid
+from driftform.water.parts.layout import Layout, Placed
+from driftform.water.parts.rows import open_water_rows, wall_rows
+from driftform.water.parts.shapes import Bend, PipePart, Straight, Tee
+from driftform.water.parts.tee_flow import tee_field
 from driftform.water.pipe import Pipe
-from driftform.water.pipe_parts import Bend, Opening, PipePart, Reducer, Straight, Tee, exact_cosine, exact_sine
 from driftform.water.regime import profile_kind, profile_parameter
 from driftform.water.scenario import Scenario
-from driftform.water.tee_flow import tee_field
 
 CHANGE = 2.0
 """Length in which a straight changes over to the flow of a fitting, in radii of its bore, where it is long enough."""
@@ -27,29 +28,16 @@ CHANGE = 2.0
 SHORTEST = 2.0
 """Length of a straight, in radii of its bore, below which it has plug flow like the fittings at its ends."""
 
-UNSEEN_DEPTH = 2e-4
-"""Depth (m) to which a wall may bulge between two rims of a body without touching one: about that of a contact."""
-
-FINEST_RIMS = 2e-3
-"""Least distance between additional rims, m."""
-
-_WALL = 0.5
-"""Thickness of wall, in radii of the bore, in which a point still belongs to its part."""
-
-
-_OPEN_WATER = 1e7
-"""Radius of the bore that stands for open water, m."""
-
 
 def fitting_array(scenario: Scenario) -> FloatArray | None:
     """Return the pipe of a scenario as one flat array; ``None`` for a straight pipe and in open water without a grid.
 
     A grid of velocities follows the pipe, which may be straight. Open water is then a bore that is wider than any flight.
 
-    Its numbers are explained in :mod:`driftform.water.fitting_walls` and :mod:`driftform.water.fitting_flow`.
+    Its numbers are explained in :mod:`driftform.water.parts.walls` and :mod:`driftform.water.parts.stream`.
     """
     if isinstance(scenario.flow, GridFlow):
-        return load_grid(scenario.flow, scenario.pipe, _grid_walls(scenario))
+        return load_grid(scenario.flow.file, scenario.flow.reference, scenario.pipe.layout, _grid_walls(scenario))
     if scenario.pipe.is_open or scenario.pipe.straight is not None:
         return None
     return _make_array(scenario.pipe, scenario.flow, scenario.fluid.viscosity)
@@ -78,79 +66,8 @@ def _make_array(pipe: Pipe, flow: Flow, viscosity: float) -> FloatArray:
 @lru_cache(maxsize=16)
 def wall_array(pipe: Pipe) -> FloatArray:
     """Return the array of a pipe without its flow, read-only; of open water, that of a bore without end."""
-    rows = wall_rows(pipe.layout) if not pipe.is_open else np.array([_row_of_open_water()])
+    rows = wall_rows(pipe.layout) if not pipe.is_open else open_water_rows()
     return np.concatenate([[float(len(rows))], rows.ravel()])
-
-
-def _row_of_open_water() -> FloatArray:
-    centre = np.array([-_OPEN_WATER, 0.0, 0.0])
-    return _row_beyond(Opening(centre, np.eye(3), _OPEN_WATER), wall.INNER)
-
-
-def wall_rows(layout: Layout) -> FloatArray:
-    """Return the rows of the parts of a pipe without their flow, and of what lies beyond the inlet and the outlets, (k, PART)."""
-    rows = [_row_of_part(placed.part) for placed in layout.parts]
-    inlet = layout.inlet
-    before = inlet.centre - BEYOND * inlet.radius * inlet.axes[0]
-    rows.append(_row_beyond(Opening(before, inlet.axes, inlet.radius), wall.OUTSIDE))
-    rows += [_row_beyond(outlet.opening, float(k)) for k, outlet in enumerate(layout.outlets)]
-    return np.stack(rows)
-
-
-def _row_of_part(part: PipePart) -> FloatArray:
-    row = np.zeros(wall.PART)
-    row[wall.ORIGIN : wall.ORIGIN + 3], row[wall.AXES : wall.AXES + 9] = part.origin, part.axes.ravel()
-    row[wall.RADIUS], row[wall.END_RADIUS], row[wall.LENGTH] = part.radius, part.end_radius, part.length
-    row[wall.NARROWEST], row[wall.EXIT] = part.narrowest, wall.INNER
-    match part:
-        case Straight():
-            row[wall.KIND] = wall.STRAIGHT
-        case Bend():
-            row[wall.KIND], row[wall.CURVE], row[wall.ANGLE] = wall.BEND, part.bend_radius, part.angle
-        case Reducer():
-            row[wall.KIND], row[wall.CURVE] = wall.REDUCER, part.arc_radius
-        case Tee():
-            row[wall.KIND], row[wall.END_RADIUS], row[wall.FILLET] = wall.TEE, part.branch_radius, part.fillet
-            row[wall.COSINE], row[wall.SINE] = exact_cosine(part.angle), exact_sine(part.angle)
-            row[wall.UPSTREAM], row[wall.DOWNSTREAM], row[wall.SIDE] = part.legs
-            flat = np.concatenate([np.zeros(wall.HEAD), row])
-            for k, phi in enumerate(np.linspace(0, math.pi, wall.EDGE_POINTS)):
-                row[wall.EDGE + 3 * k : wall.EDGE + 3 * k + 3] = wall.edge_point(float(phi), flat, wall.HEAD)[0]
-    axes = part.list_axes(0.1 * part.radius)
-    points = np.concatenate([axis.points for axis in axes])
-    widest = max(float(axis.radii.max()) for axis in axes)
-    low, high = points.min(axis=0), points.max(axis=0)
-    row[wall.CENTRE : wall.CENTRE + 3] = 0.5 * (low + high)
-    farthest = float(np.linalg.norm(points - row[wall.CENTRE : wall.CENTRE + 3], axis=1).max())
-    row[wall.EXTENT] = math.hypot(farthest, 0.1 * widest) + (1 + _WALL) * widest
-    return row
-
-
-def _row_beyond(opening: Opening, exit_: float) -> FloatArray:
-    """Return the row of the bore beyond an opening."""
-    row = np.zeros(wall.PART)
-    row[wall.KIND], row[wall.EXIT] = wall.STRAIGHT, exit_
-    row[wall.ORIGIN : wall.ORIGIN + 3], row[wall.AXES : wall.AXES + 9] = opening.centre, opening.axes.ravel()
-    row[wall.RADIUS] = row[wall.END_RADIUS] = row[wall.NARROWEST] = opening.radius
-    row[wall.LENGTH] = BEYOND * opening.radius
-    row[wall.CENTRE : wall.CENTRE + 3] = opening.centre + 0.5 * row[wall.LENGTH] * opening.axes[0]
-    row[wall.EXTENT] = 0.5 * row[wall.LENGTH] + (1 + _WALL) * opening.radius
-    return row
-
-
-def greatest_curvature(layout: Layout) -> float:
-    """Return by how much the curvatures of a wall across and along the pipe differ at most, 1/m.
-
-    The rounded edge of a tee is left out: bodies do not lie on it with a flat end.
-    """
-    parts = [placed.part for placed in layout.parts]
-    return max(1 / part.narrowest + (0.0 if isinstance(part, Tee) else 1 / part.bulge) for part in parts)
-
-
-def rim_spacing(layout: Layout) -> float:
-    """Return the greatest distance (m) between the rims of a body: a wall of the radius rho rises by s^2 / (8 rho) between two."""
-    bulge = min((placed.part.bulge for placed in layout.parts), default=math.inf)
-    return max(FINEST_RIMS, math.sqrt(8 * UNSEEN_DEPTH * bulge))
 
 
 @dataclass(frozen=True)

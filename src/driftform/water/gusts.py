@@ -22,7 +22,6 @@ for any S and T. A tracer has the least a, a thousandth of R, where the viscous 
 import math
 from collections.abc import Iterable
 from functools import lru_cache
-from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +31,7 @@ from driftform.util.compiled import compiled
 from driftform.util.cubic import cubic_between, cubic_point, cubic_slope
 from driftform.util.small_vectors import ZERO, Vector, add, dot, scale, subtract
 from driftform.water.flow import KARMAN, Gusts
-from driftform.water.profiles import MIN_WALL_DISTANCE
+from driftform.water.parts.profiles import MIN_WALL_DISTANCE, Bore
 
 FEWEST_KNOTS, MOST_KNOTS = 1024, 131_072
 """Values of a walk, at equal steps of tau. Beyond them it repeats."""
@@ -42,9 +41,6 @@ CORE = 1 / 6
 
 STATES = 4
 """States of the motion in gusts: tau and the three components of h."""
-
-Bore: TypeAlias = tuple[Vector, float, float, float]
-"""Around a point: unit vector to the wall, radius (m), distance from the axis (m), friction velocity (m/s)."""
 
 STEP, STRENGTH, MEMORY, CROSSING, SIZE, REACH = 4, 5, 6, 7, 8, 9
 """Indices in the array of a flow (:func:`driftform.water.velocity.flow_array`).

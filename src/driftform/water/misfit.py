@@ -9,7 +9,7 @@ from driftform.agent.clearance import farthest_from_line, lowest_along
 from driftform.types import Body, FloatArray
 from driftform.util.vectors import cross
 from driftform.water import Scenario
-from driftform.water.pipe_parts import Opening, Straight
+from driftform.water.parts.shapes import Opening, Straight
 
 _ROUNDING = 1e-9
 """Overlap, relative to the radius of the bore, that counts as touching."""

@@ -9,8 +9,8 @@ from pydantic import Field, model_validator
 from driftform.options import Table, describe, option
 from driftform.types import FloatArray
 from driftform.util.latest import keep_latest
-from driftform.water.layout import Layout, lay_out
-from driftform.water.part_tables import PARTS, PartTable, StraightPart
+from driftform.water.parts.layout import Layout, lay_out
+from driftform.water.parts.tables import PARTS, PartTable, StraightPart
 
 Number: TypeAlias = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
 """A number; text such as "1.0" is not accepted."""

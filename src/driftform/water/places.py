@@ -9,8 +9,8 @@ from pydantic import ValidationError, model_validator
 from driftform.errors import did_you_mean
 from driftform.options import Table, option
 from driftform.types import FloatArray
-from driftform.water.layout import Layout
-from driftform.water.pipe_parts import Axis, exact_cosine, exact_sine, upright_axes
+from driftform.water.parts.layout import Layout
+from driftform.water.parts.shapes import Axis, exact_cosine, exact_sine, upright_axes
 
 _STEPS = 400
 """Points of a part's axis."""

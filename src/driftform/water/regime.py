@@ -15,8 +15,8 @@ from driftform.water.flow import (
     friction_velocity,
     is_laminar,
 )
-from driftform.water.pipe_parts import Tee
-from driftform.water.profiles import DEVELOPING, GRID, LOG_LAW, PARABOLA, POWER_LAW, UNIFORM
+from driftform.water.parts.profiles import DEVELOPING, GRID, LOG_LAW, PARABOLA, POWER_LAW, UNIFORM
+from driftform.water.parts.shapes import Tee
 
 if TYPE_CHECKING:
     from driftform.water.scenario import Scenario

@@ -26,8 +26,8 @@ from driftform.water.flow import (
     is_laminar,
 )
 from driftform.water.fluids import FLUIDS
+from driftform.water.parts.shapes import VERTICAL, upright_axes
 from driftform.water.pipe import Pipe, Vector
-from driftform.water.pipe_parts import VERTICAL, upright_axes
 from driftform.water.places import find_nearest_inside, resolve_place
 from driftform.water.wetted import find_surface_fault
 

@@ -11,11 +11,11 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import ZERO, Rotation, Vector, add, dot, scale, subtract
-from driftform.water.fitting_flow import bore_at, fitting_flow
 from driftform.water.flow import GridFlow, UniformFlow, friction_velocity
-from driftform.water.grid_flow import grid_motion
-from driftform.water.gusts import REACH, SIZE, Bore, draw_gusts, gust_motion, gust_numbers, least_memory
-from driftform.water.profiles import AT_A_POINT, GRID, UNIFORM, Spread, spread_across, spread_profile
+from driftform.water.gusts import REACH, SIZE, draw_gusts, gust_motion, gust_numbers, least_memory
+from driftform.water.parts.grid_flow import grid_motion
+from driftform.water.parts.profiles import AT_A_POINT, GRID, UNIFORM, Bore, Spread, spread_across, spread_profile
+from driftform.water.parts.stream import bore_at, fitting_flow
 from driftform.water.regime import list_bores, profile_kind, profile_parameter
 from driftform.water.scenario import Scenario
 from driftform.water.wetted import wetted_speed

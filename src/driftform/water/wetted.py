@@ -56,14 +56,14 @@ def wetted_speed(pipe: Pipe, flow: PipeFlow, kind: float, parameter: float, leve
 
     Args:
         pipe: straight and level, or full.
-        kind, parameter: of the profile, see :func:`driftform.water.profiles.velocity_profile`.
+        kind, parameter: of the profile, see :func:`driftform.water.parts.profiles.velocity_profile`.
         level: height of the surface, m; ``None`` for a full pipe.
     """
     segment = pipe.straight
     if level is None or segment is None:
         return flow.speed
     # Imported here: it loads the compiler.
-    from driftform.water.profiles import velocity_profile
+    from driftform.water.parts.profiles import velocity_profile
 
     radius, height = segment.radius, level - segment.start[2]
     if not -radius < height < radius:

@@ -7,7 +7,8 @@ import numpy as np
 
 from driftform.figures import style
 from driftform.types import FloatArray
-from driftform.water import Pipe, Scenario, pipe_parts
+from driftform.water import Pipe, Scenario
+from driftform.water.parts import shapes
 from driftform_exudyn.shapes import GLOWING, Shape, make_line, make_ribbons, make_text, place, revolve
 
 LIT = "#576670"
@@ -144,28 +145,28 @@ def list_bores(pipe: Pipe, viewer: FloatArray) -> list[Bore]:
     bores = []
     for placed in pipe.layout.parts:
         part = placed.part
-        step = part.length if isinstance(part, pipe_parts.Straight) else CHORD * part.end_radius
+        step = part.length if isinstance(part, shapes.Straight) else CHORD * part.end_radius
         for number, axis in enumerate(part.list_axes(step)):
             for (start, end), (first, last) in zip(pairwise(axis.points), pairwise(axis.radii), strict=True):
-                if isinstance(part, pipe_parts.Tee) and number == 1 and _is_in_run(end, part):
+                if isinstance(part, shapes.Tee) and number == 1 and _is_in_run(end, part):
                     continue
                 # Outside a bend, chords of the axis' own length would leave wedges between them.
-                turn = part.angle / (len(axis.points) - 1) if isinstance(part, pipe_parts.Bend) else 0.0
+                turn = part.angle / (len(axis.points) - 1) if isinstance(part, shapes.Bend) else 0.0
                 more = part.radius * np.tan(0.5 * turn) * (end - start) / np.linalg.norm(end - start)
                 bore = Bore.between(start - more, end + more, 0.5 * float(first + last), viewer)
                 bore = replace(bore, is_chord=True)
-                if isinstance(part, pipe_parts.Tee) and number == 0:
+                if isinstance(part, shapes.Tee) and number == 0:
                     bore = _open_towards_branch(bore, part)
                 bores.append(bore)
     return bores
 
 
-def _is_in_run(point: FloatArray, part: pipe_parts.Tee) -> bool:
+def _is_in_run(point: FloatArray, part: shapes.Tee) -> bool:
     """Return whether a point of the branch's axis lies in the run."""
     return bool(np.linalg.norm(point - part.origin) * np.sin(part.angle) < part.radius)
 
 
-def _open_towards_branch(bore: Bore, part: pipe_parts.Tee) -> Bore:
+def _open_towards_branch(bore: Bore, part: shapes.Tee) -> Bore:
     """Return a piece of a run, without the edge of the cut through which the branch leaves."""
     middle = bore.start + 0.5 * bore.length * bore.axes[0]
     mouth = part.origin + part.radius / np.sin(part.angle) * part.branch_axes[0]
@@ -180,13 +181,13 @@ def make_lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: f
 
     ``axes`` are right, up and towards the viewer; ``seen`` is the extent of the lines, width and height (m).
     """
-    shapes = []
+    lines = []
     for i in (0, 1):
         along, across, middle = axes[i], axes[1 - i], float(centre @ axes[i])
         ends = centre + np.linspace(-0.5, 0.5, LINE_POINTS)[:, None] * seen[1 - i] * across
         first, last = np.ceil((middle - seen[i] / 2) / step), np.floor((middle + seen[i] / 2) / step)
-        shapes += [
+        lines += [
             make_line(ends + (n * step - middle) * along, style.tint(style.BLUE, 0.15))
             for n in np.arange(first, last + 1)
         ]
-    return shapes
+    return lines

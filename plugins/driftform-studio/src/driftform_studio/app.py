@@ -23,7 +23,8 @@ from starlette.routing import Route
 from driftform import Run, Study, load_study
 from driftform.errors import DriftformError, InputError, describe_error
 from driftform.figures import scene
-from driftform.water import Pipe, Scenario, Segment, pipe_parts
+from driftform.water import Pipe, Scenario, Segment
+from driftform.water.parts import shapes
 from driftform_frusta.cores import CORES, CUSTOM
 from driftform_frusta.materials import MATERIALS
 from driftform_frusta.own.profile import read_profile
@@ -408,16 +409,16 @@ def _outline(scenario: Any) -> dict[str, Any]:
 
 def _axis_step(part: Any) -> float:
     """Return the distance at which points of the axis of a part are drawn, m: two points for a straight axis of one bore."""
-    if isinstance(part, pipe_parts.Bend):
+    if isinstance(part, shapes.Bend):
         return part.bend_radius * BEND_STEP
-    return part.length / REDUCER_STEPS if isinstance(part, pipe_parts.Reducer) else math.inf
+    return part.length / REDUCER_STEPS if isinstance(part, shapes.Reducer) else math.inf
 
 
 def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
     """Return the scene of the 3-D view, and the profile of the current at the inlet, empty without a pipe."""
     found = scene.scene_data(scenario, paths)
     pipe, profile = scenario.pipe, found["pipe"]
-    if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, pipe_parts.Straight):
+    if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, shapes.Straight):
         # The first part carries the profile of a straight pipe.
         start, end = pipe.layout.inlet.centre, pipe.layout.parts[0].part.list_exits()[0].centre
         inlet = Segment(start=tuple(start.tolist()), end=tuple(end.tolist()), radius=pipe.layout.inlet.radius)

@@ -10,7 +10,7 @@ import numpy as np
 
 from driftform.types import FloatArray
 from driftform.util import allocating, compiled
-from driftform.water import tee_wall
+from driftform.water.parts import tee_wall
 from driftform_tees.region import distance_beyond_ends, water_level
 
 PIECES = 4

@@ -11,7 +11,8 @@ from driftform import Study
 from driftform.errors import InputError
 from driftform.types import FloatArray
 from driftform.util import files
-from driftform.water import Scenario, field, grid_files
+from driftform.water import Scenario, field
+from driftform.water.parts import grid_files
 
 COLUMNS = ("timestamp", "x", "y", "z", "u", "v", "w")
 """Columns of the file: s, m and m/s. The timestamp is 0: Gazebo needs the column, and the current is steady."""

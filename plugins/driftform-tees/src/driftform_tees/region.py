@@ -4,7 +4,7 @@ import math
 
 from driftform.types import FloatArray
 from driftform.util import compiled
-from driftform.water import tee_wall
+from driftform.water.parts import tee_wall
 
 
 @compiled

@@ -14,7 +14,7 @@ from scipy.sparse import coo_array, csr_array, diags_array
 
 from driftform.types import FloatArray
 from driftform.util import allocating, progress
-from driftform.water import tee_store, tee_wall
+from driftform.water.parts import tee_store, tee_wall
 from driftform_tees.cells import cut_stiffness, gradient_rows, value_rows
 from driftform_tees.hierarchy import BoolArray, IntArray, Level, build_levels, coefficient_matrices
 from driftform_tees.region import distance_beyond_ends, distance_from_ball, water_level
@@ -95,7 +95,7 @@ def _pack_levels(
         levels: of each level, the coarsest first: width of a cell, the cell with which its box begins along x, y and
             z (0 along y), and the coefficients of the two flows, (nx, ny, nz), NaN where no cell of the region needs
             them.
-        leakage: see :class:`driftform.water.tee_store.TeePotentials`.
+        leakage: see :class:`driftform.water.parts.tee_store.TeePotentials`.
     """
     head = np.zeros(tee_store.HEAD + tee_store.LEVEL_SIZE * len(levels))
     head[0], place = len(levels), len(head)

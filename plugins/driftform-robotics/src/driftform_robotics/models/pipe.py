@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.water import Pipe, Segment, pipe_parts
+from driftform.water import Pipe, Segment
+from driftform.water.parts import shapes
 from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.meshes import make_tube
 from driftform_robotics.models.walls import make_parts_mesh
@@ -55,7 +56,7 @@ class Bore:
     position: FloatArray
     rotation: FloatArray
     planks: int = PLANKS
-    part: pipe_parts.PipePart | None = None
+    part: shapes.PipePart | None = None
 
     @property
     def thickness(self) -> float:
@@ -92,11 +93,11 @@ def list_bores(pipe: Pipe) -> list[Bore]:
     bores = []
     for placed in pipe.layout.parts:
         part = placed.part
-        hidden = part if isinstance(part, pipe_parts.Tee) else None
-        step = part.length if isinstance(part, pipe_parts.Straight) else CHORD * part.end_radius
+        hidden = part if isinstance(part, shapes.Tee) else None
+        step = part.length if isinstance(part, shapes.Straight) else CHORD * part.end_radius
         for axis in part.list_axes(step):
             # Outside a bend, chords of the axis' own length would leave wedges between them.
-            turn = part.angle / (len(axis.points) - 1) if isinstance(part, pipe_parts.Bend) else 0.0
+            turn = part.angle / (len(axis.points) - 1) if isinstance(part, shapes.Bend) else 0.0
             for (start, end), (first, last) in zip(pairwise(axis.points), pairwise(axis.radii), strict=True):
                 length, position, rotation = _frame_chord(start, end)
                 length += (first + last) * np.tan(0.5 * turn)

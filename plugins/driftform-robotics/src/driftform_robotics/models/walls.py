@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.types import FloatArray
-from driftform.water import Pipe, pipe_parts
+from driftform.water import Pipe
+from driftform.water.parts import shapes
 from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.meshes import SEGMENTS
 
@@ -44,17 +45,17 @@ def make_parts_mesh(pipe: Pipe, thickness: float) -> Mesh:
     triangles: list[npt.NDArray[np.int64]] = []
     for placed in pipe.layout.parts:
         part = placed.part
-        thinner = min(thickness, 0.5 * part.fillet) if isinstance(part, pipe_parts.Tee) else thickness
+        thinner = min(thickness, 0.5 * part.fillet) if isinstance(part, shapes.Tee) else thickness
         mesh = _make_part(part, thinner)
         triangles.append(mesh.triangles + sum(map(len, vertices)))
         vertices.append(part.to_world(mesh.vertices))
     return Mesh(np.concatenate(vertices), np.concatenate(triangles))
 
 
-def _make_part(part: pipe_parts.PipePart, thickness: float) -> Mesh:
+def _make_part(part: shapes.PipePart, thickness: float) -> Mesh:
     """Return the wall of a part in its local frame: the bore, the same moved into the wall, and a ring at each opening."""
     corners = []
-    for patch in _tee_patches(part) if isinstance(part, pipe_parts.Tee) else [_tube_patch(part)]:
+    for patch in _tee_patches(part) if isinstance(part, shapes.Tee) else [_tube_patch(part)]:
         outside = patch.points + thickness * patch.normals
         corners += [_face(patch.points, -patch.normals), _face(outside, patch.normals)]
         for row, direction in patch.ends.items():
@@ -63,15 +64,15 @@ def _make_part(part: pipe_parts.PipePart, thickness: float) -> Mesh:
     return _weld(np.concatenate(corners), _WELD * part.radius)
 
 
-def _tube_patch(part: pipe_parts.PipePart) -> Patch:
+def _tube_patch(part: shapes.PipePart) -> Patch:
     """Return the bore of a straight, a bend or a reducer."""
     angles = np.linspace(0, 2 * np.pi, SEGMENTS + 1)
     match part:
-        case pipe_parts.Bend():
+        case shapes.Bend():
             turn = np.linspace(0, part.angle, 1 + max(1, math.ceil(part.angle / STEP)))
             radii = np.full(len(turn), part.radius)
             feet = part.bend_radius * np.column_stack([np.sin(turn), 0 * turn, 1 - np.cos(turn)])
-        case pipe_parts.Reducer():
+        case shapes.Reducer():
             x = np.linspace(0, part.taper, 1 + RINGS)
             turn, radii, feet = 0 * x, part.bore_radii(x), np.column_stack([x, 0 * x, 0 * x])
         case _:
@@ -84,7 +85,7 @@ def _tube_patch(part: pipe_parts.PipePart) -> Patch:
     return Patch(points, normals, {0: -along[0], -1: along[-1]})
 
 
-def _tee_patches(part: pipe_parts.Tee) -> list[Patch]:
+def _tee_patches(part: shapes.Tee) -> list[Patch]:
     """Return the run of a tee around its mouth, the rounded edge, and the branch.
 
     All three are grids over the angle ``phi`` of the rolling ball about the axis of the branch, 0 on the downstream side.
@@ -146,7 +147,7 @@ def _tee_patches(part: pipe_parts.Tee) -> list[Patch]:
     return [run, rounding, branch, *_run_ends(part, phi, far)]
 
 
-def _run_ends(part: pipe_parts.Tee, phi: FloatArray, far: FloatArray) -> list[Patch]:
+def _run_ends(part: shapes.Tee, phi: FloatArray, far: FloatArray) -> list[Patch]:
     """Return the two ends of the run of a tee, as patches without width, for their rings; ``far`` is where the rays end, (k, 2)."""
     patches = []
     for x, direction in ((-part.legs[0], -1.0), (part.legs[1], 1.0)):

@@ -9,9 +9,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from driftform.util.compiled import compiled
-from driftform.water.tee_flow import tee_field, tee_motion
-from driftform.water.tee_store import JUNCTIONS, load_tee
-from driftform.water.tee_wall import Junction, wall_level
+from driftform.water.parts.tee_flow import tee_field, tee_motion
+from driftform.water.parts.tee_store import JUNCTIONS, load_tee
+from driftform.water.parts.tee_wall import Junction, wall_level
 from driftform_tees.region import distance_beyond_ends
 
 SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)

@@ -15,8 +15,8 @@ from driftform.errors import InputError
 from driftform.types import FloatArray
 from driftform.util.files import cache_folder, write_whole
 from driftform.util.preparation import preparing
-from driftform.water.tee_spline import HEAD, LEVEL_SIZE
-from driftform.water.tee_wall import Junction
+from driftform.water.parts.tee_spline import HEAD, LEVEL_SIZE
+from driftform.water.parts.tee_wall import Junction
 
 __all__ = ["HEAD", "LEVEL_SIZE", "TeePotentials", "load_tee", "save_tee"]
 
@@ -44,7 +44,7 @@ class TeePotentials:
     """The potentials of two flows in a tee, in units of the run's radius and of the mean speed at its inlet.
 
     Attributes:
-        head: number of levels and the rows of the levels, as :mod:`driftform.water.tee_spline` reads them.
+        head: number of levels and the rows of the levels, as :mod:`driftform.water.parts.tee_spline` reads them.
         through, branch: coefficients of all levels where all water leaves by the run, and where all leaves by the
             branch.
         leakage: means over the wall of the products of the two velocities through it, (2, 2).

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from driftform.water.pipe_parts import (
+from driftform.water.parts.shapes import (
     VERTICAL,
     Bend,
     Reducer,

@@ -17,6 +17,9 @@ Spread: TypeAlias = tuple[Vector, float, float]
 
 AT_A_POINT: Spread = (ZERO, 0.0, 0.0)
 
+Bore: TypeAlias = tuple[Vector, float, float, float]
+"""Around a point: unit vector to the wall, radius (m), distance from the axis (m), friction velocity (m/s)."""
+
 MIN_WALL_DISTANCE = 1e-3
 """Distance from the wall over R below which the profiles are constant.
 

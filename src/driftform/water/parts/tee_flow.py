@@ -1,7 +1,7 @@
 """The ideal flow in a tee or wye: the gradient of a potential, twice continuously differentiable.
 
 A tee is described in its local frame: the axes meet at the origin, x runs downstream along the run, and the branch leaves
-along (cos A, 0, sin A). The potential is a sum of two, :class:`driftform.water.tee_store.TeePotentials`, made once for each shape.
+along (cos A, 0, sin A). The potential is a sum of two, :class:`driftform.water.parts.tee_store.TeePotentials`, made once for each shape.
 """
 
 import math
@@ -12,9 +12,9 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import Rotation, Vector
-from driftform.water.tee_spline import HEAD, LEVEL_SIZE, potential_derivatives
-from driftform.water.tee_store import is_stored, load_tee
-from driftform.water.tee_wall import COSINE, END, INLET, OUTLET, SINE, Junction, wall_level
+from driftform.water.parts.tee_spline import HEAD, LEVEL_SIZE, potential_derivatives
+from driftform.water.parts.tee_store import is_stored, load_tee
+from driftform.water.parts.tee_wall import COSINE, END, INLET, OUTLET, SINE, Junction, wall_level
 
 MIN_BRANCH, MAX_FILLET, MIN_FILLET = 0.2, 0.5, 0.1
 """Limits of the branch's radius over that of the run, and of the fillet over the branch's radius."""

@@ -2,7 +2,7 @@
 
 A pipe with parts is one flat array, ``fittings``: the number of rows, the rows of the parts, and then the flow fields of its
 tees (:mod:`driftform.water.fittings` makes it). Each part is described in its local frame: see
-:mod:`driftform.water.pipe_parts`. Straight rows continue the inlet and the outlets.
+:mod:`driftform.water.parts.shapes`. Straight rows continue the inlet and the outlets.
 
 In the water the gap is the distance from the wall, and in the wall it is negative: the depth. Tees have the wall that a ball makes
 which rolls in the wall along both bores. Its centre moves along a closed curve, and the distance from the rounded edge is that from the

@@ -13,9 +13,9 @@ from driftform.search.in_process import InProcess
 from driftform.study import load_study
 from driftform.util import preparation
 from driftform.util.files import CACHE_VARIABLE
-from driftform.water import tee_store as store
-from driftform.water.tee_store import is_stored, load_tee
-from driftform.water.tee_wall import Junction
+from driftform.water.parts import tee_store as store
+from driftform.water.parts.tee_store import is_stored, load_tee
+from driftform.water.parts.tee_wall import Junction
 
 SHAPE = Junction(0.4, math.radians(75), 0.08)
 

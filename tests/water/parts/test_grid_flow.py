@@ -5,8 +5,8 @@ import pytest
 
 from driftform.water import Pipe, Scenario
 from driftform.water.fittings import fitting_array
-from driftform.water.grid_files import VelocityGrid
-from driftform.water.grid_flow import grid_motion, grid_velocities, inlet_speed, make_grid, wall_leakage
+from driftform.water.parts.grid_files import VelocityGrid
+from driftform.water.parts.grid_flow import grid_motion, grid_velocities, inlet_speed, make_grid, wall_leakage
 from driftform_tees.currents import write_current
 
 RADIUS, LENGTH, SPACING = 0.1, 1.0, 0.02
@@ -42,7 +42,7 @@ def test_a_linear_current_and_its_gradient_are_exact_between_the_nodes():
     rng = np.random.default_rng(0)
     constant, gradient = rng.normal(size=3), rng.normal(size=(3, 3))
     grid = sample(lambda x: constant + x @ gradient.T)
-    array = make_grid(grid, OPEN, np.zeros(1))
+    array = make_grid(grid, OPEN.layout, np.zeros(1))
     inner = grid.origin + 6 * grid.spacing, grid.end - 6 * grid.spacing
     for point in rng.uniform(*inner, (50, 3)):
         velocity, slope = grid_motion(tuple(point.tolist()), array)
@@ -57,7 +57,7 @@ def test_a_smooth_current_is_interpolated_to_the_fourth_order():
     rng, errors = np.random.default_rng(1), []
     points = rng.uniform((0.3, -0.05, -0.05), (0.7, 0.05, 0.05), (400, 3))
     for spacing in (0.02, 0.01):
-        array = make_grid(sample(wave, spacing=spacing), OPEN, np.zeros(1))
+        array = make_grid(sample(wave, spacing=spacing), OPEN.layout, np.zeros(1))
         errors.append(np.abs(grid_velocities(points, array) - wave(points)).max())
     assert errors[0] < 1e-4
     assert errors[0] / errors[1] > 12
@@ -87,7 +87,7 @@ def test_the_mean_speed_at_the_inlet_is_that_of_the_profile(tmp_path):
     grid = sample(lambda x: (1 - (x[..., 1:2] ** 2 + x[..., 2:] ** 2) / RADIUS**2) * along(x))
     array = fitting_array(in_pipe(tmp_path, grid, reference=0.5))
     pipe = in_pipe(tmp_path, grid).pipe
-    assert inlet_speed(array, pipe) == pytest.approx(0.5, rel=5e-3)
+    assert inlet_speed(array, pipe.layout) == pytest.approx(0.5, rel=5e-3)
 
 
 def oblique(nodes):
@@ -128,11 +128,11 @@ def test_a_grid_that_does_not_fit_the_pipe_is_refused(tmp_path, grid, flow, word
 def test_a_grid_that_ends_within_a_spacing_of_the_wall_is_enough(tmp_path):
     """Programs write the nodes of the water, the last of which lie up to a cell inside the wall."""
     grid = sample(along, low=(-0.1, -0.09, -0.09), high=(1.1, 0.09, 0.09))
-    assert inlet_speed(fitting_array(in_pipe(tmp_path, grid)), in_pipe(tmp_path, grid).pipe) == pytest.approx(1)
+    assert inlet_speed(fitting_array(in_pipe(tmp_path, grid)), in_pipe(tmp_path, grid).pipe.layout) == pytest.approx(1)
 
 
 def test_in_open_water_every_node_needs_a_velocity():
     grid = sample(along)
     grid.velocity[3, 4, 5] = np.nan
     with pytest.raises(ValueError, match="in open water every node needs one"):
-        make_grid(grid, OPEN, np.zeros(1))
+        make_grid(grid, OPEN.layout, np.zeros(1))

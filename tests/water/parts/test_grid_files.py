@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.util import foreign
-from driftform.water.grid_files import VelocityGrid, read_grid
+from driftform.water.parts.grid_files import VelocityGrid, read_grid
 
 ORIGIN, SPACING, SHAPE = np.array([-0.3, 0.1, 2.0]), np.array([0.1, 0.05, 0.2]), (4, 5, 6)
 NAMES = ("x", "y", "z", "u", "v", "w")

@@ -13,13 +13,12 @@ import numpy as np
 from driftform.types import BoolArray, FloatArray
 from driftform.util.compiled import allocating, compiled
 from driftform.util.small_vectors import ZERO, Rotation, Vector, add, scale
-from driftform.water import Pipe
-from driftform.water.fitting_walls import HEAD, PART, wall_gaps
-from driftform.water.flow import GridFlow
-from driftform.water.grid_files import VelocityGrid, fill_nodes, read_grid
-from driftform.water.pipe_parts import Axis
-from driftform.water.profiles import AT_A_POINT, Spread
-from driftform.water.tee_spline import cubic_bends, cubic_slopes, cubic_values
+from driftform.water.parts.grid_files import VelocityGrid, fill_nodes, read_grid
+from driftform.water.parts.layout import Layout
+from driftform.water.parts.profiles import AT_A_POINT, Spread
+from driftform.water.parts.shapes import Axis
+from driftform.water.parts.tee_spline import cubic_bends, cubic_slopes, cubic_values
+from driftform.water.parts.walls import HEAD, PART, wall_gaps
 
 ORIGIN, SPACING, SHAPE, VALUES = 0, 3, 6, 9
 """Indices in a grid: first node (m), spacing (m), nodes along each axis, and coefficients, 3 at each node.
@@ -33,31 +32,37 @@ MAX_LEAKAGE = 0.1
 SPEED_TOLERANCE = 0.1
 """Largest deviation of the mean speed at the inlet from that of the scenario, relative to it."""
 
-FEWEST_CELLS = 4
-"""Fewest cells of a grid across the narrowest bore."""
+MIN_CELLS = 4
+"""Smallest number of cells of a grid across the narrowest bore."""
 
 
-def load_grid(flow: GridFlow, pipe: Pipe, walls: FloatArray) -> FloatArray:
-    """Return the array ``fittings`` of a pipe and a grid: the walls, as :mod:`fitting_walls` has them, and the grid.
+def load_grid(file: str, reference: float, layout: Layout, walls: FloatArray) -> FloatArray:
+    """Return the array ``fittings`` of a pipe and a grid: the walls, as in :mod:`driftform.water.parts.walls`, and the grid.
+
+    Args:
+        file: of the grid.
+        reference: mean speed at the inlet in the file, m/s.
+        layout: of the pipe, empty in open water.
+        walls: array of the pipe without its flow.
 
     Raises ValueError if the file cannot be read, or does not fit the pipe: see :func:`make_grid` and
     :func:`check_grid`. The message names file and next step.
     """
-    path = Path(flow.file)
+    path = Path(file)
     try:
         state = path.stat()
     except OSError as error:
         raise ValueError(f"flow.file = '{path}' cannot be read: {error.strerror}") from None
-    return _load(path, (state.st_mtime_ns, state.st_size), pipe, flow.reference, walls.tobytes())
+    return _load(path, (state.st_mtime_ns, state.st_size), layout, reference, walls.tobytes())
 
 
 @lru_cache(maxsize=4)
-def _load(path: Path, _: tuple[int, int], pipe: Pipe, reference: float, walls: bytes) -> FloatArray:
+def _load(path: Path, _: tuple[int, int], layout: Layout, reference: float, walls: bytes) -> FloatArray:
     try:
         grid = read_grid(path)
-        array = make_grid(grid, pipe, np.frombuffer(walls))
-        if not pipe.is_open:
-            check_grid(grid, array, pipe, reference)
+        array = make_grid(grid, layout, np.frombuffer(walls))
+        if layout.parts:
+            check_grid(grid, array, layout, reference)
     except ValueError as error:
         raise ValueError(f"flow.file = '{path}' {error}") from None
     except ModuleNotFoundError as error:
@@ -67,7 +72,7 @@ def _load(path: Path, _: tuple[int, int], pipe: Pipe, reference: float, walls: b
     return array
 
 
-def make_grid(grid: VelocityGrid, pipe: Pipe, walls: FloatArray) -> FloatArray:
+def make_grid(grid: VelocityGrid, layout: Layout, walls: FloatArray) -> FloatArray:
     """Return the walls of a pipe and a grid of velocities as one array, as :func:`grid_motion` reads it, (n,), read-only.
 
     Raises ValueError if a node in the water has no velocity, or if the pipe reaches beyond the grid.
@@ -75,9 +80,9 @@ def make_grid(grid: VelocityGrid, pipe: Pipe, walls: FloatArray) -> FloatArray:
     from scipy.ndimage import spline_filter1d
 
     known = np.asarray(np.isfinite(grid.velocity).all(axis=3))
-    if not pipe.is_open:
+    if layout.parts:
         known[known] = wall_gaps(grid.nodes()[known], walls)[0] >= -1e-6 * grid.spacing.max()
-    _check_nodes(grid, known, pipe, walls)
+    _check_nodes(grid, known, layout, walls)
     values = fill_nodes(grid.velocity, known)
     for axis in range(3):
         values = spline_filter1d(values, order=3, axis=axis, mode="mirror")
@@ -88,20 +93,20 @@ def make_grid(grid: VelocityGrid, pipe: Pipe, walls: FloatArray) -> FloatArray:
     return array
 
 
-def _check_nodes(grid: VelocityGrid, known: BoolArray, pipe: Pipe, walls: FloatArray) -> None:
-    if pipe.is_open:
+def _check_nodes(grid: VelocityGrid, known: BoolArray, layout: Layout, walls: FloatArray) -> None:
+    if not layout.parts:
         if not known.all():
             place = grid.origin + grid.spacing * np.argwhere(~known)[0]
             raise ValueError(f"has no velocity at {format_point(place)}: in open water every node needs one")
         return
-    step = 0.1 * pipe.layout.narrowest
-    bores = [axis for placed in pipe.layout.parts for axis in placed.part.list_axes(step)]
+    step = 0.1 * layout.narrowest
+    bores = [axis for placed in layout.parts for axis in placed.part.list_axes(step)]
     points = np.concatenate([axis.points for axis in bores])
-    narrowest = 2 * pipe.layout.narrowest
-    if grid.spacing.max() > narrowest / FEWEST_CELLS:
+    narrowest = 2 * layout.narrowest
+    if grid.spacing.max() > narrowest / MIN_CELLS:
         raise ValueError(
             f"has nodes {grid.spacing.max():.3g} m apart, too far for a bore of {narrowest:.3g} m, which needs at least "
-            f"{FEWEST_CELLS} cells across: are its coordinates in metres?"
+            f"{MIN_CELLS} cells across: are its coordinates in metres?"
         )
     low, high = format_point(grid.origin), format_point(grid.end)
     outside = ((points < grid.origin) | (points > grid.end)).any(axis=1)
@@ -149,12 +154,12 @@ def format_point(point: FloatArray) -> str:
     return f"({', '.join(f'{x:.4g}' for x in point)})"
 
 
-def check_grid(grid: VelocityGrid, array: FloatArray, pipe: Pipe, reference: float) -> None:
+def check_grid(grid: VelocityGrid, array: FloatArray, layout: Layout, reference: float) -> None:
     """Check that the water of a grid stays in the pipe, and that its mean speed at the inlet is ``reference`` (m/s).
 
     Raises ValueError if it does not.
     """
-    speed = inlet_speed(array, pipe)
+    speed = inlet_speed(array, layout)
     if not abs(speed - reference) <= SPEED_TOLERANCE * reference:
         raise ValueError(
             f"has a mean speed of {speed:.4g} m/s at the inlet, but flow.reference = {reference:g} m/s: set flow.reference, "
@@ -168,9 +173,9 @@ def check_grid(grid: VelocityGrid, array: FloatArray, pipe: Pipe, reference: flo
         )
 
 
-def inlet_speed(array: FloatArray, pipe: Pipe) -> float:
+def inlet_speed(array: FloatArray, layout: Layout) -> float:
     """Return the mean speed into the inlet, m/s."""
-    inlet = pipe.layout.inlet
+    inlet = layout.inlet
     nodes, weights = np.polynomial.legendre.leggauss(12)
     angles = 2 * np.pi * np.arange(24) / 24
     total = 0.0

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.types import FloatArray
-from driftform.water.part_tables import BendPart, ReducerPart, StraightPart, TeePart, WyePart
-from driftform.water.pipe_parts import Bend, Opening, PipePart, Reducer, Straight, Tee, roll_axes, upright_axes
+from driftform.water.parts.shapes import Bend, Opening, PipePart, Reducer, Straight, Tee, roll_axes, upright_axes
+from driftform.water.parts.tables import BendPart, ReducerPart, StraightPart, TeePart, WyePart
 
 OUTLET = "outlet"
 """Name of the only outlet of a pipe without branches, unless it has another."""

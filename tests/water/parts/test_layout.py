@@ -7,7 +7,7 @@ from pydantic import ValidationError
 from driftform.errors import InputError
 from driftform.study import load_study
 from driftform.water import Pipe, Scenario
-from driftform.water.pipe_parts import Tee
+from driftform.water.parts.shapes import Tee
 
 TEE = {"kind": "tee", "branch_radius": 0.05, "share": 0.3}
 WAY_OUT = {"length": 0.5, "outlet": "B"}

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
 from driftform.water import Scenario
-from driftform.water.bend_flow import crossing_potential, dean_cells, vortex_excess, vortex_strength
-from driftform.water.fitting_flow import fitting_flow, rise
-from driftform.water.fitting_walls import fitting_gap
 from driftform.water.fittings import fitting_array
-from driftform.water.pipe_parts import Bend, Reducer, Straight
-from driftform.water.profiles import AT_A_POINT
+from driftform.water.parts.bends import crossing_potential, dean_cells, vortex_excess, vortex_strength
+from driftform.water.parts.profiles import AT_A_POINT
+from driftform.water.parts.shapes import Bend, Reducer, Straight
+from driftform.water.parts.stream import fitting_flow, rise
+from driftform.water.parts.walls import fitting_gap
 from driftform.water.velocity import flow_array
 
 R = 0.1

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.water import Pipe
-from driftform.water.fitting_walls import local_gap
-from driftform.water.fittings import wall_rows
-from driftform.water.tee_wall import Junction, ball_centre, wall_level
+from driftform.water.parts.rows import wall_rows
+from driftform.water.parts.tee_wall import Junction, ball_centre, wall_level
+from driftform.water.parts.walls import local_gap
 
 JUNCTIONS = [
     Junction(0.5, math.pi / 2, 0.1),

@@ -7,9 +7,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 from driftform.water import Pipe
-from driftform.water.fitting_walls import HEAD, fitting_gap, is_far_in_fittings
-from driftform.water.fittings import wall_array, wall_rows
-from driftform.water.pipe_parts import Bend, Reducer, Tee
+from driftform.water.fittings import wall_array
+from driftform.water.parts.rows import wall_rows
+from driftform.water.parts.shapes import Bend, Reducer, Tee
+from driftform.water.parts.walls import HEAD, fitting_gap, is_far_in_fittings
 
 RUN, BRANCH = 0.1, 0.05
 WINDING = Pipe.model_validate(

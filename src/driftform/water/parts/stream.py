@@ -1,6 +1,6 @@
 r"""The mean flow in a pipe with parts: velocity profiles in straights, ideal flow in fittings.
 
-Bends have the free vortex, reducers plug flow by the area law, tees the ideal flow of :mod:`driftform.water.tee_flow`. Fittings meet
+Bends have the free vortex, reducers plug flow by the area law, tees the ideal flow of :mod:`driftform.water.parts.tee_flow`. Fittings meet
 each other, and the straights shorter than a diameter between them, in plug flow. Longer straights carry the profile of
 ``flow.kind``, and change over to the flow of the fitting at each end within a length l <= 2 R. With the weights w of the
 fittings' flows, c = 1 - sum of w, the mean speed U, the profile's excess D_p(r) and the vortex's excess D over U::
@@ -17,8 +17,20 @@ import math
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import ZERO, Rotation, Vector
-from driftform.water.bend_flow import DECAY, crossing_potential, dean_cells, vortex_excess
-from driftform.water.fitting_walls import (
+from driftform.water.parts.bends import DECAY, crossing_potential, dean_cells, vortex_excess
+from driftform.water.parts.profiles import (
+    LOG_LAW,
+    MIN_WALL_DISTANCE,
+    PARABOLA,
+    POWER_LAW,
+    UNIFORM,
+    Bore,
+    Spread,
+    spread_across,
+    spread_profile,
+)
+from driftform.water.parts.tee_flow import tee_motion
+from driftform.water.parts.walls import (
     ANGLE,
     BEND,
     CURVE,
@@ -39,20 +51,8 @@ from driftform.water.fitting_walls import (
     turn_from_part,
     turn_to_part,
 )
-from driftform.water.gusts import Bore
-from driftform.water.profiles import (
-    LOG_LAW,
-    MIN_WALL_DISTANCE,
-    PARABOLA,
-    POWER_LAW,
-    UNIFORM,
-    Spread,
-    spread_across,
-    spread_profile,
-)
-from driftform.water.tee_flow import tee_motion
 
-# Indices in a row of `fittings`; see fitting_walls.
+# Indices in a row of `fittings`; see walls.
 SPEED, PARAMETER, DEVELOPED = 30, 31, 32
 """Mean speed (m/s) at the entry, parameter of the profile, and 1 for a straight that carries the profile."""
 START, FINISH = 33, 38
