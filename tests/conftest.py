@@ -17,11 +17,15 @@ from typing import Any
 
 import pytest
 from chromium import browser
+from filelock import FileLock
 from program import call, ideal_water, install, refused
+from shared import shared_folder
+
+from driftform.util.files import cache_folder
 
 __all__ = ["browser", "call", "ideal_water", "install", "refused"]
 
-MOST_WORKERS = 8
+MAX_WORKERS = 8
 
 PEER_FIXTURES = {"browser", "dask", "requires_program", "site"}
 """Fixtures that need what the default environment does not have: their tests are of the group ``peers``."""
@@ -54,7 +58,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     folders = any(Path(name).is_dir() for name in config.args)
     if not folders or "not slow" not in config.option.markexpr or os.environ.get("UPDATE_DOCS") == "1":
         return 0
-    return min(MOST_WORKERS, os.cpu_count() or 1)
+    return min(MAX_WORKERS, os.cpu_count() or 1)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -117,6 +121,9 @@ def reason_of(report: pytest.TestReport) -> str:
 def pytest_configure(config: pytest.Config) -> None:
     """Let the rules hold in all folders, and tests interrupt programs also where a shell started them in background."""
     config.pluginmanager.register(Peers())
+    # Tests start hundreds of processes: modules and kernels are compiled once, also where a test moves the user's cache.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -147,14 +154,14 @@ def fakes(fake_plugin: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 @pytest.fixture
 def count_of() -> Callable[[str, int], int]:
-    """How many of something to take: what the environment says (``AGENTS=20 pytest ...``), or what the page tells."""
+    """How many of something to take: what the environment says (``AGENTS=20 pytest ...``), or what the page says."""
     return lambda name, usual: int(os.environ.get(name, usual))
 
 
 @pytest.fixture(scope="session")
 def uv() -> str:
     """The installer that plugins are installed by."""
-    # ``uv run`` tells where it is; otherwise it is looked for on the path.
+    # ``uv run`` says where it is; otherwise it is looked for on the path.
     found = os.environ.get("UV") or shutil.which("uv")
     if found is None:
         pytest.skip("uv is not installed")
@@ -179,8 +186,11 @@ def outside(uv: str) -> Callable[..., str]:
 @pytest.fixture(scope="session")
 def dist(uv: str, outside: Callable[..., str], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A directory with the wheels and sdists of all distributions; a wheel is built from its sdist."""
-    folder = tmp_path_factory.mktemp("dist")
-    outside(uv, "build", "--all-packages", "--out-dir", folder, cwd=DOCS.parent)
+    folder = shared_folder(tmp_path_factory, "dist")
+    with FileLock(folder.with_suffix(".lock")):
+        if not folder.exists():
+            outside(uv, "build", "--all-packages", "--out-dir", folder.with_suffix(".part"), cwd=ROOT)
+            folder.with_suffix(".part").rename(folder)
     return folder
 
 
@@ -378,7 +388,7 @@ def publish() -> Callable[[str, Sequence[str]], None]:
 
 @pytest.fixture
 def published(publish: Callable[[str, Sequence[str]], None]) -> Callable[[str, Sequence[str]], None]:
-    """Tell whether lines are what a page has between the markers of their title; with UPDATE_DOCS=1 put them there."""
+    """Check that lines are what a page has between the markers of their title; with UPDATE_DOCS=1 put them there."""
 
     def check(title: str, lines: Sequence[str]) -> None:
         publish(title, lines)

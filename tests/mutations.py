@@ -1,11 +1,15 @@
 """Change one operator or constant of a core formula at a time, and list the changes that no test finds.
 
     uv run python tests/mutations.py [--only NAME] [--count 60] [--seed 0]
+    uv run python tests/mutations.py --chosen [--only NAME]
+
+The second command makes the changes of ``tests/mutants.py``, which reach all over the house.
 
 A mutant is a copy of one file in a temporary folder, which a child process imports in place of the file; the working tree
 stays as it is. The child runs the tests of that file. A test that fails, an error, or a run beyond the time limit kills the
-mutant; mutants that live are printed, and the exit code is 1. Kernels run as plain Python here, because each mutant would
-compile for tens of seconds: the tests of a file are therefore those that call its functions, and not whole flights.
+mutant; mutants that live are printed, and the exit code is 1. Kernels run as plain Python where the file is in a package
+with kernels, because each mutant would compile for tens of seconds: the tests of such a file are therefore those that call
+its functions, and not whole flights.
 
 Children are forks of a process that has imported the large packages, so this needs Linux or macOS; the tests of networks
 need `uv sync --all-groups`.
@@ -36,7 +40,7 @@ ROOT = Path(__file__).parents[1]
 LIMIT_S = 1800
 """Time limit of the tests of a file that is unchanged, s."""
 
-LONGER, LEAST_LIMIT_S = 3, 60
+LONGER, MIN_LIMIT_S = 3, 60
 """Time limit of a mutant over the time of the file unchanged, and the least, s."""
 
 PACKAGES = (
@@ -52,7 +56,8 @@ PACKAGES = (
 )
 """What most tests import."""
 
-MARKS = "not slow and not installs"
+MARKS, QUICK_MARKS = "not slow and not installs", "not slow and not installs and not long"
+"""Tests that judge the drawn mutants, and the chosen ones."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,7 @@ class Target:
     tests: tuple[str, ...]
     functions: tuple[str, ...] = ()
     """Without any, the whole file."""
+    marks: str = MARKS
 
     @property
     def name(self) -> str:
@@ -73,6 +79,11 @@ class Target:
     def module(self) -> str:
         """Name of the module."""
         return ".".join(Path(self.path.rpartition("src/")[2]).with_suffix("").parts)
+
+    @property
+    def has_kernels(self) -> bool:
+        """Whether it is in a package of :data:`driftform.util.kernel_cache.KERNELS`."""
+        return self.path.startswith(("src/driftform/util/", "src/driftform/water/", "src/driftform/motion/"))
 
 
 AGENT, MOTION, PLUGINS = "src/driftform/agent", "src/driftform/motion", "plugins/driftform"
@@ -208,6 +219,30 @@ def sample_mutants(targets: Sequence[Target], count: int, seed: int) -> list[Mut
     return chosen
 
 
+def list_chosen() -> list[Mutant]:
+    """Return the mutants of ``tests/mutants.py``. Raises LookupError if an expression or a test is not there any more."""
+    from mutants import CHOSEN
+
+    files = [path for folder in ("src", "tests", "plugins") for path in (ROOT / folder).rglob("*.py")]
+    sources = {path: path.read_text(encoding="utf-8") for path in files if "tests" not in path.parts}
+
+    def find_test(ending: str) -> str:
+        found = (path for path in (ROOT / ending, *files) if path.exists() and f"{path}".endswith(f"/{ending}"))
+        return next(found).relative_to(ROOT).as_posix()
+
+    found = []
+    for name, old, new, endings in CHOSEN:
+        holders = [path for path, text in sources.items() if text.count(old) == 1]
+        holders = [path for path in holders if path.name == name] or holders
+        if len(holders) != 1:
+            raise LookupError(f"{name}: {old!r} is in {len(holders)} files")
+        [path] = holders
+        target = Target(path.relative_to(ROOT).as_posix(), tuple(map(find_test, endings)), marks=QUICK_MARKS)
+        line = sources[path].partition(old)[0].count("\n") + 1
+        found.append(Mutant(target, line, f"{path.stem}: {old} -> {new}", sources[path].replace(old, new)))
+    return found
+
+
 # One run.
 
 
@@ -223,9 +258,13 @@ class _Replacement(importlib.abc.MetaPathFinder):
 
 
 def prepare_parent() -> None:
-    """Import what all children need, without any file of :data:`TARGETS`, and let kernels stay plain Python."""
+    """Import what all children need, without any file that is changed."""
     for name in PACKAGES:
         importlib.import_module(name)
+
+
+def keep_python() -> None:
+    """Let kernels stay plain Python."""
     import numpy as np
 
     compiled = importlib.import_module("driftform.util.compiled")
@@ -252,8 +291,6 @@ def prepare_parent() -> None:
     # Kernels read n.gravity, which numba gives any record.
     for name in ("LAW", "PLANE", "NUMBERS"):
         setattr(fields, name, np.dtype((np.record, getattr(fields, name))))
-    early = {target.module for target in TARGETS} & set(sys.modules)
-    assert not early, f"{early} are imported before they are changed"
 
 
 def start(target: Target, source: str | None, folder: Path, number: int, limit: float) -> int:
@@ -269,13 +306,16 @@ def start(target: Target, source: str | None, folder: Path, number: int, limit: 
     os.dup2(stream, 2)
     code = 3
     try:
+        if target.has_kernels:
+            keep_python()
+        assert target.module not in sys.modules, f"{target.module} is imported before it is changed"
         if source is not None:
             file = folder / f"{number}.py"
             file.write_text(source, encoding="utf-8")
             sys.meta_path.insert(0, _Replacement(target.module, file))
         import pytest
 
-        options = ("-x", "-q", "-n", "0", "-p", "no:cacheprovider", "-p", "no:warnings", "-m", MARKS)
+        options = ("-x", "-q", "-n", "0", "-p", "no:cacheprovider", "-p", "no:warnings", "-m", target.marks)
         code = int(pytest.main([*options, "--rootdir", str(ROOT), *target.tests]))
     finally:
         os._exit(code)
@@ -298,15 +338,22 @@ def run_all(
 def main() -> int:
     """Run mutants and print those that live."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--only", help="name of one file, without .py", choices=[t.name for t in TARGETS])
+    parser.add_argument("--only", help="name of one file, without .py")
+    parser.add_argument("--chosen", action="store_true", help="the mutants of tests/mutants.py, in place of drawn ones")
     parser.add_argument("--count", type=int, default=60, help="mutants to draw, the same number of each file")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--processes", type=int, default=1, choices=(1, 2))
     parser.add_argument("--list", action="store_true", help="print the mutants without running them")
     given = parser.parse_args()
     os.chdir(ROOT)
-    targets = [target for target in TARGETS if given.only in (None, target.name)]
-    mutants = sample_mutants(targets, given.count, given.seed)
+    if given.chosen:
+        mutants = [mutant for mutant in list_chosen() if given.only in (None, mutant.target.name)]
+        targets = list(dict.fromkeys(mutant.target for mutant in mutants))
+    else:
+        targets = [target for target in TARGETS if given.only in (None, target.name)]
+        mutants = sample_mutants(targets, given.count, given.seed)
+    if not mutants:
+        parser.error(f"--only {given.only}: no such file")
     if given.list:
         print(*(f"{m.target.path}:{m.line} {m.label}" for m in mutants), sep="\n")
         return 0
@@ -316,7 +363,7 @@ def main() -> int:
         folder = Path(name)
         limits = {}
         for number, code, seconds in run_all([(target, None, LIMIT_S) for target in targets], given.processes, folder):
-            limits[targets[number]] = max(LONGER * seconds, LEAST_LIMIT_S)
+            limits[targets[number]] = max(LONGER * seconds, MIN_LIMIT_S)
             print(f"{time.monotonic() - begun:6.1f} s  {targets[number].name}: exit code {code} unchanged", flush=True)
             if code:
                 print((folder / f"{number}.txt").read_text(encoding="utf-8"))

@@ -104,7 +104,7 @@ def test_without_a_home_and_a_cache_the_program_works(fake_plugin: Path, tmp_pat
     done = subprocess.run(
         [str(Path(sysconfig.get_path("scripts")) / "driftform"), "evolve", *map(str, RUN), "--out", "run"],
         cwd=tmp_path,
-        env=os.environ | nowhere | {"PYTHONPATH": str(fake_plugin)},
+        env=os.environ | nowhere | {"PYTHONPATH": str(fake_plugin), "NUMBA_CACHE_DIR": ""},
         capture_output=True,
         text=True,
         check=False,

@@ -37,8 +37,19 @@ UNUSED_S = 30 * 86400.0
 _CORE = Path(__file__).parents[1]
 _CONFIG: Any = numba.config
 
-BASE = Path(_CONFIG.CACHE_DIR) if _CONFIG.CACHE_DIR else cache_folder()
-"""The folder of all these folders: NUMBA_CACHE_DIR, or the cache of the user."""
+
+def _find_base() -> Path:
+    """Return NUMBA_CACHE_DIR, or the cache of the user, or that of Python in this package where the user's cannot be written."""
+    if _CONFIG.CACHE_DIR:
+        return Path(_CONFIG.CACHE_DIR)
+    folder = cache_folder()
+    with suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder if os.access(folder, os.W_OK) else _CORE / "__pycache__"
+
+
+BASE = _find_base()
+"""The folder of all these folders."""
 
 
 def hash_sources(sources: Iterable[Path]) -> str:
