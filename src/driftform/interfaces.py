@@ -34,8 +34,8 @@ from driftform.water.pipe import Vector
 
 __all__ = [
     "Checker", "ExportJob", "Exporter", "Fitness", "Flown", "Grammar", "Hydrodynamics",
-    "HydrodynamicsOptions", "Inspector", "PhenotypeBuilder", "PrintJob", "Printer", "Recorder",
-    "Renderer", "ReportJob", "Reporter", "SearchSpace", "Simulator", "Strategy", "Table", "option",
+    "HydrodynamicsOptions", "PhenotypeBuilder", "PrintJob", "Printer", "Recorder",
+    "Renderer", "ReportJob", "SearchSpace", "Simulator", "Strategy", "Table", "option",
 ]  # fmt: skip
 
 OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
@@ -500,26 +500,6 @@ class Checker(Plugin[OptionsT_co]):
         """
 
 
-class Inspector(Plugin[OptionsT_co]):
-    """Agent in a scenario -> facts, a section of ``driftform inspect``.
-
-    All installed inspectors are asked, each with the options of its table ``[inspector.<name>]``. ``heading`` is the
-    title of the section.
-    """
-
-    heading: ClassVar[str]
-
-    @abstractmethod
-    def describe(self, agent: Agent, scenario: Scenario) -> dict[str, Any]:
-        """Return facts by name: numbers, texts, and lists of them, in SI units; the unit in the name, as in ``draught_m``.
-
-        ``--json`` has them below ``sections``, under the name of the inspector. Without facts there is no section.
-
-        Raises:
-            WorkFailedError: if the agent cannot be described; the message gives the reason.
-        """
-
-
 @dataclass(frozen=True, eq=False)
 class Flown:
     """The best agent of a run for one target: the ``agent``, its ``trajectory``, its ``fitness`` (%), and its ``name``."""
@@ -532,7 +512,7 @@ class Flown:
 
 @dataclass(frozen=True, eq=False)
 class ReportJob:
-    """A run to report: what reporters receive.
+    """A run to report: what the hook ``driftform_report`` receives.
 
     Attributes:
         name: of the run.
@@ -543,27 +523,6 @@ class ReportJob:
     name: str
     scenario: Scenario
     best: Mapping[str, Flown]
-
-
-class Reporter(Plugin[OptionsT_co]):
-    """Run -> a section of its report page.
-
-    All installed reporters are asked, each with the options of its table ``[reporter.<name>]``. ``heading`` is the
-    title of the section.
-    """
-
-    heading: ClassVar[str]
-
-    @abstractmethod
-    def write(self, job: ReportJob) -> str:
-        """Return the section as a fragment of HTML, such as a picture in SVG; an empty text for no section.
-
-        The page must not need anything else: no network, no other file, no script. The same run must give the same text.
-        Escape names that come from files (``html.escape``).
-
-        Raises:
-            WorkFailedError: if the section cannot be written; the message gives the reason.
-        """
 
 
 SEAMS: dict[str, type[Plugin[Any]]] = {
@@ -577,7 +536,5 @@ SEAMS: dict[str, type[Plugin[Any]]] = {
     "recorder": Recorder,
     "renderer": Renderer,
     "checker": Checker,
-    "inspector": Inspector,
-    "reporter": Reporter,
 }
 """The interfaces by the name of their seam, which hooks (``driftform_<seam>``) and tables of a study file use."""

@@ -16,14 +16,7 @@ def test_a_sound_study_is_told_by_what_it_holds(call: Call) -> None:
     assert told["targets"] == {"leak": [1, 0, 0]}
     assert (told["pipe"], told["flow"], told["evaluations"]) == (1, "uniform", 50)
     assert told["plugins"]["strategy"] == "paper"
-    assert told["options"] == {
-        "exporter": ["stl"],
-        "recorder": [],
-        "renderer": [],
-        "checker": [],
-        "inspector": [],
-        "reporter": [],
-    }
+    assert told["options"] == {"exporter": ["stl"], "recorder": [], "renderer": [], "checker": []}
     text = call("scenarios", "check", "mine.toml").stdout
     assert text.startswith("mine.toml is sound")
     assert "1: leak" in text

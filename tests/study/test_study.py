@@ -209,6 +209,14 @@ def test_the_built_in_scenarios_load_and_resolve() -> None:
         assert load_study(Document(name, study.document)).document == study.document
 
 
+def test_a_run_of_0_2_0_opens_with_the_tables_of_seams_that_it_had() -> None:
+    study = load_study("paper", run={"seed": 1})
+    former = {**study.document, "inspector": {}, "reporter": {}}
+    assert load_study(Document("run.db", former)).document == study.document
+    with pytest.raises(InputError, match="unknown key 'reporter'"):
+        load_study(Document("run.db", {**former, "reporter": {"mine": {}}}))
+
+
 def test_an_environment_flies_without_a_strategy() -> None:
     study = load_study(run={"seed": 1})
     environment = study.environment()

@@ -112,18 +112,8 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
             ),
             right=range(1, 5),
         )
-    for section in facts.get("sections", {}).values():
-        print(f"\n{section['heading']}")
-        print_table(("fact", "value"), [(name, _show_fact(fact)) for name, fact in section["facts"].items()])
     for warning in facts["warnings"]:
         print_text(f"warning: {warning}")
-
-
-def _show_fact(fact: Any) -> str:
-    """Return a fact of an inspector as text: numbers with six digits, and lists with commas."""
-    if isinstance(fact, list | tuple):
-        return ", ".join(map(_show_fact, fact))
-    return f"{fact:.6g}" if isinstance(fact, float) else str(fact)
 
 
 def _describe_gram(sensitivity: dict[str, Any] | None, fitness: "Fitness[Any]") -> str:

@@ -10,7 +10,7 @@ from driftform.cli.options import Json
 
 KINDS = (
     "grammar, builder, hydrodynamics, simulator, fitness, strategy, exporter, recorder, "
-    "renderer, checker, inspector, reporter, commands or scenarios"
+    "renderer, checker, commands or scenarios"
 )
 
 

@@ -25,7 +25,7 @@ from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
 from driftform.plugins.genome_text import write_genome
 from driftform.plugins.registry import registry
-from driftform.plugins.seams import require_facts, require_file, require_files
+from driftform.plugins.seams import require_file, require_files
 from driftform.runs.agent_file import StoredAgent
 from driftform.study import Document, Study, load_study
 from driftform.study.sources import say_in_python
@@ -158,12 +158,7 @@ class Design:
     def inspect(self) -> dict[str, Any]:
         """Return what ``driftform inspect --json`` prints; some of it takes flights."""
         found = inspect_agent(self.pipeline, self.agent, self.name, self.result.get("target"))
-        asked, problems = self.study.ask_each(
-            "inspector", lambda each: require_facts(each.describe(self.agent, self.scenario), each)
-        )
-        sections = {each.name: {"heading": each.heading, "facts": facts} for each, facts in asked if facts}
-        more = {"sections": sections} if sections else {}
-        return found | more | {"warnings": [*found["warnings"], *self.list_departures(), *problems]}
+        return found | {"warnings": [*found["warnings"], *self.list_departures()]}
 
     def compare_added_mass(self) -> dict[str, Any]:
         """Return the added mass, (6, 6), about the centre of buoyancy by each hydrodynamics model installed."""

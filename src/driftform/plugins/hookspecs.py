@@ -1,11 +1,11 @@
-"""The hooks that a plugin may implement: one for each seam, one for scenarios, and one for commands.
+"""The hooks that a plugin may implement: one for each seam, and those for scenarios, commands and reports.
 
 The hook of a seam returns a class, or a list of classes, that implement its interface in :mod:`driftform.interfaces`. Import
 the implementation in the body of the hook: then a missing dependency makes only this plugin unavailable, which
 ``driftform plugins`` reports.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import pluggy
@@ -19,11 +19,10 @@ if TYPE_CHECKING:
         Fitness,
         Grammar,
         Hydrodynamics,
-        Inspector,
         PhenotypeBuilder,
         Recorder,
         Renderer,
-        Reporter,
+        ReportJob,
         Simulator,
         Strategy,
     )
@@ -87,16 +86,6 @@ def driftform_checker() -> "OneOrMore[Checker[Any]]":  # type: ignore[empty-body
 
 
 @hookspec
-def driftform_inspector() -> "OneOrMore[Inspector[Any]]":  # type: ignore[empty-body]
-    """Agent -> facts, a section of ``driftform inspect``."""
-
-
-@hookspec
-def driftform_reporter() -> "OneOrMore[Reporter[Any]]":  # type: ignore[empty-body]
-    """Run -> a section of its report page."""
-
-
-@hookspec
 def driftform_scenarios() -> str:  # type: ignore[empty-body]
     """Name of a package, such as ``"driftform_robotics.scenarios"``, whose TOML files become scenarios by their names."""
 
@@ -107,4 +96,13 @@ def driftform_commands(app: "typer.Typer") -> None:
 
     Errors of :mod:`driftform.errors` become one line and an exit code. Import what a command works with in its body:
     this hook is called whenever the commands are listed.
+    """
+
+
+@hookspec
+def driftform_report(job: "ReportJob") -> Mapping[str, str]:  # type: ignore[empty-body]
+    """Return sections of the report of a run by their headings, each a fragment of HTML, such as a picture in SVG.
+
+    A section must not need anything else: no network, no other file, no script. The same run must give the same text.
+    Escape names, which come from files, with ``html.escape``.
     """

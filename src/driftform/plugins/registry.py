@@ -188,8 +188,6 @@ def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plu
             raise TypeError(f"{cls.__name__} has no name of its own")
         if missing := sorted(getattr(cls, "__abstractmethods__", ())):
             raise TypeError(f"{cls.__name__} does not implement {', '.join(missing)}")
-        if "heading" in interface.__annotations__ and not isinstance(getattr(cls, "heading", None), str):
-            raise TypeError(f"{cls.__name__} has no heading")
         if not (isinstance(cls.Options, type) and issubclass(cls.Options, interface.Options)):
             raise TypeError(
                 f"Options of {cls.__name__} is {reprlib.repr(cls.Options)}, expected a class that derives from "

@@ -222,23 +222,6 @@ def require_findings(findings: object, checker: Plugin[Any]) -> Iterator[Finding
         yield found
 
 
-def require_facts(facts: object, inspector: Plugin[Any]) -> dict[str, Any]:
-    """Return the facts of an inspector, arrays as lists.
-
-    Raises WorkFailedError if they are no dictionary from names to numbers, texts and lists of them.
-    """
-    found = require(facts, dict, inspector, "describe")
-    for name, value in found.items():
-        if not isinstance(name, str) or not name:
-            raise _refuse(inspector, "describe", f"a fact named {_show(name)}", "a name")
-        for item in value if isinstance(value, list | tuple | np.ndarray) else [value]:
-            if not isinstance(item, str | bool | int | float | np.generic | None):
-                raise _refuse(inspector, "describe", f"{name} = {_show(item)}", "numbers, texts and lists of them")
-    return {
-        name: value.tolist() if isinstance(value, np.ndarray | np.generic) else value for name, value in found.items()
-    }
-
-
 def _is_finite(array: FloatArray) -> bool:
     """Whether all numbers in a short array are finite: the sum of their squares is, unless it overflows.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.errors import WorkFailedError
+from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.figures.dependence import dependence_svg
 from driftform.figures.reach import reach_svg
 from driftform.figures.strip import Strip, strip_svg
@@ -13,8 +13,8 @@ from driftform.figures.style import SCREEN, Page
 from driftform.figures.trend import Trend, trend_svg
 from driftform.interfaces import Flown, ReportJob
 from driftform.motion.way import approach_targets
+from driftform.plugins.discovery import find_modules
 from driftform.plugins.genome_text import write_genome
-from driftform.plugins.seams import require
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.misses import Misses
 from driftform.runs.run import Run
@@ -52,8 +52,8 @@ class Contents:
 
     ``commonest_failure`` is the first of the commonest kind of failure, and how many there are. ``seconds`` is the total
     time of all evaluations on the machines that made them. ``causes`` has a picture for each target of what the miss
-    depends on. ``added`` are the sections of reporters by their headings, and ``problems`` what was wrong with any of
-    them.
+    depends on. ``added`` are the sections of plugins by their headings, and ``problems`` has a line for each plugin
+    that failed to make its own.
     """
 
     name: str
@@ -133,16 +133,25 @@ def collect_contents(run: Run, page: Page = SCREEN) -> Contents:
             tuple(entries),
             figures,
             _draw_causes(promises, page),
-            *_ask_reporters(run.name, study, entries),
+            *_ask_plugins(run.name, scenario, entries),
         )
 
 
-def _ask_reporters(name: str, study: Study, entries: Sequence[Entry]) -> tuple[dict[str, str], list[str]]:
-    """Return the sections of the installed reporters by their headings, and one line for each that failed."""
+def _ask_plugins(name: str, scenario: Scenario, entries: Sequence[Entry]) -> tuple[dict[str, str], list[str]]:
+    """Return the sections of all plugins by their headings, and one line for each plugin that failed."""
     best = {e.target: Flown(e.stored.name, e.agent, e.trajectory, e.fitness) for e in entries}
-    job = ReportJob(name, study.scenario, best)
-    asked, problems = study.ask_each("reporter", lambda each: require(each.write(job), str, each, "write"))
-    return {each.heading: text for each, text in asked if text}, problems
+    job, added, problems = ReportJob(name, scenario, best), dict[str, str](), list[str]()
+    for plugin in find_modules():
+        hook = plugin.find_hook("driftform_report")
+        try:
+            sections = dict({} if hook is None else hook(job))
+            if not all(isinstance(text, str) for row in sections.items() for text in row):
+                raise TypeError("expected texts by their headings")
+            added |= sections
+        except (Exception, SystemExit) as error:
+            reason = describe_error(error, with_place=not isinstance(error, DriftformError))
+            problems.append(f"driftform_report of {plugin.distribution} failed: {reason}")
+    return added, problems
 
 
 def _draw_causes(promises: Mapping[str, Misses], page: Page) -> dict[str, str]:

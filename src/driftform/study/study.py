@@ -9,10 +9,10 @@ a built-in scenario, contains only what differs from it. Built-in scenarios are 
 import logging
 import reprlib
 import secrets
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 import numpy as np
 from pydantic import ValidationError
@@ -42,16 +42,17 @@ from driftform.water.flow import GridFlow
 
 _log = logging.getLogger(__name__)
 
-T = TypeVar("T")
-
 DEFAULT = "pipe-inspection"
 """The default scenario."""
 
-NAMED = ("exporter", "recorder", "renderer", "checker", "inspector", "reporter")
+NAMED = ("exporter", "recorder", "renderer", "checker")
 """The seams whose plugins a command selects by name: a study contains only their options."""
 
-NOT_FLOWN = ("strategy", "run", "inspector", "reporter")
+NOT_FLOWN = ("strategy", "run")
 """The tables that do not decide how an agent is built and flies."""
+
+FORMER = ("inspector", "reporter")
+"""The tables that runs of 0.2.0 hold without content, of seams that there were then."""
 
 SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
 """The seams for which a study selects one plugin."""
@@ -230,21 +231,6 @@ class Study:
             ("target", "x m", "y m", "z m"), targets
         )
 
-    def ask_each(self, seam: str, ask: Callable[[Any], T]) -> tuple[list[tuple[Any, T]], list[str]]:
-        """Ask each installed plugin of a seam that no study selects, such as ``inspector``.
-
-        Returns the plugins with their answers, and one line for each that cannot be used or fails: that is no reason to
-        keep back the others.
-        """
-        answers, problems = [], []
-        for row in registry().seam(seam):
-            try:
-                plugin = self._make_named(seam, row.name)
-                answers.append((plugin, ask(plugin)))
-            except (Exception, SystemExit) as error:
-                problems.append(describe_fault(error))
-        return answers, problems
-
     def _make_named(self, seam: str, name: str) -> Any:
         return registry().create(seam, name, self.document.get(seam, {}).get(name, {}))
 
@@ -310,6 +296,7 @@ def load_study(
     document: dict[str, Any] = {}
     for layer in layers:
         document = merge_source(document, layer)
+    document = {key: value for key, value in document.items() if value or key not in FORMER}
     # A document may come from an agent file, which needs no strategy to fly; whoever writes files checks their formats.
     is_file = not isinstance(source, Document)
     required = [seam for seam in SELECTED if seam != "strategy" or is_file]

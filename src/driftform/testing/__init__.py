@@ -31,10 +31,8 @@ from driftform.testing.exporter import ExporterContract as ExporterContract  # n
 from driftform.testing.fitness import FitnessContract as FitnessContract  # noqa: E402
 from driftform.testing.grammar import GrammarContract as GrammarContract  # noqa: E402
 from driftform.testing.hydrodynamics import HydrodynamicsContract as HydrodynamicsContract  # noqa: E402
-from driftform.testing.inspector import InspectorContract as InspectorContract  # noqa: E402
 from driftform.testing.recorder import RecorderContract as RecorderContract  # noqa: E402
 from driftform.testing.renderer import RendererContract as RendererContract  # noqa: E402
-from driftform.testing.reporter import ReporterContract as ReporterContract  # noqa: E402
 from driftform.testing.scenarios import ScenariosContract as ScenariosContract  # noqa: E402
 from driftform.testing.simulator import PointSimulatorContract as PointSimulatorContract  # noqa: E402
 from driftform.testing.simulator import SimulatorContract as SimulatorContract  # noqa: E402

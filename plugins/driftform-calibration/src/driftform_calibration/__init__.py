@@ -1,13 +1,14 @@
 """From filmed flights to factors on the model: tracks, camera, fit, intervals, and the next experiment."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from driftform import hookimpl
 
 if TYPE_CHECKING:
     import typer
 
-    from driftform.interfaces import Reporter
+    from driftform.interfaces import ReportJob
 
 
 @hookimpl
@@ -21,8 +22,12 @@ def driftform_commands(app: "typer.Typer") -> None:
 
 
 @hookimpl
-def driftform_reporter() -> "type[Reporter[Any]]":
-    """The factors of a calibrated model, on the page of a run."""
-    from driftform_calibration.reporter import CalibrationReporter
+def driftform_report(job: "ReportJob") -> Mapping[str, str]:
+    """Return a picture of the factors on the model of a run; nothing for a model that was not calibrated."""
+    calibration = job.scenario.calibration
+    if not calibration.intervals:
+        return {}
+    from driftform_calibration.interval_figure import intervals_svg
 
-    return CalibrationReporter
+    title = f"Calibration by {calibration.tracks} filmed flights" if calibration.tracks else "Calibration"
+    return {"Calibration": intervals_svg(calibration.intervals, title)}
