@@ -14,7 +14,7 @@ import pytest
 from shared import shared_folder
 
 from driftform.types import FloatArray
-from driftform_networks.network import Network
+from driftform_networks.hydraulics.network import Network
 
 # How tables get into docs/networks.md; with the import mode "importlib" a conftest is not importable from another folder.
 publish = run_path(str(Path(__file__).parents[3] / "tests" / "conftest.py"))["publish"]
@@ -53,7 +53,7 @@ def find_library_file(name: str) -> Path:
     """The file of a network that driftform or WNTR ships."""
     import driftform_networks
 
-    if (own := Path(driftform_networks.__file__).with_name("examples") / f"{name}.inp").is_file():
+    if (own := Path(driftform_networks.__file__).parent / "hydraulics" / "examples" / f"{name}.inp").is_file():
         return own
     spec = find_spec("wntr")
     assert spec is not None and spec.origin is not None
@@ -62,7 +62,7 @@ def find_library_file(name: str) -> Path:
 
 @cache
 def read_library(name: str) -> Network:
-    from driftform_networks.reading import open_network
+    from driftform_networks.hydraulics.reading import open_network
 
     return open_network(find_library_file(name))
 

@@ -8,14 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform_networks.api import trace
-from driftform_networks.chain import find_loops, follow
-from driftform_networks.network import Hydraulics, Network
-from driftform_networks.passage import Passage
-from driftform_networks.routing import Routing, RoutingTable, TransferTable
-from driftform_networks.snapshot import take_snapshot
-from driftform_networks.tracers import route_tracers
-from driftform_networks.walkers import summarise_walks, walk
+from driftform_networks.hydraulics.network import Hydraulics, Network
+from driftform_networks.hydraulics.snapshot import take_snapshot
+from driftform_networks.passages.chain import find_loops, follow
+from driftform_networks.passages.passage import Passage
+from driftform_networks.passages.routing import Routing, RoutingTable, TransferTable, route_tracers
+from driftform_networks.passages.walkers import summarise_walks, walk
+from driftform_networks.planning.following import trace
 
 LENGTH, AREA = 100.0, 0.01
 """Of every pipe, m and m2."""

@@ -19,12 +19,12 @@ import pytest
 
 from driftform.errors import InputError
 from driftform.types import FloatArray
-from driftform_networks.chain import follow
-from driftform_networks.network import Network
-from driftform_networks.reading import open_network
-from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
-from driftform_networks.tracers import route_tracers
-from driftform_networks.walkers import walk
+from driftform_networks.hydraulics.network import Network
+from driftform_networks.hydraulics.reading import open_network
+from driftform_networks.hydraulics.snapshot import STILL, Snapshot, take_snapshot
+from driftform_networks.passages.chain import follow
+from driftform_networks.passages.routing import route_tracers
+from driftform_networks.passages.walkers import walk
 
 pytestmark = pytest.mark.slow
 

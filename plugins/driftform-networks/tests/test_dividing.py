@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from driftform_networks.bodies import Traveller, open_traveller
-from driftform_networks.bore import BANDS, MIXED
-from driftform_networks.dividing import divide_bodies
-from driftform_networks.junctions import Junction
-from driftform_networks.routing import TEE
+from driftform_networks.flights.bodies import Traveller, open_traveller
+from driftform_networks.flights.bore import BANDS, MIXED
+from driftform_networks.flights.dividing import divide_bodies
+from driftform_networks.flights.junctions import Junction
+from driftform_networks.passages.routing import TEE
 
 
 @pytest.fixture(scope="module")

@@ -12,20 +12,19 @@ import driftform
 from driftform.errors import WorkFailedError
 from driftform.types import End
 from driftform.water import Scenario
-from driftform_networks.bodies import FLOWN_BY, Traveller, open_traveller
-from driftform_networks.bore import BANDS, MIXED, find_band, sample_band, spread_points
-from driftform_networks.choosing import bound_steering
-from driftform_networks.dividing import divide_bodies
-from driftform_networks.fits import find_obstacle, longest_rod
-from driftform_networks.flights import StraightFlights, StraightTask
-from driftform_networks.junctions import describe_junction, find_bends
-from driftform_networks.network import Network
-from driftform_networks.passage import find_reachable
-from driftform_networks.reading import open_network
-from driftform_networks.releasing import fly
-from driftform_networks.snapshot import take_snapshot
-from driftform_networks.streamtubes import divide_bore, smallest_share
-from driftform_networks.travelling import repeat_cells
+from driftform_networks.flights.bodies import FLOWN_BY, Traveller, open_traveller
+from driftform_networks.flights.bore import BANDS, MIXED, find_band, sample_band, spread_points
+from driftform_networks.flights.dividing import divide_bodies
+from driftform_networks.flights.fits import find_obstacle, longest_rod
+from driftform_networks.flights.junctions import describe_junction, find_bends
+from driftform_networks.flights.straight import StraightFlights, StraightTask, fly
+from driftform_networks.flights.streamtubes import divide_bore, smallest_share
+from driftform_networks.flights.travelling import repeat_cells
+from driftform_networks.hydraulics.network import Network
+from driftform_networks.hydraulics.reading import open_network
+from driftform_networks.hydraulics.snapshot import take_snapshot
+from driftform_networks.passages.passage import find_reachable
+from driftform_networks.planning.choosing import bound_steering
 
 
 @pytest.fixture(scope="module")

@@ -15,12 +15,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError
-from driftform_networks.api import route, trace
-from driftform_networks.bodies import open_traveller
-from driftform_networks.fleets import plan_fleet
-from driftform_networks.plans import catch, choose_nets, plan_inspection
-from driftform_networks.reading import open_network
-from driftform_networks.sights import find_heard, group_sight, read_pipes, read_weights
+from driftform_networks.flights.bodies import open_traveller
+from driftform_networks.hydraulics.reading import open_network
+from driftform_networks.planning.fleets import plan_fleet
+from driftform_networks.planning.following import route, trace
+from driftform_networks.planning.plans import catch, choose_nets, plan_inspection
+from driftform_networks.planning.sights import find_heard, group_sight, read_pipes, read_weights
 from driftform_networks.wording import parse_hours, parse_time, read_names
 
 
@@ -127,7 +127,7 @@ def test_what_is_seen_is_counted_by_material_and_weighed_by_risk(
     ("option", "expected"),
     [
         (["--pipes", "pipes.csv", "--by", "colour"], "--by colour: no such column"),
-        (["--pipes", "pipes.csv", "--weight", "material"], "'iron' is no weight"),
+        (["--pipes", "pipes.csv", "--weight", "material"], "weight 'iron': expected a number"),
         (["--pipes", "wrong.csv"], "wrong.csv: line 2: fork has no link 'x'"),
         (["--receiver", "nowhere"], "--receiver nowhere: fork has no such node"),
         (["--within", "soon"], "expected a time such as 8h"),

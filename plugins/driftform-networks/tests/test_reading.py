@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform_networks.api import route, trace
-from driftform_networks.epanet import Changes
-from driftform_networks.network import Network
-from driftform_networks.passage import find_reachable
-from driftform_networks.reading import open_network
-from driftform_networks.travelling import Travel
+from driftform_networks.flights.travelling import Travel
+from driftform_networks.hydraulics.epanet import Changes
+from driftform_networks.hydraulics.network import Network
+from driftform_networks.hydraulics.reading import open_network
+from driftform_networks.passages.passage import find_reachable
+from driftform_networks.planning.following import route, trace
 
 FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]
 UNITS = FORK.replace(" Units LPS\n", "")
@@ -209,7 +209,7 @@ def test_a_reducing_valve_keeps_the_pressure_that_it_is_set_to(units: str, tmp_p
     [
         ({"close": ("sied",)}, "--close sied: no such link"),
         ({"open": {"source": 1.0}}, "--open source: it is a reservoir"),
-        ({"valves": {"side": 3.0}}, "--set-valve side: it is no valve"),
+        ({"valves": {"side": 3.0}}, "--set-valve side: not a valve"),
     ],
 )
 def test_a_change_that_the_network_does_not_have_is_refused(

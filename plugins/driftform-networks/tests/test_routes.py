@@ -21,15 +21,15 @@ from hypothesis import strategies as st
 from driftform.design.design import Design
 from driftform.design.opening import open_agent
 from driftform.errors import InputError
-from driftform_networks.api import route, trace
-from driftform_networks.bodies import open_traveller, trim_design
-from driftform_networks.bore import spread_points
-from driftform_networks.reading import open_network
-from driftform_networks.streamtubes import divide_bore, smallest_share
-from driftform_networks.travelling import Travel
+from driftform_networks.flights.bodies import open_traveller, trim_design
+from driftform_networks.flights.bore import spread_points
+from driftform_networks.flights.streamtubes import divide_bore, smallest_share
+from driftform_networks.flights.travelling import Travel
+from driftform_networks.hydraulics.reading import open_network
+from driftform_networks.planning.following import route, trace
 
 PUMPED = Travel(clearance={"pump": 1.0})
-"""River lies behind a pump of Net3."""
+"""River feeds a pump of Net3."""
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 

@@ -14,11 +14,11 @@ import pytest
 from driftform.motion.forces import make_sphere
 from driftform.types import End
 from driftform.water import Scenario
-from driftform_networks.bodies import Traveller, open_traveller
-from driftform_networks.bore import spread_points
-from driftform_networks.streamtubes import divide_bore, smallest_share
-from driftform_networks.tee_flights import fly_tee
-from driftform_networks.tees import BRANCH, Tee
+from driftform_networks.flights.bodies import Traveller, open_traveller
+from driftform_networks.flights.bore import spread_points
+from driftform_networks.flights.streamtubes import divide_bore, smallest_share
+from driftform_networks.flights.tee_flights import fly_tee
+from driftform_networks.flights.tees import BRANCH, Tee
 
 pytestmark = pytest.mark.slow
 

@@ -11,19 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform_networks.api import route
-from driftform_networks.bodies import open_traveller
-from driftform_networks.bore import BANDS, BOTTOM, MIRROR, RIGHT, TOP, find_band, spread_points
-from driftform_networks.dividing import divide_bodies
-from driftform_networks.flights import StraightFlights
-from driftform_networks.junctions import Junction
-from driftform_networks.passage import count_passings
-from driftform_networks.reading import open_network
-from driftform_networks.routing import JOINT, TEE
-from driftform_networks.snapshot import take_snapshot
-from driftform_networks.streamtubes import smallest_share
-from driftform_networks.tee_flights import TeeFlights, TeeTask, fly_tee
-from driftform_networks.tees import (
+from driftform_networks.flights.bodies import open_traveller
+from driftform_networks.flights.bore import BANDS, BOTTOM, MIRROR, RIGHT, TOP, find_band, spread_points
+from driftform_networks.flights.dividing import divide_bodies
+from driftform_networks.flights.junctions import Junction
+from driftform_networks.flights.straight import StraightFlights
+from driftform_networks.flights.streamtubes import smallest_share
+from driftform_networks.flights.tee_flights import TeeFlights, TeeTask, fly_tee
+from driftform_networks.flights.tees import (
     BRANCH,
     RATIOS,
     RUN,
@@ -34,7 +29,12 @@ from driftform_networks.tees import (
     match_ratio,
     weigh_shares,
 )
-from driftform_networks.travelling import Travel, Traveling
+from driftform_networks.flights.travelling import Travel, Traveling
+from driftform_networks.hydraulics.reading import open_network
+from driftform_networks.hydraulics.snapshot import take_snapshot
+from driftform_networks.passages.passage import count_passings
+from driftform_networks.passages.routing import JOINT, TEE
+from driftform_networks.planning.following import route
 
 FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]
 
@@ -186,7 +186,7 @@ def test_bends_within_a_link_move_bodies_between_its_runs(reverse: bool, fork_fi
     [link] = np.flatnonzero(snapshot.links == 0).tolist()
     bends = traveling._list_bends(snapshot, link)
     expected = [(1 / 3, 90.0, True), (2 / 3, 45.0, False)]
-    # Who comes from the other end meets them in the other order, and turns to the other side.
+    # From the other end, a body meets them in the other order, and turns to the other side.
     expected = [(1 - place, angle, not left) for place, angle, left in expected[::-1]] if reverse else expected
     found = [(place, task.tee.angle_deg, left) for place, task, left in bends]
     assert np.array(found) == pytest.approx(np.array(expected), abs=1e-4)

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from driftform.types import FloatArray
-from driftform_networks.api import trace
-from driftform_networks.chain import follow
-from driftform_networks.network import Network
-from driftform_networks.reading import open_network
-from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
-from driftform_networks.tracers import route_tracers
-from driftform_networks.walkers import walk
+from driftform_networks.hydraulics.network import Network
+from driftform_networks.hydraulics.reading import open_network
+from driftform_networks.hydraulics.snapshot import STILL, Snapshot, take_snapshot
+from driftform_networks.passages.chain import follow
+from driftform_networks.passages.routing import route_tracers
+from driftform_networks.passages.walkers import walk
+from driftform_networks.planning.following import trace
 
 
 def arriving_flow(snapshot: Snapshot) -> FloatArray:

@@ -16,6 +16,7 @@ from driftform.types import End, Trajectory
 from driftform_robotics.recording.messages import full_name, make_messages
 from driftform_robotics.recording.options import FlightOptions
 from driftform_ros.node import LiveNode
+from driftform_ros.rospy_bus import RospyBus
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
@@ -25,13 +26,11 @@ def make_design(*settings: str) -> df.Design:
     return df.open_agent(WORD, *given, scenario="paper", use={"simulator": "native"})
 
 
-class MemoryBus:
+class MemoryBus(RospyBus):
     """ROS that ends after some messages of the odometry."""
 
-    address = "memory"
-
     def __init__(self, odometries: int, has_clock: bool = True, parameter: str | None = None) -> None:
-        self.left, self.has_clock, self.parameter = odometries, has_clock, parameter
+        self.address, self.left, self.has_clock, self.parameter = "memory", odometries, has_clock, parameter
         self.kinds: dict[str, str] = {}
         self.messages: dict[str, list[Any]] = defaultdict(list)
         self.services: dict[str, Callable[[], tuple[bool, str]]] = {}

@@ -1,11 +1,11 @@
 import typer
 
-from .api import route as route
-from .api import trace as trace
-from .bodies import open_traveller as open_traveller
-from .epanet import Changes as Changes
-from .fleets import plan_fleet as plan_fleet
-from .plans import plan_inspection as plan_inspection
-from .reading import open_network as open_network
+from .flights.bodies import open_traveller as open_traveller
+from .hydraulics.epanet import Changes as Changes
+from .hydraulics.reading import open_network as open_network
+from .planning.fleets import plan_fleet as plan_fleet
+from .planning.following import route as route
+from .planning.following import trace as trace
+from .planning.plans import plan_inspection as plan_inspection
 
 def driftform_commands(app: typer.Typer) -> None: ...

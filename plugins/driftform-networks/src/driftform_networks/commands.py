@@ -1,4 +1,4 @@
-"""``driftform network``: the commands, which call the functions of :mod:`driftform_networks.api`."""
+"""``driftform network``: the commands, which call the functions of :mod:`driftform_networks.planning.following`."""
 
 import os
 import tomllib
@@ -18,9 +18,9 @@ from driftform.errors import InputError, did_you_mean
 from driftform_networks.wording import parse_hours, parse_time, read_names, split_names
 
 if TYPE_CHECKING:
-    from driftform_networks.bodies import Traveller
-    from driftform_networks.network import Network
-    from driftform_networks.results import Outputs, Sights
+    from driftform_networks.flights.bodies import Traveller
+    from driftform_networks.hydraulics.network import Network
+    from driftform_networks.output.results import Outputs, Sights
 
 _SHARED: dict[str, tuple[Any, Any]] = {
     "settings": (options.Settings, None),
@@ -96,8 +96,8 @@ FILES = ("map", "style", "width_mm", "tables", "gis", "crs", "report", "cache", 
 
 @declare("net", "at", *CHANGES, "map", "style", "width_mm", "cache", "json")
 def show(given: Given) -> None:
-    """Show what a network is: its pipes, flows, sources, loops and reversals."""
-    from driftform_networks.show import show_network
+    """Show the pipes, flows, sources, loops and reversals of a network."""
+    from driftform_networks.output.show import show_network
 
     outputs = _find_outputs(given)
     show_network(_open(given), given.at, outputs, given.json)
@@ -107,10 +107,10 @@ def show(given: Given) -> None:
 def tracers(given: Given) -> None:
     """Compute where point tracers go, which divide like the water: probability and age at each node.
 
-    The result is that of EPANET's own quality engine; bodies have ways of their own (driftform network route).
+    The result is that of EPANET's own quality engine; bodies go other ways (driftform network route).
     """
-    from driftform_networks.api import trace
-    from driftform_networks.results import present_passage
+    from driftform_networks.output.results import present_passage
+    from driftform_networks.planning.following import trace
 
     outputs = _find_outputs(given)
     network, sights = _look(given, _open(given))
@@ -126,16 +126,18 @@ def route(given: Given) -> None:
     Flights of the agent in the bores of the network are made first and kept; after an interruption, the same command
     continues.
     """
-    from driftform_networks import api
-    from driftform_networks.bodies import open_traveller
-    from driftform_networks.results import present_passage
+    from driftform_networks.flights.bodies import open_traveller
+    from driftform_networks.output.results import present_passage
+    from driftform_networks.planning import following
 
     outputs = _find_outputs(given)
     network, sights = _look(given, _open(given))
     network.find_node(given.release)
     traveller = open_traveller(given.agent, given.scenario, given.settings or (), given.buoyancy)
     with _travel(given, network) as travel:
-        passage = api.route(network, traveller, given.release, hour=given.at, **_pick(given), **travel, compare=True)
+        passage = following.route(
+            network, traveller, given.release, hour=given.at, **_pick(given), **travel, compare=True
+        )
     title = f"{network.name}: {traveller.name} from {given.release} at hour {given.at:g}"
     present_passage(passage, title, outputs, given.json, sights, is_body=True)
 
@@ -147,12 +149,12 @@ def route(given: Given) -> None:
 def fleet(given: Given) -> None:
     """Choose a fleet: which agents, released where and when, see most of the pipes together.
 
-    Each member is the one that adds most to those before it. The result is beside that of drifters which divide like the
-    water, and of bodies that are steered perfectly.
+    Each member adds most to those before it. Its coverage is compared with drifters that divide like the water, and with
+    bodies that are steered perfectly.
     """
-    from driftform_networks.candidates import BUOYANCIES
-    from driftform_networks.fleets import plan_fleet
-    from driftform_networks.results import present_fleet
+    from driftform_networks.output.results import present_fleet
+    from driftform_networks.planning.candidates import BUOYANCIES
+    from driftform_networks.planning.fleets import plan_fleet
 
     outputs = _find_outputs(given)
     network, sights = _look(given, _open(given))
@@ -173,13 +175,13 @@ def fleet(given: Given) -> None:
 def plan(given: Given) -> None:
     """Plan an inspection: where and at which hour to release bodies, and where to catch them in nets.
 
-    Bodies see until their battery ends or a net catches them. The nets are beside an upper bound for any choice, and
-    beside random ones.
+    Bodies see until their battery ends or a net catches them. The nets are compared with an upper bound for any choice,
+    and with random nets.
     """
     import numpy as np
 
-    from driftform_networks.plans import AIMS, plan_inspection
-    from driftform_networks.results import present_plan
+    from driftform_networks.output.results import present_plan
+    from driftform_networks.planning.plans import AIMS, plan_inspection
 
     outputs = _find_outputs(given)
     if given.aim not in AIMS:
@@ -209,8 +211,8 @@ def plan(given: Given) -> None:
 
 
 def _open(given: Given) -> "Network":
-    from driftform_networks.epanet import Changes
-    from driftform_networks.reading import open_network
+    from driftform_networks.hydraulics.epanet import Changes
+    from driftform_networks.hydraulics.reading import open_network
 
     changes = Changes.parse(given.close or (), given.open or (), given.set_valve or ())
     return open_network(given.net, given.cache, changes)
@@ -218,7 +220,7 @@ def _open(given: Given) -> "Network":
 
 def _find_outputs(given: Given) -> "Outputs":
     """Return the files that are asked for; refuse those that cannot be written."""
-    from driftform_networks.results import Outputs
+    from driftform_networks.output.results import Outputs
 
     page = formats.parse_page(given.style, given.width_mm)
     names = ("map", "tables", "report", "agents", "gis", "crs")
@@ -228,8 +230,8 @@ def _find_outputs(given: Given) -> "Outputs":
 
 def _look(given: Given, network: "Network") -> tuple["Network", "Sights"]:
     """Return the network with the weights, and the columns and receivers, that are asked for."""
-    from driftform_networks.results import Sights
-    from driftform_networks.sights import find_heard, pick_column, read_pipes, read_weights
+    from driftform_networks.output.results import Sights
+    from driftform_networks.planning.sights import find_heard, pick_column, read_pipes, read_weights
 
     columns = read_pipes(given.pipes, network)
     if given.weight is not None:
@@ -243,7 +245,7 @@ def _look(given: Given, network: "Network") -> tuple["Network", "Sights"]:
 def _travel(given: Given, network: "Network") -> Iterator[dict[str, Any]]:
     """Yield how bodies travel, and how their flights are made, as parameters; show the progress of the flights."""
     from driftform.util import progress
-    from driftform_networks.travelling import Travel
+    from driftform_networks.flights.travelling import Travel
 
     travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
     workers, bars = given.workers or os.cpu_count() or 1, list[Callable[[int, int], None]]()
@@ -263,7 +265,7 @@ def _travel(given: Given, network: "Network") -> Iterator[dict[str, Any]]:
 
 def _collect(given: Given, agents: Sequence[str], buoyancies: Sequence[float]) -> "list[Traveller]":
     """Return the bodies to choose from."""
-    from driftform_networks.candidates import collect_candidates
+    from driftform_networks.planning.candidates import collect_candidates
 
     if given.as_designed and given.buoyancies:
         raise InputError("--as-designed and --buoyancy say different things: leave out one of them")

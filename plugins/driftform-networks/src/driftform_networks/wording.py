@@ -9,7 +9,7 @@ from driftform.errors import InputError
 from driftform.util import files
 
 if TYPE_CHECKING:
-    from driftform_networks.network import Network
+    from driftform_networks.hydraulics.network import Network
 
 _UNITS = {"s": 1 / 3600, "min": 1 / 60, "h": 1.0, "d": 24.0}
 

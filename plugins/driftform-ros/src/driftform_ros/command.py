@@ -17,17 +17,17 @@ def ros(
     agent: options.Agent,
     rate: Annotated[
         float,
-        typer.Option(metavar="N", min=0, max=1000, help="Seconds of flight in each second; 0 for as many as it can."),
+        typer.Option(metavar="N", min=0, max=1000, help="Seconds of flight per second; 0 for no limit."),
     ] = 1.0,
     rate_hz: Annotated[
-        float, typer.Option(metavar="HZ", min=0.1, max=1000, help="Messages of each topic for each second of flight.")
+        float, typer.Option(metavar="HZ", min=0.1, max=1000, help="Messages per topic and second of flight.")
     ] = 20.0,
     once: Annotated[
-        bool, typer.Option("--once", help="End with the flight, in place of waiting for a release.")
+        bool, typer.Option("--once", help="End after the flight instead of waiting for a release.")
     ] = False,
     clock: Annotated[
         bool,
-        typer.Option(help="Publish /clock, and set /use_sim_time meanwhile; --no-clock beside a simulator that does."),
+        typer.Option(help="Publish /clock and set /use_sim_time; --no-clock if a simulator publishes it."),
     ] = True,
     scenario: options.ScenarioOption = None,
     simulator: options.Simulator = None,
@@ -60,7 +60,7 @@ def ros(
 
     given = design.study.make_recorder("rosbag1").options
     assert isinstance(given, FlightOptions)
-    design.fly()  # What forbids it is said before there is a node.
+    design.fly()  # Fails before a node exists, if this agent cannot fly.
     # As roslaunch ends its nodes.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with RospyBus(f"driftform_{given.namespace}", clock) as bus:

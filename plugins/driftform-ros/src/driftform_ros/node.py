@@ -16,7 +16,7 @@ from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform_robotics.recording.messages import make_messages
 from driftform_robotics.recording.options import FlightOptions
 from driftform_robotics.recording.topics import WORLD, FlightTopics, Topic, list_plumes
-from driftform_ros.bus import Bus
+from driftform_ros.rospy_bus import RospyBus
 
 if TYPE_CHECKING:
     from driftform import Design
@@ -28,22 +28,22 @@ ANSWER_S = 10.0
 """Longest time until a released agent flies, s."""
 
 SETTLE = 0.5
-"""Time for subscribers that wait to find the topics, s."""
+"""Time for waiting subscribers to find the topics, s."""
 
 CURRENT = "geometry_msgs/TwistStamped"
-"""Kind of the messages that say which current acts since when."""
+"""Type of the messages that publish the current that acts."""
 
 REHEARSAL = 1e-3
 """Steps before time begins, s."""
 
-FASTEST = 100.0
+MAX_SPEED = 100.0
 """Fastest current, m/s, as steps take it."""
 
 LATE = 1.0
-"""Delay of which a warning speaks, s."""
+"""Delay from which a warning is printed, s."""
 
 SAME = 1e-9
-"""Shorter steps are left out, s."""
+"""Steps shorter than this are skipped, s."""
 
 Current = tuple[float, float, float]
 
@@ -64,11 +64,11 @@ class LiveNode:
         open_other: opens an agent by its name or genome.
         options: namespace, sensors, and the time of the first release.
         interval: between two messages of a topic, in the time of the flight, s.
-        rate: seconds of flight in each second; 0 for as many as it can.
+        rate: seconds of flight per second; 0 for no limit.
     """
 
     def __init__(
-        self, bus: Bus, open_other: Callable[[str], "Design"], options: FlightOptions, interval: float, rate: float
+        self, bus: RospyBus, open_other: Callable[[str], "Design"], options: FlightOptions, interval: float, rate: float
     ) -> None:
         self._bus, self._open, self._options, self._interval = bus, open_other, options, interval
         self._rate = rate or math.inf
@@ -78,7 +78,7 @@ class LiveNode:
         self._failure: WorkFailedError | None = None
 
     def run(self, design: "Design", once: bool) -> None:
-        """Fly a design, and after its flight what ``release`` asks for; with ``once`` return after the flight.
+        """Fly a design, then the agents that ``release`` asks for; with ``once`` return after the first flight.
 
         Raises WorkFailedError if ROS does not answer any more; with ``once`` also if the flight fails.
         """
@@ -147,7 +147,7 @@ class LiveNode:
         self._publish()
 
     def _fly(self, until: float) -> None:
-        """Fly on to a time since the release, s, in the current that came last."""
+        """Continue the flight to a time since the release, s, in the last current received."""
         duration = until - self._flight.time
         if self._reason or duration <= SAME:
             return
@@ -167,10 +167,10 @@ class LiveNode:
             )
 
     def _meet_current(self, at: float, current: Current) -> None:
-        """Let a current act from the moment of its arrival; the same again changes nothing."""
+        """Apply a current from its arrival; an equal one changes nothing."""
         if current == self._current:
             return
-        if not all(abs(u) <= FASTEST for u in current):
+        if not all(abs(u) <= MAX_SPEED for u in current):
             print(f"warning: the current {current} m/s is ignored", file=sys.stderr)
             return
         arrived = (at - self._began) * self._rate if math.isfinite(self._rate) else 0.0
@@ -193,7 +193,7 @@ class LiveNode:
         return FlightTopics(self._job, last, self._live, self._published, self._plumes)
 
     def _list_topics(self, topics: FlightTopics) -> list[Topic]:
-        """Return the topics of a live flight: those of one that has ended, but for its path."""
+        """Return the topics of a live flight: those of a recording, without the path."""
         left_out = {f"/{self._options.namespace}/path", *(() if self._bus.has_clock else ("/clock",))}
         return [topic for topic in topics.list_topics() if topic.name not in left_out]
 
@@ -207,7 +207,7 @@ class LiveNode:
                     self._bus.publish(topic.name, topics.ros.encode(topic.kind, message))
 
     def _answer(self, request: Release) -> None:
-        """Release what a service asks for."""
+        """Release the agent of a request."""
         try:
             # The clock never goes back.
             self._release(request.design, self._clock + self._flight.time + self._interval)
@@ -217,7 +217,7 @@ class LiveNode:
             request.done.set_result(self._clock)
 
     def _open_named(self) -> "Design":
-        """Open what the parameter names, or what flies."""
+        """Open the agent that the parameter names, or return the one in flight."""
         text = self._bus.read_parameter(f"/{self._options.namespace}/agent")
         return self._design if text is None else self._open(text)
 
@@ -230,7 +230,7 @@ class LiveNode:
             return False, describe_error(error)
 
     def _answer_evaluate(self) -> tuple[bool, str]:
-        """Fly what the parameter names through its scenario, at once and beside the live flight."""
+        """Simulate the agent that the parameter names, without disturbing the live flight."""
         try:
             design = self._open_named()
             flight = design.simulate()

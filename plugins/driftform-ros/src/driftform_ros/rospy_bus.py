@@ -22,7 +22,7 @@ QUEUE = 10_000
 """Messages of a topic that wait for a slow subscriber."""
 
 PATIENCE = 0.5
-"""Time between two questions to the master whether it is there, and for its answer, s."""
+"""Time between two checks that the master answers, s."""
 
 FLUSH = 0.3
 """Time for the last messages to be sent, s."""
@@ -49,7 +49,14 @@ def find_rospy() -> None:
 
 
 class RospyBus:
-    """A node of ROS 1; it ends with the context."""
+    """A node of ROS 1; it ends with the context. Callbacks run in threads of rospy.
+
+    Messages are bytes, encoded by :class:`driftform_robotics.recording.messages.Messages`.
+
+    Attributes:
+        address: of the master.
+        has_clock: whether the flight publishes the time of ROS.
+    """
 
     def __init__(self, name: str, has_clock: bool = True) -> None:
         find_rospy()
@@ -109,21 +116,21 @@ class RospyBus:
         return type("Raw", (self._rospy.AnyMsg,), own | members)
 
     def advertise(self, topic: str, kind: str, latched: bool) -> None:
-        """Make a topic known."""
+        """Advertise a topic; ``kind`` is the type of its messages, such as ``nav_msgs/Odometry``."""
         if topic not in self._publishers:
             kind_of = self._make_type(kind)
             publisher = self._rospy.Publisher(topic, kind_of, latch=latched, queue_size=QUEUE)
             self._publishers[topic] = kind_of, publisher
 
     def publish(self, topic: str, message: bytes) -> None:
-        """Send a message."""
+        """Publish an encoded message on an advertised topic."""
         kind_of, publisher = self._publishers[topic]
         raw = kind_of()
         raw._buff = message
         publisher.publish(raw)
 
     def receive_currents(self, take: Callable[[tuple[float, float, float]], None]) -> None:
-        """Let ``take`` have the velocity of each message of :data:`CURRENT`."""
+        """Call ``take`` with the velocity (world frame, m/s) of each message of :data:`CURRENT`."""
 
         def receive(message: Any) -> None:
             twist: Any = self._store.deserialize_ros1(message._buff, "geometry_msgs/msg/TwistStamped")

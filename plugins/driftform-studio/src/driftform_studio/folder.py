@@ -24,7 +24,7 @@ FILES = ".files"
 REDIRECT = "open-studio.html"
 """Page that leads the browser to the address, so that no command line holds the token; it is for the owner alone."""
 
-LARGEST_TEXT = 1_000_000
+MAX_TEXT = 1_000_000
 """Largest text of a run that is shown, bytes."""
 
 
@@ -63,7 +63,7 @@ class RunsFolder:
     def read_text(self, run: Path, name: str) -> str:
         """Return a text file of a run, empty if it is missing or large."""
         path = run / name
-        if not files.is_file(path) or path.stat().st_size > LARGEST_TEXT:
+        if not files.is_file(path) or path.stat().st_size > MAX_TEXT:
             return ""
         return path.read_text(encoding="utf-8", errors="replace")
 

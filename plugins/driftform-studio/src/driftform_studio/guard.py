@@ -18,16 +18,16 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from driftform.errors import InputError
 
-LARGEST_BODY = 1_000_000
+MAX_BODY = 1_000_000
 """Largest request that is read, bytes: a study of a thousand targets is a tenth of it."""
 
-LARGEST_FILE = 40_000_000
+MAX_FILE = 40_000_000
 """Largest request with a file, bytes: a grid of a million nodes as NetCDF is two thirds of it."""
 
 PATIENCE_S = 10.0
 """Time that a request may take to arrive, s: on one machine it takes milliseconds."""
 
-LARGEST_NUMBER = 2**53
+MAX_NUMBER = 2**53
 """Largest whole number that JavaScript, which wrote the requests of the page, counts exactly."""
 
 HEADERS = {
@@ -69,7 +69,7 @@ class Guard:
             return
         refusal = self._refuse(scope)
         if refusal is None and scope["method"] not in ("GET", "HEAD"):
-            largest = LARGEST_FILE if scope["path"].endswith("/api/files") else LARGEST_BODY
+            largest = MAX_FILE if scope["path"].endswith("/api/files") else MAX_BODY
             receive, refusal = await _read_body(receive, largest)
         if refusal is not None:
             await refusal(scope, receive, send_with_headers)
@@ -165,7 +165,7 @@ def check_values(document: Any) -> None:
     elif isinstance(document, str):
         if not document.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in document):
             raise InputError("the request holds half of a character")
-    elif isinstance(document, int | float) and not (math.isfinite(document) and abs(document) <= LARGEST_NUMBER):
+    elif isinstance(document, int | float) and not (math.isfinite(document) and abs(document) <= MAX_NUMBER):
         raise InputError(f"the request holds the number {document:.3g}, which is too large")
 
 

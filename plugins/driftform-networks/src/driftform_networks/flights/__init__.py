@@ -1,0 +1,1 @@
+"""Bodies that fly through pipes and fittings, and the routing tables that their flights give."""

@@ -1,0 +1,122 @@
+"""What a body meets at the end of a link: bores, shares of the flow, and the sides where the outlets leave.
+
+An EPANET file has the bores. The angles are those of the map if it is drawn to scale. Where a branch leaves the pipe (at
+the top, a side, or the bottom) is in no such file: it is an input.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.types import FloatArray
+from driftform_networks.hydraulics.network import IntArray, Network
+from driftform_networks.hydraulics.snapshot import Snapshot
+
+SIDES = {"top": 0.0, "side": 90.0, "bottom": 180.0}
+"""Sides where branches leave, as on a clock seen downstream, degrees."""
+
+AHEAD_DEG = 45.0
+"""Turn up to which an outlet of a map to scale counts as straight ahead, degrees."""
+
+BRANCH_DEG = 90.0
+"""Turn into a branch where the map is not to scale, degrees."""
+
+
+@dataclass(frozen=True, eq=False)
+class Junction:
+    """The downstream end of a link.
+
+    Attributes:
+        bore: diameter of the link, m; 0 for a pump.
+        bores: diameter of each outlet, m, (outlets,).
+        shares: share of each outlet in the water that leaves the node through links, (outlets,).
+        exit: share of the demand in all water that leaves the node.
+        directions: side where each outlet leaves: unit vectors to the right and upward as seen downstream; zero for
+            straight ahead, (outlets, 2). A single outlet leaves in the plane of the map.
+        turns: angle between the link and each outlet, rad, (outlets,).
+        stores: whether the node is a tank or a reservoir.
+        inlets: number of links whose water comes in.
+    """
+
+    bore: float
+    bores: FloatArray
+    shares: FloatArray
+    exit: float
+    directions: FloatArray
+    turns: FloatArray
+    stores: bool
+    inlets: int
+
+
+def find_bends(network: Network, link: int) -> tuple[FloatArray, FloatArray]:
+    """Return how a link turns at its vertices on the way from its start, and where; nothing if the map is not to scale.
+
+    Returns:
+        turns, places: angles, rad, positive to the right; and the share of the length before each, (bends,) each.
+    """
+    if network.scale is None or not len(network.vertices[link]):
+        return np.zeros(0), np.zeros(0)
+    steps = np.diff(network.polyline(link), axis=0)
+    length = np.linalg.norm(steps, axis=1)
+    (x, z), (u, v) = network.course(link)[:-1].T, network.course(link)[1:].T
+    return np.arctan2(z * u - x * v, x * u + z * v), np.cumsum(length[length > 0])[:-1] / length.sum()
+
+
+def describe_junction(snapshot: Snapshot, link: int, branch: str) -> Junction:
+    """Return what a body meets at the downstream end of a link of a snapshot.
+
+    Branches leave at the ``"top"``, ``"side"`` or ``"bottom"``. At the side, the map says on which; a map that is not to
+    scale leaves it open, and branches leave on the right, then on the left.
+    """
+    network, node = snapshot.network, int(snapshot.head[link])
+    outlets, clock = snapshot.outlets[node], np.deg2rad(SIDES[branch])
+    flow, bores = snapshot.flow[outlets], network.diameter[snapshot.links[outlets]]
+    if len(outlets) == 0:
+        turns, sides = np.zeros(0), np.zeros(0)
+    elif network.scale is None:
+        turns, sides = _guess_turns(bores, flow)
+    else:
+        turns, sides = _read_turns(snapshot, link, outlets)
+    if len(outlets) == 1:
+        clock = np.pi / 2
+    return Junction(
+        float(network.diameter[snapshot.links[link]]),
+        bores,
+        flow / flow.sum() if len(flow) else flow,
+        float(snapshot.exit[node] / snapshot.departure[node]) if snapshot.departure[node] > 0 else 1.0,
+        np.column_stack([sides * np.sin(clock), np.abs(sides) * np.cos(clock)]),
+        turns,
+        bool(network.stores[node]),
+        int(snapshot.inlets[node]),
+    )
+
+
+def _read_turns(snapshot: Snapshot, link: int, outlets: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return the turn into each outlet on the map, and the side where it leaves: 1 right, -1 left, 0 straight ahead."""
+    along = _direction(snapshot, link, at_end=True)
+    away = np.array([_direction(snapshot, outlet, at_end=False) for outlet in outlets.tolist()])
+    turns = np.arccos(np.clip(away @ along, -1, 1))
+    # On the map, the right is clockwise.
+    sides = np.where(along[0] * away[:, 1] - along[1] * away[:, 0] > 0, -1.0, 1.0)
+    straightest = int(np.argmin(turns))
+    if len(outlets) > 1 and turns[straightest] <= np.deg2rad(AHEAD_DEG):
+        sides[straightest] = 0
+    return turns, sides
+
+
+def _guess_turns(bores: FloatArray, flow: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the same without a map: right and left alternate among the branches."""
+    # The run continues in the widest outlet; of equal ones, in that with most water.
+    ahead = int(np.lexsort((flow, bores))[-1])
+    sides = np.insert((-1.0) ** np.arange(len(bores) - 1), ahead, 0.0)
+    return np.abs(sides) * np.deg2rad(BRANCH_DEG), sides
+
+
+def _direction(snapshot: Snapshot, link: int, at_end: bool) -> FloatArray:
+    """Return the unit vector on the map along the flow of a link, at its downstream or its upstream end."""
+    network, index = snapshot.network, int(snapshot.links[link])
+    forward, course = snapshot.tail[link] == network.start[index], network.course(index)
+    if not len(course):
+        return np.zeros(2)
+    part = course[-1] if forward == at_end else course[0]
+    return np.asarray(part if forward else -part)

@@ -1,0 +1,1 @@
+"""Networks of EPANET files, and the flows that EPANET computes for them."""

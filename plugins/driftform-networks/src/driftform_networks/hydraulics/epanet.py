@@ -1,0 +1,133 @@
+"""Runs EPANET on a network file in a separate process, and reads its results and errors."""
+
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from contextvars import copy_context
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Event, Thread
+
+from driftform.errors import InputError
+from driftform.util import files, foreign, progress
+from driftform_networks.cache import Arrays
+from driftform_networks.hydraulics.engine import solve
+
+SECONDS, MEMORY = 1800.0, 6 << 30
+"""Most processor time, s, and memory, bytes, of EPANET."""
+
+_BEYOND = re.compile(r"[-+]?(nan|inf|infinity|\d[\d.]*e\+?\d\d+)", re.IGNORECASE)
+"""Numbers that no network has."""
+
+
+@dataclass(frozen=True)
+class Changes:
+    """Changes to the model of a network, without editing its file.
+
+    Attributes:
+        close: links that are closed at all hours.
+        open: litres/s that are drawn at junctions besides their demand, such as at open hydrants.
+        valves: ``"open"``, ``"closed"``, or the setting of valves at all hours: metres of water for PRV, PSV and PBV,
+            litres/s for FCV, the loss coefficient of TCV, percent for PCV.
+    """
+
+    close: tuple[str, ...] = ()
+    open: Mapping[str, float] = field(default_factory=dict)
+    valves: Mapping[str, float | str] = field(default_factory=dict)
+
+    @classmethod
+    def parse(cls, close: Sequence[str], open: Sequence[str], valves: Sequence[str]) -> "Changes":
+        """Return what ``--close PIPE``, ``--open NODE=LPS`` and ``--set-valve V=SETTING`` say.
+
+        Raises InputError if a value is missing or no number.
+        """
+        settings = dict(split_option("--set-valve", text, ("open", "closed")) for text in valves)
+        drawn = {name: float(value) for name, value in (split_option("--open", text) for text in open)}
+        return cls(tuple(close), drawn, settings)
+
+
+def split_option(option: str, text: str, words: Sequence[str] = ()) -> tuple[str, float | str]:
+    """Return name and value of ``NAME=VALUE``, a number of at least 0 or one of some words.
+
+    Raises InputError if it is neither.
+    """
+    name, equals, value = text.rpartition("=")
+    if value in words and equals:
+        return name, value
+    try:
+        number = float(value)
+    except ValueError:
+        number = -1.0
+    if not equals or not 0 <= number < 1e9:
+        raise InputError(f"{option} {text}: expected NAME=VALUE, the value {' or '.join(('a number', *words))}")
+    return name, number
+
+
+def run_epanet(path: Path, changes: Changes | None = None) -> Arrays:
+    """Return the results of EPANET for a file: the arrays of :mod:`driftform_networks.hydraulics.engine`.
+
+    EPANET reads a copy in a temporary folder, in UTF-8, and leaves nothing behind.
+
+    Raises InputError if EPANET refuses the file, cannot solve it, or breaks down; the message has EPANET's own words,
+    and the number of the line that it quotes.
+    """
+    with TemporaryDirectory() as name:
+        copy, content = Path(name) / "network.inp", path.read_bytes()
+        # Zeros fill the last block of some files.
+        copy.write_bytes(content.rstrip(b"\0"))
+        text = files.read_text(copy if content.endswith(bytes(8)) else path)
+        copy.write_text(text, "utf-8", newline="\n")
+        stop, context = Event(), copy_context()
+        shown = Thread(target=context.run, args=(_show_percent, copy.with_suffix(".percent"), stop), daemon=True)
+        shown.start()
+        try:
+            values = asdict(changes or Changes())
+            found: Arrays = foreign.call_apart(solve, copy, values, seconds=SECONDS, memory=MEMORY)
+            return found
+        except InputError as error:
+            said = _read_errors(copy.with_suffix(".rpt"), text) or [f"{error}{_find_suspect(text)}"]
+            more = f" (and {len(said) - 1} more faults)" if len(said) > 1 else ""
+            raise InputError(f"{path}: EPANET refuses the file: {said[0]}{more}") from None
+        except ValueError as error:
+            raise InputError(
+                f"{path}: {error}{_find_suspect(text)}: open it in EPANET, and correct what it marks"
+            ) from None
+        finally:
+            stop.set()
+            shown.join()
+
+
+def _show_percent(file: Path, stop: Event) -> None:
+    """Show the percent of the simulation in a file until the work ends, if that takes longer than a second."""
+    if stop.wait(1.0):
+        return
+    with progress.count_progress("% of the simulation by EPANET") as show:
+        while not stop.wait(0.3):
+            with suppress(OSError, ValueError):
+                show(int(file.read_text("utf-8")), 100)
+
+
+def _read_errors(report: Path, text: str) -> list[str]:
+    """Return the errors in EPANET's report, one line each, with the number of the line of the file that it quotes."""
+    if not report.is_file():
+        return []
+    numbers = {" ".join(line.split()): number for number, line in reversed(list(enumerate(text.splitlines(), 1)))}
+    lines = [line.strip() for line in report.read_text("utf-8", errors="replace").splitlines()]
+    found = list[str]()
+    for line, following in zip(lines, [*lines[1:], ""], strict=False):
+        if line.startswith("Error ") and not line.startswith("Error 200"):
+            quote = " ".join(following.split()) if line.endswith(":") else ""
+            where = f"line {numbers[quote]}: " if quote and quote in numbers else ""
+            found.append(f"{where}{line}{quote and ' '}{quote}")
+    return list(dict.fromkeys(found))
+
+
+def _find_suspect(text: str) -> str:
+    """Return the first line with a name or number that EPANET cannot hold, as part of a message; empty without such a line."""
+    for number, line in enumerate(text.splitlines(), 1):
+        for word in line.partition(";")[0].split():
+            if len(word.encode()) > 31 or _BEYOND.fullmatch(word):
+                shown = word if len(word) < 40 else f"{word[:12]}... of {len(word)} letters"
+                return f", perhaps by line {number}: {shown} (names have at most 31 bytes)"
+    return ""

@@ -1,0 +1,184 @@
+"""A water network: nodes, links, and the flows that EPANET computes for them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from driftform.errors import InputError, did_you_mean
+from driftform.types import FloatArray
+
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+TOLERANCE = 0.1
+"""Largest deviation of drawn from given length at which a link counts as drawn to scale."""
+
+MAX_OFF = 0.2
+"""Largest share of the total length that is not to scale."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hydraulics:
+    """What EPANET computes; a row holds from its time until the next one.
+
+    Attributes:
+        times: start of each hydraulic step, s, (steps,), from 0.
+        end: end of the last step, s; equal to its start in a network without a duration.
+        flow: volume flow of each link, m3/s, positive from its start to its end, (steps, links).
+        outflow: water that leaves the pipes at each node, m3/s, (steps, nodes): demand of a junction, or what a tank or
+            a reservoir takes in; negative where water comes in.
+        head: hydraulic head of each node, m, (steps, nodes).
+        warnings: what EPANET warned of, one line each.
+        clock: time of the day at which the simulation begins, s.
+    """
+
+    times: FloatArray
+    end: float
+    flow: FloatArray
+    outflow: FloatArray
+    head: FloatArray
+    warnings: tuple[str, ...] = ()
+    clock: float = 0.0
+
+    def find_step(self, hour: float) -> int:
+        """Return the index of the step that covers an hour of the simulation.
+
+        Raises InputError if the simulation does not cover it.
+        """
+        if not 0 <= hour * 3600 <= self.end:
+            raise InputError(f"--at {hour:g}: the simulation lasts from hour 0 to hour {self.end / 3600:g}")
+        return int(np.searchsorted(self.times, hour * 3600 + 1e-6, side="right")) - 1
+
+    def format_clock(self, hour: float, age: float) -> str:
+        """Return the time of day ``age`` seconds after an hour of the simulation, with the days since its begin."""
+        if not np.isfinite(age):
+            return "-"
+        minutes = round((self.clock + 3600 * hour + age) / 60)
+        days = f"{minutes // 1440} d " if minutes >= 1440 else ""
+        return f"{days}{minutes // 60 % 24:02d}:{minutes % 60:02d}"
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """A water network with its flows.
+
+    Attributes:
+        name: name of its file, without suffix.
+        digest: SHA-256 of its file.
+        nodes, links: names of nodes and links.
+        node_kinds: ``"junction"``, ``"tank"`` or ``"reservoir"``.
+        link_kinds: ``"pipe"``, ``"cv"`` (a pipe with a check valve), ``"pump"``, or the valves of EPANET from ``"prv"``
+            to ``"pcv"``.
+        elevation: elevation of each node, m, (nodes,).
+        places: coordinates of each node on the map of the file, in the file's unit, (nodes, 2); NaN where the file has
+            none.
+        vertices: points of each link between its ends, on the same map, (k, 2) each.
+        start, end: index of the nodes at the ends of each link, (links,).
+        length: length of each link, m, (links,); 0 for pumps and valves.
+        diameter: inner diameter of each link, m, (links,); 0 for pumps.
+        hydraulics: flows.
+        weight: how much each metre of a link counts, (links,); ``None`` for all alike.
+    """
+
+    name: str
+    digest: str
+    nodes: tuple[str, ...]
+    node_kinds: tuple[str, ...]
+    elevation: FloatArray
+    places: FloatArray
+    links: tuple[str, ...]
+    link_kinds: tuple[str, ...]
+    start: IntArray
+    end: IntArray
+    length: FloatArray
+    diameter: FloatArray
+    vertices: tuple[FloatArray, ...] = field(repr=False)
+    hydraulics: Hydraulics = field(repr=False)
+    weight: FloatArray | None = None
+
+    def find_node(self, name: str, option: str = "--release") -> int:
+        """Return the index of a node that an option names. Raises InputError if no node has the name."""
+        if name not in self.nodes:
+            raise InputError(f"{option} {name}: {self.name} has no such node{_suggest(name, self.nodes)}")
+        return self.nodes.index(name)
+
+    @cached_property
+    def is_pipe(self) -> BoolArray:
+        """Whether each link is a pipe, with a check valve or without, (links,)."""
+        return np.isin(self.link_kinds, ("pipe", "cv"))
+
+    @cached_property
+    def stores(self) -> BoolArray:
+        """Whether each node is a tank or a reservoir: what arrives there has left the pipes, (nodes,)."""
+        return np.array([kind != "junction" for kind in self.node_kinds])
+
+    def find_low_pressures(self, step: int) -> tuple[IntArray, FloatArray]:
+        """Return the junctions that deliver water at negative pressure, the lowest first, and their pressures, m."""
+        pressure = self.hydraulics.head[step] - self.elevation
+        delivers = ~self.stores & (self.hydraulics.outflow[step] > 0)
+        rows = np.flatnonzero(delivers & ~(pressure > -1e-3))
+        rows = rows[np.argsort(pressure[rows], kind="stable")]
+        return rows, pressure[rows]
+
+    @property
+    def worth(self) -> FloatArray:
+        """Length of each link times its weight, m, (links,)."""
+        return self.length if self.weight is None else self.length * self.weight
+
+    @property
+    def area(self) -> FloatArray:
+        """Cross-section of each link, m2, (links,)."""
+        return np.asarray(np.pi / 4 * self.diameter**2)
+
+    @cached_property
+    def scale(self) -> float | None:
+        """Metres for each unit of the map if it is drawn to scale, else ``None``.
+
+        The scale is the median, by length, of given over drawn lengths; the map is to scale if at least 80 % of the length
+        deviates from it by at most 10 %.
+        """
+        if not np.isfinite(self.places).all():
+            return None
+        lines = (self.polyline(link) for link in range(len(self.links)))
+        drawn = np.array([np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines])
+        pipes = (drawn > 0) & (self.length > 0)
+        if not pipes.any():
+            return None
+        ratio, length = self.length[pipes] / drawn[pipes], self.length[pipes]
+        order = np.argsort(ratio)
+        middle = np.searchsorted(np.cumsum(length[order]), length.sum() / 2)
+        scale = float(ratio[order][min(middle, len(order) - 1)])
+        off = length[np.abs(ratio / scale - 1) > TOLERANCE].sum() / length.sum()
+        return scale if off <= MAX_OFF else None
+
+    def polyline(self, link: int) -> FloatArray:
+        """Return the points of a link on the map, from its start to its end, (k, 2)."""
+        ends = self.places[[self.start[link], self.end[link]]]
+        return np.vstack([ends[:1], self.vertices[link].reshape(-1, 2), ends[1:]])
+
+    def wkt(self, link: int) -> str:
+        """Return the line of a link as text that programs for maps read."""
+        return f"LINESTRING ({', '.join(f'{x:.12g} {y:.12g}' for x, y in self.polyline(link))})"
+
+    @cached_property
+    def _courses(self) -> dict[int, FloatArray]:
+        return {}
+
+    def course(self, link: int) -> FloatArray:
+        """Return the unit vectors on the map along the parts of a link, from its start to its end, (parts, 2)."""
+        if link not in self._courses:
+            steps = np.diff(self.polyline(link), axis=0)
+            length = np.linalg.norm(steps, axis=1)
+            self._courses[link] = steps[length > 0] / length[length > 0, None]
+        return self._courses[link]
+
+
+def _suggest(name: str, known: Sequence[str], most: int = 12) -> str:
+    """Return a suggestion, or some names if there are many."""
+    hint = did_you_mean(name, known)
+    if not hint.startswith("; known") or len(known) <= most:
+        return hint
+    return f"; it has {len(known)}, such as {', '.join(known[:3])}"

@@ -1,0 +1,294 @@
+"""Maps of a network as SVG: what is seen of each link, arrival times, and where bodies end; and the curve of a fleet."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from driftform.errors import InputError
+from driftform.figures import layout, plot, style, svg
+from driftform.types import FloatArray
+from driftform_networks.hydraulics.network import Network
+from driftform_networks.passages.passage import Ending, Passage
+from driftform_networks.planning.fleets import Fleet
+from driftform_networks.planning.plans import Plan
+
+UNREACHED = "#d3d9de"
+RAMP = ("#b5de2b", "#6ece58", "#35b779", "#1f9e89", "#26828e", "#31688e", "#482878", "#440154")
+"""Viridis without its pale end, reversed: more of a link is seen where it is darker, for any colour vision."""
+
+BOUNDS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7)
+"""Shares at which colour and width change: most links of a town are seen by a few of a hundred bodies."""
+
+_TOP, _MAX_HEIGHT, _LEGEND, _LINE = 78.0, 720.0, 78.0, 34.0
+_WIDE = 700.0
+"""Width of a page on which the legend has room for one line, px."""
+
+_THIN, _THICK = 1.4, 6.0
+_MAX_TIMES, _MAX_STREETS = 14, 60
+"""Arrival times, and names of links, that are written on a map."""
+
+_STEP = 34.0
+"""Width of a step of the legend, px."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mark:
+    """A place on a map: a node, its name or another text, and whether it matters more than others."""
+
+    node: int
+    text: str
+    colour: str = style.INK
+
+    @property
+    def is_bold(self) -> bool:
+        """Whether it matters more than others."""
+        return self.colour != style.INK
+
+
+def passage_svg(passage: Passage, title: str, page: style.Page = style.SCREEN) -> str:
+    """Return the map of a passage: probability as colour and width of a link, arrival times, stuck places."""
+    shares = np.where(passage.reachable, passage.seen, np.nan)
+    network, stuck = passage.network, passage.stuck
+    kilometres = network.length[passage.reachable].sum() / 1000
+    subtitle = f"{100 * passage.coverage:.1f} % of the {kilometres:.1f} km reachable is seen"
+    if (lost := sum(end.probability for end in stuck)) > 5e-4:
+        subtitle += f"; {100 * lost:.1f} % stuck"
+    marks = [Mark(passage.release, network.nodes[passage.release], style.VERMILLION), *_choose_times(passage)]
+    return network_svg(network, shares, marks, title, subtitle, stuck, page=page)
+
+
+def fleet_svg(fleet: Fleet, title: str, page: style.Page = style.SCREEN) -> str:
+    """Return the map of a fleet: the probability that any member sees a link, and where members are stuck."""
+    network, size = fleet.network, len(fleet.members)
+    shares = np.where(fleet.reachable, fleet.seen, np.nan)
+    kilometres = network.length[fleet.reachable].sum() / 1000
+    subtitle = f"{size} bodies see {100 * fleet.coverage:.1f} % of the {kilometres:.1f} km reachable"
+    stuck = [replace(end, probability=end.probability / size) for end in fleet.stuck]
+    if (lost := sum(end.probability for end in stuck)) > 5e-4:
+        subtitle += f"; {100 * lost:.1f} % of them end in the pipes"
+    nodes = dict.fromkeys(member.passage.release for member in fleet.members)
+    marks = [Mark(node, network.nodes[node], style.VERMILLION) for node in nodes]
+    legend = "probability that the fleet sees the link"
+    return network_svg(network, shares, marks, title, subtitle, stuck, legend, page)
+
+
+def plan_svg(plan: Plan, title: str, page: style.Page = style.SCREEN) -> str:
+    """Return the map of a plan: what bodies see until nets catch them, the releases, and the nets."""
+    network = plan.network
+    shares = np.where(plan.reachable, plan.seen, np.nan)
+    texts = {name: (name, style.VERMILLION) for _, name, _ in plan.members}
+    texts |= {
+        name: (f"net {name}: {100 * share:.0f} %", style.ORANGE)
+        for name, share in zip(plan.nets, plan.catches, strict=True)
+    }
+    marks = [Mark(network.find_node(name), *text) for name, text in texts.items()]
+    sees, caught = 100 * plan.measure(plan.seen), 100 * float(plan.catches.sum())
+    subtitle = f"{len(plan.members)} bodies see {sees:.1f} % until {len(plan.nets)} nets catch {caught:.0f} % of them"
+    legend = "probability that any body sees the link"
+    return network_svg(network, shares, marks, title, subtitle, (), legend, page)
+
+
+def network_svg(
+    network: Network,
+    shares: FloatArray,
+    marks: Sequence[Mark],
+    title: str,
+    subtitle: str,
+    stuck: Sequence[Ending] = (),
+    legend: str = "share of the link that is seen, on average",
+    page: style.Page = style.SCREEN,
+) -> str:
+    """Return a map of a network: values of links, from 0 to 1, NaN out of reach, texts at nodes, and crosses.
+
+    Raises InputError if the network has no coordinates.
+    """
+    window = _fit(network, page.width)
+    lines = [window.to_page(network.polyline(link)) for link in range(len(network.links))]
+    crosses, more = _place_crosses(network, lines, window.to_page(network.places), stuck)
+    ink = np.vstack([layout.resample_polyline(line, 3) for line in lines])
+    labels = _place_marks(window, network, [*marks, *more], ink)
+    metres = network.scale or 0.0
+    bar = layout.floor_to_nice_number(150 * metres / window.px_per_m) if metres else 0.0
+    order = np.argsort(np.nan_to_num(shares, nan=-1.0), kind="stable")
+    links, is_wide = [], page.width > _WIDE
+    for link in order.tolist():
+        known = bool(np.isfinite(shares[link]))
+        colour, width = choose_line(shares[link]) if known else (UNREACHED, 1.0)
+        value = f": {100 * shares[link]:.1f} %" if known else ""
+        links.append(
+            {"d": svg.path_data(lines[link]), "colour": colour, "width": width}
+            | {"name": network.links[link], "value": value}
+        )
+    spots = window.to_page(network.places)
+    steps = [(*choose_line(least), f"{100 * least:g}") for least in (0.0, *BOUNDS)]
+    return svg.fill_template(
+        "driftform_networks.output",
+        "map.svg",
+        width=page.width,
+        height=window.box.bottom + (_LEGEND if is_wide else _LEGEND + 2 * _LINE),
+        base=window.box.bottom + _LEGEND - 44,
+        line=0 if is_wide else _LINE,
+        top=_TOP - 14 if page.is_paper else 0,
+        width_mm=page.width_mm,
+        fonts=svg.PAPER_FONTS if page.is_paper else svg.FONTS,
+        margin=layout.MARGIN,
+        title=layout.shorten(title, 20, page.width - 2 * layout.MARGIN, bold=True),
+        subtitle=subtitle,
+        network=network.name,
+        links=links,
+        sources=[(network.node_kinds[node], *spots[node]) for node in np.flatnonzero(network.stores)],
+        marks=[(*spots[mark.node], 5 if mark.is_bold else 2.6, mark.colour) for mark in marks],
+        crosses=crosses,
+        labels=labels,
+        # They would be smaller than 7 pt.
+        streets=[] if page.is_paper else _place_streets(network, lines, labels),
+        step=_STEP,
+        ramp=steps if np.isfinite(shares).any() else [],
+        legend=legend,
+        unreached=UNREACHED,
+        nets=any(mark.colour == style.ORANGE for mark in marks),
+        bar=bar / metres * window.px_per_m if metres else 0.0,
+        bar_text=f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m",
+    )
+
+
+def _fit(network: Network, width: float) -> plot.Window:
+    """Return the window of the page that shows a network; a unit of its map is a metre there."""
+    points = np.vstack([network.places, *network.vertices])
+    if not np.isfinite(points).all() or np.ptp(points, axis=0).max() <= 0:
+        raise InputError(f"{network.name}: the file gives its nodes no coordinates: leave out --map")
+    room = width - 2 * layout.MARGIN
+    return plot.Window.around((0, 1), points, layout.MARGIN, _TOP, room, _MAX_HEIGHT, 20)
+
+
+def choose_line(share: float) -> tuple[str, float]:
+    """Return colour and width (px) of a link by the share of it that is seen."""
+    step = int(np.searchsorted(BOUNDS, share, side="right"))
+    return RAMP[step], _THIN + (_THICK - _THIN) * step / len(BOUNDS)
+
+
+def _place_crosses(
+    network: Network, lines: Sequence[FloatArray], spots: FloatArray, stuck: Sequence[Ending]
+) -> tuple[list[tuple[float, float, float]], list[Mark]]:
+    """Return crosses where bodies are stuck, larger for more, and texts for the most probable places."""
+    crosses, marks = [], []
+    nodes = {name: node for node, name in enumerate(network.nodes)}
+    links = {name: link for link, name in enumerate(network.links)}
+    for number, end in enumerate(stuck):
+        if end.place in nodes and end.kind == "stuck":
+            x, y = spots[nodes[end.place]].tolist()
+            if number < 4:
+                text = f"{100 * end.probability:.0f} % stuck"
+                marks.append(Mark(nodes[end.place], text, style.VERMILLION))
+        elif end.place in links:
+            line = layout.resample_polyline(lines[links[end.place]], 3)
+            x, y = line[len(line) // 2].tolist()
+        else:
+            continue
+        crosses.append((x, y, 3 + 6 * float(np.sqrt(end.probability))))
+    return crosses, marks
+
+
+def _choose_times(passage: Passage) -> list[Mark]:
+    """Return arrival times at probable nodes that are far from each other."""
+    network = passage.network
+    extent = np.ptp(network.places, axis=0).max()
+    chosen = [passage.release]
+    likely = (passage.probability >= 0.02) & np.isfinite(passage.age)
+    for node in np.argsort(-passage.probability, kind="stable").tolist():
+        if not likely[node] or len(chosen) > _MAX_TIMES:
+            break
+        near = np.linalg.norm(network.places[chosen] - network.places[node], axis=1).min()
+        if near > 0.11 * extent:
+            chosen.append(node)
+    return [Mark(node, format_time(passage.age[node])) for node in chosen[1:]]
+
+
+def format_time(seconds: float) -> str:
+    """Return a duration in the unit that people would use.
+
+    >>> format_time(42.0), format_time(600.0), format_time(9000.0), format_time(2e6)
+    ('42 s', '10 min', '2.5 h', '23 d')
+    """
+    if not np.isfinite(seconds):
+        return "-"
+    for limit, unit, size in ((90, "s", 1.0), (5400, "min", 60.0), (172_800, "h", 3600.0)):
+        if seconds < limit:
+            return f"{seconds / size:.1f} {unit}" if unit == "h" else f"{seconds / size:.0f} {unit}"
+    return f"{seconds / 86_400:.0f} d"
+
+
+def _place_marks(
+    page: plot.Window, network: Network, marks: Sequence[Mark], ink: FloatArray
+) -> list[tuple[float, float, str, str]]:
+    """Return middle, baseline, text and colour of the texts at nodes."""
+    if not marks:
+        return []
+    anchors = page.to_page(network.places[[mark.node for mark in marks]])
+    texts = [layout.shorten(mark.text, 12, 140, bold=True) for mark in marks]
+    widths = [layout.text_width(text, 12, bold=mark.is_bold) for text, mark in zip(texts, marks, strict=True)]
+    boxes = layout.place_labels(anchors, widths, 14, ink, page.box)
+    return [
+        ((box.left + box.right) / 2, box.bottom - 3, text, mark.colour)
+        for text, mark, box in zip(texts, marks, boxes, strict=True)
+    ]
+
+
+def _place_streets(
+    network: Network, lines: Sequence[FloatArray], labels: Sequence[tuple[float, float, str, str]]
+) -> list[tuple[float, float, float, str]]:
+    """Return middle, turn (degrees) and name of links whose names fit along them, the longest first, off other texts."""
+    taken = [(x + dx, y - 4) for x, y, text, _ in labels for dx in np.arange(-3.5, 4.0) * len(text)]
+    parts = [(line, np.linalg.norm(np.diff(line, axis=0), axis=1)) for line in lines]
+    longest = np.array([steps.max(initial=0.0) for _, steps in parts])
+    found: list[tuple[float, float, float, str]] = []
+    for link in np.argsort(-longest, kind="stable").tolist():
+        name = network.links[link]
+        wide = layout.text_width(name, 9)
+        if len(found) == _MAX_STREETS or longest[link] < 24:
+            break
+        if wide > longest[link] - 8:
+            continue
+        line, steps = parts[link]
+        row = int(np.argmax(steps))
+        along = (line[row + 1] - line[row]) / steps[row]
+        along = along if along[0] >= 0 else -along
+        middle = (line[row] + line[row + 1]) / 2 + np.array([-along[1], along[0]]) * 3
+        spots = [tuple(middle + along * at) for at in np.linspace(-wide / 2, wide / 2, max(2, int(wide / 8)))]
+        apart = min((np.hypot(x - u, y - v) for x, y in spots for u, v in taken), default=np.inf)
+        if apart < 13:
+            continue
+        taken += spots
+        found.append((*middle.tolist(), round(float(np.rad2deg(np.arctan2(along[1], along[0]))), 1), name))
+    return found
+
+
+def curve_svg(fleet: Fleet, title: str) -> str:
+    """Draw the share of the reachable length that fleets of each size see, with tracers and perfect steering."""
+    size = len(fleet.curve)
+    step = next(step for step in (1, 2, 5, 10, 20, 50, 100, 1000) if size / step <= 12 or step == 1000)
+    lines = [
+        ("perfect steering (bound)", fleet.bound, style.MUTED, True),
+        ("this fleet", fleet.curve, style.VERMILLION, False),
+        ("divided like water, retained", fleet.retained, style.BLUE, True),
+        ("point tracers", fleet.tracers, style.BLUE, False),
+    ]
+    heights = _spread([408 - 320 * float(curve[-1]) for _, curve, _, _ in lines])
+    curves = []
+    for (name, curve, colour, dashes), y in zip(lines, heights, strict=True):
+        points = [(60 + 608 * count / size, 408 - 320 * share) for count, share in enumerate([0.0, *curve])]
+        ink = style.INK if colour == style.MUTED else colour
+        curves.append((f"{name} {100 * curve[-1]:.1f}", svg.path_data(points), colour, dashes, y, ink))
+    ticks = [(60 + 608 * count / size, count) for count in range(0, size + 1, step)]
+    shown = {"title": layout.shorten(title, 20, 856, bold=True), "ticks": ticks, "curves": curves, "fonts": svg.FONTS}
+    return svg.fill_template("driftform_networks.output", "curve.svg", **shown)
+
+
+def _spread(heights: list[float], least: float = 16.0) -> list[float]:
+    """Return heights of labels that keep a distance from each other, in their order."""
+    order, placed = np.argsort(heights), list(heights)
+    for above, below in pairwise(order):
+        placed[below] = max(placed[below], placed[above] + least)
+    return placed

@@ -1,0 +1,90 @@
+"""``driftform network show``: the facts of a network and its flow."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from driftform.figures import style
+from driftform_networks.flights.fits import read_gates
+from driftform_networks.hydraulics.network import Network
+from driftform_networks.hydraulics.snapshot import STILL, Snapshot, take_snapshot, warn_of_pressure
+from driftform_networks.output.map import Mark, network_svg
+from driftform_networks.output.page import TextTable
+from driftform_networks.output.results import Outputs, present
+from driftform_networks.passages.chain import find_loops
+
+_ROUNDING = 1e-9
+"""Flow that EPANET's rounding leaves in closed links, m3/s."""
+
+
+def show_network(network: Network, hour: float, outputs: Outputs, json: bool) -> None:
+    """Print the facts of a network, and draw its map on request."""
+    snapshot = take_snapshot(network, hour, absurd=True)
+    facts = describe_network(network, snapshot)
+    narrow, wide = (1000 * bore for bore in facts["bore"])
+    scale = "drawn to scale" if facts["to_scale"] else "not drawn to scale: angles are not those of the pipes"
+    names = {kind: gate.name for kind, gate in read_gates().items()}
+    rows = [
+        ("nodes", ", ".join(f"{count} {kind}s" for kind, count in facts["nodes"].items())),
+        ("links", ", ".join(f"{count} {names.get(kind, kind)}s" for kind, count in facts["links"].items())),
+        ("pipes", f"{facts['length'] / 1000:.2f} km, bore {narrow:.0f} to {wide:.0f} mm"),
+        ("simulation", f"{facts['duration'] / 3600:g} h in {facts['steps']} hydraulic steps"),
+        ("reversals", f"the flow of {facts['reversing']} links changes its direction"),
+        ("map", scale),
+        (f"hour {hour:g}", f"{facts['flowing']} links flow, at a median of {facts['speed']:.2f} m/s"),
+        ("", f"{facts['splitting']} nodes divide the flow; {facts['looping']} lie in loops of flow"),
+    ]
+    supply = [
+        (name, network.node_kinds[network.nodes.index(name)], f"{1000 * flow:.1f}")
+        for name, flow in facts["supply"].items()
+    ]
+    text: list[str | TextTable] = [network.name]
+    text += [f"  {name:10}  {value}" for name, value in rows]
+    text += [TextTable(("water comes from", "kind", "litres/s"), supply, right=(2,))]
+    text += [f"warning: EPANET: {line}" for line in network.hydraulics.warnings]
+    text += warn_of_pressure(network, range(len(network.hydraulics.times)))
+    present(facts, text, outputs.write_map(partial(_draw, network, snapshot, hour)), json)
+
+
+def _draw(network: Network, snapshot: Snapshot, hour: float, page: style.Page) -> str:
+    """Return the map, with the speed of the water in each link."""
+    fastest = float(snapshot.speed[np.isfinite(snapshot.speed)].max())
+    shares = np.full(len(network.links), np.nan)
+    shares[snapshot.links] = np.minimum(snapshot.speed / fastest, 1.0)
+    sources = [Mark(node, network.nodes[node]) for node in np.flatnonzero(network.stores).tolist()]
+    title = f"{network.name} at hour {hour:g}"
+    subtitle = f"{len(network.nodes)} nodes, {network.length.sum() / 1000:.1f} km of pipe"
+    legend = f"speed of the water, relative to {fastest:.2f} m/s"
+    return network_svg(network, shares, sources, title, subtitle, legend=legend, page=page)
+
+
+def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:
+    """Return facts about a network and its flow at one hour as plain values for JSON."""
+    hydraulics, pipes = network.hydraulics, network.is_pipe
+    reverses = (hydraulics.flow > _ROUNDING).any(axis=0) & (hydraulics.flow < -_ROUNDING).any(axis=0)
+    supply = -hydraulics.outflow[snapshot.step]
+    flowing = pipes[snapshot.links]
+    return {
+        "name": network.name,
+        "digest": network.digest,
+        "nodes": _count(network.node_kinds, ("junction", "tank", "reservoir")),
+        "links": _count(network.link_kinds, ("pipe", *read_gates())),
+        "length": float(network.length.sum()),
+        "bore": [float(network.diameter[pipes].min()), float(network.diameter[pipes].max())],
+        "duration": hydraulics.end,
+        "steps": len(hydraulics.times),
+        "reversing": int(reverses.sum()),
+        "to_scale": network.scale is not None,
+        "hour": snapshot.hour,
+        "flowing": len(snapshot.links),
+        "speed": float(np.median(snapshot.speed[flowing])) if flowing.any() else 0.0,
+        "splitting": sum(len(outlets) > 1 for outlets in snapshot.outlets),
+        "looping": len(find_loops(snapshot)),
+        "supply": {network.nodes[node]: float(supply[node]) for node in np.flatnonzero(supply > STILL)},
+        "warnings": list(hydraulics.warnings),
+    }
+
+
+def _count(kinds: tuple[str, ...], known: tuple[str, ...]) -> dict[str, int]:
+    return {kind: kinds.count(kind) for kind in known if kind in kinds}

@@ -1,0 +1,180 @@
+"""Where bodies go that are released at a node: the functions of notebooks, and what all commands share."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from driftform.errors import InputError
+from driftform.util import progress
+from driftform_networks.flights.bodies import Traveller, open_traveller
+from driftform_networks.flights.junctions import SIDES
+from driftform_networks.flights.travelling import Progress, Travel, Traveling, make_flights
+from driftform_networks.hydraulics.network import BoolArray, Network
+from driftform_networks.hydraulics.snapshot import Snapshot, divide_flow, take_snapshot
+from driftform_networks.passages.chain import follow
+from driftform_networks.passages.passage import Passage, find_reachable
+from driftform_networks.passages.routing import Routing, route_tracers
+from driftform_networks.passages.walkers import Walks, measure_quantiles, summarise_walks, walk
+
+WALKS = 2000
+"""Walks by default."""
+
+
+@dataclass(frozen=True)
+class How:
+    """How bodies are followed, and their flights made: the options of all functions that follow them.
+
+    Attributes:
+        unsteady: whether the flows change after the release, as EPANET computes them; otherwise they remain those of
+            that hour.
+        walks: bodies that are followed one by one for the quantiles of arrival times, and with ``unsteady`` for
+            everything.
+        seed: of these walks.
+        within: hours from the release after which nothing is seen any more; ``None`` without an end. With it everything
+            is read from the walks.
+        travel: side where branches leave, bore of service pipes, and clearances.
+        workers: processes that make flights; the result is the same for any number of them.
+        cache: directory for flights; ``None`` for the user's.
+        progress: takes the number of tables that are made, and of all.
+    """
+
+    unsteady: bool = False
+    walks: int = WALKS
+    seed: int = 0
+    within: float | None = None
+    travel: Travel = field(default_factory=Travel)
+    workers: int = 1
+    cache: Path | None = None
+    progress: Progress = lambda _, __: None
+
+    def take_snapshots(self, network: Network, hour: float) -> list[Snapshot]:
+        """Return the flow at an hour, with ``unsteady`` that of each hydraulic step from then on, for the hours ``within``.
+
+        Raises InputError if the simulation does not cover the hour, or ends before the flow changes or the hours have passed.
+        """
+        hydraulics, snapshot = network.hydraulics, take_snapshot(network, hour)
+        if not self.unsteady:
+            return [snapshot]
+        last = np.inf if self.within is None else (hour + self.within) * 3600
+        if hour * 3600 >= hydraulics.end or hydraulics.end < last < np.inf:
+            option = f"--at {hour:g}" if self.within is None else f"--within {self.within:g}h"
+            raise InputError(
+                f"{option}: {network.name} is simulated until hour {hydraulics.end / 3600:g}: leave out --unsteady, choose "
+                "an earlier hour, or lengthen Duration in [TIMES]"
+            )
+        times = hydraulics.times[snapshot.step + 1 :]
+        return [snapshot, *(take_snapshot(network, time / 3600) for time in times[times < last])]
+
+    def fly(
+        self, travellers: Sequence[Traveller], travels: Sequence[Travel], snapshots: Sequence[Snapshot]
+    ) -> list[Traveling]:
+        """Return what routes each body in each way to travel, its flights in the snapshots made."""
+        travelings = [Traveling(body, travel, self.cache) for body in travellers for travel in travels]
+        make_flights(travelings, snapshots, self.workers, self.progress)
+        return travelings
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A release: node, hour, and the flows from then on, one for flows that do not change."""
+
+    network: Network
+    release: str
+    hour: float
+    snapshots: Sequence[Snapshot]
+    how: How
+
+    @property
+    def node(self) -> int:
+        """Node of the release."""
+        return self.network.find_node(self.release)
+
+    def find_reachable(self) -> BoolArray:
+        """Return whether water of the release reaches each link, (links,)."""
+        return find_reachable(self.network, self.node, [snapshot.step for snapshot in self.snapshots])
+
+    def walk(self, routings: Sequence[Routing]) -> Walks:
+        """Return ways of bodies, by their tables in each snapshot."""
+        hydraulics, began = self.network.hydraulics, self.hour * 3600
+        end = np.inf if len(self.snapshots) == 1 else hydraulics.end
+        end = end if self.how.within is None else began + self.how.within * 3600
+        times = [*(hydraulics.times[snapshot.step] for snapshot in self.snapshots), end]
+        rng = np.random.default_rng(self.how.seed)
+        return walk(routings, times, self.node, np.full(max(self.how.walks, 1), began), rng)
+
+    def follow(self, route: Callable[[Snapshot], Routing]) -> Passage:
+        """Return the passage of bodies whose tables ``route`` makes.
+
+        Where the flows remain, the chain of the tables is solved; walks only add the distribution of arrival times. Where
+        they change, a body may come back, and what it has seen depends on its whole way: all of it is read from walks.
+        """
+        how, routings = self.how, [route(snapshot) for snapshot in self.snapshots]
+        if how.unsteady or how.within is not None:
+            return summarise_walks(self.walk(routings), routings, how.unsteady)
+        passage = follow(routings[0], self.node)
+        if not how.walks:
+            return passage
+        reached = passage.probability[:, None] > 0
+        return replace(passage, quantiles=np.where(reached, measure_quantiles(self.walk(routings)), np.nan))
+
+
+def find_cases(network: Network, releases: Sequence[str], hours: Sequence[float], how: How) -> list[Case]:
+    """Return the releases at all nodes and hours at which water leaves the node.
+
+    Raises InputError if there is no such node or hour, or no water leaves a node at any of the hours.
+    """
+    cases = list[Case]()
+    nodes = {name: network.find_node(name) for name in dict.fromkeys(releases)}
+    flows = {hour: how.take_snapshots(network, hour) for hour in dict.fromkeys(hours)}
+    for name, node in nodes.items():
+        found = [Case(network, name, hour, flow, how) for hour, flow in flows.items() if len(flow[0].outlets[node])]
+        if not found:
+            # Refuses a node that no water leaves, before the flights.
+            divide_flow(next(iter(flows.values()))[0], node)
+        cases += found
+    return cases
+
+
+def trace(network: Network, release: str, *, hour: float = 0.0, **how: Any) -> Passage:
+    """Return where point tracers go that are released at a node: they divide like the water.
+
+    Args:
+        network: from :func:`driftform_networks.open_network`.
+        release: name of the node.
+        hour: hour of the simulation at the release.
+        how: attributes of :class:`driftform_networks.planning.following.How`.
+
+    Raises:
+        InputError: if there is no such node or hour, or no water leaves the node.
+    """
+    [case] = find_cases(network, [release], [hour], How(**how))
+    return case.follow(route_tracers)
+
+
+def route(
+    network: Network, agent: Traveller | str, release: str, *, hour: float = 0.0, compare: bool = False, **how: Any
+) -> Passage:
+    """Return where an agent goes that is released at a node, by flights in the bores of the network.
+
+    Args:
+        network, release, hour, how: as for :func:`trace`.
+        agent: body from :func:`driftform_networks.flights.bodies.open_traveller`, or its name.
+        compare: whether the result also has the passages with branches at each side of the pipes; not where flows
+            change.
+
+    Raises:
+        InputError: if there is no such agent, node or hour, or no water leaves the node.
+        WorkFailedError: if the agent cannot be flown.
+    """
+    [case] = find_cases(network, [release], [hour], How(**how))
+    traveller = open_traveller(agent) if isinstance(agent, str) else agent
+    travel, sides = case.how.travel, SIDES if compare and not case.how.unsteady else ()
+    travels = [travel, *(replace(travel, branch=side) for side in sides)]
+    first, *others = case.how.fly([traveller], travels, case.snapshots)
+    passage = case.follow(first.route)
+    shown = progress.track_progress(others, len(others), "sides where branches leave", 1.0)
+    compared = (follow(other.route(case.snapshots[0]), passage.release) for other in shown)
+    return replace(passage, branches=dict(zip(sides, compared, strict=True)))
