@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from driftform.errors import WorkFailedError
+from driftform.pipeline import require_success
 from driftform.types import End, MassProperties, Trajectory, freeze
 from driftform.water import Fluid
 
@@ -39,11 +40,11 @@ def test_net_buoyancy_is_positive_for_what_floats(mass: float, newtons: float) -
 @pytest.mark.parametrize("end", [end for end in End if end.failed])
 def test_a_failed_flight_is_refused_by_name_with_its_time_and_reason(end: End) -> None:
     with pytest.raises(WorkFailedError, match=rf"^TP1: the flight ended after 1\.23 s: {end}$"):
-        make_trajectory(end).require_success("TP1")
+        require_success(make_trajectory(end), "TP1")
 
 
 @pytest.mark.parametrize("end", [end for end in End if not end.failed])
 def test_a_sound_flight_is_not_refused(end: End) -> None:
     flight = make_trajectory(end)
-    flight.require_success("TP1")
+    require_success(flight, "TP1")
     assert flight.failure is None

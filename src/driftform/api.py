@@ -17,7 +17,6 @@ from driftform.design.design import Design
 from driftform.design.flight import Flight
 from driftform.design.opening import open_best
 from driftform.errors import InputError, did_you_mean
-from driftform.report.page import write_report
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.coverage import CoverageMap
 from driftform.runs.misses import Misses
@@ -31,6 +30,7 @@ from driftform.search.in_process import InProcess
 from driftform.search.jobs import Executor
 from driftform.search.local import LocalProcesses
 from driftform.search.picking import pick_agent, write_pick
+from driftform.search.report.page import write_report
 from driftform.search.results import map_run
 from driftform.study import Study, study
 from driftform.study.sources import say_in_python

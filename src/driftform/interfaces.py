@@ -14,7 +14,6 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 import numpy as np
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.options import Table, option
 from driftform.types import (
     Agent,
     Body,
@@ -29,6 +28,7 @@ from driftform.types import (
     Verdict,
     WrittenFile,
 )
+from driftform.util.options import Table, option
 from driftform.water import Fluid, Scenario
 from driftform.water.pipe import Vector
 
@@ -538,3 +538,6 @@ SEAMS: dict[str, type[Plugin[Any]]] = {
     "checker": Checker,
 }
 """The interfaces by the name of their seam, which hooks (``driftform_<seam>``) and tables of a study file use."""
+
+NAMED = ("exporter", "recorder", "renderer", "checker")
+"""The seams whose plugins a command selects by name: a study contains only their options."""

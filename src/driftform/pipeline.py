@@ -44,6 +44,12 @@ KEPT_BODIES = 128
 """Bodies that are kept for flights under other conditions."""
 
 
+def require_success(trajectory: Trajectory, name: str) -> None:
+    """Raise WorkFailedError if a flight of the agent ``name`` failed."""
+    if trajectory.failure is not None:
+        raise WorkFailedError(f"{name}: {trajectory.failure}")
+
+
 @dataclass(frozen=True, eq=False)
 class ScoredFlight:
     """A trajectory, and the fitness (%) of its flight for each target, (targets,)."""
@@ -174,7 +180,7 @@ class Pipeline:
         """
         trajectories = self.fly_named(agents, name)
         for trajectory in trajectories:
-            trajectory.require_success(name)
+            require_success(trajectory, name)
         return [
             ScoredFlight(trajectory, self.score(trajectory, agent))
             for trajectory, agent in zip(trajectories, agents, strict=True)

@@ -21,8 +21,6 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from driftform.errors import WorkFailedError
-
 __all__ = [
     "Agent", "Body", "Candidate", "Coefficients", "Core", "Drag", "End", "Evaluation", "Finding",
     "Fittings", "FloatArray", "Genome", "MassProperties", "Module", "Moments", "Morphology", "State",
@@ -476,15 +474,6 @@ class Trajectory:
     def failure(self) -> str | None:
         """When and why the flight failed, ``None`` for a sound one."""
         return f"the flight ended after {self.t[-1]:.3g} s: {self.end}" if self.end.failed else None
-
-    def require_success(self, name: str) -> None:
-        """Raise an error if the flight failed.
-
-        Raises:
-            WorkFailedError: if the flight failed; the message begins with ``name``, the name of the agent.
-        """
-        if self.failure is not None:
-            raise WorkFailedError(f"{name}: {self.failure}")
 
 
 @dataclass(frozen=True)

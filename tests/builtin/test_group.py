@@ -5,10 +5,10 @@ import pytest
 
 from driftform.builtin.closest_approach import ClosestApproach
 from driftform.builtin.group import GroupFitness, GroupOptions
-from driftform.options import Table
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
 from driftform.types import End, Trajectory
+from driftform.util.options import Table
 from driftform.water import Pipe, Scenario, Segment
 
 PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),))

@@ -7,10 +7,10 @@ import pytest
 
 from driftform.builtin.outlet import PASSED_BY, OutletFitness
 from driftform.motion.way import farthest_distances
-from driftform.options import Table
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
 from driftform.types import End, Trajectory, Verdict
+from driftform.util.options import Table
 from driftform.water import Scenario
 
 TEE = {"kind": "tee", "branch_radius": 0.05, "share": 0.3, "branch": [{"length": 0.5, "outlet": "up"}]}

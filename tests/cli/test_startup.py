@@ -83,7 +83,7 @@ def test_plugins_are_listed_without_what_only_their_work_needs() -> None:
 
 def test_commands_that_open_agents_and_runs_import_no_large_package_of_scipy() -> None:
     loaded = modules_after(
-        "import driftform.design.opening, driftform.report.page, driftform.search.picking\n"
+        "import driftform.design.opening, driftform.search.report.page, driftform.search.picking\n"
         "from driftform.study import load_study\n"
         "from driftform.search.disturbed import draw_rounds\n"
         "draw_rounds(load_study('pipe-inspection', run={'seed': 0}))"

@@ -20,14 +20,14 @@ from pydantic.fields import FieldInfo
 
 from driftform.cli.app import Commands, app
 from driftform.interfaces import SEAMS
-from driftform.options import describe_bounds, find_table
 from driftform.plugins.registry import Contribution, registry
 from driftform.study import RunOptions
-from driftform.validity import RANGES
+from driftform.util.options import describe_bounds, find_table
 from driftform.water import Scenario
 from driftform.water.flow import FLOWS
 from driftform.water.fluids import FLUIDS
 from driftform.water.parts.tables import PARTS as PIPE_PARTS
+from driftform.water.validity import RANGES
 
 Check = Callable[[Path, str], None]
 

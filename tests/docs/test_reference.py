@@ -10,7 +10,7 @@ import pytest
 from public import MODULES, find_homes
 
 from driftform.interfaces import SEAMS
-from driftform.scaffold import list_files, make_names
+from driftform.plugins.scaffold import list_files, make_names
 
 ROOT = Path(__file__).parents[2]
 FILES = sorted(file for folder in ("src", "plugins/*/src") for file in ROOT.glob(f"{folder}/**/*.py"))

@@ -21,7 +21,7 @@ from driftform import hookimpl
 @hookimpl
 def driftform_fitness():
     from driftform.interfaces import Fitness
-    from driftform.options import Table, option
+    from driftform.interfaces import Table, option
 
     class Options(Table):
         weight: float = option(1.0, "how much it weighs", "kg", gt=0)
@@ -297,7 +297,7 @@ from driftform import hookimpl
 def driftform_{seam}():
     from pydantic import BaseModel, model_validator
     from driftform import interfaces
-    from driftform.options import Table, option
+    from driftform.interfaces import Table, option
 
     class Mine(interfaces.{interface}):
         name = "mine"
@@ -346,8 +346,8 @@ def test_a_default_that_its_own_option_refuses_is_reported_in_its_row(install, b
 @pytest.mark.parametrize(
     ("base", "seam", "expected"),
     [
-        ("BaseModel", "fitness", "Table of driftform.options"),
-        ("dict", "fitness", "Table of driftform.options"),
+        ("BaseModel", "fitness", "Table of driftform.interfaces"),
+        ("dict", "fitness", "Table of driftform.interfaces"),
         ("Table", "hydrodynamics", "HydrodynamicsOptions of driftform.interfaces"),
     ],
 )

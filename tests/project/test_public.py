@@ -81,7 +81,7 @@ def test_a_plugin_imports_public_names_alone(package: Path) -> None:
 
 def test_the_templates_of_new_plugins_import_public_names_alone() -> None:
     public = list_public()
-    for file in ROOT.glob("src/driftform/scaffold/*/implementation.py.txt"):
+    for file in ROOT.glob("src/driftform/plugins/scaffold/*/implementation.py.txt"):
         source = re.sub(r"\$(\w+)", r"\1", file.read_text(encoding="utf-8"))
         if not source.startswith("title ="):
             assert list(find_private_imports(source, public)) == [], file.parent.name

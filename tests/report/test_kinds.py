@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.report.kinds import count_kinds, name_kind
+from driftform.search.report.kinds import count_kinds, name_kind
 from driftform.testing.agents import sphere_agent
 from driftform.types import Agent, End, Trajectory
 from driftform.water import Pipe, Scenario, Segment

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from accessibility import find_barriers, look
 
-from driftform.report.contents import collect_contents
-from driftform.report.page import page_html, viewer_data
 from driftform.runs.run import Run
+from driftform.search.report.contents import collect_contents
+from driftform.search.report.page import page_html, viewer_data
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.validity import RANGES
 from driftform.water.flow import PowerLawFlow
+from driftform.water.validity import RANGES
 
 PIXELS = """
 const view = document.getElementById(arguments[0]);

@@ -12,9 +12,9 @@ from driftform import hookimpl
 from driftform.errors import WorkFailedError
 from driftform.interfaces import ReportJob
 from driftform.plugins.discovery import PluginModule
-from driftform.report.contents import Contents, collect_contents
-from driftform.report.page import page_html
 from driftform.runs.run import Run
+from driftform.search.report.contents import Contents, collect_contents
+from driftform.search.report.page import page_html
 from driftform.water import Scenario
 
 
@@ -24,7 +24,7 @@ def collect_with(run: Path, monkeypatch: pytest.MonkeyPatch, *hooks: Callable[..
         PluginModule("mine", "mine", f"mine-{number}", "1.0", SimpleNamespace(driftform_report=hookimpl(hook)))
         for number, hook in enumerate(hooks)
     ]
-    monkeypatch.setattr("driftform.report.contents.find_modules", lambda: modules)
+    monkeypatch.setattr("driftform.search.report.contents.find_modules", lambda: modules)
     return collect_contents(Run.open(run))
 
 

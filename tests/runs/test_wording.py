@@ -3,9 +3,9 @@
 from driftform.builtin.closest_approach import ClosestApproach
 from driftform.builtin.outlet import OutletFitness
 from driftform.interfaces import Fitness
-from driftform.options import Table
 from driftform.runs.wording import describe_result, describe_worth, list_cells, list_headings, name_verdict, summarise
 from driftform.types import Verdict
+from driftform.util.options import Table
 
 
 class Lightness(Fitness[Table]):

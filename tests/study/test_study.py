@@ -13,10 +13,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError
-from driftform.options import MAX_SEED
 from driftform.plugins.registry import registry
 from driftform.study import Document, load_study
 from driftform.study.sources import read_scenarios
+from driftform.util.options import MAX_SEED
 from driftform.water.scenario import evaluation_seed
 
 BASE = 'base = "pipe-inspection"\n'

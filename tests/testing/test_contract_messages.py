@@ -10,10 +10,10 @@ import pytest
 
 from driftform import testing
 from driftform.interfaces import Checker, Exporter, Fitness, Recorder
-from driftform.options import Table
 from driftform.testing import CheckerContract, ExporterContract, FitnessContract, GrammarContract, RecorderContract
 from driftform.testing.contract import Contract
 from driftform.testing.letters import LetterGrammar
+from driftform.util.options import Table
 
 
 class Listing(LetterGrammar):

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from driftform.interfaces import ExportJob, Recorder
-from driftform.options import Table
 from driftform.testing import RecorderContract
 from driftform.types import End, Trajectory, WrittenFile
 from driftform.util.files import write_text
+from driftform.util.options import Table
 
 TICKS = itertools.count()
 

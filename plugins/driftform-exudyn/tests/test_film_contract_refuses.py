@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.interfaces import Renderer
+from driftform.interfaces import Renderer, Table
 from driftform.motion.interpolation import even_times, interpolate_attitudes
-from driftform.options import Table
 from driftform.testing import RendererContract
 from driftform.types import WrittenFile
 from driftform.util.files import write_whole

@@ -5,8 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from driftform.interfaces import SearchSpace
-from driftform.options import Table
+from driftform.interfaces import SearchSpace, Table
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
 from driftform.types import Evaluation, Genome

@@ -8,8 +8,7 @@ import pytest
 
 import driftform_ribs
 from driftform.errors import InputError
-from driftform.interfaces import SearchSpace
-from driftform.options import Table
+from driftform.interfaces import SearchSpace, Table
 from driftform.plugins.registry import registry
 from driftform.runs.coverage import PipeGrid
 from driftform.testing.letters import LetterGrammar

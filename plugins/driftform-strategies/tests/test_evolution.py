@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.interfaces import SearchSpace
-from driftform.options import Table
+from driftform.interfaces import SearchSpace, Table
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory

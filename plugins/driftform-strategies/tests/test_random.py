@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from driftform.interfaces import SearchSpace
-from driftform.options import Table
+from driftform.interfaces import SearchSpace, Table
 from driftform.testing import GrammarContract, StrategyContract
 from driftform.testing.letters import LetterGrammar
 from driftform.types import Evaluation, Genome

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform.interfaces import PhenotypeBuilder, SearchSpace
-from driftform.options import Table
+from driftform.interfaces import PhenotypeBuilder, SearchSpace, Table
 from driftform.testing import BuilderContract, StrategyContract
 from driftform.testing.letters import LetterGrammar
 from driftform.testing.strategy import search_space

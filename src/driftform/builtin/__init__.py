@@ -1,1 +1,1 @@
-"""Plugins that ship with the core, and register through the same hooks as any plugin."""
+"""Plugins and scenarios of the core; the plugins register through the same hooks as any other."""

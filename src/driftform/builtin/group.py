@@ -6,8 +6,8 @@ import numpy as np
 
 from driftform.builtin.closest_approach import ClosestApproach
 from driftform.interfaces import Fitness
-from driftform.options import Table, option
 from driftform.types import Agent, FloatArray, Trajectory, Verdict
+from driftform.util.options import Table, option
 from driftform.water import Scenario
 
 HIT = 95.0

@@ -3,8 +3,8 @@
 import numpy as np
 
 from driftform.interfaces import Fitness
-from driftform.options import Table
 from driftform.types import Agent, FloatArray, Trajectory
+from driftform.util.options import Table
 from driftform.water import Scenario
 
 PASSED_BY = 90.0

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from driftform.interfaces import ExportJob, Recorder
-from driftform.options import Table
 from driftform.runs.columns import SAMPLE_COLUMNS, Batch, Column
 from driftform.runs.table_files import check_format, write_csv, write_parquet
 from driftform.types import Trajectory, WrittenFile
 from driftform.util.files import write_whole
+from driftform.util.options import Table
 
 WRENCH_COLUMNS = (
     *(Column(f"force_{axis}", "float", "N", "net force on the body, body frame") for axis in "xyz"),

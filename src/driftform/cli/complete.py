@@ -34,9 +34,9 @@ def complete_setting(incomplete: str) -> list[str]:
     from pydantic import BaseModel
 
     from driftform.interfaces import SEAMS
-    from driftform.options import describe
     from driftform.plugins.registry import registry
     from driftform.study.study import SELECTED, RunOptions
+    from driftform.util.options import describe
     from driftform.water import Scenario
     from driftform.water.flow import FLOWS
 

@@ -43,8 +43,8 @@ def show(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plu
 
     from driftform.cli.output import print_json, print_table
     from driftform.errors import InputError, did_you_mean
-    from driftform.options import describe
     from driftform.plugins.registry import registry
+    from driftform.util.options import describe
 
     installed = registry().contributions()
     rows = [row for row in installed if row.name == name]
@@ -86,8 +86,8 @@ def new(
 
     from driftform.cli.output import print_json
     from driftform.errors import InputError
-    from driftform.scaffold import list_files, list_uses, make_names
-    from driftform.scaffold.installation import list_installation
+    from driftform.plugins.scaffold import list_files, list_uses, make_names
+    from driftform.plugins.scaffold.installation import list_installation
     from driftform.util.files import write_folder, write_text
 
     parts = [make_names(name, one) for one in dict.fromkeys(seam)]

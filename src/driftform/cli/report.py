@@ -29,8 +29,8 @@ def report(
     """
     from driftform.cli.formats import parse_page
     from driftform.cli.output import print_json
-    from driftform.report.page import write_figures, write_report
     from driftform.runs.run import Run
+    from driftform.search.report.page import write_figures, write_report
 
     page = parse_page(style, width_mm)
     if page.is_paper:

@@ -66,7 +66,8 @@ def check(
     """Check a study without running it: list its errors, or show its contents and what no flight can do."""
     from driftform.cli.output import print_json, print_text
     from driftform.errors import escape_controls
-    from driftform.study import NAMED, SELECTED, load_study
+    from driftform.interfaces import NAMED
+    from driftform.study import SELECTED, load_study
     from driftform.util.files import check_directory, write_text
 
     try:

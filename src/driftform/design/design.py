@@ -21,7 +21,7 @@ from driftform.motion.interpolation import resample
 from driftform.motion.limits import list_limits
 from driftform.motion.resampling import check_rate
 from driftform.motion.way import find_offsets, name_outlet
-from driftform.pipeline import Pipeline
+from driftform.pipeline import Pipeline, require_success
 from driftform.plugins.faults import describe_fault
 from driftform.plugins.genome_text import write_genome
 from driftform.plugins.registry import registry
@@ -291,7 +291,7 @@ class Design:
         check_rate(rate_hz)
         trajectory = self.trace()
         written = self.record_files(format, path, rate_hz=rate_hz, trajectory=trajectory)
-        trajectory.require_success(self.name)
+        require_success(trajectory, self.name)
         return [Path(file.path) for file in written]
 
     def record_files(

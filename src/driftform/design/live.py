@@ -7,6 +7,7 @@ import numpy as np
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import Simulator
+from driftform.pipeline import require_success
 from driftform.types import Agent, End, FloatArray, Trajectory
 from driftform.util import rotations
 from driftform.water import Scenario
@@ -84,7 +85,7 @@ class LiveFlight:
         if current is not None:
             scenario, flown = self._meet_current(np.asarray(current, dtype=np.float64))
         found = self._simulator.step(self.agent, scenario, flown, duration)
-        found.require_success(self.name)
+        require_success(found, self.name)
         self.scenario, self.latest = scenario, found
         self.end = None if found.end is End.HORIZON else found.end
         return found

@@ -1,1 +1,1 @@
-"""Plugins: the hooks that they implement, where they are found, and what is checked of what they return."""
+"""Plugins: their hooks, where they are found, checks of what they return, and templates of new ones."""

@@ -14,10 +14,10 @@ from pydantic import ValidationError
 
 from driftform.errors import InputError, WorkFailedError, describe_error, did_you_mean
 from driftform.interfaces import SEAMS, Plugin
-from driftform.options import Table, check_defaults
 from driftform.plugins import hookspecs
 from driftform.plugins.discovery import GROUP, PluginModule, find_modules
 from driftform.plugins.faults import report_faults
+from driftform.util.options import Table, check_defaults
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,7 @@ def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plu
         if not (isinstance(cls.Options, type) and issubclass(cls.Options, interface.Options)):
             raise TypeError(
                 f"Options of {cls.__name__} is {reprlib.repr(cls.Options)}, expected a class that derives from "
-                f"{interface.Options.__name__} of {interface.Options.__module__}"
+                f"{interface.Options.__name__} of driftform.interfaces"
             )
         try:
             check_defaults(cls.Options)

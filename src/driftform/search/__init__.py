@@ -1,4 +1,4 @@
-"""The search: the ask/tell loop, finalists, and where evaluations run."""
+"""The search: the ask/tell loop, finalists, where evaluations run, and the report of a run."""
 
 import lazy_loader
 

@@ -7,9 +7,9 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import Tag, ValidationError
 
 from driftform.errors import did_you_mean
-from driftform.options import Table
 from driftform.study.sources import NOTHING, Source, find_value, join_path, locate_key
 from driftform.study.toml_positions import Path as KeyPath
+from driftform.util.options import Table
 
 
 def format_errors(

@@ -32,7 +32,7 @@ FILES = (("flow", "file"), ("builder", "core"))
 CALIBRATION = "calibration"
 """The table that ``driftform calibrate`` writes."""
 
-SCENARIOS = "driftform.scenarios"
+SCENARIOS = "driftform.builtin.scenarios"
 """The package of the built-in scenario files."""
 
 

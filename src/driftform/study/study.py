@@ -18,8 +18,18 @@ import numpy as np
 from pydantic import ValidationError
 
 from driftform.errors import DriftformError, InputError, did_you_mean
-from driftform.interfaces import SEAMS, Checker, Exporter, Grammar, PrintJob, Recorder, Renderer, SearchSpace, Strategy
-from driftform.options import MAX_SEED, Table, option
+from driftform.interfaces import (
+    NAMED,
+    SEAMS,
+    Checker,
+    Exporter,
+    Grammar,
+    PrintJob,
+    Recorder,
+    Renderer,
+    SearchSpace,
+    Strategy,
+)
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
 from driftform.plugins.registry import Contribution, registry
@@ -37,6 +47,7 @@ from driftform.study.sources import (
 )
 from driftform.study.toml_positions import find_key_lines
 from driftform.types import Finding, Genome, State
+from driftform.util.options import MAX_SEED, Table, option
 from driftform.water import Scenario
 from driftform.water.flow import GridFlow
 
@@ -44,9 +55,6 @@ _log = logging.getLogger(__name__)
 
 DEFAULT = "pipe-inspection"
 """The default scenario."""
-
-NAMED = ("exporter", "recorder", "renderer", "checker")
-"""The seams whose plugins a command selects by name: a study contains only their options."""
 
 NOT_FLOWN = ("strategy", "run")
 """The tables that do not decide how an agent is built and flies."""

@@ -4,8 +4,8 @@ import numpy as np
 
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import Grammar
-from driftform.options import Table
 from driftform.types import Genome, Module, Morphology
+from driftform.util.options import Table
 
 TILTS = {"a": 0.2, "b": 0.0, "c": -0.2}
 """Tilt (rad) of the module that each letter encodes."""

@@ -8,13 +8,13 @@ import pytest
 
 from driftform.interfaces import Grammar, SearchSpace, Strategy
 from driftform.motion.way import approach_targets, farthest_distances
-from driftform.options import Table
 from driftform.plugins.seams import require_candidates
 from driftform.testing.agents import straight_pipe
 from driftform.testing.contract import Contract
 from driftform.testing.fitness import straight_trajectory
 from driftform.testing.letters import LetterGrammar
 from driftform.types import Candidate, Evaluation, FloatArray, Genome, Trajectory
+from driftform.util.options import Table
 from driftform.water import Scenario
 
 Score = Callable[[Candidate], FloatArray]

@@ -1,4 +1,4 @@
-"""Files, progress, notebooks and compilation; independent of agents and flows."""
+"""Files, options, progress, notebooks and compilation; independent of agents and flows."""
 
 import lazy_loader
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any, ClassVar, TypeAlias
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from driftform.options import Table, option
 from driftform.types import Body, Coefficients, FloatArray
+from driftform.util.options import Table, option
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Tag, model_validator
 
-from driftform.options import MAX_SEED, Table, option
-from driftform.validity import RANGES
+from driftform.util.options import MAX_SEED, Table, option
 from driftform.water.pipe import Vector
+from driftform.water.validity import RANGES
 
 
 class UniformFlow(Table):

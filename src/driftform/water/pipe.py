@@ -6,9 +6,9 @@ from typing import Annotated, Any, TypeAlias
 import numpy as np
 from pydantic import Field, model_validator
 
-from driftform.options import Table, describe, option
 from driftform.types import FloatArray
 from driftform.util.latest import keep_latest
+from driftform.util.options import Table, describe, option
 from driftform.water.parts.layout import Layout, lay_out
 from driftform.water.parts.tables import PARTS, PartTable, StraightPart
 

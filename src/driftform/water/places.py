@@ -7,8 +7,8 @@ import numpy as np
 from pydantic import ValidationError, model_validator
 
 from driftform.errors import did_you_mean
-from driftform.options import Table, option
 from driftform.types import FloatArray
+from driftform.util.options import Table, option
 from driftform.water.parts.layout import Layout
 from driftform.water.parts.shapes import Axis, exact_cosine, exact_sine, upright_axes
 

@@ -8,9 +8,9 @@ import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationError, model_validator
 
 from driftform.errors import did_you_mean
-from driftform.options import Table, describe, find_table, option
 from driftform.types import Body, FloatArray, MassProperties, Trajectory
 from driftform.util.latest import keep_latest
+from driftform.util.options import Table, describe, find_table, option
 from driftform.util.vectors import cross
 from driftform.water.factors import Calibration
 from driftform.water.flow import (

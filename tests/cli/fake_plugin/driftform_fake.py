@@ -24,8 +24,9 @@ from driftform.interfaces import (
     Renderer,
     Simulator,
     Strategy,
+    Table,
+    option,
 )
-from driftform.options import Table, option
 from driftform.testing.letters import LetterGrammar
 from driftform.types import (
     Body,

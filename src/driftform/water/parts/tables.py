@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
-from driftform.options import Table, option
+from driftform.util.options import Table, option
 
 
 def _check_name(name: str) -> str:

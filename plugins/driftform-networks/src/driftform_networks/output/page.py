@@ -26,7 +26,7 @@ def report_html(title: str, text: Sequence[str | TextTable], figures: Sequence[t
         "page.html",
         title=title,
         script=files("driftform_networks.output").joinpath("zoom.js").read_text(encoding="utf-8"),
-        style=files("driftform.report").joinpath("page.css").read_text(encoding="utf-8"),
+        style=files("driftform.search.report").joinpath("page.css").read_text(encoding="utf-8"),
         lead=[part for part in text if isinstance(part, str)],
         tables=[part for part in text if not isinstance(part, str)],
         figures=figures,

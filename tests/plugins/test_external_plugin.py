@@ -51,7 +51,7 @@ def driftform_strategy():
 import numpy as np
 
 from driftform.interfaces import Fitness, Strategy
-from driftform.options import Table, option
+from driftform.interfaces import Table, option
 from driftform.types import Candidate
 
 

@@ -16,9 +16,8 @@ from typing import Any
 
 from driftform import __version__, interfaces
 from driftform.errors import InputError, did_you_mean
-from driftform.interfaces import SEAMS
+from driftform.interfaces import NAMED, SEAMS
 from driftform.plugins.registry import registry
-from driftform.study import NAMED
 
 KINDS = (*SEAMS, "commands", "scenarios")
 """What a new distribution can bring: a plugin of a seam, commands, or scenarios."""

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from driftform.options import Table, describe, option
+from driftform.util.options import Table, describe, option
 
 
 def test_types_are_written_as_people_write_them_and_a_default_that_is_missing_is_told() -> None:

@@ -15,10 +15,10 @@ from driftform.figures.files import write_picture
 from driftform.figures.flight import flight_svg
 from driftform.figures.section import section_svg
 from driftform.motion.limits import list_limits
-from driftform.report.contents import Contents, collect_contents
-from driftform.report.kinds import count_kinds, name_kind
 from driftform.runs.run import Run
 from driftform.runs.wording import describe_worth, explain_columns, is_promised, list_cells, list_headings, summarise
+from driftform.search.report.contents import Contents, collect_contents
+from driftform.search.report.kinds import count_kinds, name_kind
 from driftform.util.files import make_directory, write_text
 from driftform.water.regime import warn_of_regime
 
@@ -130,7 +130,7 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
 
 
 def _read(name: str) -> str:
-    return files("driftform.report").joinpath(name).read_text(encoding="utf-8")
+    return files("driftform.search.report").joinpath(name).read_text(encoding="utf-8")
 
 
 def _list_numbers(contents: Contents) -> dict[str, str]:

@@ -17,7 +17,7 @@ import pytest
 
 from driftform.cli import plugins
 from driftform.interfaces import SEAMS
-from driftform.scaffold import KINDS, list_files, make_names
+from driftform.plugins.scaffold import KINDS, list_files, make_names
 
 Call = Callable[..., Any]
 
@@ -82,7 +82,7 @@ def outcomes(installed: Path) -> dict[str, list[str]]:
 
 
 def test_every_seam_commands_and_scenarios_have_a_scaffold() -> None:
-    folders = (ROOT / "src" / "driftform" / "scaffold").glob("*/about.toml")
+    folders = (ROOT / "src" / "driftform" / "plugins" / "scaffold").glob("*/about.toml")
     assert {file.parent.name for file in folders} == set(KINDS)
 
 
@@ -96,7 +96,7 @@ def test_each_is_found_with_its_options_and_its_study_selects_it(installed: Path
     code = """if True:
     import json, sys
     from driftform.interfaces import SEAMS
-    from driftform.options import describe
+    from driftform.util.options import describe
     from driftform.plugins.registry import registry
     from driftform.study import load_study
     for seam in SEAMS:
