@@ -35,8 +35,7 @@ def test_stdout_is_one_json_document_with_the_fields_of_the_contract(finished_ru
         assert all((directory.parent / path).is_file() for path in best["files"])
 
 
-def test_off_a_terminal_progress_is_a_plain_line_on_stderr_for_each_generation(finished_run: Finished) -> None:
-    # Two populations of ten make one generation of twenty.
+def test_off_a_terminal_progress_is_a_plain_line_on_stderr(finished_run: Finished) -> None:
     lines = finished_run[1].stderr.splitlines()
     if lines[0].startswith("compiling"):
         lines = lines[1:]
@@ -130,15 +129,6 @@ def test_a_seed_that_was_drawn_is_recorded(call: Callable[..., Any], fakes: None
         environment = json.loads((Path(document["run"]) / "environment.json").read_text())
         assert environment["seed"] == document["seed"]
     assert documents[0]["seed"] != documents[1]["seed"]
-
-
-def test_one_generation_after_the_other_is_reported(call: Callable[..., Any], fakes: None) -> None:
-    result = call(
-        *("evolve", "paper", "--target", "TP1", "--evaluations", 25, "--seed", 1, "--workers", 1),
-        *("--simulator", "fake", "--out", "run"),
-    )
-    states = [line.partition(": ")[2].split()[0] for line in result.stderr.splitlines()]
-    assert [state for state in states if state in {"10/25", "20/25", "25/25"}] == ["10/25", "20/25", "25/25"]
 
 
 def test_a_format_that_cannot_hold_an_agent_is_told_at_the_end_and_keeps_nothing_else_back(

@@ -2,22 +2,45 @@
 
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+import typer
 
 import driftform
+from driftform.cli.app import app
+from driftform.cli.help import DESIGN, FILES, NETWORKS, WORKSHOP
 
 Call = Callable[..., Any]
 
 
-def test_help_and_version(call: Call) -> None:
+def every_command(group: Any, words: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """The words of all commands, and of their groups."""
+    yield words
+    for name, command in {**group.commands, **group.list_added()}.items():
+        if hasattr(command, "commands"):
+            yield from every_command(command, (*words, name))
+        else:
+            yield (*words, name)
+
+
+def test_version_and_a_usage_line_without_braces_for_every_command(call: Call) -> None:
     assert call("--version").stdout == f"driftform {driftform.__version__}\n"
-    for args in ((), ("evolve",), ("plugins", "show")):
-        assert "Usage" in call(*args, "--help").stdout
     assert "Usage" in call().output
+    commands = list(every_command(typer.main.get_group(app)))
+    assert {("evolve",), ("plugins", "show"), ("network", "plan"), ("calibrate",)} <= set(commands)
+    for words in commands:
+        usage = call(*words, "--help").stdout.splitlines()[0]
+        assert usage.startswith(" ".join(("Usage: driftform", *words, "[OPTIONS]"))), usage
+        assert not set(usage) & set("{}"), usage
+    assert call("calibrate", "--help").stdout.startswith("Usage: driftform calibrate [OPTIONS] AGENT TRACK...\n")
+
+
+def test_commands_are_listed_in_four_groups(call: Call) -> None:
+    titles = [line for line in call("--help").stdout.splitlines() if line and line[0] not in " -"][1:]
+    assert titles == ["Options:", *(f"{title}:" for title in (DESIGN, FILES, NETWORKS, WORKSHOP))]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="closes a POSIX pipe")

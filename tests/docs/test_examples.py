@@ -18,7 +18,6 @@ from driftform.cli.app import app
 from driftform.study import load_study
 
 ROOT = Path(__file__).parents[2]
-PARTS = Path(__file__).with_name("cli_parts.md")
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
 
@@ -222,13 +221,13 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return found
 
 
-def documented() -> dict[str, list[str]]:
-    """The paths of JSON fields that cli_parts.md tells of, by command."""
+def documented(page: str) -> dict[str, list[str]]:
+    """The paths of JSON fields that cli.md describes, by command."""
     found: dict[str, list[str]] = {}
     name, table = "", False
-    for line in PARTS.read_text(encoding="utf-8").splitlines():
-        if line.startswith("<!-- part: "):
-            name = line.removeprefix("<!-- part: ").removesuffix(" -->")
+    for line in page.splitlines():
+        if line.startswith("<!-- generated: "):
+            name = line.removeprefix("<!-- generated: ").removesuffix(" -->")
         table = line.startswith("|") and (table or line.startswith("| JSON field"))
         if table and line.startswith("| `"):
             found.setdefault(name, []).extend(re.findall("`([^`]+)`", line.split("|")[1]))
@@ -247,8 +246,8 @@ def follow(document: Any, path: str) -> Any:
 
 
 @pytest.mark.long
-def test_json_fields_are_as_told(outputs: dict[str, Any]) -> None:
-    told = documented()
+def test_json_fields_are_as_told(outputs: dict[str, Any], pages: dict[str, str]) -> None:
+    told = documented(pages["cli.md"])
     told["resume"] = told["evolve"]
     for name, document in outputs.items():
         top = {path.partition(".")[0].removesuffix("[]") for path in told[name]}
@@ -258,8 +257,8 @@ def test_json_fields_are_as_told(outputs: dict[str, Any]) -> None:
 
 
 @pytest.mark.long
-def test_no_field_of_a_list_is_left_out(outputs: dict[str, Any]) -> None:
-    told = documented()
+def test_no_field_of_a_list_is_left_out(outputs: dict[str, Any], pages: dict[str, str]) -> None:
+    told = documented(pages["cli.md"])
     for name, key in (("plugins list", "plugins"), ("plugins show", "plugins"), ("scenarios list", "scenarios")):
         fields = {path.split(".")[1].removesuffix("[]") for path in told[name]}
         assert set(outputs[name][key][0]) == fields, name

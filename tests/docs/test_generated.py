@@ -32,7 +32,6 @@ from driftform.water.validity import RANGES
 Check = Callable[[Path, str], None]
 
 ROOT = Path(__file__).parents[2]
-PARTS = Path(__file__).with_name("cli_parts.md")
 
 
 # Values of a model, in words.
@@ -150,37 +149,21 @@ def command_section(path: tuple[str, ...], command: Any) -> list[str]:
     return lines
 
 
-def parts() -> dict[str, str]:
-    """The hand-written parts of cli.md: the beginning, ``intro``, and one for each command by its name."""
-    pieces = re.split(r"^<!-- part: (.+?) -->\n", PARTS.read_text(encoding="utf-8"), flags=re.MULTILINE)
-    return {name: text.strip() for name, text in zip(pieces[1::2], pieces[2::2], strict=True)}
-
-
-def cli_page() -> str:
-    written = parts()
-    lines = [written["intro"], ""]
+def cli_page(text: str) -> str:
+    """The page with the generated part of each command made anew; what is written by hand follows each of them."""
     for path, command in commands(typer.main.get_command(app)):
-        if not path:
-            continue
-        lines += command_section(path, command)
-        if text := written.get(" ".join(path)):
-            lines += [text, ""]
-    return "\n".join(lines).rstrip() + "\n"
+        if path:
+            text = with_generated(text, " ".join(path), command_section(path, command)[:-1])
+    return text
 
 
 @pytest.mark.peers
 def test_cli_page(docs: Path, up_to_date: Check) -> None:
-    up_to_date(docs / "cli.md", cli_page())
-
-
-@pytest.mark.peers
-def test_every_command_has_a_written_part_and_every_part_a_command() -> None:
-    root = typer.main.get_command(app)
-    leaves = {" ".join(path) for path, command in commands(root) if path and not hasattr(command, "commands")}
-    every = {" ".join(path) for path, _ in commands(root) if path}
-    written = set(parts()) - {"intro"}
-    assert leaves <= written, f"describe the JSON of {sorted(leaves - written)} in tests/docs/{PARTS.name}"
-    assert written <= every, f"tests/docs/{PARTS.name} describes commands that are not: {sorted(written - every)}"
+    page = docs / "cli.md"
+    text = page.read_text(encoding="utf-8")
+    up_to_date(page, cli_page(text))
+    every = [" ".join(path) for path, _ in commands(typer.main.get_command(app)) if path]
+    assert re.findall("<!-- generated: (.+) -->", text) == every
 
 
 def test_every_command_and_option_has_help() -> None:

@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[2]
 
 LIMIT = 40_000
 LIMITS = {"dataflow.md": 1800, "validation.md": 2000, "study-files.md": 1200, "printing.md": 2000}
-# Pages that are made from the program. What is written by hand for cli.md is in tests/docs/cli_parts.md.
+# Pages that are made from the program; cli.md, the reference of all commands, is so for the most part.
 GENERATED = ("cli.md", "examples.md", "plugins", "study-keys.md")
 
 _GENERATED = re.compile(r"<!-- generated: .*?-->.*?<!-- end -->", re.DOTALL)

@@ -1,10 +1,13 @@
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from driftform.figures import svg
 from driftform.figures.layout import (
     MINUS,
     Box,
+    fit_title,
     floor_to_nice_number,
     format_signed,
     place_labels,
@@ -49,6 +52,22 @@ def test_shortened_text_fits_and_says_that_it_was_cut():
     assert short.endswith("…")
     assert text_width(short, 12) <= 200
     assert shorten("short", 12, 200) == "short"
+
+
+@settings(deadline=None)
+@given(st.text(st.characters(codec="utf-8"), max_size=300), st.floats(12, 20), st.floats(200, 900))
+def test_a_title_fits_on_two_lines_and_is_never_cut_within_a_word_that_fits(title, size, width):
+    smaller, lines = fit_title(title, size, width)
+    assert 0.6 * size - 1 < smaller <= size and 1 <= len(lines) <= 2
+    assert all(text_width(line, smaller, bold=True) <= width for line in lines)
+    assert "".join(title.split()).startswith("".join(lines).replace(" ", ""))
+    assert "…" in title or "…" not in "".join(lines)
+
+
+def test_a_title_of_a_scenario_is_whole():
+    title = "Ten targets in 9 m of a water main of 2 m, in water and with walls as they are"
+    for words in (title, f"{title}: {title}"):
+        assert " ".join(fit_title(words, 20, 856)[1]) == words
 
 
 def overlap_area(one: Box, other: Box) -> float:

@@ -27,16 +27,18 @@ from driftform.cli import (
     simulate,
     watch,
 )
-from driftform.cli.help import Command, Group, UsageError
+from driftform.cli.help import DESIGN, FILES, Command, Group, UsageError
 from driftform.errors import DriftformError, escape_controls
 from driftform.util.progress import show_progress
 
 
 class Commands(Group):
-    """Turns what went wrong with the user's input or work into a line on stderr and an exit code.
+    """The commands of driftform. An error of the input or of the work becomes a line on stderr and an exit code.
 
     0 done, 1 the work failed, 2 the input is wrong, 130 interrupted.
     """
+
+    default_panel = FILES
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command of the core, or one that a plugin adds under a name."""
@@ -86,7 +88,7 @@ def _one_line_for_each_error() -> Iterator[None]:
         print("interrupted", file=sys.stderr)
         raise typer.Exit(130) from None
     except BrokenPipeError:
-        # Whoever read our output has seen enough; what is left in the buffer must not fail once more at the end.
+        # The reader has closed the pipe; the rest of the buffer must not fail once more at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(1) from None
     except OSError as error:
@@ -134,13 +136,13 @@ def _print_version(wanted: bool) -> None:
 def _options(
     ctx: typer.Context,
     version: Annotated[
-        bool, typer.Option("--version", help="Print the version and end.", is_eager=True, callback=_print_version)
+        bool, typer.Option("--version", help="Print the version and exit.", is_eager=True, callback=_print_version)
     ] = False,
     quiet: Annotated[
-        bool, typer.Option("--quiet", "-q", help="Show no progress: results, warnings and errors alone.")
+        bool, typer.Option("--quiet", "-q", help="Show no progress, only results, warnings and errors.")
     ] = False,
     verbose: Annotated[
-        int, typer.Option("--verbose", "-v", count=True, show_default=False, help="Log what is done; -vv in detail.")
+        int, typer.Option("--verbose", "-v", count=True, show_default=False, help="Log each step; -vv in detail.")
     ] = 0,
 ) -> None:
     if quiet:
@@ -156,17 +158,18 @@ def _options(
         ctx.call_on_close(lambda: logger.removeHandler(handler))
 
 
-command = partial(app.command, cls=Command)
-command("evolve")(evolve.evolve)
-command("resume")(resume.resume)
-command("watch")(watch.watch)
-command("export-data")(export_data.export_data)
-command("report")(report.report)
-command("sample")(sample.sample)
-command("simulate")(simulate.simulate)
-command("inspect")(inspect.inspect)
-command("pick", context_settings=pick.NUMBERS)(pick.pick)
-command("export")(export.export)
-command("export-flight")(export_flight.export_flight)
-app.add_typer(plugins.app, name="plugins")
-app.add_typer(scenarios.app, name="scenarios")
+design = partial(app.command, cls=Command, rich_help_panel=DESIGN)
+files = partial(app.command, cls=Command, rich_help_panel=FILES)
+design("evolve")(evolve.evolve)
+design("resume")(resume.resume)
+design("watch")(watch.watch)
+design("report")(report.report)
+design("simulate")(simulate.simulate)
+design("inspect")(inspect.inspect)
+design("pick", context_settings=pick.NUMBERS)(pick.pick)
+design("sample")(sample.sample)
+files("export")(export.export)
+files("export-flight")(export_flight.export_flight)
+files("export-data")(export_data.export_data)
+app.add_typer(plugins.app, name="plugins", rich_help_panel=FILES)
+app.add_typer(scenarios.app, name="scenarios", rich_help_panel=DESIGN)

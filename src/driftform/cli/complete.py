@@ -12,7 +12,7 @@ def complete_study(incomplete: str) -> list[str]:
 
 
 def complete_run(incomplete: str) -> list[str]:
-    """Complete a directory, with a slash behind it if it is not a run."""
+    """Complete a directory, with a slash after it if it is not a run."""
     parent = Path(incomplete if incomplete.endswith("/") else Path(incomplete).parent)
     folders = [path for path in (*parent.glob("*"), *Path().glob("runs/*")) if path.is_dir()]
     return _begin_with(incomplete, (f"{p}" if (p / "run.db").is_file() else f"{p}/" for p in folders))
@@ -30,7 +30,7 @@ def complete_plugin(seam: str) -> Callable[[str], list[str]]:
 
 
 def complete_setting(incomplete: str) -> list[str]:
-    """Complete a key of a study, with the equals sign behind it."""
+    """Complete a key of a study, with the equals sign after it."""
     from pydantic import BaseModel
 
     from driftform.interfaces import SEAMS

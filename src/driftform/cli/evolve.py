@@ -9,7 +9,6 @@ from driftform.cli.options import (
     ExecutorName,
     Hydrodynamics,
     Json,
-    OutDirectory,
     Robust,
     Scheduler,
     Settings,
@@ -22,20 +21,23 @@ from driftform.cli.options import (
 
 def evolve(
     study: StudyName = "pipe-inspection",
-    target: Annotated[list[str] | None, typer.Option(metavar="NAME", help="Keep only this target; repeatable.")] = None,
+    target: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Search for this target only; repeatable.")
+    ] = None,
     strategy: StrategyName = None,
     evaluations: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Total budget of flights; by default 50 for each target.")
+        int | None, typer.Option(metavar="N", min=1, help="Total number of flights; by default 50 per target.")
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(metavar="N", min=0, help="Seed of all randomness; drawn and recorded by default.")
+        int | None,
+        typer.Option(metavar="N", min=0, help="Seed of the random numbers; by default random, and recorded."),
     ] = None,
     robust: Robust = None,
     within: Annotated[
         float | None,
         typer.Option(
             metavar="M",
-            help="How near a flight must pass a target to hit it, m; 5 % of the farthest distance by default.",
+            help="Largest miss of a flight that counts as a hit, m; by default 5 % of the largest possible miss.",
         ),
     ] = None,
     workers: Workers = None,
@@ -47,22 +49,24 @@ def evolve(
         str | None,
         typer.Option(
             metavar="FILE",
-            help="What filmed flights have shown of the model: a calibration.toml of 'driftform calibrate'.",
+            help="Corrections of the model by filmed flights: the calibration.toml of 'driftform calibrate'.",
         ),
     ] = None,
-    out: OutDirectory = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Directory of the run; by default runs/STUDY-N.")
+    ] = None,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
     """Evolve agents for every target of a scenario.
 
     Writes a run directory: the study, every evaluation, and the best agent of each target with its mesh. The same
-    seed gives the same result, whatever the workers and wherever they are. An interrupted or killed run continues
+    seed gives the same result with any number of workers on any executor. An interrupted or killed run continues
     with 'driftform resume'.
 
-    The best agents of the search are flown again under disturbed conditions. The one that is chosen for a target is
-    then flown under fresh conditions, which show how many flights hit the target, and the miss that 9 of 10 stay within:
-    as it comes from the printer, weighed and trimmed, and beside it a body that does nothing. --robust 0 leaves this out.
+    The best agents of the search are flown again under disturbed conditions. The agent that is chosen for a target is
+    then flown under new disturbed conditions: the result is the share of flights that hit the target, and the miss that
+    9 of 10 flights stay within, as printed, weighed and trimmed, and for a passive baseline. --robust 0 omits this.
     """
     from driftform.study import load_study
 
@@ -76,7 +80,7 @@ def evolve(
         run={"seed": seed, "evaluations": evaluations},
         calibration=calibration,
     )
-    # What runs a study takes a second to import. A wrong study is refused before, and its workers import meanwhile.
+    # The modules that run a study take a second to import. A wrong study is refused before, and workers import meanwhile.
     from driftform.search.executors import open_executor
 
     with open_executor(checked, executor, scheduler, workers) as place:

@@ -13,16 +13,18 @@ ANY_AGENT = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 
 def export(
     agent: Annotated[str | None, typer.Argument(metavar="AGENT", help=AGENT_HELP)] = None,
-    format: Annotated[str, typer.Option(metavar="NAME[,NAME...]", help="Formats, see 'driftform plugins'.")] = "stl",
+    format: Annotated[
+        str, typer.Option(metavar="NAME[,NAME...]", help="Exporters, as 'driftform plugins' lists them.")
+    ] = "stl",
     out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for the files.")] = Path("parts"),
     kit: Annotated[
-        bool, typer.Option("--kit", help="Cut the hull into parts that take the core and are joined again.")
+        bool, typer.Option("--kit", help="Cut the hull into parts that hold the core and are joined after printing.")
     ] = False,
     coupon: Annotated[
         bool,
         typer.Option(
             "--coupon",
-            help="Write the fit coupon in place of an agent, which shows the clearance of joints that suits a printer.",
+            help="Write a fit coupon instead of an agent: a print of it shows which clearance of joints suits the printer.",
         ),
     ] = False,
     bed: Bed = None,
@@ -30,7 +32,7 @@ def export(
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Write an agent's hull as files for printers and other programs; older files of the same name are replaced."""
+    """Write the hull of an agent as files for printers and other programs; older files of the same name are replaced."""
     from driftform.cli.formats import open_exported, parse_formats
     from driftform.cli.output import print_json
     from driftform.errors import InputError

@@ -10,18 +10,20 @@ from driftform.cli.options import Json, RunArgument
 
 def export_data(
     run: RunArgument,
-    format: Annotated[str, typer.Option(metavar="NAME", help="csv, or parquet (needs pyarrow).")] = "csv",
+    format: Annotated[
+        str, typer.Option(metavar="NAME", help="Format of the tables: csv, or parquet (needs pyarrow).")
+    ] = "csv",
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="New directory for the files; by default RUN/data.")
     ] = None,
     trajectories: Annotated[
-        bool, typer.Option("--trajectories", help="Write the samples of all flights too, hundreds for each.")
+        bool, typer.Option("--trajectories", help="Write the samples of all flights too, hundreds per flight.")
     ] = False,
     json: Json = False,
 ) -> None:
-    """Write a run as tables for pandas, polars and others: one row for each evaluation.
+    """Write a run as tables for pandas, polars and others: one row per evaluation.
 
-    The run need not be finished: what is stored when the command begins is written.
+    The run need not be finished: the tables hold what is stored when the command begins.
     """
     from driftform.cli.output import print_json
     from driftform.runs.run import Run

@@ -5,21 +5,21 @@ from typing import Annotated
 
 import typer
 
-from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings, Simulator
+from driftform.cli.options import Agent, FlightDirectory, Hydrodynamics, Json, ScenarioOption, Settings, Simulator
 
 
 def export_flight(
     agent: Agent,
-    format: Annotated[str, typer.Option(metavar="NAME[,NAME...]", help="Recorders, see 'driftform plugins'.")] = "csv",
+    format: Annotated[
+        str, typer.Option(metavar="NAME[,NAME...]", help="Recorders, as 'driftform plugins' lists them.")
+    ] = "csv",
     scenario: ScenarioOption = None,
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
     rate_hz: Annotated[
-        float, typer.Option(metavar="HZ", help="Samples for each second of the flight; 0 for those of the simulator.")
+        float, typer.Option(metavar="HZ", help="Samples per second of flight; 0 for the simulator's own samples.")
     ] = 100.0,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default flights/AGENT.")
-    ] = None,
+    out: FlightDirectory = None,
     settings: Settings = None,
     json: Json = False,
 ) -> None:

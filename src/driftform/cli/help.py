@@ -1,5 +1,6 @@
 """Help pages: plain text, which appears at once, with the whole first sentence of each command."""
 
+import re
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from typing import Any
@@ -11,21 +12,34 @@ from driftform.cli.options import Json
 from driftform.cli.output import reserve_stdout
 
 UsageError: Any = BadParameter.__mro__[1]
-"""The base of what click says of options and arguments: newer typers bring a click of their own, without a name."""
+"""Base class of click's errors about options and arguments: newer typers have a private copy of click."""
 
-_LONGEST = 1000
+DESIGN, FILES, NETWORKS, WORKSHOP = "Design", "Files, programs and plugins", "Water networks", "Workshop"
+"""Groups of commands in ``driftform --help``; a command states its own by ``rich_help_panel``, as typer calls it."""
+
+_MAX_SENTENCE = 1000
 """Characters after which a command's first sentence would be cut."""
 
 
 class Group(TyperGroup):
     """A group that lists its commands with their whole first sentences."""
 
+    default_panel = "Commands"
+    """Group of commands that state none."""
+
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the name of each command and its first sentence."""
+        """Write the name of each command and its first sentence, in the groups that commands state."""
+        groups: dict[str, list[tuple[str, str]]] = {}
         commands = {**self.commands, **self.list_added()}
-        rows = [(name, command.get_short_help_str(_LONGEST)) for name, command in commands.items()]
-        with formatter.section("Commands"):
-            formatter.write_dl(rows)
+        for name, command in commands.items():
+            panel = getattr(command, "rich_help_panel", None)
+            title = panel if isinstance(panel, str) else self.default_panel
+            groups.setdefault(title, []).append((name, command.get_short_help_str(_MAX_SENTENCE)))
+        first = (DESIGN, FILES, NETWORKS, WORKSHOP)
+        width = max(map(len, commands))
+        for title in sorted(groups, key=lambda title: first.index(title) if title in first else len(first)):
+            with formatter.section(title):
+                formatter.write_dl([(f"{name:{width}}", text) for name, text in groups[title]])
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of all commands, for the completion of a shell."""
@@ -65,7 +79,7 @@ class Command(TyperCommand):
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """Return the words of the usage line."""
-        return [piece.strip("{}") for piece in super().collect_usage_pieces(ctx)]
+        return [re.sub(r"[{}]", "", piece) for piece in super().collect_usage_pieces(ctx)]
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write arguments and options, each with its help."""

@@ -16,14 +16,14 @@ def inspect(
     hydrodynamics: Hydrodynamics = None,
     settings: Settings = None,
     compare: Annotated[
-        bool, typer.Option("--compare", help="Show the added mass by all installed hydrodynamics models side by side.")
+        bool, typer.Option("--compare", help="Compare the added mass by all installed hydrodynamic models.")
     ] = False,
     block: Annotated[
         str | None,
         typer.Option(
             metavar="FORMAT",
-            help="Print only added mass, damping and buoyancy as a format has them, such as sdf, uuv, urdf and fossen, "
-            "to paste into another model.",
+            help="Print only added mass, damping and buoyancy in a format such as sdf, uuv, urdf or fossen, to paste "
+            "into another model.",
         ),
     ] = None,
     json: Json = False,
@@ -57,7 +57,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
     weight = "floats" if net > 0 else "sinks" if net < 0 else "hovers"
     modules = facts["modules"]
     aft = sum(m["side"] == "aft" for m in modules)
-    # A body of one's own has neither modules nor a core.
+    # An own body has neither modules nor a core.
     origin, parts = "volume's", []
     if modules or facts["core_mass"] > 0:
         origin, parts = "core's", ["hull", "core", *(["ballast"] if facts["ballast_mass"] else [])]

@@ -14,7 +14,7 @@ def _name(metavar: str, help: str, complete: Callable[[str], list[str]]) -> Any:
 
 
 AGENT_HELP = (
-    "An agent.json, RUN:TARGET (the best of a run for a target), or a word such as "
+    "An agent.json, RUN:TARGET (best agent of a run for a target), or a genome such as "
     '"addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB".'
 )
 """How an agent is named in a command."""
@@ -23,7 +23,7 @@ Agent: TypeAlias = Annotated[str, typer.Argument(metavar="AGENT", help=AGENT_HEL
 RunArgument: TypeAlias = Annotated[
     Path, typer.Argument(metavar="RUN", help="A run directory.", autocompletion=complete_run)
 ]
-Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document, and nothing else, on stdout.")]
+Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print only one JSON document on stdout.")]
 Settings: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
@@ -34,7 +34,7 @@ Settings: TypeAlias = Annotated[
     ),
 ]
 ScenarioOption: TypeAlias = Annotated[
-    str | None, _name("NAME|FILE", help="Scenario to fly in, in place of the agent's own.", complete=complete_study)
+    str | None, _name("NAME|FILE", help="Scenario of the flight; by default the agent's own.", complete=complete_study)
 ]
 Simulator: TypeAlias = Annotated[
     str | None, _name("NAME", help="Simulator to use.", complete=complete_plugin("simulator"))
@@ -52,38 +52,37 @@ StudyName: TypeAlias = Annotated[
     ),
 ]
 Bed: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="X,Y,Z", help="Largest part that the printer can make, mm; longer ones are cut.")
+    str | None, typer.Option(metavar="X,Y,Z", help="Largest part that the printer can make, mm; larger hulls are cut.")
 ]
 ExporterOptions: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
         metavar="KEY=VALUE|FILE",
-        help="Set an option of every format at once, such as joint=rabbet, or those that a file such as printer.toml has; "
+        help="Set an option of all formats, such as joint=rabbet, or all options in a file such as printer.toml; "
         "repeatable.",
     ),
 ]
 Film: TypeAlias = Annotated[
     Path | None,
     typer.Option(
-        metavar="FILE", help="Film of the flight to make; its suffix, such as .mp4 or .gif, decides the format."
+        metavar="FILE", help="File for a film of the flight; its suffix, such as .mp4 or .gif, sets the format."
     ),
 ]
 Still: TypeAlias = Annotated[
     Path | None,
     typer.Option(
-        metavar="FILE",
-        help="Picture of the flight to make, as a film has it; its suffix, such as .png, decides the format.",
+        metavar="FILE", help="File for a picture of the flight in 3D; its suffix, such as .png, sets the format."
     ),
 ]
 StillAt: TypeAlias = Annotated[
     float | None,
     typer.Option(
         metavar="SECONDS",
-        help="Moment of the still, from the release; by default that of the closest approach to any target.",
+        help="Time of the still after the release, s; by default that of the closest approach to any target.",
     ),
 ]
 Renderer: TypeAlias = Annotated[
-    str, _name("NAME", help="Renderer to make the film or the still.", complete=complete_plugin("renderer"))
+    str, _name("NAME", help="Renderer of the film and the still.", complete=complete_plugin("renderer"))
 ]
 Robust: TypeAlias = Annotated[
     int | None,
@@ -91,26 +90,26 @@ Robust: TypeAlias = Annotated[
         metavar="N",
         min=0,
         max=10_000,
-        help="Number of flights under disturbed conditions; [robustness] in the scenario says what varies.",
+        help="Number of flights under disturbed conditions, which [robustness] of the study defines.",
     ),
 ]
 Style: TypeAlias = Annotated[
     str,
     typer.Option(
         metavar="screen|paper",
-        help="Look of pictures: with titles, or as figures of a paper, as SVG and PDF, text of 8 pt.",
+        help="Style of pictures: screen has titles; paper is for publications, SVG and PDF with text of 8 pt.",
     ),
 ]
 WidthMm: TypeAlias = Annotated[
     float | None,
-    typer.Option(metavar="MM", min=60, max=300, help="Width of figures of --style paper; by default 180 mm."),
+    typer.Option(metavar="MM", min=60, max=300, help="Width of figures with --style paper, mm; by default 180."),
 ]
 MAX_WORKERS = 1024
-"""Most worker processes that one machine starts."""
+"""Largest number of worker processes on one machine."""
 
 Workers: TypeAlias = Annotated[
     int | None,
-    typer.Option(metavar="N", min=1, max=MAX_WORKERS, help="Worker processes; by default one for each processor."),
+    typer.Option(metavar="N", min=1, max=MAX_WORKERS, help="Number of worker processes; by default one per processor."),
 ]
 ExecutorName: TypeAlias = Annotated[
     str | None,
@@ -123,9 +122,9 @@ Scheduler: TypeAlias = Annotated[
     str | None,
     typer.Option(
         metavar="ADDRESS",
-        help="Dask scheduler to join, such as tcp://host:8786; without it a cluster is started on this machine.",
+        help="Scheduler for --executor dask, such as tcp://host:8786; by default a cluster starts on this machine.",
     ),
 ]
-OutDirectory: TypeAlias = Annotated[
-    Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default runs/STUDY-N, or flights/AGENT.")
+FlightDirectory: TypeAlias = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default flights/AGENT.")
 ]

@@ -13,14 +13,14 @@ NUMBERS = {"ignore_unknown_options": True}
 
 def pick(
     run: RunArgument,
-    x: Annotated[float | None, typer.Argument(metavar="X", help="World coordinates of the point, m.")] = None,
-    y: Annotated[float | None, typer.Argument(metavar="Y", help="Its second coordinate.")] = None,
-    z: Annotated[float | None, typer.Argument(metavar="Z", help="Its third coordinate.")] = None,
+    x: Annotated[float | None, typer.Argument(metavar="X", help="x of the point in world coordinates, m.")] = None,
+    y: Annotated[float | None, typer.Argument(metavar="Y", help="y of the point, m.")] = None,
+    z: Annotated[float | None, typer.Argument(metavar="Z", help="z of the point, m.")] = None,
     place: Annotated[
         str | None,
         typer.Option(
             metavar="TOML",
-            help="A place in the pipe instead, such as 'part = \"straight 2\", at = 1.2, clock = 12, off_wall = 0.03'.",
+            help="Place in the pipe instead of X Y Z, such as 'part = \"straight 2\", at = 1.2, clock = 12, off_wall = 0.03'.",
         ),
     ] = None,
     out: Annotated[
@@ -28,7 +28,7 @@ def pick(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Find the agent of a run whose flight passes closest to any point, also to one that was not a target.
+    """Find the agent of a run whose flight passes closest to a point, which need not be a target.
 
     Searches every stored flight; the run need not be finished.
     """

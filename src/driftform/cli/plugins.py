@@ -15,7 +15,7 @@ KINDS = (
 
 
 def list_(json: Json = False) -> None:
-    """List the plugins by seam, and commands, also those that cannot be used, with the reason."""
+    """List plugins and the commands that they add; for those that cannot be used, say why."""
     from driftform.cli.added import load_added
     from driftform.cli.output import print_json, print_table
     from driftform.plugins.registry import registry
@@ -54,7 +54,7 @@ def show(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plu
     for row in rows:
         entry: dict[str, Any] = {k: getattr(row, k) for k in ("seam", "name", "distribution", "version", "state")}
         if row.cls is not None:
-            # Not inspect.getdoc(), which returns what another class says of itself.
+            # Not inspect.getdoc(), which may return the docstring of a base class.
             entry["summary"] = inspect.cleandoc(row.cls.__doc__ or "")
             entry["options"] = describe(row.cls.Options)
         found.append(entry)
@@ -77,11 +77,11 @@ def show(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plu
 @app.command("new", cls=Command)
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the distribution, such as driftform-dwell.")],
-    seam: Annotated[list[str], typer.Option(metavar="SEAM", help=f"What it is to bring: {KINDS}; repeatable.")],
+    seam: Annotated[list[str], typer.Option(metavar="SEAM", help=f"Seam to implement: {KINDS}; repeatable.")],
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default NAME.")] = None,
     json: Json = False,
 ) -> None:
-    """Write a plugin of your own to start from: a small distribution that installs, works, and passes its tests."""
+    """Create a plugin of your own to start from: a small distribution that installs, works, and passes its tests."""
     import shlex
 
     from driftform.cli.output import print_json

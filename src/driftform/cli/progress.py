@@ -1,4 +1,4 @@
-"""What a run shows while it advances: live on a terminal, a line now and then elsewhere."""
+"""What a run shows while it advances: a live table on a terminal, a line every 10 s elsewhere."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -20,8 +20,6 @@ class Progress(Observer):
         self._status = RunStatus(run.study.scenario.target_names, run.study.evaluations)
         self._throughput = Throughput(0)
         self._stored = 0
-        self._printed = 0
-        self._print_now: Callable[[], None] | None = None
         self._live = sys.stdout.isatty() and sys.stderr.isatty() and not is_shown()
         self._flies_finalists = run.study.scenario.robustness.conditions > 0
         self._footer = f"{run.path}: Ctrl-C stops, 'driftform resume' continues"
@@ -34,7 +32,7 @@ class Progress(Observer):
             yield
             return
         if not self._live:
-            with print_regularly(self._line) as self._print_now:
+            with print_regularly(self._line):
                 yield
             return
         from rich.console import Console
@@ -61,14 +59,6 @@ class Progress(Observer):
         """Print a warning, above the live table if there is one, and keep it."""
         self.warnings.append(text)
         print(f"warning: {text}", file=sys.stderr, flush=True)
-
-    def generation(self, evaluations: int) -> None:
-        """Print a line off a terminal if there are new evaluations; not for each generation that was stored before."""
-        if self._print_now is None or self._printed == self._status.done:
-            return
-        if evaluations > self._stored or evaluations == self._status.budget:
-            self._printed = self._status.done
-            self._print_now()
 
     def _line(self) -> str:
         elapsed = format_duration(self._throughput.elapsed)

@@ -14,18 +14,19 @@ def report(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="The page, by default report.html in RUN; for figures a folder, by default RUN/figures/paper.",
+            help="File to write; by default RUN/report.html. With --style paper, directory for the figures; by default "
+            "RUN/figures/paper.",
         ),
     ] = None,
     style: Style = "screen",
     width_mm: WidthMm = None,
     json: Json = False,
 ) -> None:
-    """Write a run as one page: results, pictures, and every best agent to turn, cut open and fly.
+    """Write the report of a run, one HTML page: results, pictures, and the best agents and their flights in 3D.
 
-    The page is one file that needs no network. It shows the state of the run at the moment it is written.
+    The page is one file that needs no network. It shows the state of the run when the command begins.
 
-    With --style paper its pictures are written as figures of a paper instead.
+    With --style paper, writes the pictures as figures for publications instead.
     """
     from driftform.cli.formats import parse_page
     from driftform.cli.output import print_json

@@ -11,16 +11,18 @@ def resume(
     run: RunArgument,
     evaluations: Annotated[
         int | None,
-        typer.Option(metavar="N", min=1, help="Total budget, including finished evaluations (default: unchanged)."),
+        typer.Option(
+            metavar="N", min=1, help="Total number of flights, including finished ones; by default unchanged."
+        ),
     ] = None,
     workers: Workers = None,
     executor: ExecutorName = None,
     scheduler: Scheduler = None,
     json: Json = False,
 ) -> None:
-    """Continue a run where it stopped, however it stopped; the result is that of an undisturbed run.
+    """Continue a run that was interrupted; the result equals that of an uninterrupted run.
 
-    With a larger budget a complete run continues too: the result is that of a run that had it from the start.
+    A finished run continues with a larger --evaluations; the result equals that of a run with this number from the start.
     """
     from driftform.cli.running import advance_run, show_results
     from driftform.runs.run import Run

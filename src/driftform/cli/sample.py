@@ -10,15 +10,15 @@ from driftform.cli.options import Json, Settings
 
 def sample(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for the agents.")],
-    count: Annotated[int, typer.Option(metavar="N", min=1, max=1_000_000, help="How many agents.")] = 10,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the randomness.")] = 0,
+    count: Annotated[int, typer.Option(metavar="N", min=1, max=1_000_000, help="Number of agents.")] = 10,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the random numbers.")] = 0,
     scenario: Annotated[
-        str | None, typer.Option(metavar="NAME|FILE", help="Study that says how agents are made.")
+        str | None, typer.Option(metavar="NAME|FILE", help="Study with the grammar and the builder of the agents.")
     ] = None,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Draw random agents, each an agent.json."""
+    """Make random agents, each an agent.json."""
     import numpy as np
 
     from driftform.cli.output import print_json

@@ -58,12 +58,12 @@ def check(
     file: StudyName,
     picture: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Draw the pipe with its targets, and with what is wrong, to an SVG file."),
+        typer.Option(metavar="FILE", help="SVG file for a picture of the pipe with its targets and errors."),
     ] = None,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Check a study without running it: list its errors, or show its contents and what no flight can do."""
+    """Check a study without running it: list its errors, or show its contents and warnings."""
     from driftform.cli.output import print_json, print_text
     from driftform.errors import escape_controls
     from driftform.interfaces import NAMED

@@ -8,9 +8,9 @@ import typer
 from driftform.cli.options import (
     Agent,
     Film,
+    FlightDirectory,
     Hydrodynamics,
     Json,
-    OutDirectory,
     Renderer,
     Robust,
     ScenarioOption,
@@ -38,13 +38,13 @@ def simulate(
     scenario: ScenarioOption = None,
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
-    out: OutDirectory = None,
+    out: FlightDirectory = None,
     film: Film = None,
     still: Still = None,
     still_at: StillAt = None,
     renderer: Renderer = "exudyn",
     robust: Robust = None,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the disturbed conditions of --robust.")] = 0,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the conditions of --robust.")] = 0,
     style: Style = "screen",
     width_mm: WidthMm = None,
     settings: Settings = None,
@@ -52,8 +52,8 @@ def simulate(
 ) -> None:
     """Simulate one flight of an agent; show its closest approaches, its end and a picture.
 
-    With --robust it is flown many more times under disturbed conditions, which shows how far it misses, and what the
-    miss depends on.
+    With --robust, also simulates flights under disturbed conditions, and shows by how much they miss and which
+    disturbances contribute most.
     """
     from driftform.cli.formats import parse_page
     from driftform.cli.output import print_json

@@ -13,11 +13,16 @@ if TYPE_CHECKING:
 
 def watch(
     run: RunArgument,
-    once: Annotated[bool, typer.Option("--once", help="Print the state of the run now, and end.")] = False,
-    interval: Annotated[float, typer.Option(metavar="S", min=0.1, help="Time between two readings, s.")] = 1.0,
+    once: Annotated[bool, typer.Option("--once", help="Print the state of the run now, and exit.")] = False,
+    interval: Annotated[
+        float | None,
+        typer.Option(
+            metavar="S", min=0.1, help="Time between two readings, s; by default 1 on a terminal, 10 elsewhere."
+        ),
+    ] = None,
     json: Json = False,
 ) -> None:
-    """Monitor a running run from another terminal (read-only), until it ends or Ctrl-C."""
+    """Show the progress of a run from another terminal until the run ends or you press Ctrl-C; changes no file."""
     from driftform.cli.output import print_json
     from driftform.runs.monitor import RunMonitor
 
@@ -31,7 +36,7 @@ def watch(
         try:
             _follow(monitor, interval)
         except KeyboardInterrupt:
-            # To stop watching is not a failure, and does not concern the run.
+            # Stopping the watch is not a failure, and does not affect the run.
             return
         print(monitor.describe_end())
 
@@ -42,17 +47,20 @@ def _view(monitor: "RunMonitor", fits: bool) -> "View":
     status, throughput = monitor.status, monitor.throughput
     speed = "" if monitor.is_over else format_throughput(status, throughput)
     facts = (monitor.state, speed, format_failures(status.failed))
-    footer = "" if monitor.is_over else f"{monitor.directory}: Ctrl-C ends the watching, not the run"
+    footer = "" if monitor.is_over else f"{monitor.directory}: Ctrl-C ends watching, not the run"
     return View(status, throughput, facts, footer, fits)
 
 
-def _follow(monitor: "RunMonitor", interval: float) -> None:
+def _follow(monitor: "RunMonitor", interval: float | None) -> None:
     import sys
     import time
 
     from driftform.cli.display import progress_line
+    from driftform.util.progress import LINE_EVERY_S, REFRESH
 
-    if not sys.stdout.isatty():
+    live = sys.stdout.isatty()
+    interval = interval or (1.0 if live else LINE_EVERY_S)
+    if not live:
         printed = -1
         while not monitor.is_over:
             if monitor.status.done > printed:
@@ -62,8 +70,6 @@ def _follow(monitor: "RunMonitor", interval: float) -> None:
             monitor.poll()
         return
     from rich.live import Live
-
-    from driftform.util.progress import REFRESH
 
     with Live(get_renderable=lambda: _view(monitor, fits=True), refresh_per_second=REFRESH):
         while not monitor.is_over:
@@ -76,7 +82,7 @@ def _print_once(monitor: "RunMonitor") -> None:
 
     from rich.console import Console
 
-    # Where no terminal says how wide it is, nothing is cut.
+    # Off a terminal the width is unknown, so nothing is cut.
     Console(highlight=False, width=None if sys.stdout.isatty() else 200).print(_view(monitor, fits=False))
     if monitor.is_over:
         print(monitor.describe_end())

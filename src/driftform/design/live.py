@@ -13,7 +13,7 @@ from driftform.util import rotations
 from driftform.water import Scenario
 from driftform.water.flow import UniformFlow
 
-LONGEST, FASTEST = 1e5, 100.0
+MAX_DURATION, MAX_SPEED = 1e5, 100.0
 """Longest step, s, and fastest current, m/s."""
 
 
@@ -79,8 +79,8 @@ class LiveFlight:
         """
         if self.end is not None:
             raise InputError(f"{self.name}: the flight has ended after {self.time:.3g} s: {self.end}")
-        if not 0 < duration <= LONGEST:
-            raise InputError(f"duration = {duration:g}: a step takes more than 0 and at most {LONGEST:g} s")
+        if not 0 < duration <= MAX_DURATION:
+            raise InputError(f"duration = {duration:g}: a step takes more than 0 and at most {MAX_DURATION:g} s")
         scenario, flown = self.scenario, self.latest
         if current is not None:
             scenario, flown = self._meet_current(np.asarray(current, dtype=np.float64))
@@ -94,9 +94,9 @@ class LiveFlight:
         from driftform.motion import stepping
         from driftform.water import field
 
-        if current.shape != (3,) or not (np.abs(current) <= FASTEST).all():
+        if current.shape != (3,) or not (np.abs(current) <= MAX_SPEED).all():
             raise InputError(
-                f"current = {current.tolist()}: expected three numbers from -{FASTEST:g} to {FASTEST:g}, m/s"
+                f"current = {current.tolist()}: expected three numbers from -{MAX_SPEED:g} to {MAX_SPEED:g}, m/s"
             )
         cob = self.position + rotations.matrix_from_quaternion(self.quaternion) @ self.agent.mass.cob
         change = current - field.water_velocity(cob, self.time, self.scenario)[0]

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from driftform.figures import svg
-from driftform.figures.layout import shorten, write
+from driftform.figures.layout import write, write_title
 from driftform.figures.style import MUTED, SCREEN, Page
 from driftform.runs.dependence import REST, Effect
 
@@ -21,7 +21,7 @@ def dependence_svg(effects: Sequence[Effect], title: str, page: Page = SCREEN) -
     rows = "; ".join(f"{effect.name}: {_format_length(effect.deviation)}" for effect in effects)
     root = svg.start_document(width, height, title, f"What the miss depends on. {rows}.", page=page, header=26)
     if not page.is_paper:
-        write(root, MARGIN, 22, shorten(title, 14, width - 2 * MARGIN, bold=True), 14, bold=True)
+        write_title(root, MARGIN, 22, title, 14, width - 2 * MARGIN)
     write(root, MARGIN, 40, "standard deviation of the closest approach by each cause", 11, MUTED)
     bars = [
         {

@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import resample_polyline, shorten, write
+from driftform.figures.layout import resample_polyline, shorten, write, write_title
 from driftform.figures.plot import Window, draw_cross, draw_scene, draw_silhouette, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import PLAN, SIDE, drawing_times
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, SCREEN, VERMILLION, Page, tint
@@ -74,7 +74,7 @@ def flight_svg(
     described = title or "Flight of an agent", " ".join(captions)
     root = svg.start_document(page.width, height, *described, page=page, header=56)
     if not page.is_paper:
-        write(root, 22, 34, shorten(title or "Flight", 17, width, bold=True), 17, bold=True)
+        write_title(root, 22, 34, title or "Flight", 17, width)
     headings = {SIDE: "Side view", PLAN: "Plan view, from above"}
     for window in windows:
         write(root, _LEFT, window.box.top - 10, headings[window.view], 12, MUTED)

@@ -80,13 +80,50 @@ def write(
     svg.add(parent, "text", content, class_=class_, fill=fill, **attributes)
 
 
+def write_title(parent: ET.Element, x: float, base: float, title: str, size: float, width: float) -> None:
+    """Write a title, bold, on the line at ``base``: smaller, then on two lines, if it is wider than ``width`` (px).
+
+    Of a title that is longer than two small lines, the words that find no room are left out.
+    """
+    size, lines = fit_title(title, size, width)
+    for number, line in enumerate(lines):
+        write(parent, x, base - 1.2 * size * (len(lines) - 1 - number), line, size, bold=True)
+
+
+def fit_title(title: str, size: float, width: float) -> tuple[float, list[str]]:
+    """Return the font size of a title, at most ``size`` px, and its lines, one or two, at most ``width`` px wide."""
+    lines: list[str] = []
+    for count, smallest in ((1, 0.75 * size), (2, 0.6 * size)):
+        for smaller in np.arange(size, smallest - 0.5, -1.0).tolist():
+            lines = _fold(title, smaller, width)
+            if len(lines) <= count:
+                return smaller, lines
+    return smaller, lines[:2]
+
+
+def _fold(text: str, size: float, width: float) -> list[str]:
+    """Return the lines of a bold text; a word that is wider than a line is divided."""
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".lstrip()
+        if text_width(longer, size, bold=True) <= width:
+            lines[-1] = longer
+            continue
+        lines += [""] if lines[-1] else []
+        for letter in word:
+            if text_width(lines[-1] + letter, size, bold=True) > width:
+                lines.append("")
+            lines[-1] += letter
+    return lines
+
+
 def start_page(
     height: float, title: str, subtitle: str, description: str, page: Page = SCREEN, header: float = 64.0
 ) -> ET.Element:
     """Return a picture as wide as its page, with a title and a subtitle; without them and the ``header``, px, on paper."""
     root = svg.start_document(page.width, height, title, description, page=page, header=header)
     if not page.is_paper:
-        write(root, MARGIN, 36, shorten(title, 20, page.width - 2 * MARGIN, bold=True), 20, bold=True)
+        write_title(root, MARGIN, 36, title, 20, page.width - 2 * MARGIN)
         write(root, MARGIN, 58, subtitle, 12, MUTED)
     return root
 

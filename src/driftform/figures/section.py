@@ -11,7 +11,7 @@ from driftform.agent import hull_mass
 from driftform.agent.distance import radius_at
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
-from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, shorten, text_width, write
+from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, text_width, write, write_title
 from driftform.figures.style import BLUE, MUTED, SCREEN, Page, tint
 from driftform.figures.surface import find_rest, find_surface
 from driftform.figures.svg import PX_PER_MM
@@ -100,7 +100,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
         header=_HEADER,
     )
     if not page.is_paper:
-        write(root, MARGIN, 32, shorten(title or "Section", 17, width - 2 * MARGIN, bold=True), 17, bold=True)
+        write_title(root, MARGIN, 32, title or "Section", 17, width - 2 * MARGIN)
         write(root, MARGIN, 52, facts, 12, MUTED)
     surface = (
         None if rest is None or rest.height is None else find_surface(rest.pitch, rest.height, body, place, _AROUND)

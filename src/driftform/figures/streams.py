@@ -25,7 +25,7 @@ STEPS_OF_STRAIGHT = 30
 TOLERANCE = 0.02
 """Distance by which a position may be moved where points of a path are left out, in radii of the narrowest bore."""
 
-MOST_STEPS = 2000
+MAX_STEPS = 2000
 """Steps after which a path ends: it goes round in water that hardly moves."""
 
 SLOWEST = 1e-3
@@ -73,7 +73,7 @@ def _trace(pipe: Pipe, flow: tuple[float, ...], fittings: bytes) -> list[FloatAr
     paths = [[np.array([0.0, *p])] for p in position]
     going = np.arange(STREAMS)
     fastest = float(np.linalg.norm(velocity(position), axis=1).max())
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         here = pipe.layout.find_part(position[going])
         # The inlet's section itself may be outside by rounding.
         going, here = going[here >= 0], here[here >= 0]

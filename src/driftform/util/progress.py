@@ -22,8 +22,8 @@ FIRST_LINE_S = 2.0
 FIRST_SHOWN_S = 0.3
 """Time before it is shown by a program, s."""
 
-LONGEST_SILENCE_S = 10.0
-"""Longest time between two lines where there is no terminal, s."""
+LINE_EVERY_S = 10.0
+"""Time between two lines where there is no terminal, s."""
 
 _shown: ContextVar[Callable[[str, int, int], None] | None] = ContextVar("shown", default=None)
 
@@ -75,6 +75,9 @@ class Count:
             self._first = time.monotonic(), done
         return is_tenth
 
+    def __str__(self) -> str:
+        return repr(self) if self._total else ""
+
     def __repr__(self) -> str:
         now, left = time.monotonic(), ""
         if self._first is not None and self._first[1] < self._done < self._total:
@@ -88,27 +91,31 @@ class Count:
 
 
 @contextmanager
-def print_regularly(line: Callable[[], str]) -> Iterator[Callable[[], None]]:
-    """Yield a function that prints a line on stderr; a thread prints it after each :data:`LONGEST_SILENCE_S` without one."""
-    printed, over = time.monotonic(), threading.Event()
+def print_regularly(line: Callable[[], str], wait: Callable[[threading.Event], bool] | None = None) -> Iterator[None]:
+    """Print a line on stderr after each :data:`LINE_EVERY_S`, and one at the end unless the work fails.
+
+    Args:
+        line: returns the line, empty if there is nothing to print yet.
+        wait: returns at the time of the next line, ``True`` if the event is set; a test injects its own clock here.
+    """
+    over = threading.Event()
 
     def show() -> None:
-        nonlocal printed
-        printed = time.monotonic()
-        print(line(), file=sys.stderr, flush=True)
+        if text := line():
+            print(text, file=sys.stderr, flush=True)
 
     def repeat() -> None:
-        while not over.wait(max(0.01, printed + LONGEST_SILENCE_S - time.monotonic())):
-            if time.monotonic() - printed >= LONGEST_SILENCE_S:
-                show()
+        while not (over.wait(LINE_EVERY_S) if wait is None else wait(over)):
+            show()
 
     thread = threading.Thread(target=repeat, daemon=True)
     thread.start()
     try:
-        yield show
+        yield
     finally:
         over.set()
         thread.join()
+    show()
 
 
 @contextmanager
@@ -125,8 +132,12 @@ def count_progress(what: str) -> Iterator[Callable[[int, int], None]]:
         yield lambda done, total: update(state, state.set(done, total))
         return
     if not (sys.stdout.isatty() and sys.stderr.isatty()):
-        with print_regularly(state.__repr__) as show_now:
-            yield lambda done, total: show_now() if state.set(done, total) else None
+
+        def note(done: int, total: int) -> None:
+            state.set(done, total)
+
+        with print_regularly(lambda: str(state)):
+            yield note
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn

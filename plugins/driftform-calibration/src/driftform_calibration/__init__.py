@@ -17,8 +17,8 @@ def driftform_commands(app: "typer.Typer") -> None:
     from driftform_calibration.calibrate_command import calibrate
     from driftform_calibration.drop_command import drop
 
-    app.command("drop")(drop)
-    app.command("calibrate")(calibrate)
+    app.command("drop", rich_help_panel="Workshop")(drop)
+    app.command("calibrate", rich_help_panel="Workshop")(calibrate)
 
 
 @hookimpl

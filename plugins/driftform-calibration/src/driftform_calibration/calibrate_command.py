@@ -16,7 +16,7 @@ def calibrate(
     tracks: Annotated[
         list[Path],
         typer.Argument(
-            metavar="TRACK...",
+            metavar="TRACK",
             help="Tracks of filmed flights: CSV with the columns t, x, y, and z or pitch if known, or an export of Tracker, Kinovea, SLEAP, TrackMate, trackpy or DeepLabCut. "
             "NAME.toml beside NAME.csv is the scenario of that film.",
         ),

@@ -32,7 +32,7 @@ def driftform_commands(app: "typer.Typer") -> None:
     """Add ``driftform body``."""
     from driftform_frusta.own.command import body
 
-    app.command("body")(body)
+    app.command("body", rich_help_panel="Design")(body)
 
 
 @hookimpl

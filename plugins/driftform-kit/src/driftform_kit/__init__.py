@@ -27,5 +27,5 @@ def driftform_commands(app: "typer.Typer") -> None:
     from driftform_kit.check_command import check
     from driftform_kit.trim_command import trim
 
-    app.command("check")(check)
-    app.command("trim")(trim)
+    app.command("check", rich_help_panel="Workshop")(check)
+    app.command("trim", rich_help_panel="Workshop")(trim)

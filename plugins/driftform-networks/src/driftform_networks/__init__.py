@@ -21,4 +21,4 @@ def driftform_commands(app: "typer.Typer") -> None:
     """Add ``driftform network``."""
     from driftform_networks import commands
 
-    app.add_typer(commands.app, name="network")
+    app.add_typer(commands.app, name="network", rich_help_panel="Water networks")

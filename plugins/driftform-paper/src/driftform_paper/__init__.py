@@ -23,4 +23,4 @@ def driftform_commands(app: "typer.Typer") -> None:
     """Add ``driftform reproduce``."""
     from driftform_paper.command import reproduce
 
-    app.command("reproduce")(reproduce)
+    app.command("reproduce", rich_help_panel="Design")(reproduce)

@@ -17,4 +17,4 @@ def driftform_commands(app: "typer.Typer") -> None:
     """Add ``driftform studio``."""
     from driftform_studio.command import studio
 
-    app.command("studio")(studio)
+    app.command("studio", rich_help_panel="Design")(studio)

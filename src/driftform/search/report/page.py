@@ -2,9 +2,11 @@
 
 The page is the template ``page.html``, with ``page.css`` and ``viewer.js`` placed in it. Jinja2 fills it rather than
 :class:`string.Template`, because it escapes every value that is not marked ``safe``: names come from the files of
-strangers, and no line of Python has to remember to escape one. It is imported only when a page is made.
+other people, and no line of Python has to remember to escape one. It is imported only when a page is made.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -27,6 +29,9 @@ STYLES = {"kept": "good", "kept if weighed": "fair", "reached": "good", "near": 
 
 SEAMS = ("grammar", "builder", "hydrodynamics", "simulator", "fitness", "strategy")
 """Tables of a study whose plugins the page lists."""
+
+BODIES, PROMISE = ("as printed", "weighed and trimmed", "passive baseline"), ("hits (%)", "90 % miss (mm)")
+"""Titles of the groups of columns of a promise, and the headings in each."""
 
 
 def write_report(run: Run, path: Path | None = None) -> tuple[Contents, Path]:
@@ -68,6 +73,7 @@ def page_html(contents: Contents) -> str:
     study, fitness = contents.study.document, contents.study.make_plugin("fitness")
     results = {entry.target: entry.stored.result for entry in contents.entries}
     promised = all(map(is_promised, results.values()))
+    groups = _group_columns(list_headings(fitness, promised))
     kinds = {e.target: name_kind(e.agent, e.trajectory, contents.scenario, e.t) for e in contents.entries}
     return environment.from_string(_read("page.html")).render(
         contents=contents,
@@ -83,7 +89,8 @@ def page_html(contents: Contents) -> str:
         fitness=fitness,
         numbers=_list_numbers(contents),
         promised=promised,
-        headings=list_headings(fitness, promised),
+        groups=groups,
+        labels=[", ".join(filter(None, (group.title, heading))) for group in groups for heading in group.headings],
         cells={name: list_cells(fitness, result, promised) for name, result in results.items()},
         verdicts={name: result["verdict"] for name, result in results.items()},
         styles={name: STYLES[result["verdict"]] for name, result in results.items()},
@@ -127,6 +134,21 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
         # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
         "magnification": max(1.0, round(around["size"] / longest, 1)),
     }
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """Neighbouring columns of a table with a title above their headings, which may be empty."""
+
+    title: str
+    headings: Sequence[str]
+
+
+def _group_columns(headings: Sequence[str]) -> list[_Columns]:
+    """Return the columns of :func:`list_headings`: a hit rate and a miss for each of three bodies, if there are as many."""
+    if len(headings) <= len(BODIES):
+        return [_Columns("", headings)]
+    return [_Columns("", headings[:1]), *(_Columns(body, PROMISE) for body in BODIES)]
 
 
 def _read(name: str) -> str:

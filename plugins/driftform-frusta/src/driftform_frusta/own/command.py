@@ -30,7 +30,9 @@ def body(
         str | None, typer.Option(metavar="UNIT", help="Unit of a mesh: mm, cm, m or in; by default mm, and m for GLB.")
     ] = None,
     flip: Annotated[bool, typer.Option("--flip", help="Take the other end as the nose.")] = False,
-    scenario: options.ScenarioOption = None,
+    scenario: Annotated[
+        str | None, typer.Option(metavar="NAME|FILE", help="Scenario that the agent is made for.")
+    ] = None,
     settings: options.Settings = None,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Agent to write; by default NAME.json.")] = None,
     json: options.Json = False,
