@@ -14,7 +14,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("mass_elements.py", "element.mass * (element.x - x) ** 2", "element.mass * element.x**2", ("tests/agent",)),
     ("clearance.py", "offset @ across + x * sine", "offset @ across - x * sine", ("tests/agent",)),
     ("slices.py", "3 * rb * rb) / 12", "2 * rb * rb) / 12", ("tests/agent",)),
-    ("distance.py", "steep, np.maximum(low[:, 1]", "steep, np.minimum(low[:, 1]", ("test_coupon.py", "tests/agent")),
+    ("distance.py", "/ square, 0.0), 1.0)", "/ square, 0.0), 9.0)", ("test_coupon.py", "kit/tests/test_ballast.py")),
     # Disturbed conditions.
     ("disturbances.py", "(intervals.T - within) / count", "(intervals.T - 0.5) / count", ("test_disturbances.py",)),
     (

@@ -7,9 +7,9 @@ The second command makes the changes of ``tests/mutants.py``, which reach all ov
 
 A mutant is a copy of one file in a temporary folder, which a child process imports in place of the file; the working tree
 stays as it is. The child runs the tests of that file. A test that fails, an error, or a run beyond the time limit kills the
-mutant; mutants that live are printed, and the exit code is 1. Kernels run as plain Python where the file is in a package
-with kernels, because each mutant would compile for tens of seconds: the tests of such a file are therefore those that call
-its functions, and not whole flights.
+mutant; mutants that live are printed, and the exit code is 1. Kernels run as plain Python where mutants are drawn, because
+each would compile for tens of seconds: the tests of a file are therefore those that call its functions, and not whole
+flights. No chosen change is in a kernel.
 
 Children are forks of a process that has imported the large packages, so this needs Linux or macOS; the tests of networks
 need `uv sync --all-groups`.
@@ -38,10 +38,10 @@ from typing import Any
 ROOT = Path(__file__).parents[1]
 
 LIMIT_S = 1800
-"""Time limit of the tests of a file that is unchanged, s."""
+"""Time limit of the tests of a file that is unchanged, CPU s."""
 
 LONGER, MIN_LIMIT_S = 3, 60
-"""Time limit of a mutant over the time of the file unchanged, and the least, s."""
+"""Time limit of a mutant over the time of the file unchanged, and the least, CPU s."""
 
 PACKAGES = (
     "hypothesis.extra.numpy",
@@ -79,11 +79,6 @@ class Target:
     def module(self) -> str:
         """Name of the module."""
         return ".".join(Path(self.path.rpartition("src/")[2]).with_suffix("").parts)
-
-    @property
-    def has_kernels(self) -> bool:
-        """Whether it is in a package of :data:`driftform.util.kernel_cache.KERNELS`."""
-        return self.path.startswith(("src/driftform/util/", "src/driftform/water/", "src/driftform/motion/"))
 
 
 AGENT, MOTION, PLUGINS = "src/driftform/agent", "src/driftform/motion", "plugins/driftform"
@@ -299,14 +294,14 @@ def start(target: Target, source: str | None, folder: Path, number: int, limit: 
     pid = os.fork()
     if pid:
         return pid
-    signal.alarm(math.ceil(limit))
+    signal.setitimer(signal.ITIMER_PROF, limit)
     sys.dont_write_bytecode = True
     stream = os.open(log, os.O_WRONLY | os.O_CREAT)
     os.dup2(stream, 1)
     os.dup2(stream, 2)
     code = 3
     try:
-        if target.has_kernels:
+        if target.marks is MARKS:
             keep_python()
         assert target.module not in sys.modules, f"{target.module} is imported before it is changed"
         if source is not None:
@@ -324,15 +319,14 @@ def start(target: Target, source: str | None, folder: Path, number: int, limit: 
 def run_all(
     jobs: Sequence[tuple[Target, str | None, float]], processes: int, folder: Path
 ) -> Iterator[tuple[int, int, float]]:
-    """Generate the number of each job, its exit code, negative after a signal, and its time (s), as they end."""
+    """Generate the number of each job, its exit code, negative after a signal, and its CPU time (s), as they end."""
     waiting, running = list(enumerate(jobs)), {}
     while waiting or running:
         while waiting and len(running) < processes:
             number, (target, source, limit) = waiting.pop(0)
-            running[start(target, source, folder, number, limit)] = number, time.monotonic()
-        pid, status = os.wait()
-        number, begun = running.pop(pid)
-        yield number, os.waitstatus_to_exitcode(status), time.monotonic() - begun
+            running[start(target, source, folder, number, limit)] = number
+        pid, status, used = os.wait4(-1, 0)
+        yield running.pop(pid), os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime
 
 
 def main() -> int:
@@ -372,7 +366,7 @@ def main() -> int:
         jobs = [(m.target, m.source, limits[m.target]) for m in mutants]
         for number, code, _ in run_all(jobs, given.processes, folder):
             mutant = mutants[number]
-            word = {0: "LIVES", -signal.SIGALRM: "too slow"}.get(code, "killed")
+            word = {0: "LIVES", -signal.SIGPROF: "too slow"}.get(code, "killed")
             print(
                 f"{time.monotonic() - begun:6.1f} s  {word:8} {mutant.target.path}:{mutant.line} {mutant.label}",
                 flush=True,

@@ -54,6 +54,15 @@ def test_inertia_about_the_cog_is_that_of_tube_caps_and_core_by_steiners_theorem
     assert properties.inertia == pytest.approx(np.diag([axial, across, across]), rel=1e-10)
 
 
+def test_a_core_off_the_origin_moves_the_centre_and_turns_with_its_parallel_axis():
+    centred, moved = (
+        mass_properties(replace(capsule(shift=0.02), core=Core(0.01, 0.05, cog=at))) for at in (0.0, 0.004)
+    )
+    assert moved.mass * moved.cog[0] - centred.mass * centred.cog[0] == pytest.approx(0.05 * 0.004, rel=1e-9)
+    about_origin = [found.inertia[1, 1] + found.mass * found.cog[0] ** 2 for found in (centred, moved)]
+    assert about_origin[1] - about_origin[0] == pytest.approx(0.05 * 0.004**2, rel=1e-6)
+
+
 def test_fittings_weigh_with_the_hull_at_their_place():
     volume, x = 3e-6, 0.03
     ring = Moments(volume, volume * x, volume * x * x + 1e-10, 2e-10)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from driftform.motion.approach import closest_approach
-from driftform.motion.way import approach_targets, farthest_distances, find_target_approaches, name_outlet
+from driftform.motion.way import approach_targets, farthest_distances, find_offsets, find_target_approaches, name_outlet
 from driftform.testing.fitness import straight_trajectory
-from driftform.types import End, Trajectory
+from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform.water import Scenario
 
 TEE = {"kind": "tee", "name": "T", "branch_radius": 0.05, "share": 0.3, "roll_deg": 0}
@@ -65,6 +65,9 @@ def test_a_flight_past_a_branch_is_as_far_from_its_outlet_as_the_water_is():
     # Nearest is the tee itself: from the point under the branch to its mouth, and straight up from there through two straights.
     assert distance == pytest.approx(np.linalg.norm(branch.centre - junction) + 1.0, abs=1e-9)
     assert t == pytest.approx(junction[0], abs=1e-3)
+    # The offset leads straight to the target, and is as long as the way.
+    [offset] = find_offsets(Evaluation(Genome("none", ()), np.zeros(1), path), target)
+    assert offset == pytest.approx(distance * np.array([0.0, 0.0, -1.0]), abs=1e-3)
 
 
 def test_the_distance_shrinks_along_the_way_to_a_target():

@@ -12,7 +12,14 @@ from hypothesis import strategies as st
 
 from driftform.runs.store import DisturbedResult, Store
 from driftform.search.disturbed import draw_rounds
-from driftform.search.finalists import choose_finalists, find_best_agent, find_winner, fly_finalists, robust_fitness
+from driftform.search.finalists import (
+    ROUND,
+    choose_finalists,
+    find_best_agent,
+    find_winner,
+    fly_finalists,
+    robust_fitness,
+)
 from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
 from driftform.search.loop import run_search
@@ -277,6 +284,21 @@ def test_an_agent_that_always_misses_loses_to_one_that_reaches_its_target_undist
         reaching, missing = (find_winner(study, store, target) for target in ("TP2", "TP6"))
     assert reaching is not None and (reaching.index, reaching.score) == (3, 70.0)
     assert missing is not None and (missing.index, missing.score) == (0, 97.0)
+
+
+def test_a_finalist_that_can_still_win_flies_on_and_the_promise_is_that_of_fresh_flights_alone(tmp_path: Path) -> None:
+    study = study_of("robustness.score='mean'", "robustness.conditions=12", "robustness.survey=0")
+    undisturbed, disturbed = np.full((8, 2), 90.0), np.full((8, 12 + 3 * len(Specimen), 2), 98.0)
+    undisturbed[:2] = [[99.9], [99.5]]
+    # The second is behind after the first look at the race, and wins because the rest of its flights are perfect.
+    disturbed[1], disturbed[1, :ROUND] = 100.0, 95.5
+    executor = Table(study, undisturbed, disturbed)
+    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
+        run_search(study, store, executor)
+        fly_finalists(study, store, executor)
+        winner = find_winner(study, store, "TP2")
+    assert winner is not None and winner.index == 1
+    assert [winner.promises[specimen].misses.count for specimen in Specimen] == [3] * len(Specimen)
 
 
 def test_failed_flights_do_not_lower_a_score_unless_most_failed() -> None:

@@ -84,6 +84,14 @@ def test_a_pipe_along_x_at_the_origin_has_the_world_frame_to_the_last_digit():
     np.testing.assert_array_equal(inlet.release_velocity(), world.release_velocity())
 
 
+def test_a_body_whose_nose_is_in_the_wall_of_a_bend_is_refused():
+    parts = [{"length": 0.3}, {"kind": "bend", "radius": 0.15}, {"length": 0.5}]
+    scenario = Scenario.model_validate({"pipe": {"radius": 0.05, "parts": parts}})
+    for x, fits in ((0.15, True), (0.28, False)):
+        released = scenario.model_copy(update={"release": scenario.release.model_copy(update={"position": (x, 0, 0)})})
+        assert (find_misfit(make_body(0.28, 0.02), released) is None) == fits
+
+
 def test_a_release_above_the_water_is_refused():
     dry = make_scenario(1.0, fluid={"water_level": -0.5}, release={"position": [0, 0, 0.2]})
     assert "above the water" in (find_misfit(make_body(0.2, 0.05), dry) or "")

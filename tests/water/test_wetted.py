@@ -7,6 +7,7 @@ from driftform.errors import InputError
 from driftform.study import load_study
 from driftform.water import Scenario
 from driftform.water.field import water_velocity
+from driftform.water.wetted import find_surface_fault
 
 RADIUS, SPEED = 0.2, 0.7
 FLOWS = [
@@ -60,3 +61,11 @@ def test_a_surface_that_cuts_a_junction_is_refused_in_one_line() -> None:
         load_study("t-junction", ["fluid.water_level=0.02"])
     [line] = caught.value.args
     assert "fluid.water_level = 0.02 cuts a pipe with parts, whose bore reaches from z " in line
+
+
+def test_the_bore_of_a_sloping_pipe_reaches_as_far_as_its_rims() -> None:
+    """Its axis rises 3 in 5 m, so that the rims at the ends lie 4/5 of the radius below and above the axis."""
+    pipe = Scenario.model_validate({"pipe": {"segments": [{"start": [0, 0, 0], "end": [4, 0, 3], "radius": 0.5}]}}).pipe
+    flow = half_full(None, kind="developed").flow
+    faults = [find_surface_fault(pipe, flow, level) for level in (-0.41, -0.39, 3.39, 3.41)]
+    assert [fault is None for fault in faults] == [True, False, False, True]
