@@ -1,5 +1,7 @@
 """driftform plugin: agents in the water network of a town, where they go and what they see.
 
+Its rooms, each of which imports only those before it: ``hydraulics`` (EPANET's flows), ``passages`` (routing tables, and
+where bodies go by them), ``flights`` (the tables that flights give), ``planning`` (fleets and inspections), ``output``.
 Importing this package imports nothing heavy: its functions are imported when they are first asked for.
 """
 

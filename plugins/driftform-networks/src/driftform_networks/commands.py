@@ -2,8 +2,7 @@
 
 import os
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from inspect import Parameter, Signature
@@ -134,10 +133,8 @@ def route(given: Given) -> None:
     network, sights = _look(given, _open(given))
     network.find_node(given.release)
     traveller = open_traveller(given.agent, given.scenario, given.settings or (), given.buoyancy)
-    with _travel(given, network) as travel:
-        passage = following.route(
-            network, traveller, given.release, hour=given.at, **_pick(given), **travel, compare=True
-        )
+    how = _pick(given) | _travel(given, network)
+    passage = following.route(network, traveller, given.release, hour=given.at, **how, compare=True)
     title = f"{network.name}: {traveller.name} from {given.release} at hour {given.at:g}"
     present_passage(passage, title, outputs, given.json, sights, is_body=True)
 
@@ -160,10 +157,8 @@ def fleet(given: Given) -> None:
     network, sights = _look(given, _open(given))
     releases = split_names(given.releases, network)
     travellers = _collect(given, given.agents_from or (), BUOYANCIES)
-    with _travel(given, network) as travel:
-        planned = plan_fleet(
-            network, travellers, releases, given.size, hours=given.hours_at or (0.0,), **_pick(given), **travel
-        )
+    how = _pick(given) | _travel(given, network)
+    planned = plan_fleet(network, travellers, releases, given.size, hours=given.hours_at or (0.0,), **how)
     title = f"{network.name}: a fleet of {given.size} from {', '.join(dict.fromkeys(releases))}"
     present_fleet(planned, title, outputs, given.json, sights, travellers)
 
@@ -191,21 +186,20 @@ def plan(given: Given) -> None:
     junctions = [network.nodes[node] for node in np.flatnonzero(~network.stores)]
     releases = split_names(given.plan_releases or (), network) or hydrants or junctions
     travellers = _collect(given, given.agents_from or (() if given.run else ("sphere:60mm",)), (0.0,))
-    with _travel(given, network) as travel:
-        planned = plan_inspection(
-            network,
-            travellers,
-            releases,
-            given.nets,
-            places=hydrants,
-            hours=parse_hours(given.hours),
-            size=given.plan_size,
-            within=parse_time("--within", given.plan_within),
-            battery=given.battery and parse_time("--battery", given.battery),
-            aim=given.aim,
-            **_pick(given),
-            **travel,
-        )
+    planned = plan_inspection(
+        network,
+        travellers,
+        releases,
+        given.nets,
+        places=hydrants,
+        hours=parse_hours(given.hours),
+        size=given.plan_size,
+        within=parse_time("--within", given.plan_within),
+        battery=given.battery and parse_time("--battery", given.battery),
+        aim=given.aim,
+        **_pick(given),
+        **_travel(given, network),
+    )
     title = f"{network.name}: {given.plan_size} bodies and {len(planned.nets)} nets within {given.plan_within}"
     present_plan(planned, title, outputs, given.json, sights)
 
@@ -241,26 +235,12 @@ def _look(given: Given, network: "Network") -> tuple["Network", "Sights"]:
     return network, Sights({name: pick_column(columns, "--by", name) for name in given.by or ()}, heard)
 
 
-@contextmanager
-def _travel(given: Given, network: "Network") -> Iterator[dict[str, Any]]:
-    """Yield how bodies travel, and how their flights are made, as parameters; show the progress of the flights."""
-    from driftform.util import progress
+def _travel(given: Given, network: "Network") -> dict[str, Any]:
+    """Return how bodies travel, and how their flights are made, as parameters."""
     from driftform_networks.flights.travelling import Travel
 
     travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
-    workers, bars = given.workers or os.cpu_count() or 1, list[Callable[[int, int], None]]()
-
-    def show(done: int, total: int) -> None:
-        if not bars:
-            bars.append(shown.enter_context(progress.count_progress("flight tables")))
-        bars[0](done, total)
-        if done == total:
-            # What follows shows its own progress.
-            shown.close()
-            bars.clear()
-
-    with ExitStack() as shown:
-        yield {"travel": travel, "workers": workers, "cache": given.cache, "progress": show}
+    return {"travel": travel, "workers": given.workers or os.cpu_count() or 1, "cache": given.cache}
 
 
 def _collect(given: Given, agents: Sequence[str], buoyancies: Sequence[float]) -> "list[Traveller]":

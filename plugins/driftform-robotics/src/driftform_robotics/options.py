@@ -1,4 +1,4 @@
-"""What the fitness ``leak`` and the recorders share: options of sensors, and the pressure of the air."""
+"""Options of sensors, which the fitness ``leak`` and the recorders share, and the pressure of the air."""
 
 from driftform.interfaces import Table, option
 from driftform.water import Vector

@@ -172,7 +172,7 @@ def eddy_diffusivity(scenario: Scenario) -> float:
 def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: float | None = None) -> Plume:
     """Return the plume of a leak at the point of the wall that is nearest to ``point`` (world frame, m).
 
-    For a point on the pipe's axis the leak is in the wall below it, or beside it if the pipe is vertical. The rate is in
+    For a point on the pipe's axis the leak is in the wall below it, or at its side if the pipe is vertical. The rate is in
     kg/s, the diffusivity in m2/s, by default :func:`eddy_diffusivity`.
 
     Raises ValueError if the scenario has no pipe or one that is not straight, or if its water is at rest.

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 def ros(
     agent: options.Agent,
     rate: Annotated[
-        float,
-        typer.Option(metavar="N", min=0, max=1000, help="Seconds of flight per second; 0 for no limit."),
+        float, typer.Option(metavar="N", min=0, max=1000, help="Seconds of flight per second; 0 for no limit.")
     ] = 1.0,
     rate_hz: Annotated[
         float, typer.Option(metavar="HZ", min=0.1, max=1000, help="Messages per topic and second of flight.")
@@ -26,8 +25,7 @@ def ros(
         bool, typer.Option("--once", help="End after the flight instead of waiting for a release.")
     ] = False,
     clock: Annotated[
-        bool,
-        typer.Option(help="Publish /clock and set /use_sim_time; --no-clock if a simulator publishes it."),
+        bool, typer.Option(help="Publish /clock and set /use_sim_time; --no-clock if a simulator publishes it.")
     ] = True,
     scenario: options.ScenarioOption = None,
     simulator: options.Simulator = None,

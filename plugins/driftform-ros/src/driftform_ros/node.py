@@ -178,8 +178,7 @@ class LiveNode:
         self._current = self._pending = current
         ros = make_messages(None)
         stamp = self._make_topics().stamps[0]
-        twist = ros.make("geometry_msgs/Twist", linear=ros.make_vector(np.array(current)))
-        message = ros.make(CURRENT, header=ros.make_header(stamp, WORLD), twist=twist)
+        message = ros.make_stamped(CURRENT, stamp, WORLD, twist=ros.make_twist(np.array([*current, 0.0, 0.0, 0.0])))
         self._bus.publish(f"/{self._options.namespace}/current", ros.encode(CURRENT, message))
 
     def _make_topics(self) -> FlightTopics:

@@ -24,11 +24,11 @@ from driftform_studio.live import LiveRun
 Document = dict[str, Any]
 
 FORMATS = {"stl": ("stl", False), "3mf": ("3mf", False), "kit": ("3mf", True)}
-"""What can be taken for a printer: the exporter of each, and whether it writes a kit."""
+"""Downloads for a printer: the exporter of each, and whether it writes a kit."""
 
 
 def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
-    """Return what the page shows of an agent: its body, its flight, its facts, and what is promised of it."""
+    """Return an agent for the page: its body, flight, facts and promise."""
     run, design = live.run, live.find_agent(key)
     scenario, agent, result = run.study.scenario, design.agent, design.result
     flight = run.read_flight(result["evaluation"])
@@ -67,7 +67,7 @@ def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any
 
 
 def disturb_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
-    """Fly an agent under disturbed conditions, and return what is promised of it."""
+    """Fly an agent under disturbed conditions, and return its promise."""
     design, number = _aim(key, live.find_agent(key))
     flights = design.scenario.robustness.checks
     with progress.count_progress("disturbed flights") as show:
@@ -76,7 +76,7 @@ def disturb_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]
 
 
 def trim_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
-    """Plan the ballast of the kit of an agent that weighs so many ``grams`` with its core; ``misses`` are of its target, m."""
+    """Plan the ballast of a kit that weighs ``grams`` with its core; ``misses`` are those of the agent's target, m."""
     grams = document.get("grams")
     if not isinstance(grams, int | float) or grams <= 0:
         raise InputError("weigh the print with its core, and enter the grams")
@@ -103,7 +103,7 @@ def export_agent(design: Design, kind: str, folder: Path, ballast: Any = None) -
     Raises InputError if there is no such kind. Raises WorkFailedError if the agent cannot be written so.
     """
     if kind not in FORMATS:
-        raise InputError(f"there are no files '{kind}'{did_you_mean(kind, FORMATS)}")
+        raise InputError(f"unknown files '{kind}'{did_you_mean(kind, FORMATS)}")
     format, kit = FORMATS[kind]
     if kit:
         given = design.study.document.get("builder", {}).get("kit") or {}
@@ -124,7 +124,7 @@ def export_agent(design: Design, kind: str, folder: Path, ballast: Any = None) -
 def map_reach(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
     """Return the reach map: the class of each cell by the closest flight, and where the cells lie in the pipe.
 
-    A cell that no flight crosses has the class -1, and one that is not in the pipe -2: beside a narrow bore, or between
+    A cell that no flight crosses has the class -1, and one that is not in the pipe -2: outside a narrow bore, or between
     the parts on an unrolled map. ``edges`` has two edges for each column of cells, upstream and downstream, from the lowest to
     the highest point of the map; ``None`` for a column that is not in the pipe. Raises InputError if the run is in open water.
     """
@@ -152,7 +152,7 @@ def _place_columns(cells: PipeGrid) -> FloatArray:
     """Return both edges of each column of a map from bottom to top in the world frame, m, (columns, 2, 2, 3)."""
     columns, rows = cells.shape
     width, top = cells.size[0], 0.5 * rows * cells.size[1]
-    # Just within the column: the end of a branch's axis is not the beginning of the gap behind it.
+    # Just within the column: the end of a branch's axis is not the beginning of the gap after it.
     inset = 1e-6 * width
     x = width * np.arange(columns)[:, None] + np.array([inset, width - inset])
     corners = np.stack(np.broadcast_arrays(x[:, :, None], np.array([-top, top])), axis=-1)
@@ -193,7 +193,7 @@ WORK: dict[str, Callable[[LiveRun, str, Document], dict[str, Any]]] = {
     "pick": pick,
     "report": write_report,
 }
-"""What takes longer than an answer may: of a run, of the key of an agent, and of the document of the request."""
+"""Functions that run as tasks; they take a run, the key of an agent, and the document of the request."""
 
 
 def _summarise(misses: Any, target: int) -> dict[str, Any]:

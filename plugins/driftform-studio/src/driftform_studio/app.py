@@ -1,4 +1,4 @@
-"""The addresses of the page: what each answers, and which function of the core it calls."""
+"""The addresses of the page, with the function of the core that each calls."""
 
 import math
 from collections import OrderedDict
@@ -55,7 +55,7 @@ Parameters = Mapping[str, str]
 
 
 class Studio:
-    """What the addresses answer; each method takes the parameters of the path and the document of the request."""
+    """The answers of the addresses; each method takes the parameters of the path and the document of the request."""
 
     def __init__(self, folder: RunsFolder, given: Path) -> None:
         self.folder = folder
@@ -68,7 +68,7 @@ class Studio:
         self._is_warm = False
 
     def close(self) -> None:
-        """Remove what was made to be taken; searches go on."""
+        """Remove the files made for downloads; searches continue."""
         self.tasks.close()
         self._made.cleanup()
 
@@ -87,7 +87,7 @@ class Studio:
             return self._open[name]
 
     def begin(self, parameters: Parameters, document: Any) -> Any:
-        """Return what an empty page begins with: the built-in scenarios with every default filled in."""
+        """Return the contents of an empty page: the built-in scenarios with every default filled in."""
         presets = []
         for name in Study.list_scenarios():
             try:
@@ -148,12 +148,12 @@ class Studio:
         return {"text": text, "errors": [], "outline": outline, "evaluations": study.evaluations}
 
     def examine(self, parameters: Parameters, document: Any) -> Any:
-        """Return what takes a moment of a sound draft: the current over the section, and what is likely to be wrong."""
+        """Return the slow facts of a sound draft: the current over the section, and warnings."""
         study = load_draft(self._load(document)[1])
         return {"scene": _scene(study.scenario), "warnings": study.list_warnings()}
 
     def _warm_up(self) -> None:
-        """Import what the next questions need, once a first picture is on its way."""
+        """Import the modules of the next requests, after the first answer."""
         if not self._is_warm:
             self._is_warm = True
             Thread(target=import_module, args=("driftform_studio.agents",), daemon=True).start()
@@ -191,7 +191,7 @@ class Studio:
         return {"run": directory.name}
 
     def show_run(self, parameters: Parameters, document: Any) -> Any:
-        """Return what of a run does not change: its study, its surroundings, its commands."""
+        """Return the fixed facts of a run: its study, surroundings and commands."""
         live = self._find(parameters)
         run = live.run
         scenario = run.study.scenario
@@ -213,7 +213,7 @@ class Studio:
         }
 
     def show_status(self, parameters: Parameters, document: Any) -> Any:
-        """Return how far the search of a run is."""
+        """Return the progress of the search of a run."""
         return self._find(parameters).read_status(self.searches)
 
     def show_path(self, parameters: Parameters, document: Any) -> Any:
@@ -253,7 +253,7 @@ class Studio:
         return {"task": self.tasks.start(make if name == "make" else lambda: WORK[name](live, key, document))}
 
     def show_task(self, parameters: Parameters, document: Any) -> Any:
-        """Return how far a task is."""
+        """Return the progress of a task."""
         task = self.tasks.find(parameters["task"])
         if task is None:
             raise InputError("the server was started again meanwhile: ask once more")
@@ -374,10 +374,10 @@ def _read_page() -> dict[str, bytes]:
 
 
 def _outline(scenario: Any) -> dict[str, Any]:
-    """Return what the side view draws of a scenario: pipe, openings, release, targets, current, free surface.
+    """Return a scenario for the side view: pipe, openings, release, targets, current, free surface.
 
     The axis of each part of the pipe is a line through points with a radius at each; openings look outward, the inlet
-    first. ``pipe`` is the pipe as one straight segment, empty if it is none.
+    first. ``pipe`` is the pipe as one straight segment, empty for other pipes.
     """
     pipe = scenario.pipe
     straight, outlets = pipe.straight, pipe.layout.outlets

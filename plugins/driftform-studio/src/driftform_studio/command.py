@@ -18,7 +18,7 @@ def studio(
             metavar="N",
             min=1,
             max=65535,
-            help="Port on 127.0.0.1; by default the one that FOLDER had before, or any free one.",
+            help="Port on 127.0.0.1; by default the last port of FOLDER, or any free port.",
         ),
     ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
@@ -36,6 +36,6 @@ def studio(
         if json:
             output.print_json({"address": address, "folder": str(folder)})
         else:
-            print(f"driftform studio: {address}\nCtrl-C ends the page, and no search", flush=True)
+            print(f"driftform studio: {address}\nCtrl-C ends the page; searches continue", flush=True)
 
     serve(folder, port, announce, browser)

@@ -1,4 +1,4 @@
-"""A design in the making: what the page edits, as a study file and as a study."""
+"""The draft that the page edits, as a study file and as a study."""
 
 import re
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ TABLES = (*Scenario.model_fields, *_SEAMS)
 """Tables that the page may set: none that names files or programs."""
 
 FILE = "study.toml"
-"""What errors call the study."""
+"""Name of the study in errors."""
 
 
 def check_draft(draft: Any) -> dict[str, Any]:

@@ -42,7 +42,7 @@ class RunsFolder:
 
         Raises InputError if there is no such run directly in the folder, or a link in it leads out of it.
         """
-        # A name that is no entry of the folder, such as "../x", is not one of these.
+        # Only names of entries of the folder, not "../x".
         known = {path.name: path for path in self.path.iterdir()}
         path = known.get(name)
         if path is None or not self._holds_run(path):
@@ -81,14 +81,14 @@ class RunsFolder:
     def keep_file(self, name: Any, content: Any) -> Path:
         """Keep a file that was given to a design (its ``content`` in base 64), and return its path.
 
-        Raises InputError if name or content is none.
+        Raises InputError if name or content is invalid.
         """
         try:
             data = base64.b64decode(content, validate=True)
         except (TypeError, ValueError):
             raise InputError("the content of the file is not in base 64") from None
         if not isinstance(name, str) or Path(name).suffix.lower() not in (".csv", ".nc", ".vtk", ".vtu"):
-            raise InputError(f"{name}: is no .csv, .nc, .vtk or .vtu")
+            raise InputError(f"{name}: not a .csv, .nc, .vtk or .vtu file")
         folder = files.make_directory(self.path / FILES / hashlib.sha256(data).hexdigest()[:16], "FOLDER")
         path = folder / f"{files.safe_stem(Path(name).stem)}{Path(name).suffix.lower()}"
         self.check_file(str(path))
@@ -108,7 +108,7 @@ class RunsFolder:
         """Return the token and the port that the page had here before; a new token and 0 if there are none."""
         path = self.path / ADDRESS
         try:
-            # Whoever else may read the file knows the token.
+            # Other readers of the file would know the token.
             private = os.name == "nt" or not path.stat().st_mode & 0o077
             kept = re.fullmatch(r"(\w{32,}) (\d{1,5})", path.read_text(encoding="utf-8"))
         except (OSError, ValueError):

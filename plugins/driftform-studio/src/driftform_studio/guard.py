@@ -1,4 +1,4 @@
-"""Who is answered: this machine's own page with its token, and nobody else.
+"""Answers only the page of this machine, by its token.
 
 A page of another origin may send requests to 127.0.0.1, and a name of another host may be made to point there (DNS
 rebinding). So the token is the first part of every path, the host must be this machine's, an origin that a browser names
@@ -45,7 +45,7 @@ HEADERS = {
 
 
 class Guard:
-    """An ASGI application that refuses strangers, and passes the others on without the token in their path."""
+    """An ASGI application that refuses foreign requests, and passes the others on without the token in their path."""
 
     def __init__(self, app: ASGIApp, token: str, hosts: Iterable[str]) -> None:
         self._app = app
@@ -79,11 +79,11 @@ class Guard:
         await self._app({**scope, "root_path": f"/{token}"}, receive, send_with_headers)
 
     def _refuse(self, scope: Scope) -> Response | None:
-        """Return the answer to a stranger, ``None`` for the page itself."""
+        """Return the refusal of a foreign request, ``None`` for one of the page."""
         headers: dict[str, str] = {}
         for name, value in scope["headers"]:
             key = name.decode("latin-1")
-            # Which of two hosts would count is a question that nobody honest asks.
+            # A browser sends one of each: with two it is unclear which counts.
             if key in headers and key in ("host", "origin"):
                 return _refuse(400, f"two headers '{key}'")
             headers[key] = value.decode("latin-1")

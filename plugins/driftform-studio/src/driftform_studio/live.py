@@ -1,4 +1,4 @@
-"""A run as the page shows it: how far its search is, its best flights, and what is promised of its best agents."""
+"""A run for the page: the progress of its search, its best flights, and the promises of its best agents."""
 
 from pathlib import Path
 from threading import Lock
@@ -19,14 +19,14 @@ STARTING, PAUSING, PAUSED, FAILED = "starting", "pausing", "paused", "failed"
 """States that the page has besides these."""
 
 PATH_TOLERANCE = 2e-3
-"""Tolerance to which a path is simplified for a side view, m: a tenth of what a screen shows of a pipe."""
+"""Tolerance to which a path is simplified for a side view, m: a tenth of the detail that a screen shows of a pipe."""
 
 COLUMNS = 120
 """Points of the curve of a target."""
 
 
 class LiveRun:
-    """A run that the page has open; what was read of it is kept, and only what is new is read again."""
+    """A run that the page has open; results are kept, and only new ones are read."""
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
@@ -50,7 +50,7 @@ class LiveRun:
             return self._run
 
     def read_status(self, searches: Searches) -> dict[str, Any]:
-        """Return how far the search is. Raises InputError if the run is damaged."""
+        """Return the progress of the search. Raises InputError if the run is damaged."""
         run = self.run
         with self._lock:
             monitor = self._monitor
@@ -101,7 +101,7 @@ class LiveRun:
         return FINISHED
 
     def _count_disturbed(self, run: Run) -> list[int]:
-        """Return the number of disturbed flights that are done, and of all, as far as the search has said."""
+        """Return the number of disturbed flights done, and of all, as the search has stated."""
         try:
             done, total = map(int, (self.directory / PROGRESS).read_text(encoding="utf-8").split())
         except (OSError, ValueError):
@@ -110,7 +110,7 @@ class LiveRun:
         return [done, total]
 
     def _read_result(self, run: Run, target: str, state: tuple[Any, ...]) -> dict[str, Any]:
-        """Return what is known of the best agent of a target; read again only in another state of the run."""
+        """Return the result of the best agent of a target; read again only in another state of the run."""
         known = self._best.get(target)
         if known is None or known[0] != state:
             stored = run.find_best(target)
@@ -147,7 +147,7 @@ class LiveRun:
 
 
 def _identify(directory: Path) -> tuple[int, int] | None:
-    """Return what a run is, whatever its name; ``None`` if it is gone."""
+    """Return the identity of a run, independent of its name; ``None`` if it is gone."""
     try:
         status = (directory / DATABASE).stat()
     except OSError:

@@ -1,4 +1,4 @@
-"""A search in a process of its own: ``python -m driftform_studio.search RUN``. It goes on when the server ends.
+"""A search in a process of its own: ``python -m driftform_studio.search RUN``. It continues when the server ends.
 
 It does what ``driftform resume`` does, and pauses when the page asks for it.
 """

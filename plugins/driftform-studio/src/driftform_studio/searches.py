@@ -1,4 +1,4 @@
-"""Searches in processes of their own: begin, pause and continue them. They go on when the server ends."""
+"""Searches in processes of their own: begin, pause and continue them. They continue when the server ends."""
 
 import re
 import subprocess
@@ -27,7 +27,7 @@ _DETACHED = 0x00000008 | 0x00000200
 
 
 class Searches:
-    """The searches that this server began, of which it knows how they ended."""
+    """The searches that this server began, with their processes."""
 
     def __init__(self) -> None:
         self._processes: dict[Path, subprocess.Popen[bytes]] = {}
@@ -54,7 +54,7 @@ class Searches:
             )
 
     def pause(self, directory: Path) -> None:
-        """Ask the search of a run to pause; what it has found is stored already.
+        """Ask the search of a run to pause; its results are stored already.
 
         Raises InputError if the run is not searched by the page.
         """
@@ -82,7 +82,7 @@ class Searches:
         return "\n".join(errors or lines[-5:]) or f"the search ended with exit code {process.returncode}"
 
     def read_compilation(self, directory: Path) -> list[float]:
-        """Return for how long a search has compiled kernels, and how long that takes, s; empty if it has not said so."""
+        """Return the time since a search began to compile kernels, and its estimate, s; empty if it compiles none."""
         try:
             said = re.findall(r"^compiling .* about (\d+) s", (directory / LOG).read_text(errors="replace"), re.M)
             return [time.time() - (directory / LOG).stat().st_mtime, float(said[-1])] if said else []
@@ -90,10 +90,10 @@ class Searches:
             return []
 
     def count_alive(self) -> int:
-        """Return how many searches that this server began still go on."""
+        """Return the number of running searches that this server began."""
         return sum(self.is_alive(directory) for directory in self._processes)
 
     def is_alive(self, directory: Path) -> bool:
-        """Return whether a search of a run that this server began still goes on."""
+        """Return whether a search of a run that this server began is running."""
         process = self._processes.get(directory)
         return process is not None and process.poll() is None

@@ -20,7 +20,7 @@ HOST = "127.0.0.1"
 
 
 def serve(folder: Path, port: int | None, announce: Callable[[str], None], browser: bool) -> None:
-    """Serve the page until it is interrupted; searches that were begun go on.
+    """Serve the page until it is interrupted; searches continue.
 
     ``port`` is ``None`` for the one that the folder's page had before, or else any free one; ``announce`` is called with the
     address once the server listens. Raises InputError if the port is taken, or the folder cannot be written to.
@@ -30,7 +30,7 @@ def serve(folder: Path, port: int | None, announce: Callable[[str], None], brows
     listener = _listen(port, before)
     actual = listener.getsockname()[1]
     if actual != before:
-        # Whoever has the old port now receives what pages that are open ask there, token and all.
+        # Another program on the old port receives the requests of open pages, with their token.
         token = secrets.token_hex(16)
     runs.write_address(token, actual)
     address = f"http://{HOST}:{actual}/{token}/"
@@ -61,8 +61,8 @@ def serve(folder: Path, port: int | None, announce: Callable[[str], None], brows
         alive = studio.searches.count_alive()
         studio.close()
         if alive:
-            searches = "1 search goes" if alive == 1 else f"{alive} searches go"
-            print(f"{searches} on; 'driftform watch RUN' shows it, and so does the page", file=sys.stderr)
+            searches = "1 search continues" if alive == 1 else f"{alive} searches continue"
+            print(f"{searches}; watch with 'driftform watch RUN', or with the page", file=sys.stderr)
 
 
 def _listen(port: int | None, before: int) -> socket.socket:

@@ -1,4 +1,4 @@
-"""Work that takes longer than an answer may: it goes on in a thread, and the page asks how far it is."""
+"""Long work of the page: it runs in a thread, and the page polls its progress."""
 
 from collections import OrderedDict
 from collections.abc import Callable

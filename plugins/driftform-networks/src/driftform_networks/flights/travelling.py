@@ -1,6 +1,6 @@
 """The tables of a body in a network: made from flights, kept on disk, shared by all networks."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from itertools import chain, product
@@ -41,9 +41,6 @@ SERVICE_BORE = 0.02
 
 _Way: TypeAlias = tuple[int, list[tuple[TeeTask, float]]]
 """An outlet, and the flights that stand for the way into it, with weights of the sum 1."""
-
-Progress = Callable[[int, int], None]
-"""Takes the number of tables that are made, and of all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -304,7 +301,7 @@ def repeat_cells(flights: StraightFlights, cells: int, task: StraightTask) -> Tr
     return TransferTable(power, np.maximum(spent / cells, 1e-3), obstacle)
 
 
-def make_flights(travelings: Sequence[Traveling], snapshots: Sequence[Snapshot], workers: int, show: Progress) -> None:
+def make_flights(travelings: Sequence[Traveling], snapshots: Sequence[Snapshot], workers: int) -> None:
     """Make the flights that bodies need in snapshots and that are not on disk, in worker processes.
 
     Each result is written as soon as it is there: after an interruption, only flights that were being made are made again.
@@ -318,24 +315,26 @@ def make_flights(travelings: Sequence[Traveling], snapshots: Sequence[Snapshot],
         _find_missing(task for traveling, snap in cases for task in traveling.list_tees(snap)),
     ]
     total = sum(map(len, stages))
-    if total:
-        show(0, total)
-    if workers == 1 or total < 2:
-        for done, task in enumerate(chain.from_iterable(stages), start=1):
-            task()
-            show(done, total)
+    if not total:
         return
     from driftform import load_study
     from driftform.search import open_executor
 
-    with open_executor(load_study(str(SCENARIO), run={"seed": 0}), workers=workers) as executor:
-        size, done = 4 * workers, 0
-        for tasks in stages:
-            for start in range(0, len(tasks), size):
-                part = tasks[start : start + size]
-                executor.call(part)
-                done += len(part)
+    with progress.count_progress("flight tables") as show:
+        show(0, total)
+        if workers == 1 or total == 1:
+            for done, task in enumerate(chain.from_iterable(stages), start=1):
+                task()
                 show(done, total)
+            return
+        with open_executor(load_study(str(SCENARIO), run={"seed": 0}), workers=workers) as executor:
+            size, done = 4 * workers, 0
+            for tasks in stages:
+                for start in range(0, len(tasks), size):
+                    part = tasks[start : start + size]
+                    executor.call(part)
+                    done += len(part)
+                    show(done, total)
 
 
 def _find_missing(wanted: Iterable[StraightTask | TeeTask]) -> list[StraightTask | TeeTask]:

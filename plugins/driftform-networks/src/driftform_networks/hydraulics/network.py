@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -162,6 +163,15 @@ class Network:
     def wkt(self, link: int) -> str:
         """Return the line of a link as text that programs for maps read."""
         return f"LINESTRING ({', '.join(f'{x:.12g} {y:.12g}' for x, y in self.polyline(link))})"
+
+    def tabulate_links(self, kept: BoolArray, **values: FloatArray) -> dict[str, list[Any]]:
+        """Return names, lengths and further values of some links as columns; ``kept`` and each value are (links,)."""
+        rows = np.flatnonzero(kept)
+        columns: dict[str, list[Any]] = {
+            "link": [self.links[row] for row in rows],
+            "length_m": self.length[rows].tolist(),
+        }
+        return columns | {name: value[rows].tolist() for name, value in values.items()}
 
     @cached_property
     def _courses(self) -> dict[int, FloatArray]:

@@ -129,12 +129,7 @@ class Fleet:
 
     def link_table(self) -> dict[str, list[Any]]:
         """Return the reachable links as columns."""
-        rows = np.flatnonzero(self.reachable)
-        return {
-            "link": [self.network.links[row] for row in rows],
-            "length_m": self.network.length[rows].tolist(),
-            "seen": self.seen[rows].tolist(),
-        }
+        return self.network.tabulate_links(self.reachable, seen=self.seen)
 
 
 def close_gap(coverage: float, split: float, bound: float) -> float:

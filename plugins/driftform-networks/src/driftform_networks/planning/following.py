@@ -11,7 +11,7 @@ from driftform.errors import InputError
 from driftform.util import progress
 from driftform_networks.flights.bodies import Traveller, open_traveller
 from driftform_networks.flights.junctions import SIDES
-from driftform_networks.flights.travelling import Progress, Travel, Traveling, make_flights
+from driftform_networks.flights.travelling import Travel, Traveling, make_flights
 from driftform_networks.hydraulics.network import BoolArray, Network
 from driftform_networks.hydraulics.snapshot import Snapshot, divide_flow, take_snapshot
 from driftform_networks.passages.chain import follow
@@ -38,7 +38,6 @@ class How:
         travel: side where branches leave, bore of service pipes, and clearances.
         workers: processes that make flights; the result is the same for any number of them.
         cache: directory for flights; ``None`` for the user's.
-        progress: takes the number of tables that are made, and of all.
     """
 
     unsteady: bool = False
@@ -48,7 +47,6 @@ class How:
     travel: Travel = field(default_factory=Travel)
     workers: int = 1
     cache: Path | None = None
-    progress: Progress = lambda _, __: None
 
     def take_snapshots(self, network: Network, hour: float) -> list[Snapshot]:
         """Return the flow at an hour, with ``unsteady`` that of each hydraulic step from then on, for the hours ``within``.
@@ -73,7 +71,7 @@ class How:
     ) -> list[Traveling]:
         """Return what routes each body in each way to travel, its flights in the snapshots made."""
         travelings = [Traveling(body, travel, self.cache) for body in travellers for travel in travels]
-        make_flights(travelings, snapshots, self.workers, self.progress)
+        make_flights(travelings, snapshots, self.workers)
         return travelings
 
 

@@ -77,10 +77,7 @@ class Plan:
 
     def link_table(self) -> dict[str, list[Any]]:
         """Return the reachable links as columns."""
-        rows = np.flatnonzero(self.reachable)
-        known = {name: getattr(self, name)[rows].tolist() for name in ("alone", "seen", "recorded")}
-        names = [self.network.links[row] for row in rows]
-        return {"link": names, "length_m": self.network.length[rows].tolist()} | known
+        return self.network.tabulate_links(self.reachable, alone=self.alone, seen=self.seen, recorded=self.recorded)
 
     def as_document(self) -> dict[str, Any]:
         """Return the plan as plain values for JSON."""

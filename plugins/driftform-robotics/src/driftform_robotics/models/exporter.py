@@ -1,4 +1,4 @@
-"""What the exporters of models share: options, the model that they write, and how its folder is written."""
+"""Shared by the exporters of models: options, the model, and how its folder is written."""
 
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -102,7 +102,7 @@ class Model:
         return np.array([x, 0.0, 0.0]) - self.job.agent.mass.cog
 
     def list_warnings(self) -> list[str]:
-        """Return what no format can represent exactly: a folded outline, a varying flow, drag by strips."""
+        """Warn of features that no format represents exactly: a folded outline, a varying flow, drag by strips."""
         folding, flow = warn_of_folding(self.job.agent.body), warn_of_flow(self.job.scenario)
         return [*folding, *flow, *warn_of_damping(self.link)]
 
@@ -152,7 +152,7 @@ class ModelExporter(Exporter[OptionsT_co]):
         return render(self.block, model=model, notes=notes, **self.list_values()).partition("\n")[2]
 
     def list_values(self) -> dict[str, Any]:
-        """Return what the templates of the format need besides the model."""
+        """Return the values of the format's templates, apart from the model."""
         return {}
 
     def _make_model(self, job: ExportJob) -> Model:

@@ -1,4 +1,4 @@
-"""The matrices of Fossen's model in one file, for programs of one's own and for MATLAB."""
+"""The matrices of Fossen's model in one file, for your own programs and for MATLAB."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -79,7 +79,7 @@ class Gap:
     is_coarse: bool
 
     def describe(self) -> str:
-        """Say in a sentence how far the paths are apart."""
+        """Describe in a sentence how far the paths are apart."""
         near = [f"{d:.3g} m after {t:g} s" for t, d in self.distances.items() if np.isfinite(d)]
         if not near:
             return f"The path by {self.name} diverges, with steps of {self.step:g} s."
@@ -98,7 +98,7 @@ def read_link(name: str, link: Link, density: float) -> Reader:
 def measure_gap(reader: Reader, job: ExportJob, link: Link, step: float | None = None) -> Gap:
     """Compare a program's path with the agent's own; without a ``step`` (s), choose it.
 
-    The longest step is chosen whose error is small beside the gap. If the path diverges at once with every step, because
+    The longest step is chosen whose error is small compared with the gap. If the path diverges at once with every step, because
     the added mass of the previous step does, the step is one of common use.
     """
     own = fly_own(job, link, TIMES[-1])

@@ -127,7 +127,7 @@ def warn_of_damping(link: Link) -> Iterator[str]:
 
 
 def describe_link(name: str, link: Link, axes: str = "y to port, z up") -> list[str]:
-    """Say what the numbers of a link refer to, and whether added mass that lags diverges."""
+    """Describe the reference of a link's numbers, and whether lagging added mass diverges."""
     ratio = link.added_mass_ratio
     verdicts = [
         f"{'DIVERGES' if ratio >= _find_limit(smoothing) else 'is stable'} in {program}"

@@ -47,7 +47,7 @@ class Paths:
         return self._sense(self.true) != self._sense(self.mujoco)
 
     def describe(self) -> str:
-        """Say in a sentence or two what MuJoCo makes of the path."""
+        """Compare the path in MuJoCo with the true one, in a sentence or two."""
         true, wrong = self._describe_climb(self.true), self._describe_climb(self.mujoco)
         when = f"{self.seconds:.2g} s after its release"
         if self.differ_in_kind:

@@ -31,7 +31,7 @@ def make_package(
         description: one sentence.
         others: paths of the other files in the folder: shell scripts are installed as programs, the others to be
             shared.
-        launch: path of the launch file's template, without its copyright notice; a README is beside it.
+        launch: path of the launch file's template, without its copyright notice; a README is in the same folder.
         depends: packages that the launch file starts.
         configuration: texts of further files by their paths.
         values: of the two templates.

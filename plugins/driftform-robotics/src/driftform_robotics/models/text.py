@@ -24,7 +24,7 @@ def render(template: str, **values: Any) -> str:
     """Return a file from a template of this package, by its path; XML is laid out anew.
 
     Raises:
-        xml.etree.ElementTree.ParseError: if the template is XML, and what it makes is not.
+        xml.etree.ElementTree.ParseError: if the template is XML, and its result is not.
     """
     text = _make_environment().get_template(template).render(**values)
     if not _is_xml(template):

@@ -109,7 +109,7 @@ def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
 
 
 def _describe_current(current: FloatArray) -> list[tuple[str, float, float, float]]:
-    """Return what the plugin of the current needs: tag, mean, least and greatest value; m/s and rad."""
+    """Return the parameters of the current's plugin: tag, mean, minimum and maximum; m/s and rad."""
     speed = float(np.linalg.norm(current))
     x, y, z = current.tolist()
     return [

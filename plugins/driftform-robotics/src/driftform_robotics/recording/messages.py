@@ -45,6 +45,15 @@ class Messages:
         """Return a header; ``stamp`` is in ns."""
         return self.make("std_msgs/Header", stamp=self.make_time(stamp), frame_id=frame)
 
+    def make_stamped(self, kind: str, stamp: int, frame: str, **fields: Any) -> Any:
+        """Return a message with a header; ``stamp`` is in ns."""
+        return self.make(kind, header=self.make_header(stamp, frame), **fields)
+
+    def make_twist(self, velocity: FloatArray) -> Any:
+        """Return a twist, from a linear and an angular velocity, (6,)."""
+        linear, angular = self.make_vector(velocity[:3]), self.make_vector(velocity[3:])
+        return self.make("geometry_msgs/Twist", linear=linear, angular=angular)
+
     def make_time(self, stamp: int) -> Any:
         """Return a time; ``stamp`` is in ns."""
         return self.make("builtin_interfaces/Time", sec=stamp // SECOND, nanosec=stamp % SECOND)

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 from driftform.interfaces import ExportJob, Recorder
@@ -23,20 +24,19 @@ class McapRecorder(Recorder[Ros2Options]):
 
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file."""
-        facts: dict[str, object] = {}
 
-        def write(part: Path) -> None:
+        def write(part: Path) -> dict[str, object]:
             # A bag with this storage is a folder with one MCAP file, which contains the name of the folder.
             scratch = part.with_name(f"{part.name}.bag")
             bag = scratch / path.stem
             try:
-                facts.update(_write_bag(bag, job, trajectory, self.options, "mcap"))
+                facts = _write_bag(bag, job, trajectory, self.options, "mcap")
                 (bag / f"{bag.name}.mcap").replace(part)
             finally:
                 shutil.rmtree(scratch, ignore_errors=True)
+            return facts
 
-        files.write_whole(path, write)
-        return (WrittenFile(self.name, str(path), dict(facts)),)
+        return _write_file(self.name, path, write)
 
 
 class Rosbag2Recorder(Recorder[Rosbag2Options]):
@@ -76,13 +76,14 @@ class Rosbag1Recorder(Recorder[FlightOptions]):
 
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file."""
-        facts: dict[str, object] = {}
+        return _write_file(self.name, path, lambda part: _write_bag(part, job, trajectory, self.options, None))
 
-        def write(part: Path) -> None:
-            facts.update(_write_bag(part, job, trajectory, self.options, None))
 
-        files.write_whole(path, write)
-        return (WrittenFile(self.name, str(path), dict(facts)),)
+def _write_file(name: str, path: Path, write: Callable[[Path], dict[str, object]]) -> tuple[WrittenFile, ...]:
+    """Write a recording of one file by a function that returns its facts; a failure leaves no partial file."""
+    facts: dict[str, object] = {}
+    files.write_whole(path, lambda part: facts.update(write(part)))
+    return (WrittenFile(name, str(path), facts),)
 
 
 def _write_bag(

@@ -101,17 +101,10 @@ class FlightTopics:
         return np.random.default_rng((self.options.seed, sensor, self.part))
 
     def _make_transform(self, stamp: int, parent: str, child: str, place: FloatArray, turned: FloatArray) -> Any:
-        transform = self.ros.make(
-            "geometry_msgs/Transform",
-            translation=self.ros.make_vector(place),
-            rotation=self.ros.make_quaternion(turned),
-        )
-        return self.ros.make(
-            "geometry_msgs/TransformStamped",
-            header=self.ros.make_header(stamp, parent),
-            child_frame_id=child,
-            transform=transform,
-        )
+        moved = {"translation": self.ros.make_vector(place), "rotation": self.ros.make_quaternion(turned)}
+        transform = self.ros.make("geometry_msgs/Transform", **moved)
+        kind = "geometry_msgs/TransformStamped"
+        return self.ros.make_stamped(kind, stamp, parent, child_frame_id=child, transform=transform)
 
     def _list_poses(self) -> Iterator[tuple[int, FloatArray, FloatArray]]:
         return zip(self.stamps, self.trajectory.position, self.trajectory.quaternion, strict=True)
@@ -138,37 +131,23 @@ class FlightTopics:
         flight = self.trajectory
         samples = zip(self.stamps, flight.position, flight.quaternion, flight.velocity, strict=True)
         for stamp, place, turned, velocity in samples:
-            twist = self.ros.make(
-                "geometry_msgs/Twist",
-                linear=self.ros.make_vector(velocity[:3]),
-                angular=self.ros.make_vector(velocity[3:]),
-            )
-            pose = self.ros.make_pose(place, turned)
-            message = self.ros.make(
-                "nav_msgs/Odometry",
-                header=self.ros.make_header(stamp, WORLD),
-                child_frame_id=self.base,
-                pose=self.ros.make("geometry_msgs/PoseWithCovariance", pose=pose),
-                twist=self.ros.make("geometry_msgs/TwistWithCovariance", twist=twist),
-            )
-            yield stamp, message
+            pose = self.ros.make("geometry_msgs/PoseWithCovariance", pose=self.ros.make_pose(place, turned))
+            twist = self.ros.make("geometry_msgs/TwistWithCovariance", twist=self.ros.make_twist(velocity))
+            state = {"child_frame_id": self.base, "pose": pose, "twist": twist}
+            yield stamp, self.ros.make_stamped("nav_msgs/Odometry", stamp, WORLD, **state)
 
     def _make_path(self) -> Iterator[tuple[int, Any]]:
-        poses = []
-        for stamp, place, turned in self._list_poses():
-            header, pose = self.ros.make_header(stamp, WORLD), self.ros.make_pose(place, turned)
-            poses.append(self.ros.make("geometry_msgs/PoseStamped", header=header, pose=pose))
-        header = self.ros.make_header(self.stamps[0], WORLD)
-        yield self.stamps[0], self.ros.make("nav_msgs/Path", header=header, poses=poses)
+        make, kind = self.ros.make_stamped, "geometry_msgs/PoseStamped"
+        poses = [make(kind, stamp, WORLD, pose=self.ros.make_pose(*pose)) for stamp, *pose in self._list_poses()]
+        yield self.stamps[0], make("nav_msgs/Path", self.stamps[0], WORLD, poses=poses)
 
     def _make_wrenches(self) -> Iterator[tuple[int, Any]]:
         found = forces.net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
         for stamp, values in zip(self.stamps, found, strict=True):
-            wrench = self.ros.make(
-                "geometry_msgs/Wrench", force=self.ros.make_vector(values[:3]), torque=self.ros.make_vector(values[3:])
-            )
-            header = self.ros.make_header(stamp, f"{self.options.namespace}/cog")
-            yield stamp, self.ros.make("geometry_msgs/WrenchStamped", header=header, wrench=wrench)
+            force, torque = self.ros.make_vector(values[:3]), self.ros.make_vector(values[3:])
+            wrench = self.ros.make("geometry_msgs/Wrench", force=force, torque=torque)
+            frame = f"{self.options.namespace}/cog"
+            yield stamp, self.ros.make_stamped("geometry_msgs/WrenchStamped", stamp, frame, wrench=wrench)
 
     def _make_imu(self) -> Iterator[tuple[int, Any]]:
         options, rng = self.options, self._make_rng(0)

@@ -15,7 +15,7 @@ export function makeField(label, control, keys, { wide = false, named = label, t
   return make("div", { class: wide ? "field wide" : "field" }, make("label", { for: control.id }, label), control);
 }
 
-// Says what is wrong at a control, or nothing; `kind` is who says so: the field itself or the server.
+// Says what is wrong at a control, or nothing; `kind` is the source: the field itself or the server.
 export function sayFault(control, kind, ...words) {
   const box = control.closest(".field, .target, .part") ?? control;
   box.querySelector(`:scope > .error.${kind}`)?.remove();

@@ -5,7 +5,7 @@ const sub = (a, b) => a.map((v, i) => v - b[i]);
 const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
 const plus = (a, b, f = 1) => a.map((v, i) => v + f * b[i]);
 
-// What is to the left and up of whoever looks downstream; the same as driftform has.
+// Left and up, seen downstream; as in driftform.
 function uprightAxes(way) {
   const level = Math.hypot(way[0], way[1]);
   if (level < 1e-9) return { left: [0, -1, 0], up: [-Math.sign(way[2]), 0, 0] };
