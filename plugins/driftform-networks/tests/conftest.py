@@ -1,5 +1,6 @@
 """Networks of EPANET and WNTR, and EPANET's own quality engine on flows that no longer change."""
 
+import os
 import re
 from collections.abc import Callable
 from functools import cache
@@ -128,8 +129,13 @@ def simulate_quality(path: Path, quality: str, hours: float, step: float, tolera
     return dict(zip(names, values[-1], strict=True))
 
 
-def follow_quality(path: Path, only_last: bool = False) -> tuple[list[str], FloatArray, FloatArray]:
-    """Names of the nodes, the times of EPANET's quality steps, s, and its quality at these times, (times, nodes)."""
+def follow_quality(
+    path: Path, only_last: bool = False, prepare: Callable[[Callable[..., Any]], object] = lambda _: None
+) -> tuple[list[str], FloatArray, FloatArray]:
+    """Names of the nodes, the times of EPANET's quality steps, s, and its quality at these times, (times, nodes).
+
+    ``prepare`` changes the model by the function that it receives, which calls EPANET.
+    """
     import epanet
 
     project = epanet.EN_createproject()[1]
@@ -139,7 +145,8 @@ def follow_quality(path: Path, only_last: bool = False) -> tuple[list[str], Floa
         assert code < 100, f"{name}: error {code}"
         return found[0] if found else None
 
-    call("open", str(path), str(path.with_suffix(".rpt")), "")
+    call("open", str(path), os.devnull, "")
+    prepare(call)
     call("solveH")
     call("openQ")
     call("initQ", 0)

@@ -110,64 +110,47 @@ def converge(path: Path, folder: Path) -> Path:
 
 
 def follow_quality(
-    path: Path, quality: int, trace: str, hours: float | None, step: int
+    epanet: Any, path: Path, quality: int, trace: str, hours: float | None, step: int
 ) -> tuple[FloatArray, FloatArray]:
     """Times, s, and EPANET's quality at each node, (times, nodes); with ``hours`` alone the last, at the flows of hour 0.
 
     A chemical comes from the node ``trace`` at 100, and decays in pipes.
     """
-    import epanet
 
-    project = epanet.EN_createproject()[1]
+    def prepare(call: Callable[..., Any]) -> None:
+        nodes, links = (range(1, call("getcount", kind) + 1) for kind in (0, 2))
+        tanks = [node for node in nodes if call("getnodetype", node) == 2]
+        if hours is None:
+            for node in tanks:
+                # Marked water that comes in leaves last, so that tanks end its way within a day.
+                call("setnodevalue", node, MIXING, FIFO)
+        else:
+            for count, delete in ((5, "deletecontrol"), (6, "deleterule")):
+                for number in range(call("getcount", count), 0, -1):
+                    call(delete, number)
+            for code in (DURATION, 1, 3, 5):
+                call("settimeparam", code, int(hours * 3600))
+            for node in tanks:
+                # Their levels, and with them all flows, remain.
+                call("setnodevalue", node, TANK_DIAMETER, 1000 * call("getnodevalue", node, TANK_DIAMETER))
+        for node in nodes:
+            call("setnodevalue", node, INITIAL, 0.0)
+        call("settimeparam", 2, step)
+        call("setoption", 2, 1e-5)
+        call("setqualtype", quality, "", "", trace)
+        if quality == CHEMICAL:
+            # Of the first order in the bulk, without a limit or a reaction at the wall; no other node gives any.
+            for option, value in ((19, 1.0), (22, 0.0)):
+                call("setoption", option, value)
+            for link in links:
+                for code, value in ((6, -DECAY * 86400), (7, 0.0)) if call("getlinktype", link) < 2 else ():
+                    call("setlinkvalue", link, code, value)
+            for node in nodes:
+                call("setnodevalue", node, SOURCE, 0.0)
+            call("setnodevalue", call("getnodeindex", trace), INITIAL, 100.0)
 
-    def call(name: str, *arguments: object) -> Any:
-        code, *found = getattr(epanet, f"EN_{name}")(project, *arguments)
-        assert code < 100, f"{name}: error {code}"
-        return found[0] if found else None
-
-    call("open", str(path), os.devnull, "")
-    tanks = [node for node in range(1, call("getcount", 0) + 1) if call("getnodetype", node) == 2]
-    if hours is None:
-        for node in tanks:
-            # Marked water that comes in leaves last, so that tanks end its way within a day.
-            call("setnodevalue", node, MIXING, FIFO)
-    else:
-        for count, delete in ((5, "deletecontrol"), (6, "deleterule")):
-            for number in range(call("getcount", count), 0, -1):
-                call(delete, number)
-        for code in (DURATION, 1, 3, 5):
-            call("settimeparam", code, int(hours * 3600))
-        for node in tanks:
-            # Their levels, and with them all flows, remain.
-            call("setnodevalue", node, TANK_DIAMETER, 1000 * epanet.EN_getnodevalue(project, node, TANK_DIAMETER)[1])
-    for node in range(1, call("getcount", 0) + 1):
-        call("setnodevalue", node, INITIAL, 0.0)
-    call("settimeparam", 2, step)
-    call("setoption", 2, 1e-5)
-    call("setqualtype", quality, "", "", trace)
-    if quality == CHEMICAL:
-        # Of the first order in the bulk, without a limit or a reaction at the wall; no other node gives any.
-        for option, value in ((19, 1.0), (22, 0.0)):
-            call("setoption", option, value)
-        for link in range(1, call("getcount", 2) + 1):
-            for code, value in ((6, -DECAY * 86400), (7, 0.0)) if call("getlinktype", link) < 2 else ():
-                call("setlinkvalue", link, code, value)
-        for node in range(1, call("getcount", 0) + 1):
-            call("setnodevalue", node, SOURCE, 0.0)
-        call("setnodevalue", call("getnodeindex", trace), INITIAL, 100.0)
-    call("solveH")
-    call("openQ")
-    call("initQ", 0)
-    times, values, left = [], [], 1
-    while left > 0:
-        times.append(call("runQ"))
-        values.append(np.array(call("getnodevalues", 12)))
-        left = call("nextQ" if hours is not None else "stepQ")
-        if hours is not None:
-            del times[:-1], values[:-1]
-    call("close")
-    epanet.EN_deleteproject(project)
-    return np.array(times, float), np.array(values)
+    _, times, values = epanet.follow_quality(epanet, path, hours is not None, prepare)
+    return times, values
 
 
 def find_source(snapshot: Snapshot) -> int:
@@ -190,7 +173,7 @@ def arriving(network: Network, flow: FloatArray) -> FloatArray:
     )
 
 
-def test_tracers_are_the_trace_and_the_age_of_epanet(files: list[Path], tmp_path: Path) -> None:
+def test_tracers_are_the_trace_and_the_age_of_epanet(files: list[Path], tmp_path: Path, epanet: Any) -> None:
     print("| network | links | TRACE, points | AGE, relative | nodes with AGE |")
     aged = 0
     for name in STEADY:
@@ -206,7 +189,7 @@ def test_tracers_are_the_trace_and_the_age_of_epanet(files: list[Path], tmp_path
             mean = ages / flux
         hours = float(np.clip(3 * np.nanmax(np.where(passage.visits > 1e-4, passage.age, 0)) / 3600, 2, 150))
         step = max(60, int(hours * 3600 / 4000))
-        _, shares = follow_quality(path, TRACE, network.nodes[source], hours, step)
+        _, shares = follow_quality(epanet, path, TRACE, network.nodes[source], hours, step)
         expected = shares[-1] * arriving(network, network.hydraulics.flow[0]) / snapshot.departure[source]
         settled = ~network.stores & ~(passage.age > hours * 3600 / 5)
         off = float(np.abs(100 * passage.visits - expected)[settled].max())
@@ -215,7 +198,7 @@ def test_tracers_are_the_trace_and_the_age_of_epanet(files: list[Path], tmp_path
         known = ~network.stores & (mean < 12 * 3600) & (mean > 600) & ~find_unknown(snapshot, sources)
         late = "-"
         if known.any():
-            _, found = follow_quality(path, AGE, "", 400, 300)
+            _, found = follow_quality(epanet, path, AGE, "", 400, 300)
             late = f"{np.abs(3600 * found[-1][known] / mean[known] - 1).max():.1e}"
             assert float(late) < 1e-3, name
             aged += 1
@@ -238,17 +221,19 @@ def find_unknown(snapshot: Snapshot, sources: Sequence[int]) -> np.ndarray:
     return unknown
 
 
-def test_tracers_in_changing_flows_are_the_trace_and_the_age_of_epanet(files: list[Path], tmp_path: Path) -> None:
+def test_tracers_in_changing_flows_are_the_trace_and_the_age_of_epanet(
+    files: list[Path], tmp_path: Path, epanet: Any
+) -> None:
     print("| network | steps of a day | TRACE, points | standard error | AGE, relative | standard error | nodes |")
     for name in CHANGING:
-        steps, nodes, *parts = compare_changing(find_file(files, name), tmp_path)
+        steps, nodes, *parts = compare_changing(epanet, find_file(files, name), tmp_path)
         (points, error), (late, spread) = ((float(np.abs(part.mean()) * factor), float(off * factor)) for part, off, factor in parts)  # fmt: skip
         print(f"| {name} | {steps} | {points:.3f} | {error:.3f} | {late:.1e} | {spread:.1e} | {nodes} |", flush=True)
         # Three standard errors of the mean over the nodes, which nearly the same bodies pass.
         assert points < 0.01 + 3 * error and late < 1e-3 + 3 * spread, name
 
 
-def compare_changing(path: Path, folder: Path) -> tuple[int, int, Any, Any]:
+def compare_changing(epanet: Any, path: Path, folder: Path) -> tuple[int, int, Any, Any]:
     """Bodies that come with the water of a day: as many pass each node as marked water does, and with the same mean age.
 
     Returns:
@@ -265,7 +250,7 @@ def compare_changing(path: Path, folder: Path) -> tuple[int, int, Any, Any]:
     released = np.maximum(-h.outflow[: len(begins), source], 0) * steps
     expected = []
     for quality in (TRACE, CHEMICAL):
-        at, shares = follow_quality(path, quality, network.nodes[source], None, 60)
+        at, shares = follow_quality(epanet, path, quality, network.nodes[source], None, 60)
         at, shares = at[at < end], shares[at < end] / 100
         row = np.searchsorted(begins, at + 1e-6, side="right") - 1
         middle = (shares + np.vstack([shares[1:], shares[-1:]])) / 2

@@ -14,7 +14,6 @@ from driftform.types import End
 from driftform.water import Scenario
 from driftform_networks.flights.bodies import FLOWN_BY, Traveller, open_traveller
 from driftform_networks.flights.bore import BANDS, MIXED, find_band, sample_band, spread_points
-from driftform_networks.flights.dividing import divide_bodies
 from driftform_networks.flights.fits import find_obstacle, longest_rod
 from driftform_networks.flights.junctions import describe_junction, find_bends
 from driftform_networks.flights.straight import StraightFlights, StraightTask, fly
@@ -89,12 +88,6 @@ def test_the_fork_is_a_tee_with_a_branch_at_the_right(side: float, fork_file: Pa
     assert bottom == pytest.approx([0, -1])
 
 
-def test_the_speeds_of_a_flow_are_computed_once(fork_file: Path) -> None:
-    """Each link asks for its own: computed anew, they would take the square of the number of links."""
-    snapshot = take_snapshot(open_network(fork_file))
-    assert snapshot.speed is snapshot.speed and snapshot.length is snapshot.length
-
-
 def test_the_bends_of_a_pipe_are_the_angles_between_its_parts(fork_file: Path) -> None:
     """From (0, 0) to (200, 0) over (50, 50) and (100, 0): 141 m, and 100 m on."""
     network = draw_fork(fork_file)
@@ -133,31 +126,6 @@ def test_a_flat_surface_divides_the_bore_by_a_segment_of_the_circle(share: float
     if share < 0.5:
         assert smallest_share(1 - edge) == pytest.approx(share, abs=6e-3)
     assert (entered[points[:, 0] > edge] == 1).all()
-
-
-def test_bodies_in_one_band_take_the_outlet_on_its_side_and_keep_their_band(fork_file: Path, sphere: Traveller) -> None:
-    network = open_network(fork_file)
-    snapshot = take_snapshot(network)
-    junction = describe_junction(snapshot, network.links.index("main"), "top")
-    points = np.array([[1, 0.0, 0.75], [5, 0.0, -0.75]])
-    table = divide_bodies(sphere, junction, points, 0.02)
-    assert table.choice[1] == pytest.approx([0, 1])
-    assert table.choice[5] == pytest.approx([1, 0])
-    # In a band that no flight reached, a body is anywhere: a third of the water, but for its own radius.
-    assert table.choice[3, 1] == pytest.approx(1 / 3, abs=0.03)
-    assert (table.arrival == np.eye(BANDS)[:, None, :]).all()
-    assert table.choice.sum(axis=1) == pytest.approx(1)
-
-
-@pytest.mark.parametrize(("bore", "leaves"), [(0.02, 0.0), (0.08, 0.4)])
-def test_only_a_body_that_fits_leaves_with_its_share_of_the_demand(
-    bore: float, leaves: float, fork_file: Path, sphere: Traveller
-) -> None:
-    network = open_network(fork_file)
-    junction = describe_junction(take_snapshot(network), network.links.index("main"), "side")
-    table = divide_bodies(sphere, replace(junction, exit=0.4), None, bore)
-    assert table.leaves == pytest.approx(leaves)
-    assert table.choice.sum(axis=1) == pytest.approx(1 - leaves)
 
 
 @given(cells=st.integers(1, 40), seed=st.integers(0, 2**32 - 1))

@@ -21,7 +21,7 @@ from driftform_networks.planning.fleets import plan_fleet
 from driftform_networks.planning.following import route, trace
 from driftform_networks.planning.plans import catch, choose_nets, plan_inspection
 from driftform_networks.planning.sights import find_heard, group_sight, read_pipes, read_weights
-from driftform_networks.wording import parse_hours, parse_time, read_names
+from driftform_networks.wording import parse_hours, read_names
 
 
 @given(seed=st.integers(0, 2**32 - 1), places=st.integers(1, 5), size=st.integers(1, 3))
@@ -75,6 +75,7 @@ def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(fork_file:
 
 def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(call: Callable[..., Any], epanet: Any) -> None:
     words = ["plan", "Net3", "--release", "61,101,237", "--hours", "6,12", "--nets", 4, "--walks", 100]
+    words += ["--agent", "sphere:5mm"]
     files = ["--gis", "gis", "--crs", "EPSG:25832", "--map", "plan.svg", "--tables", "tables", "--report", "plan.html"]
     result = call(*words, *files, "--json")
     assert result.exit_code == 0, result.stderr
@@ -159,10 +160,6 @@ def test_hydrants_are_read_with_a_heading_and_without(fork_file: Path, tmp_path:
 def test_hours_that_are_none_are_refused(text: str) -> None:
     with pytest.raises(InputError, match="expected hours such as"):
         parse_hours(text)
-
-
-def test_times_have_their_units() -> None:
-    assert [parse_time("--within", text) for text in ("8h", "90min", "2d", "7")] == [8, 1.5, 48, 7]
 
 
 def test_clock_times_count_from_the_clock_at_which_the_simulation_begins(epanet: Any) -> None:

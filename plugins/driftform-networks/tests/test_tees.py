@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from driftform_networks.flights.bodies import open_traveller
 from driftform_networks.flights.bore import BANDS, BOTTOM, MIRROR, RIGHT, TOP, find_band, spread_points
-from driftform_networks.flights.dividing import divide_bodies
 from driftform_networks.flights.junctions import Junction
 from driftform_networks.flights.straight import StraightFlights
 from driftform_networks.flights.streamtubes import smallest_share
@@ -223,17 +222,6 @@ def test_fittings_are_counted_once_for_all_members_and_flights_come_first() -> N
 def test_the_mirror_image_of_a_band_is_that_of_its_points() -> None:
     points = spread_points(1.0)
     assert np.array_equal(MIRROR[find_band(points, 1.0)], find_band(points * [-1, 1], 1.0))
-
-
-def test_what_is_not_carried_on_from_a_tee_is_held_there() -> None:
-    onward = np.zeros((BANDS, 2, BANDS))
-    onward[:, RUN, 5], onward[:, BRANCH, 1] = 0.5, 0.3
-    table = divide_bodies(open_traveller("sphere:60mm"), make_junction(), None, 0.02, onward, TEE)
-    assert table.passing == TEE
-    assert table.obstacle == "held in a tee, where the flow divides"
-    assert table.choice == pytest.approx(np.tile([0.5, 0.3], (BANDS, 1)))
-    assert table.arrival[0].argmax(axis=1).tolist() == [5, 1]
-    assert table.arrival.sum(axis=2) == pytest.approx(1)
 
 
 def test_a_neutral_sphere_enters_a_branch_alike_on_every_side() -> None:

@@ -2,9 +2,8 @@
 
 import shutil
 import subprocess
-import xml.etree.ElementTree as ET
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,20 +12,17 @@ import pytest
 
 from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
-from driftform.motion.equations import accelerations
-from driftform.motion.model import flight_model
 from driftform.study import Document, Study, load_study
 from driftform.testing.bodies import hollow_body
 from driftform.types import Agent, Coefficients
-from driftform.util.rotations import rotation_from_quaternion
-from driftform.water import Fluid, Scenario
+from driftform.water import Scenario
 from driftform.water.flow import UniformFlow
 from driftform.water.scenario import Contact, Release
-from driftform_robotics.models.exporter import ModelOptions
+from driftform_robotics.models.fossen import FossenExporter
 from driftform_robotics.models.mjcf import MjcfExporter
-from driftform_robotics.models.sdf import SdfExporter, SdfOptions
-from driftform_robotics.models.urdf import UrdfExporter, UrdfOptions
-from driftform_robotics.models.uuv import UuvExporter, UuvOptions
+from driftform_robotics.models.sdf import SdfExporter
+from driftform_robotics.models.urdf import UrdfExporter
+from driftform_robotics.models.uuv import UuvExporter
 
 
 @pytest.fixture(scope="session")
@@ -95,23 +91,26 @@ def exact(request: pytest.FixtureRequest, jobs: dict[str, ExportJob]) -> ExportJ
     return jobs[request.param]
 
 
-EXPORTERS: dict[str, Callable[[dict[str, Any]], Any]] = {
-    "sdf": lambda options: SdfExporter(SdfOptions(**options)),
-    "uuv": lambda options: UuvExporter(UuvOptions(**options)),
-    "urdf": lambda options: UrdfExporter(UrdfOptions(**options)),
-    "mjcf": lambda options: MjcfExporter(ModelOptions(**options)),
+EXPORTERS: dict[str, type[Any]] = {
+    plugin.name: plugin for plugin in (FossenExporter, MjcfExporter, SdfExporter, UrdfExporter, UuvExporter)
 }
 
 
 @pytest.fixture(scope="session")
-def export(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+def make_exporter() -> Callable[..., Any]:
+    """Make the exporter of a format with options."""
+    return lambda format, **options: EXPORTERS[format](EXPORTERS[format].Options(**options))
+
+
+@pytest.fixture(scope="session")
+def export(tmp_path_factory: pytest.TempPathFactory, make_exporter: Callable[..., Any]) -> Callable[..., Path]:
     """Export a job; return the folder. The same export is made once."""
     done: dict[Any, tuple[ExportJob, Path]] = {}
 
     def make(format: str, job: ExportJob, **options: Any) -> Path:
         key = (format, id(job), tuple(sorted(options.items())))
         if key not in done:
-            exporter = EXPORTERS[format](options)
+            exporter = make_exporter(format, **options)
             folder = tmp_path_factory.mktemp(format) / f"agent{exporter.suffix}"
             exporter.write(job, folder)
             # With the job, whose identity must not pass to another.
@@ -160,93 +159,3 @@ def run_system(system_environment: dict[str, str]) -> Callable[..., str]:
         return done.stdout
 
     return run
-
-
-@pytest.fixture(scope="session")
-def check_sdf() -> Callable[[str, Path], subprocess.CompletedProcess[str]]:
-    """Check an SDF file by Ignition's program; bytes of the output that are not UTF-8 are replaced."""
-
-    def check(program: str, path: Path) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [program, "sdf", "-k", path],
-            capture_output=True,
-            encoding="utf-8",
-            errors="replace",
-            timeout=60,
-            check=False,
-        )
-
-    return check
-
-
-@dataclass(frozen=True)
-class State:
-    """A rigid body somewhere: rotation R (body to world), velocity of the COG (world), angular velocity (body)."""
-
-    R: np.ndarray
-    velocity: np.ndarray
-    omega: np.ndarray
-
-
-@pytest.fixture(scope="session")
-def random_states() -> Callable[[int], list[State]]:
-    def make(count: int) -> list[State]:
-        rng = np.random.default_rng(17)
-        found = []
-        for _ in range(count):
-            R = np.array(rotation_from_quaternion(*rng.normal(size=4)))
-            found.append(State(R, rng.uniform(-1.5, 1.5, 3), rng.uniform(-8, 8, 3)))
-        return found
-
-    return make
-
-
-@pytest.fixture(scope="session")
-def our_accelerations() -> Callable[[ExportJob, State], np.ndarray]:
-    """Acceleration of the COG (in body axes) and of rotation, (6,), by driftform, clear of any wall."""
-
-    def solve(job: ExportJob, state: State) -> np.ndarray:
-        model = flight_model(job.agent, job.scenario)
-        R, omega, cog = state.R, state.omega, job.agent.mass.cog
-        rows = tuple(tuple(row) for row in R.tolist())
-        position = np.array([4.0, 0.0, 0.0])
-        velocity = state.velocity - R @ np.cross(omega, cog)
-        a, alpha = accelerations(0.0, tuple(position), rows, tuple(velocity.tolist()), tuple(omega.tolist()), model)
-        at_cog = R.T @ np.array(a) + np.cross(alpha, cog) + np.cross(omega, np.cross(omega, cog))
-        return np.concatenate((at_cog, alpha))
-
-    return solve
-
-
-@pytest.fixture(scope="session")
-def inertia_of() -> Callable[[Any], np.ndarray]:
-    """The inertia of an element or of attributes: ixx, ixy, ..., (3, 3)."""
-
-    def read(get: Callable[[str], str]) -> np.ndarray:
-        entries = {(i, j): float(get(f"i{'xyz'[min(i, j)]}{'xyz'[max(i, j)]}")) for i in range(3) for j in range(3)}
-        return np.array([[entries[i, j] for j in range(3)] for i in range(3)])
-
-    return read
-
-
-@pytest.fixture(scope="session")
-def still() -> Callable[[ExportJob], ExportJob]:
-    """The same agent in open water that is at rest."""
-
-    def make(job: ExportJob) -> ExportJob:
-        release = job.scenario.release.model_copy(update={"velocity": "rest"})
-        return replace(job, scenario=Scenario(flow=UniformFlow(speed=0.0), release=release, fluid=Fluid()))
-
-    return make
-
-
-@pytest.fixture(scope="session")
-def model_of() -> Callable[[Path, str], ET.Element]:
-    """The agent's model in an SDF file."""
-
-    def read(path: Path, name: str) -> ET.Element:
-        found = ET.parse(path).getroot().find(f".//model[@name='{name}']")
-        assert found is not None
-        return found
-
-    return read

@@ -3,7 +3,6 @@
 import json
 from pathlib import Path
 
-import pytest
 from typer.testing import CliRunner
 
 from driftform.cli.app import app
@@ -37,13 +36,3 @@ def test_with_json_it_prints_all_files(tmp_path: Path) -> None:
     files = json.loads(export(tmp_path, "--json"))["files"]
     assert sorted(file["path"] for file in files) == sorted(str(p) for p in tmp_path.rglob("*") if p.is_file())
     assert [file["format"] for file in files if "mass_kg" in file] == ["sdf", "uuv", "urdf", "mjcf"]
-
-
-@pytest.mark.parametrize("setting", ["exporter.sdf.gazebo=classic", "exporter.uuv.depth=-1", "exporter.mjcf.step=0"])
-def test_an_invalid_option_is_one_line_and_nothing_is_written(tmp_path: Path, setting: str) -> None:
-    words = ["export", WORD, "--format", "sdf,uuv,mjcf", "--out", str(tmp_path / "out"), "--set", setting]
-    result = CliRunner().invoke(app, words)
-    assert result.exit_code == 2
-    assert len(result.stderr.strip().splitlines()) == 1
-    assert setting.partition("=")[0] in result.stderr
-    assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())

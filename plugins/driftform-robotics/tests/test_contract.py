@@ -1,44 +1,17 @@
+from collections.abc import Callable
+from typing import Any
+
 import pytest
 
+from driftform.interfaces import Exporter
 from driftform.testing import ExporterContract
-from driftform_robotics.models.exporter import ModelOptions
-from driftform_robotics.models.fossen import FossenExporter, WaterOptions
-from driftform_robotics.models.mjcf import MjcfExporter
-from driftform_robotics.models.sdf import SdfExporter, SdfOptions
-from driftform_robotics.models.urdf import UrdfExporter, UrdfOptions
-from driftform_robotics.models.uuv import UuvExporter, UuvOptions
 
 
-class TestSdf(ExporterContract):
-    def plugin(self) -> SdfExporter:
-        return SdfExporter(SdfOptions())
+class TestExporters(ExporterContract):
+    @pytest.fixture(autouse=True, params=["sdf", "fortress", "uuv", "urdf", "mjcf", "fossen"])
+    def _choose(self, request: pytest.FixtureRequest, make_exporter: Callable[..., Exporter[Any]]) -> None:
+        options = {"gazebo": "fortress"} if request.param == "fortress" else {}
+        self.chosen = make_exporter("sdf" if options else request.param, **options)
 
-
-class TestSdfForFortress(ExporterContract):
-    def plugin(self) -> SdfExporter:
-        return SdfExporter(SdfOptions(gazebo="fortress"))
-
-
-class TestUuv(ExporterContract):
-    def plugin(self) -> UuvExporter:
-        return UuvExporter(UuvOptions())
-
-
-class TestUrdf(ExporterContract):
-    def plugin(self) -> UrdfExporter:
-        return UrdfExporter(UrdfOptions())
-
-
-class TestMjcf(ExporterContract):
-    def plugin(self) -> MjcfExporter:
-        return MjcfExporter(ModelOptions())
-
-
-class TestFossen(ExporterContract):
-    def plugin(self) -> FossenExporter:
-        return FossenExporter(WaterOptions())
-
-
-@pytest.mark.parametrize("plugin", [SdfExporter, UuvExporter, UrdfExporter, MjcfExporter])
-def test_a_format_is_a_folder(plugin: type) -> None:
-    assert plugin.suffix == f"-{plugin.name}"
+    def plugin(self) -> Exporter[Any]:
+        return self.chosen

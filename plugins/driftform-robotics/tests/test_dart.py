@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from robots import inertia_of
 from scipy.spatial.transform import Rotation
 
 from driftform.interfaces import ExportJob
@@ -26,7 +27,7 @@ if sys.platform == "win32":
 dart = import_module("dartpy")
 
 
-def spatial(inertial: ET.Element, inertia_of: Callable) -> np.ndarray:
+def spatial(inertial: ET.Element) -> np.ndarray:
     """Mass and added mass as DART has them: rotations first (``AddedMassFeatures::SetLinkAddedMass``)."""
     matrix = np.zeros((6, 6))
     for element in inertial.find("fluid_added_mass"):
@@ -38,9 +39,7 @@ def spatial(inertial: ET.Element, inertia_of: Callable) -> np.ndarray:
     return matrix[np.ix_(order, order)]
 
 
-def flight_by_dart(
-    job: ExportJob, folder: Path, inertia_of: Callable, step: float, frame: str = "core"
-) -> tuple[np.ndarray, np.ndarray]:
+def flight_by_dart(job: ExportJob, folder: Path, step: float, frame: str = "core") -> tuple[np.ndarray, np.ndarray]:
     """Times and places of the core's centre, or of the link's, with the mass, pose and added mass of the file."""
     model = ET.parse(folder / "world.sdf").getroot().find("world/model[@name='random']")
     inertial = model.find("link/inertial")
@@ -49,7 +48,7 @@ def flight_by_dart(
 
     skeleton = dart.dynamics.Skeleton()
     joint, body = skeleton.createFreeJointAndBodyNodePair()
-    body.setInertia(dart.dynamics.Inertia(spatial(inertial, inertia_of)))
+    body.setInertia(dart.dynamics.Inertia(spatial(inertial)))
     # As gz-physics does it: gravity would pull the added mass too.
     body.setGravityMode(False)
     start = dart.math.Isometry3()
@@ -77,9 +76,7 @@ def flight_by_dart(
 
 
 @pytest.mark.parametrize("name", ["random", "another", "dragged"])
-def test_dart_flies_as_we_do(
-    name: str, jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable, study: Study
-) -> None:
+def test_dart_flies_as_we_do(name: str, jobs: dict[str, ExportJob], export: Callable, study: Study) -> None:
     """2 s in open water at rest, from a tilted release with a speed: the paths are a millimetre apart at most.
 
     DART's steps are of first order, so that of two step sizes one follows what it would do without an error. That
@@ -97,14 +94,14 @@ def test_dart_flies_as_we_do(
     undamped = Coefficients(water * agent.coefficients.added_mass, agent.coefficients.origin)
     job = ExportJob("random", replace(agent, coefficients=undamped), scenario)
     folder = export("sdf", job)
-    times, coarse = flight_by_dart(job, folder, inertia_of, 4e-4)
-    _, fine = flight_by_dart(job, folder, inertia_of, 2e-4)
+    times, coarse = flight_by_dart(job, folder, 4e-4)
+    _, fine = flight_by_dart(job, folder, 2e-4)
     ours = interpolate_positions(study.make_pipeline().simulator.simulate(job.agent, scenario), times)
     assert np.linalg.norm(ours[-1] - ours[0]) > 0.2
     assert np.linalg.norm(2 * fine - coarse - ours, axis=1).max() < 0.001
 
 
-def test_steps_of_the_gap_are_those_of_dart(jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable) -> None:
+def test_steps_of_the_gap_are_those_of_dart(jobs: dict[str, ExportJob], export: Callable) -> None:
     """A tumbling agent, and steps so long that their error after 1 s is centimetres: it has the same in both."""
     agent = jobs["dragged"].agent
     undamped = Coefficients(agent.coefficients.added_mass, agent.coefficients.origin)
@@ -112,7 +109,7 @@ def test_steps_of_the_gap_are_those_of_dart(jobs: dict[str, ExportJob], export: 
     scenario = Scenario(flow=UniformFlow(speed=0.0), release=release)
     job = ExportJob("random", replace(agent, coefficients=undamped), scenario)
     link = make_link(job)
-    times, path = flight_by_dart(job, export("sdf", job), inertia_of, 0.002, "link")
+    times, path = flight_by_dart(job, export("sdf", job), 0.002, "link")
     reader = read_link("Gazebo", link, scenario.fluid.density)
     steps, ours = fly_reader(reader, job, link, 10.0, 0.002), fly_own(job, link, 10.0)
     until = times <= 1.0

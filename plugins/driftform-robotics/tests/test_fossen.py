@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from robots import inertia_of, our_accelerations, random_states, still
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
@@ -48,7 +49,7 @@ class UuvSimulator:
     The simulator uses the smoothed acceleration of the previous step; this is the limit if it converges.
     """
 
-    def __init__(self, folder: Path, inertia_of: Callable) -> None:
+    def __init__(self, folder: Path) -> None:
         robot = ET.parse(folder / "urdf/agent.xacro").getroot()
         inertial = robot.find("link/inertial")
         assert numbers(inertial.find("origin").get("xyz")).tolist() == [0, 0, 0]
@@ -107,7 +108,7 @@ class GzSim:
 
     corrects = True
 
-    def __init__(self, path: Path, inertia_of: Callable) -> None:
+    def __init__(self, path: Path) -> None:
         folder = path.parent
         world = ET.parse(path).getroot().find("world")
         self.g = -numbers(world.findtext("gravity"))[2]
@@ -180,10 +181,8 @@ def largest_deviation(found: list[np.ndarray], expected: list[np.ndarray]) -> fl
     return max(np.abs(a[:, part] - b[:, part]).max() / np.abs(b[:, part]).max() for part in (slice(3), slice(3, 6)))
 
 
-def test_the_uuv_simulators_law_gives_our_accelerations(
-    exact: ExportJob, export: Callable, inertia_of: Callable, random_states: Callable, our_accelerations: Callable
-) -> None:
-    simulator = UuvSimulator(export("uuv", exact), inertia_of)
+def test_the_uuv_simulators_law_gives_our_accelerations(exact: ExportJob, export: Callable) -> None:
+    simulator = UuvSimulator(export("uuv", exact))
     states = random_states(50)
     found = [simulator.accelerations(s.R, s.velocity, s.omega, -20.0) for s in states]
     assert largest_deviation(found, [our_accelerations(exact, s) for s in states]) < 1e-6
@@ -191,16 +190,10 @@ def test_the_uuv_simulators_law_gives_our_accelerations(
 
 @pytest.mark.parametrize("name", ["random", "another"])
 def test_gazebos_law_gives_our_accelerations_in_water_at_rest(
-    name: str,
-    jobs: dict[str, ExportJob],
-    export: Callable,
-    inertia_of: Callable,
-    random_states: Callable,
-    our_accelerations: Callable,
-    still: Callable,
+    name: str, jobs: dict[str, ExportJob], export: Callable
 ) -> None:
     calm = still(jobs[name])
-    simulator = GzSim(export("sdf", calm) / "world.sdf", inertia_of)
+    simulator = GzSim(export("sdf", calm) / "world.sdf")
     states = random_states(50)
     found = [simulator.accelerations(s.R, s.velocity, s.omega) for s in states]
     # Vertices of the meshes have nine digits.
@@ -208,15 +201,11 @@ def test_gazebos_law_gives_our_accelerations_in_water_at_rest(
 
 
 def test_in_a_current_gazebo_lacks_the_inertia_of_water_that_turns_past_the_body(
-    jobs: dict[str, ExportJob],
-    export: Callable,
-    inertia_of: Callable,
-    random_states: Callable,
-    our_accelerations: Callable,
+    jobs: dict[str, ExportJob], export: Callable
 ) -> None:
     """What docs/robotics.md says of gz-sim: -M_A (w x u) is missing, and nothing else."""
     job = jobs["random"]
-    simulator = GzSim(export("sdf", job) / "world.sdf", inertia_of)
+    simulator = GzSim(export("sdf", job) / "world.sdf")
     total = simulator.Ma + np.diag([simulator.m] * 3 + [0] * 3)
     total[3:, 3:] += simulator.I
     states, found = random_states(20), []
@@ -250,7 +239,7 @@ def flight_by_gazebo(
 
 
 @pytest.mark.slow
-def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path, inertia_of: Callable) -> None:
+def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path) -> None:
     """The numbers of docs/robotics.md: nearly neutral random agents in 1 m/s."""
     pipeline, times = study.make_pipeline(), np.array([1.0, 3.0])
     current = np.array([1.0, 0.0, 0.0])
@@ -265,7 +254,7 @@ def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path, inerti
         folder = tmp_path / f"{seed}-sdf"
         SdfExporter(SdfOptions()).write(ExportJob("agent", agent, scenario), folder)
         ours = interpolate_positions(pipeline.simulator.simulate(agent, scenario), times)
-        world, drift = (GzSim(folder / name, inertia_of) for name in ("world.sdf", "drift.sdf"))
+        world, drift = (GzSim(folder / name) for name in ("world.sdf", "drift.sdf"))
         cog = agent.mass.cog
         flights = {
             "corrected": flight_by_gazebo(world, cog, current, times),
@@ -283,18 +272,13 @@ def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path, inerti
 
 @pytest.mark.parametrize("name", ["random", "another"])
 def test_seen_from_the_water_gazebo_is_exact_in_a_current_too(
-    name: str,
-    jobs: dict[str, ExportJob],
-    export: Callable,
-    inertia_of: Callable,
-    random_states: Callable,
-    our_accelerations: Callable,
+    name: str, jobs: dict[str, ExportJob], export: Callable
 ) -> None:
     job = jobs[name]
     current = job.scenario.current()
     assert current.any()
     folder = export("sdf", job)
-    simulator = GzSim(folder / "drift.sdf", inertia_of)
+    simulator = GzSim(folder / "drift.sdf")
     states = random_states(50)
     found = [simulator.accelerations(s.R, s.velocity - current, s.omega) for s in states]
     assert largest_deviation(found, [our_accelerations(job, s) for s in states]) < 1e-6
@@ -328,7 +312,7 @@ def test_a_pipe_that_rises_above_the_water_is_a_warning(jobs: dict[str, ExportJo
 
 @pytest.mark.parametrize("share", [0.97, 1.03])
 def test_a_warning_appears_if_and_only_if_lagged_added_mass_diverges(
-    share: float, jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable
+    share: float, jobs: dict[str, ExportJob], export: Callable
 ) -> None:
     """The simulator's own filter, with the exported matrices: it diverges if and only if the export warns."""
     job = jobs["random"]
@@ -338,7 +322,7 @@ def test_a_warning_appears_if_and_only_if_lagged_added_mass_diverges(
     coefficients = Coefficients(scale * agent.coefficients.added_mass, agent.coefficients.origin)
     heavy = replace(job, agent=replace(agent, coefficients=coefficients))
     folder = export("uuv", heavy)
-    simulator = UuvSimulator(folder, inertia_of)
+    simulator = UuvSimulator(folder)
     own = np.diag([simulator.m] * 3 + [0.0] * 3)
     own[3:, 3:] = simulator.I
     filtered, push = np.zeros(6), np.ones(6)
@@ -382,7 +366,7 @@ def gap_in(path: Path) -> tuple[dict[float, float], float]:
 
 @pytest.mark.parametrize(("name", "world"), [("dragged", "drift.sdf"), ("another", "world.sdf")])
 def test_the_gap_in_the_file_is_that_of_gazebos_law_from_our_flight(
-    name: str, world: str, jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable, study: Study
+    name: str, world: str, jobs: dict[str, ExportJob], export: Callable, study: Study
 ) -> None:
     """The law read from the file and integrated exactly; the gap has two digits, and a small error of the step."""
     job = jobs[name]
@@ -394,7 +378,7 @@ def test_the_gap_in_the_file_is_that_of_gazebos_law_from_our_flight(
     assert ET.parse(folder / world).getroot().findtext("world/physics/max_step_size") == f"{step:g}"
     times, passing = np.array([1.0, 3.0]), current if world == "drift.sdf" else 0 * current
     start = Rotation.from_quat(np.roll(flight.quaternion[0], -1))
-    simulator = GzSim(folder / world, inertia_of)
+    simulator = GzSim(folder / world)
     path = flight_by_gazebo(simulator, job.agent.mass.cog, current - passing, times, start)
     ours = interpolate_positions(flight, times) - flight.position[0]
     apart = np.linalg.norm(path + times[:, None] * passing - ours, axis=1)
@@ -426,11 +410,11 @@ def steps_by_the_uuv_simulator(simulator: UuvSimulator, R: np.ndarray, velocity:
 
 @pytest.mark.parametrize("name", ["dragged", "another"])
 def test_the_gap_of_the_uuv_simulator_has_the_lag_of_its_added_mass(
-    name: str, jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable
+    name: str, jobs: dict[str, ExportJob], export: Callable
 ) -> None:
     job, step = jobs[name], 0.002
     link, folder = make_link(job), export("uuv", job, step=0.002)
-    simulator = UuvSimulator(folder, inertia_of)
+    simulator = UuvSimulator(folder)
     path = steps_by_the_uuv_simulator(simulator, link.rotation, link.velocity - simulator.current, step)
     diagonal = np.diag(np.diag(link.quadratic_damping))
     reader = replace(read_link("", link, simulator.density), quadratic=diagonal, smoothing=0.3)

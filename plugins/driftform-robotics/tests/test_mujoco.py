@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from robots import random_states
 
 from driftform.interfaces import ExportJob
 from driftform.motion.inertia import added_mass_at
@@ -102,7 +103,7 @@ def test_weight_and_buoyancy_act_where_they_do(job: ExportJob, export: Callable)
 
 @pytest.mark.parametrize("name", ["random", "another"])
 def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(
-    name: str, jobs: dict[str, ExportJob], export: Callable, random_states: Callable
+    name: str, jobs: dict[str, ExportJob], export: Callable
 ) -> None:
     """Munk's moment and what goes with it: -C_A(nu_r) nu_r with the matrix that the ellipsoid was fitted to.
 
@@ -136,7 +137,7 @@ def test_added_mass_has_no_inertia_there(jobs: dict[str, ExportJob], export: Cal
 
 @pytest.mark.parametrize("axis", [0, 2, 4])
 def test_drag_along_one_axis_is_ours_at_the_speed_of_reference(
-    axis: int, jobs: dict[str, ExportJob], export: Callable, random_states: Callable
+    axis: int, jobs: dict[str, ExportJob], export: Callable
 ) -> None:
     job = jobs["dragged"]
     calm = replace(job, scenario=job.scenario.model_copy(update={"flow": type(job.scenario.flow)(speed=0.0)}))

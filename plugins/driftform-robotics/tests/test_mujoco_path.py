@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -12,7 +13,6 @@ import pytest
 from driftform.interfaces import ExportJob
 from driftform.study import Study
 from driftform.types import Coefficients
-from driftform.util.rotations import matrix_from_quaternion
 from driftform_robotics.models.link import make_link
 from driftform_robotics.models.mujoco_path import Paths, compare_paths
 
@@ -49,27 +49,8 @@ def test_its_heights_are_those_that_mujoco_computes(
     assert paths.mujoco[0] == pytest.approx(found[0], rel=0.05, abs=0.15)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_the_true_path_is_that_of_a_flight(seed: int, drifting: list[ExportJob], study: Study) -> None:
-    job = drifting[seed]
-    paths = compare(job)
-    still = study.scenario
-    lasting = still.flight.model_copy(update={"horizon": paths.seconds})
-    open_water = still.model_copy(update={"pipe": type(still.pipe)(), "flight": lasting})
-    flight = study.make_pipeline().simulator.simulate(job.agent, open_water)
-    cog = [
-        x + matrix_from_quaternion(q) @ job.agent.mass.cog
-        for x, q in zip(flight.position[[0, -1]], flight.quaternion[[0, -1]], strict=True)
-    ]
-    assert flight.t[-1] == pytest.approx(paths.seconds, rel=1e-6)
-    moved = cog[1] - cog[0] - flight.t[-1] * open_water.current()
-    np.testing.assert_allclose(paths.true, moved, atol=2e-3)
-    # The comparison ends where the agent has gone a metre, or after three seconds.
-    assert np.linalg.norm(paths.true) == pytest.approx(1.0, abs=1e-3) or paths.seconds == 3.0
-
-
-def test_an_agent_that_sinks_in_water_and_rises_in_mujoco_is_told_bluntly(
-    drifting: list[ExportJob], export: Callable[..., Path]
+def test_a_file_warns_of_an_agent_that_sinks_in_water_and_rises_in_mujoco(
+    drifting: list[ExportJob], export: Callable[..., Path], make_exporter: Callable[..., Any], tmp_path: Path
 ) -> None:
     job = drifting[9]
     paths = compare(job)
@@ -77,7 +58,8 @@ def test_an_agent_that_sinks_in_water_and_rises_in_mujoco_is_told_bluntly(
     text = (export("mjcf", job) / "agent.xml").read_text(encoding="utf-8")
     sentence = "this agent has sunk by 1 m; in MuJoCo it has risen by 0.14 m"
     assert sentence in text and "MUJOCO'S PATH DIFFERS IN KIND" in text
-    assert sentence in str(export_facts(job, export)["warnings"])
+    [scene, *_] = make_exporter("mjcf").write(job, tmp_path / "again-mjcf")
+    assert sentence in str(scene.facts["warnings"])
 
 
 def test_three_of_24_random_agents_move_in_another_way_in_mujoco(drifting: list[ExportJob]) -> None:
@@ -86,14 +68,6 @@ def test_three_of_24_random_agents_move_in_another_way_in_mujoco(drifting: list[
     different = [path for path in paths if path.differ_in_kind]
     assert len(different) == 3
     assert sum(path.true[2] < -0.9 and path.mujoco[2] > 0 for path in different) == 2
-
-
-def export_facts(job: ExportJob, export: Callable[..., Path]) -> dict[str, object]:
-    from driftform_robotics.models.exporter import ModelOptions
-    from driftform_robotics.models.mjcf import MjcfExporter
-
-    folder = export("mjcf", job).parent / "again-mjcf"
-    return dict(MjcfExporter(ModelOptions()).write(job, folder)[0].facts)
 
 
 @pytest.mark.parametrize(

@@ -36,22 +36,12 @@ def crossing(x: float, radius: float) -> tuple[np.ndarray, np.ndarray]:
     return points.reshape(-1, 3), area.ravel()
 
 
-def test_the_quadrature_of_these_tests_finds_the_area() -> None:
-    assert crossing(1.0, 0.5)[1].sum() == pytest.approx(np.pi * 0.25)
-
-
-@pytest.mark.parametrize("behind", [0.01, 0.05, 0.2, 0.4, 0.55, 0.7, 2.0, 8.0, 19.0])
-def test_what_flows_through_every_cross_section_is_what_leaks(behind: float) -> None:
+@pytest.mark.parametrize("distance", [0.01, 0.05, 0.2, 0.4, 0.55, 0.7, 2.0, 8.0, 19.0])
+def test_what_flows_through_every_cross_section_is_what_leaks(distance: float) -> None:
     plume = make_plume(SCENARIO, (0.5, 0.5, 0.0), RATE)
-    points, area = crossing(0.5 + behind, 0.5)
+    points, area = crossing(0.5 + distance, 0.5)
     flux = plume.speed * (plume.concentration(points) * area).sum()
     assert flux == pytest.approx(RATE, rel=2e-3)
-
-
-def test_the_cross_sections_of_the_flux_lie_on_both_sides_of_the_change_of_formula() -> None:
-    plume = make_plume(SCENARIO, (0.5, 0.5, 0.0), RATE)
-    where = MAX_NEAR_TAU * plume.speed * plume.radius**2 / plume.diffusivity
-    assert 0.4 < where < 0.7
 
 
 def test_nothing_goes_through_the_wall() -> None:

@@ -13,14 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mcap.reader import NonSeekingReader, make_reader
+from mcap.reader import make_reader
 from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 from ruamel.yaml import YAML
 
-from driftform.interfaces import ExportJob
+from driftform.interfaces import ExportJob, Recorder
 from driftform.motion.forces import accelerations_along, net_wrench
-from driftform.motion.path import world_velocity
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Trajectory
@@ -48,29 +47,26 @@ KINDS = {
 ONCE = {"/tf_static", "/markers", "/agent/path"}
 
 
-class TestMcap(RecorderContract):
-    def plugin(self) -> McapRecorder:
-        return McapRecorder(Ros2Options())
+RECORDERS = (
+    McapRecorder(Ros2Options()),
+    Rosbag1Recorder(FlightOptions()),
+    Rosbag2Recorder(Rosbag2Options()),
+    Rosbag2Recorder(Rosbag2Options(storage="mcap")),
+)
 
 
-class TestRosbag2(RecorderContract):
-    def plugin(self) -> Rosbag2Recorder:
-        return Rosbag2Recorder(Rosbag2Options())
+class TestRecorders(RecorderContract):
+    @pytest.fixture(autouse=True, params=RECORDERS, ids=lambda recorder: recorder.name)
+    def _choose(self, request: pytest.FixtureRequest) -> None:
+        self.chosen: Recorder[Any] = request.param
 
-
-class TestRosbag1(RecorderContract):
-    def plugin(self) -> Rosbag1Recorder:
-        return Rosbag1Recorder(FlightOptions())
-
-
-class TestRosbag2WithMcap(RecorderContract):
-    def plugin(self) -> Rosbag2Recorder:
-        return Rosbag2Recorder(Rosbag2Options(storage="mcap"))
+    def plugin(self) -> Recorder[Any]:
+        return self.chosen
 
 
 @pytest.fixture(scope="module")
 def job() -> ExportJob:
-    return replace(TestMcap().export_job(), document={"format": "driftform-agent", "word": "C"})
+    return replace(RecorderContract().export_job(), document={"format": "driftform-agent", "word": "C"})
 
 
 @pytest.fixture(scope="module")
@@ -134,16 +130,6 @@ def test_the_summary_of_the_file_agrees(mcap: Path, flight: Trajectory) -> None:
     assert summary.statistics.message_count == sum(counts.values())
     assert summary.statistics.message_start_time == times(flight)[0]
     assert abs(summary.statistics.message_end_time - times(flight)[-1]) <= 1
-
-
-def test_the_file_can_be_read_from_its_beginning_without_its_index(mcap: Path, flight: Trajectory) -> None:
-    with mcap.open("rb") as file:
-        assert NonSeekingReader(file).get_header().profile == "ros2"
-    with mcap.open("rb") as file:
-        reader = NonSeekingReader(file)
-        log = [message.log_time for _, _, message in reader.iter_messages(log_time_order=False)]
-    assert log == sorted(log)
-    assert len(log) == len(ONCE) + (len(KINDS) - len(ONCE)) * len(flight.t)
 
 
 def test_poses_and_velocities_are_those_of_the_flight(
@@ -332,19 +318,3 @@ def test_a_tilted_pipe_is_drawn_as_it_lies(job: ExportJob, flight: Trajectory, t
     axis = matrix_from_quaternion(np.array([turned.w, *xyz(turned)])) @ [0, 0, 1]
     assert axis == pytest.approx(np.array([1, 2, -2]) / 3)
     assert drawn.scale.z == pytest.approx(3.0)
-
-
-def test_velocities_of_the_messages_lead_from_pose_to_pose(
-    read: dict[str, list[tuple[int, Any]]], flight: Trajectory
-) -> None:
-    """The twist is in the body's axes: turned to the world it is how the position changes."""
-    slope = np.gradient(flight.position, flight.t, axis=0)
-    assert world_velocity(flight)[1:-1] == pytest.approx(slope[1:-1], abs=1e-9)
-    stamps = np.array([stamp for stamp, _ in read["/agent/odom"]]) / 1e9
-    assert np.diff(stamps) == pytest.approx(np.diff(flight.t))
-
-
-def test_the_clock_shows_the_time_of_each_sample(read: dict[str, list[tuple[int, Any]]], flight: Trajectory) -> None:
-    shown = [message.clock.sec * 10**9 + message.clock.nanosec for _, message in read["/clock"]]
-    assert shown == [stamp for stamp, _ in read["/clock"]]
-    assert np.diff(shown) / 1e9 == pytest.approx(np.diff(flight.t), abs=2e-9)

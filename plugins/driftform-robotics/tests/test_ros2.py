@@ -8,7 +8,6 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 import yaml
 
@@ -167,26 +166,6 @@ def test_the_launch_file_opens_a_world_that_is_there(job: ExportJob, export: Cal
     assert (push.name in (folder / "README.md").read_text(encoding="utf-8")) or not push.exists()
 
 
-def test_the_world_in_the_frame_of_the_water_begins_with_how_to_find_the_pose_in_the_pipe(
-    jobs: dict[str, ExportJob], export: Callable[..., Path]
-) -> None:
-    folder = export("sdf", jobs["another"])
-    text = (folder / "drift.sdf").read_text(encoding="utf-8")
-    header = text[text.index("<!--") : text.index("-->")]
-    assert text.index("<!--") < text.index("<world")
-    for words in ("the water is at rest", "'pipe' and 'targets' move", "Pose in the pipe", "less the position"):
-        assert words in header
-    passing = np.array([float(v) for v in re.search(r"\nat (\S+ \S+ \S+) m/s", header).group(1).split()])
-    np.testing.assert_allclose(passing, -jobs["another"].scenario.current())
-    # What the header says of the models is what they do.
-    world = ET.fromstring(text).find("world")
-    for name in ("pipe", "targets"):
-        moved = world.find(f"model[@name='{name}']/plugin/initial_linear").text
-        np.testing.assert_allclose([float(v) for v in moved.split()], passing)
-        assert world.find(f"model[@name='{name}']/pose") is None
-    assert "<!--" not in (folder / "world.sdf").read_text(encoding="utf-8").partition("<world")[0]
-
-
 def test_a_readme_says_how_to_build_and_start(package: tuple[str, Path]) -> None:
     format, folder = package
     text = (folder / "README.md").read_text(encoding="utf-8")
@@ -195,7 +174,7 @@ def test_a_readme_says_how_to_build_and_start(package: tuple[str, Path]) -> None
     assert "{" not in text
 
 
-def test_the_readme_tells_only_arguments_that_launch_takes_and_the_world_of_each_script(
+def test_the_readme_names_only_arguments_that_launch_takes_and_the_world_of_each_script(
     jobs: dict[str, ExportJob], export: Callable[..., Path]
 ) -> None:
     for job in jobs.values():

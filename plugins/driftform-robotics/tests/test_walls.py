@@ -9,6 +9,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from robots import check_sdf
 
 from driftform.interfaces import ExportJob
 from driftform.water import Scenario
@@ -98,7 +99,7 @@ def test_there_is_no_world_in_the_frame_of_water_that_turns(bent: ExportJob, exp
 
 
 def test_ignition_accepts_a_world_with_parts(
-    bent: ExportJob, export: Callable, requires_program: Callable[[str], str], check_sdf: Callable
+    bent: ExportJob, export: Callable, requires_program: Callable[[str], str]
 ) -> None:
     done = check_sdf(requires_program("ign"), export("sdf", bent, gazebo="fortress") / "world.sdf")
     assert "Error" not in done.stderr and "Warning" not in done.stderr, done.stderr

@@ -46,19 +46,12 @@ def test_what_a_field_leaves_empty_is_the_default():
         ({"flow": {"speed": 500}}, "flow.speed", "should be less than or equal to 100 m/s"),
         ({"targets": {"leak": [40, 0, 0]}}, "targets.leak", "lies outside the pipe"),
         ({"targets": {"a b": [4, 0, 0]}}, "targets.a b", "must consist of letters"),
-        ({"targets": {"<img src=x>": [4, 0, 0]}}, "targets.<img src=x>", "must consist of letters"),
-        (
-            {"pipe": {"segments": [{"start": [0, 0, 0], "end": [9, 0, 0], "radius": -1}]}},
-            "pipe.segments[0].radius",
-            "m",
-        ),
         (
             {"pipe": {"segments": [{"start": [0, 0, 0], "end": [0, 0, 0], "radius": 1}]}},
             "pipe.segments[0]",
             "same point",
         ),
-        ({"fluid": {"density": "wet"}}, "fluid.density", "should be a number"),
-        ({"run": {"evaluations": 0}}, "run.evaluations", "greater than 0"),
+        ({"flow": 7}, "flow", "table"),
         ({"flow": {"kind": "steam"}}, "flow.kind", "unknown kind"),
         ({"flow": {"whirl": 1}}, "flow.whirl", "unknown key 'whirl'"),
         ({"simulator": {"use": "magic"}}, "simulator.use", "magic"),
@@ -83,9 +76,6 @@ TEE = {
     ("parts", "key", "words"),
     [
         ([{"kind": "bend", "radius": 0.1}], "pipe.parts[1].radius", "tighter than its bore"),
-        ([{"kind": "straight", "length": -1.0}], "pipe.parts[1].length", "greater than or equal"),
-        ([{"kind": "spiral"}], "pipe.parts[1].kind", "unknown kind"),
-        ([{**TEE, "share": 1.4}], "pipe.parts[1].share", "less than or equal to 1"),
         ([{**TEE, "branch_radius": 3.0}], "pipe.parts[1].branch_radius", "wider than the run"),
         (
             [{**TEE, "branch": [{"kind": "bend", "radius": 0.1, "outlet": "B"}], "outlet": "A"}],
@@ -108,15 +98,3 @@ def test_an_error_names_the_line_of_the_study_that_the_page_shows():
     [error] = errors_of(draft)
     number = int(error["line"].split(":")[1])
     assert write_draft(draft).splitlines()[number - 1] == "speed = 0"
-
-
-@pytest.mark.parametrize(
-    "draft",
-    [
-        {"base": "pipe-inspection", "title": 3},
-        {"base": "pipe-inspection", "targets": [1]},
-        {"base": "pipe-inspection", "flow": 7},
-    ],
-)
-def test_a_table_of_another_shape_is_an_error_and_no_crash(draft):
-    assert errors_of(draft)

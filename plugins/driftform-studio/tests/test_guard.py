@@ -1,4 +1,4 @@
-"""Who is refused: other hosts, other origins, whoever lacks the token, and whatever is too large."""
+"""Requests that are refused: of other hosts and origins, without the token, and too large ones."""
 
 import json
 import os

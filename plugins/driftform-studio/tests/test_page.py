@@ -544,15 +544,6 @@ def test_axe_finds_no_barrier_in_any_state(page, finished, width, scheme):
     check("the runs")
 
 
-def test_the_dialog_of_runs_has_contrast_too(page, finished):
-    for scheme in ("light", "dark"):
-        page.look(390, scheme)
-        page.open(finished.address)
-        page.press("#open-runs")
-        page.wait_for(lambda: page.find_all("#run-list button"))
-        assert page.run(CONTRASTS) == []
-
-
 def test_a_capsule_and_a_current_are_files_that_a_design_takes(page, serve, tmp_path):
     capsule, current = tmp_path / "capsule.csv", tmp_path / "current.csv"
     capsule.write_text("x_mm,r_mm\n0,6\n10,12\n50,12\n60,6\n")
@@ -779,21 +770,6 @@ def test_the_command_and_the_study_file_can_be_copied(page, finished, browser):
     assert copied == (finished.folder / "small" / "study.toml").read_text()
 
 
-def test_a_search_of_the_command_line_is_watched_on_the_page(page, serve, terminal_search):
-    page.open(serve().address)
-    page.press("#open-runs")
-    page.wait_for(lambda: "searching" in page.find("#run-list").text)
-    page.press("#run-list button")
-    page.wait_until("Searching")
-    before = page.flights()
-    page.wait_for(lambda: page.flights() > before)
-    assert "A terminal works on this run" in page.text("problems")
-    assert not page.find("#pause").is_displayed()
-    terminal_search.kill()
-    page.wait_until("Paused")
-    assert page.messages() == []
-
-
 def test_a_pipe_is_laid_of_parts_and_drawn_to_scale(page, finished):
     page.open(finished.address)
     page.set("Length", "4")
@@ -912,7 +888,7 @@ def test_a_search_in_a_pipe_of_parts_is_shown_as_one_in_a_straight_pipe(page, se
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no signal stops a process")
-def test_whoever_waits_is_shown_that_something_goes_on(page, serve):
+def test_a_page_that_waits_for_the_server_shows_it(page, serve):
     server = serve()
     page.open(server.address)
     os.kill(server.pid, signal.SIGSTOP)
@@ -968,30 +944,3 @@ def test_a_flight_plays_at_thirty_frames_a_second(page, finished, view, follow):
     )
     print(f"{view}: {rate:.0f} frames per second")
     assert rate >= 30
-
-
-@pytest.mark.slow
-def test_the_memory_of_server_and_page_stays_flat(page, long_run):
-    server, name = long_run
-
-    def measure():
-        page.browser.execute_cdp_cmd("HeapProfiler.collectGarbage", {})
-        heap = page.browser.execute_cdp_cmd("Runtime.getHeapUsage", {})["usedSize"] / 1e6
-        status = Path(f"/proc/{server.pid}/status").read_text()
-        return int(re.search(r"VmRSS:\s+(\d+)", status)[1]) / 1e3, heap
-
-    page.open(f"{server.address}#run={name}")
-    page.wait_until("Searching")
-    minutes = float(os.environ.get("MINUTES", "5"))
-    time.sleep(60)
-    first, end = measure(), time.monotonic() + 60 * minutes
-    while time.monotonic() < end:
-        time.sleep(10)
-        # As many questions as an hour has, besides those of the page.
-        for _ in range(round(10 * 3600 / (60 * minutes))):
-            server.ask(f"api/runs/{name}/status")
-    last = measure()
-    print(
-        f"after {page.flights()} flights: server {first[0]:.0f} to {last[0]:.0f} MB, page {first[1]:.1f} to {last[1]:.1f} MB"
-    )
-    assert last[0] < first[0] + 20 and last[1] < first[1] + 5
