@@ -156,25 +156,6 @@ def test_it_is_listed_with_its_distribution_and_version(site, tmp_path):
     assert any(row["name"] == "closest-approach" and row["state"] == "ok" for row in rows)
 
 
-def test_after_removal_the_plugin_is_not_listed(tmp_path):
-    rows = driftform(tmp_path, tmp_path, "plugins", "list")["plugins"]
-    assert not [row for row in rows if row["distribution"] == "elsewhere-progress"]
-
-
-def test_its_options_are_shown(site, tmp_path):
-    (shown,) = driftform(site, tmp_path, "plugins", "show", "progress")["plugins"]
-    assert shown["options"] == [
-        {
-            "option": "scale",
-            "type": "float",
-            "bounds": "> 0",
-            "default": 1.0,
-            "unit": "1/m",
-            "help": "fitness for each metre",
-        }
-    ]
-
-
 def test_a_study_evolves_with_its_fitness_and_its_strategy(site, tmp_path):
     done = driftform(
         site,
@@ -196,15 +177,6 @@ def test_a_study_evolves_with_its_fitness_and_its_strategy(site, tmp_path):
     agent = json.loads((best / "agent.json").read_text())
     assert agent["genome"]["symbols"] == ["C", *WORD.split("-")]
     assert "elsewhere-progress" in (tmp_path / "run" / "environment.json").read_text()
-
-
-def test_its_options_are_validated_like_those_of_driftform(site, tmp_path):
-    command = [PROGRAM, "evolve", "paper", "--set", "fitness.use=progress", "--set", "fitness.scael=2"]
-    done = run(command, site, tmp_path)
-    assert done.returncode == 2
-    assert "fitness.scael" in done.stderr or "'scael'" in done.stderr
-    assert "did you mean 'scale'?" in done.stderr
-    assert not list(tmp_path.iterdir())
 
 
 def test_its_authors_can_inherit_the_contract(site, source):

@@ -35,6 +35,7 @@ def test_the_citation_is_of_this_version_and_of_the_paper() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert citation["authors"] == project["authors"]
     assert citation["version"] == project["version"] and citation["license"] == project["license"]
     [author], [paper] = citation["authors"], citation["references"]
     assert f"*{paper['title']}*" in readme and paper["authors"]

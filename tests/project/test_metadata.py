@@ -85,10 +85,6 @@ def test_the_core_installs_every_plugin_of_the_default_study() -> None:
         assert any(need.startswith(name) for need in read_project(ROOT)["optional-dependencies"][name[10:]])
 
 
-def test_the_citation_names_the_authors_of_the_distributions() -> None:
-    assert read_yaml("CITATION.cff")["authors"] == read_project(ROOT)["authors"]
-
-
 def test_the_workflow_tests_on_three_systems_and_runs_what_ci_runs() -> None:
     jobs = read_workflow("ci.yml")["jobs"]
     systems = jobs["tests"]["strategy"]["matrix"]["os"]
@@ -133,12 +129,3 @@ def test_a_commit_is_checked_by_the_lints_of_ci() -> None:
     for command in ("ruff check", "ruff format", "mypy"):
         assert any(hook["entry"].startswith(f"uv run --group lint {command}") for hook in local["hooks"])
         assert f"\nuv run {command}" in script
-
-
-@pytest.mark.parametrize("form", ["bug.yml", "feature.yml"])
-def test_a_form_for_issues_has_a_name_and_unique_fields(form: str) -> None:
-    document = read_yaml(".github", "ISSUE_TEMPLATE", form)
-    assert document["name"] and document["description"]
-    fields = [field["id"] for field in document["body"]]
-    assert len(fields) == len(set(fields)) > 0
-    assert all(field["attributes"]["label"] for field in document["body"])

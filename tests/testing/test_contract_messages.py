@@ -81,7 +81,7 @@ def make(contract: type[Any], plugin: type[Any]) -> Any:
         (
             lambda path: make(CheckerContract, Wordy).test_a_sound_file_does_not_fail(path),
             "checker 'wordy' returned a str from check(), expected a Finding",
-            "A cube of 20 mm can be printed; at least one finding says so, or why the check was skipped.",
+            "A cube of 20 mm can be printed; at least one finding says so, or why the check was skipped, each in one line.",
         ),
     ],
 )
@@ -116,5 +116,5 @@ def test_every_contract_states_what_each_of_its_tests_asks() -> None:
     contracts = [getattr(testing, name) for name in testing.__all__]
     assert all(issubclass(contract, Contract) for contract in contracts)
     tests = [test for contract in contracts for name, test in vars(contract).items() if name.startswith("test_")]
-    assert len(tests) > 100
+    assert len(tests) > 80
     assert [test.__qualname__ for test in tests if not test.__doc__] == []

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from driftform.interfaces import Grammar
 from driftform.types import Genome
-from driftform_lsystem import driftform_grammar
 from driftform_lsystem.grammar import LSystemGrammar
 from driftform_lsystem.options import LSystemOptions
 
@@ -44,21 +43,12 @@ def quintuples(word: Genome) -> list[tuple[str, ...]]:
     return [word.symbols[i : i + 5] for i in range(1, len(word.symbols), 5)]
 
 
-def test_the_hook_returns_the_grammar():
-    assert driftform_grammar() is LSystemGrammar
-
-
 @given(seed=SEEDS)
 def test_a_random_genome_is_twelve_quintuples(seed):
     genome = GRAMMAR.random(rng_of(seed))
     assert genome.grammar == "lsystem"
     assert len(genome.symbols) == 60
     assert all(symbol in CLASSES[index % 5] for index, symbol in enumerate(genome.symbols))
-
-
-def test_the_same_seed_draws_the_same_genome():
-    assert GRAMMAR.random(rng_of(5)) == GRAMMAR.random(rng_of(5))
-    assert GRAMMAR.random(rng_of(5)) != GRAMMAR.random(rng_of(6))
 
 
 def test_random_symbols_are_uniform_at_every_place():

@@ -109,12 +109,6 @@ def test_no_body_flies_twice():
     assert max(Counter(GRAMMAR.express(c.genome) for c in asked).values()) == 1
 
 
-def test_a_larger_budget_begins_as_a_smaller_one():
-    small, _ = played(evolution(2), 137)
-    large, _ = played(evolution(2), 400)
-    assert large[:137] == small
-
-
 def test_it_beats_random_search_where_changes_add_up():
     heights = (-3.0, 0.0, 2.5)
     names = ("low", "middle", "high")

@@ -1,7 +1,7 @@
 """Contract of commands: what a plugin adds to the command line by the hook ``driftform_commands``."""
 
 import json
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import typer
 from typer.testing import CliRunner, Result
@@ -33,28 +33,21 @@ class CommandsContract(Contract):
         """Call the hook of the plugin."""
         raise NotImplementedError
 
-    def commands(self) -> dict[str, Any]:
-        """Return the commands that the hook adds, by name."""
-        return make_commands(self.add)
-
     def call(self, *words: str) -> Result:
         """Call a command as ``driftform`` does."""
         return CliRunner().invoke(make_app(self.add, Commands), list(words))
 
-    def test_names_are_words_in_small_letters(self) -> None:
-        """A command has a name of small letters and dashes."""
-        assert self.commands()
-        for name in self.commands():
-            assert name == name.lower() and name.replace("-", "").isalnum()
-
-    def test_each_command_and_option_has_a_help_text(self) -> None:
-        """The help of a command is a sentence, and each of its options has one."""
-        waiting = list(self.commands().items())
-        for name, command in waiting:
-            assert (command.help or "").strip(), name
-            waiting += [(f"{name} {word}", inner) for word, inner in getattr(command, "commands", {}).items()]
+    def test_each_command_and_option_has_a_name_and_a_help_text(self) -> None:
+        """A command has a name of small letters and dashes, and a sentence of help; so has each of its options."""
+        waiting = list(make_commands(self.add).items())
+        assert waiting
+        for path, command in waiting:
+            name = path.split()[-1]
+            assert name == name.lower() and name.replace("-", "").isalnum(), path
+            assert (command.help or "").strip(), path
+            waiting += [(f"{path} {word}", inner) for word, inner in getattr(command, "commands", {}).items()]
             for parameter in command.params:
-                assert getattr(parameter, "help", "text"), f"{name} {parameter.name}"
+                assert getattr(parameter, "help", "text"), f"{path} {parameter.name}"
 
     def test_a_call_that_works_exits_with_0(self) -> None:
         """Each call of ``works`` prints something and exits with 0; with ``--json`` stdout is one JSON document."""

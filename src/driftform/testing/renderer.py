@@ -15,7 +15,7 @@ from driftform.plugins.seams import require_file
 from driftform.testing.agents import first_sample, straight_pipe
 from driftform.testing.bodies import hollow_body
 from driftform.testing.contract import SeamContract
-from driftform.types import Agent, Coefficients, End, Trajectory, WrittenFile
+from driftform.types import Agent, Coefficients, End, Trajectory
 from driftform.water import Scenario
 
 Frames: TypeAlias = npt.NDArray[np.uint8]
@@ -82,84 +82,75 @@ class RendererContract(SeamContract[Renderer[Any]]):
         """Return the scenario of the film: half a metre of pipe, with a target."""
         return Scenario(pipe=straight_pipe(0.5, 0.1), targets={"leak": (0.3, 0.0, 0.05)})
 
-    def film(
-        self, path: Path, renderer: Renderer[Any] | None = None, progress: Any = lambda done, total: None, **flight: Any
-    ) -> WrittenFile:
-        """Make a film of a ``trajectory``, by default of one that drifts and pitches, in the ``scenario``."""
-        renderer = renderer or self.plugin()
-        return require_file(renderer.film(*self._flight(**flight), path, progress), renderer, "film")
+    def make(self, path: Path, how: Any = lambda done, total: None, **given: Any) -> Frames:
+        """Make a film with the progress ``how``, or a still at the time ``how``; return its frames.
 
-    def still(self, path: Path, at: float = 0.2, **flight: Any) -> WrittenFile:
-        """Make a still of a trajectory, by default of the same one."""
-        renderer = self.plugin()
-        return require_file(renderer.still(*self._flight(**flight), path, at), renderer, "still")
+        ``given`` may have a ``trajectory``, by default one that drifts and pitches, a ``scenario`` and a ``renderer``.
+        """
+        renderer = given.get("renderer") or self.plugin()
+        name = "film" if callable(how) else "still"
+        flight = (
+            self.agent(),
+            given.get("trajectory") or drifting_trajectory(),
+            given.get("scenario") or self.scenario(),
+        )
+        written = require_file(getattr(renderer, name)(*flight, path, how), renderer, name)
+        assert Path(written.path) == path and written.format == renderer.name
+        return self.read(path)
 
-    def _flight(
-        self, trajectory: Trajectory | None = None, scenario: Scenario | None = None
-    ) -> tuple[Agent, Trajectory, Scenario]:
-        return self.agent(), trajectory or drifting_trajectory(), scenario or self.scenario()
+    def frames(self, folder: Path, how: Any = lambda done, total: None, **given: Any) -> npt.NDArray[np.int_]:
+        """Return the frames of a film in the first of the formats, whose differences may be negative."""
+        return self.make(folder / f"film{self.plugin().suffixes[0]}", how, **given).astype(int)
 
-    def frames(self, folder: Path, **flight: Any) -> npt.NDArray[np.int_]:
-        """Make a film in the first of the formats; return its frames, whose differences may be negative."""
-        path = folder / f"film{self.plugin().suffixes[0]}"
-        self.film(path, **flight)
-        return self.read(path).astype(int)
-
-    def test_a_film_is_where_it_was_asked_for_in_every_format(self, tmp_path: Path) -> None:
-        """Each suffix gives a film that can be read, and no other file is written; no part of an older film remains."""
+    def test_each_format_gives_a_film_where_it_was_asked_for(self, tmp_path: Path) -> None:
+        """A film has the frames of its duration, within one for the ends, replaces an older one, and is the only file."""
         renderer = self.plugin()
         assert renderer.suffixes
         for suffix in renderer.suffixes:
             path = tmp_path / suffix / f"film{suffix}"
-            renderer.check(path)
-            written = self.film(path)
-            assert Path(written.path) == path and written.format == renderer.name
-            assert list(path.parent.iterdir()) == [path]
+            path.parent.mkdir()
             path.write_bytes(b"old " * 1_000_000)
-            self.film(path)
-            assert path.stat().st_size < 4_000_000
-            assert len(self.read(path)) > 1
+            renderer.check(path)
+            frames = self.make(path)
+            assert abs(len(frames) - self.rate * drifting_trajectory().t[-1]) <= 1
+            assert frames.shape[1:] == (self.size[1], self.size[0], 3)
+            assert list(path.parent.iterdir()) == [path] and path.stat().st_size < 4_000_000
 
-    def test_it_has_the_frames_and_the_size_that_were_asked_for(self, tmp_path: Path) -> None:
-        """The number of frames is duration times rate, within one frame for the ends."""
-        frames = self.frames(tmp_path)
-        assert abs(len(frames) - self.rate * drifting_trajectory().t[-1]) <= 1
-        assert frames.shape[1:] == (self.size[1], self.size[0], 3)
-
-    def test_frames_differ_while_the_agent_moves(self, tmp_path: Path) -> None:
-        """Between consecutive frames some pixels change clearly."""
-        change = np.abs(np.diff(self.frames(tmp_path), axis=0)).max(axis=(1, 2, 3))
-        assert (change > 32).all()
-
-    def test_the_attitude_is_visible(self, tmp_path: Path) -> None:
-        """The last frame of a flight that turns by a right angle differs from that of a flight that does not turn."""
+    def test_motion_and_attitude_are_visible(self, tmp_path: Path) -> None:
+        """Consecutive frames differ clearly, and so do the last frames of flights with and without a turn by a right angle."""
         straight, turned = (
-            self.frames(tmp_path, trajectory=drifting_trajectory(turn=turn))[-1] for turn in (0.0, np.pi / 2)
+            self.frames(tmp_path, trajectory=drifting_trajectory(turn=turn)) for turn in (0.0, np.pi / 2)
         )
-        assert np.abs(straight - turned).max() > 64
+        assert (np.abs(np.diff(straight, axis=0)).max(axis=(1, 2, 3)) > 32).all()
+        assert np.abs(straight[-1] - turned[-1]).max() > 64
 
     def test_the_same_flight_gives_the_same_frames(self, tmp_path: Path) -> None:
         """A renderer that was sent to another process makes the same frames."""
         np.testing.assert_array_equal(self.frames(tmp_path), self.frames(tmp_path, renderer=self.copy()))
 
-    def test_a_flight_of_one_sample_and_open_water_are_filmed_too(self, tmp_path: Path) -> None:
+    def test_a_flight_of_one_sample_and_open_water_are_shown_too(self, tmp_path: Path) -> None:
         """A flight that ended at its release has one sample, and a scenario needs neither pipe nor targets."""
-        assert len(self.frames(tmp_path, trajectory=first_sample(drifting_trajectory()))) >= 1
-        assert len(self.frames(tmp_path, scenario=Scenario())) > 1
+        least: dict[str, Any] = {"trajectory": first_sample(drifting_trajectory()), "scenario": Scenario()}
+        for key, value in least.items():
+            assert len(self.frames(tmp_path, **{key: value})) >= 1
+            for suffix in self.plugin().stills:
+                assert len(self.make(tmp_path / f"still{suffix}", 0.0, **{key: value})) == 1
 
     def test_progress_is_reported_frame_by_frame(self, tmp_path: Path) -> None:
         """Each call reports one more frame than the call before, up to the number of frames."""
         reported: list[tuple[int, int]] = []
-        count = len(self.frames(tmp_path, progress=lambda done, total: reported.append((done, total))))
+        count = len(self.frames(tmp_path, lambda done, total: reported.append((done, total))))
         assert reported == [(done, count) for done in range(1, count + 1)]
 
-    @pytest.mark.parametrize("name", ["film.mkw", "film", "film.", ".mp4"])
+    @pytest.mark.parametrize("name", ["film.mkw", "film", ".mp4"])
     def test_an_unknown_suffix_is_refused(self, name: str, tmp_path: Path) -> None:
-        """``check`` refuses it before the flight, and so does ``film``; nothing is written."""
-        with pytest.raises(InputError, match=self.plugin().suffixes[0]):
-            self.plugin().check(tmp_path / name)
-        with pytest.raises(InputError):
-            self.film(tmp_path / name)
+        """``check`` and ``check_still`` refuse it before the flight, and so do ``film`` and ``still``; nothing is written."""
+        renderer, nothing = self.plugin(), lambda done, total: None
+        for check, how in ((renderer.check, nothing), (renderer.check_still, 0.0)):
+            with pytest.raises(InputError):
+                check(tmp_path / name)
+            with pytest.raises(InputError):
+                self.make(tmp_path / name, how)
         assert list(tmp_path.iterdir()) == []
 
     def test_an_interrupted_film_leaves_nothing_behind_and_keeps_an_older_one(self, tmp_path: Path) -> None:
@@ -173,51 +164,21 @@ class RendererContract(SeamContract[Renderer[Any]]):
             path = tmp_path / suffix / f"film{suffix}"
             path.parent.mkdir()
             with pytest.raises(KeyboardInterrupt):
-                self.film(path, progress=interrupt)
+                self.make(path, interrupt)
             assert list(path.parent.iterdir()) == []
             path.write_bytes(b"old")
             with pytest.raises(KeyboardInterrupt):
-                self.film(path, progress=interrupt)
+                self.make(path, interrupt)
             assert list(path.parent.iterdir()) == [path] and path.read_bytes() == b"old"
 
-    def test_a_still_is_one_picture_where_it_was_asked_for(self, tmp_path: Path) -> None:
-        """Each of ``stills`` gives a picture of the size of a film, and replaces an older one."""
-        renderer = self.plugin()
-        for suffix in renderer.stills:
-            path = tmp_path / suffix / f"still{suffix}"
-            path.parent.mkdir()
-            path.write_bytes(b"old " * 1_000_000)
-            renderer.check_still(path)
-            written = self.still(path)
-            assert Path(written.path) == path and written.format == renderer.name
-            assert list(path.parent.iterdir()) == [path]
-            assert self.read(path).shape == (1, self.size[1], self.size[0], 3)
-
     def test_a_still_shows_the_moment_that_was_asked_for(self, tmp_path: Path) -> None:
-        """Release and end give different pictures, and the same moment always gives the same picture."""
-        for suffix in self.plugin().stills:
-            images = []
-            for at in (0.0, 0.4, 0.4):
-                path = tmp_path / f"still{suffix}"
-                self.still(path, at)
-                images.append(self.read(path).astype(int))
-            assert np.abs(images[0] - images[1]).max() > 64
-            np.testing.assert_array_equal(images[1], images[2])
-
-    def test_a_still_needs_neither_a_path_nor_a_pipe(self, tmp_path: Path) -> None:
-        """A still may show a flight of one sample, and a flight in open water."""
+        """It has the size of a film; release and end differ, and the same moment always gives the same picture."""
         for suffix in self.plugin().stills:
             path = tmp_path / f"still{suffix}"
-            self.still(path, 0.0, trajectory=first_sample(drifting_trajectory()))
-            assert len(self.read(path)) == 1
-            self.still(path, 0.0, scenario=Scenario())
-            assert len(self.read(path)) == 1
-
-    @pytest.mark.parametrize("name", ["still.mkw", "still", "still.", ".png"])
-    def test_an_unknown_suffix_of_a_still_is_refused(self, name: str, tmp_path: Path) -> None:
-        """Every suffix is unknown to a renderer that makes no stills; nothing is written."""
-        with pytest.raises(InputError):
-            self.plugin().check_still(tmp_path / name)
-        with pytest.raises(InputError):
-            self.still(tmp_path / name)
-        assert list(tmp_path.iterdir()) == []
+            self.plugin().check_still(path)
+            first, last, again = (self.make(path, at).astype(int) for at in (0.0, 0.4, 0.4))
+            assert first.shape == (1, self.size[1], self.size[0], 3)
+            assert np.abs(first - last).max() > 64
+            np.testing.assert_array_equal(last, again)
+            assert list(tmp_path.iterdir()) == [path]
+            path.unlink()

@@ -35,10 +35,9 @@ class ScenariosContract(Contract):
         for name, text in self.files().items():
             assert found.get(name) == text, f"'{name}' is that of another distribution, or not installed"
 
-    def test_each_is_a_sound_study_with_a_title_and_targets(self) -> None:
-        """A scenario can be loaded with all its plugins, says in one line what it is, and has targets to reach."""
+    def test_each_is_a_sound_study_with_a_title(self) -> None:
+        """A scenario can be loaded with all its plugins, and says in one line what it is."""
         for name in self.files():
             study = load_study(name, run={"seed": 0})
             assert str(study.document.get("title", "")).strip(), name
-            assert study.scenario.targets, name
             study.make_pipeline()

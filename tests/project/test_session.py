@@ -1,4 +1,4 @@
-"""Tests that need other packages and programs: by default they are left out, and in CI none is skipped."""
+"""Which tests a session runs, and on how many cores; tests that need other packages and programs are left out by default."""
 
 import importlib.util
 from pathlib import Path
@@ -79,3 +79,40 @@ def test_a_test_is_a_peer_by_the_program_that_its_fixtures_ask(conftest: ModuleT
         item = SimpleNamespace(path=ROOT / "tests/a.py", fixturenames=fixtures, add_marker=marks.append)
         conftest.Peers().pytest_collection_modifyitems([item])
     assert marks == ["peers"]
+
+
+@pytest.mark.parametrize(
+    ("args", "markexpr", "update", "workers"),
+    [
+        (["tests", "plugins"], None, "", 6),
+        (["tests/motion"], None, "", 6),
+        (["tests/project/test_session.py"], None, "", 0),
+        (["tests/project/test_session.py::test_a"], None, "", 0),
+        (["tests", "plugins"], "slow", "", 0),
+        (["tests", "plugins"], "installs", "", 0),
+        (["tests", "plugins"], None, "1", 0),
+    ],
+)
+def test_the_default_selection_of_folders_takes_all_cores(
+    conftest: ModuleType,
+    pytestconfig: pytest.Config,
+    monkeypatch: pytest.MonkeyPatch,
+    args: list[str],
+    markexpr: str | None,
+    update: str,
+    workers: int,
+) -> None:
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setattr("os.cpu_count", lambda: 6)
+    monkeypatch.setenv("UPDATE_DOCS", update)
+    [usual] = [word for word in pytestconfig.getini("addopts") if word.startswith("not slow")]
+    config = SimpleNamespace(args=args, option=SimpleNamespace(markexpr=markexpr or usual), getini=pytestconfig.getini)
+    assert conftest.pytest_xdist_auto_num_workers(config) == workers
+
+
+@pytest.mark.parametrize("simulator", ["native", "exudyn"])
+def test_the_kernels_that_are_compiled_before_the_workers_start_are_those_of_real_flights(
+    conftest: ModuleType, monkeypatch: pytest.MonkeyPatch, simulator: str
+) -> None:
+    monkeypatch.setattr("sys.argv", ["kernels", simulator, str(ROOT / "tests" / "helpers")])
+    exec(compile(conftest.KERNELS, "kernels", "exec"), {})
