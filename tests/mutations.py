@@ -281,7 +281,7 @@ def keep_python() -> None:
         setattr(compiled, name, keep)
     compiled.borrow_as = borrow_as
     compiled.borrow = borrow_as()
-    from driftform.motion import fields
+    from driftform.motion.forces import fields
 
     # Kernels read n.gravity, which numba gives any record.
     for name in ("LAW", "PLANE", "NUMBERS"):

@@ -118,7 +118,7 @@ class Pipeline:
         scenario, options = self.scenario, self.hydrodynamics.options
         fluid, calibration = scenario.fluid, scenario.calibration
         if condition is not None and condition.specimen is Specimen.IDLE:
-            from driftform.motion.forces import make_sphere
+            from driftform.motion.forces.spheres import make_sphere
 
             volume = solid_of_revolution(body.outer).volume
             return make_sphere((6 * volume / np.pi) ** (1 / 3), disturb_fluid(condition, fluid))
@@ -131,7 +131,7 @@ class Pipeline:
         found = self.hydrodynamics.coefficients(body, fluid)
         coefficients = require_coefficients(found, body, self.hydrodynamics)
         if options.drag == "strips":
-            from driftform.motion.body_drag import estimate_drag, wake_factor
+            from driftform.motion.forces.body_drag import estimate_drag, wake_factor
 
             factor = wake_factor(coefficients, fluid.density * mass.volume)
             drag = estimate_drag(body, fluid.viscosity, factor, options.drag_without)

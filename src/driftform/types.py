@@ -291,7 +291,7 @@ class MassProperties:
 
 @dataclass(frozen=True, eq=False)
 class Drag:
-    """What the water's viscosity does to a body of revolution; with C_d and C_f see :mod:`driftform.motion.drag`.
+    """What the water's viscosity does to a body of revolution; with C_d and C_f see :mod:`driftform.motion.forces.drag`.
 
     A strip's force is ``-1/2 rho C_d(Re) factor d dx |v| v`` with the velocity v across the axis at the
     strip, relative to the water there; C_d is that of a long cylinder, without what creeping motion adds. Along the axis it is

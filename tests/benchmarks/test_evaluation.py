@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from driftform.agent import mass_properties
-from driftform.motion.model import flight_model
+from driftform.motion.forces.model import flight_model
 from driftform.pipeline import MARGIN
 from driftform.runs.compression import encode
 from driftform.runs.store import Store

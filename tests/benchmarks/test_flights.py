@@ -12,11 +12,11 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from driftform.motion.flight import SAMPLE, finish_trajectory, has_left_pipe, release_state
-from driftform.motion.integrator import Accuracy, integrate
-from driftform.motion.interpolation import interpolate_positions
-from driftform.motion.model import flight_model, pack, unpack
-from driftform.motion.rates import fill_rate_in_space
+from driftform.motion.forces.model import flight_model, pack, unpack
+from driftform.motion.forces.rates import fill_rate_in_space
+from driftform.motion.path.interpolation import interpolate_positions
+from driftform.motion.path.trajectory import SAMPLE, finish_trajectory, has_left_pipe, release_state
+from driftform.motion.solver.error import Accuracy, integrate
 from driftform.runs.compression import encode
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance

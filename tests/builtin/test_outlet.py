@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftform.builtin.outlet import PASSED_BY, OutletFitness
-from driftform.motion.way import farthest_distances
+from driftform.motion.path.targets import farthest_distances
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
 from driftform.types import End, Trajectory, Verdict

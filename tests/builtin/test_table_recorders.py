@@ -8,7 +8,7 @@ import pytest
 
 from driftform.builtin.table_recorders import COLUMNS, CsvRecorder, ParquetRecorder
 from driftform.errors import WorkFailedError
-from driftform.motion.forces import accelerations_along, net_wrench
+from driftform.motion.path.accelerations import accelerations_along, net_wrench
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
 from driftform.util.options import Table

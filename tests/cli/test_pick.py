@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftform.motion.approach import closest_approach
+from driftform.motion.path.approach import closest_approach
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import lock_run
 from driftform.runs.store import Record, Store

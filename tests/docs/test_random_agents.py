@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftform.motion.inertia import added_mass_at, rigid_body_mass
+from driftform.motion.forces.inertia import added_mass_at, rigid_body_mass
 from driftform.study import load_study
 
 COUNT = 2000

@@ -206,7 +206,7 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
 
 
 def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
-    from driftform.motion import bore, impact
+    from driftform.motion.forces import bore, impact
 
     section = pages["physics.md"].partition("## Contact with the wall")[2]
     assert f"(d / {1000 * impact.STIFF_DEPTH:g} mm)^4" in section

@@ -21,9 +21,9 @@ import math
 import numpy as np
 from solids import solid_agent
 
-from driftform.motion.body_drag import estimate_drag
-from driftform.motion.drag import sphere_drag
-from driftform.motion.impact import LUBRICATION
+from driftform.motion.forces.body_drag import estimate_drag
+from driftform.motion.forces.drag import sphere_drag
+from driftform.motion.forces.impact import LUBRICATION
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Coefficients
 from driftform.water import Fluid, Pipe, Scenario, Segment

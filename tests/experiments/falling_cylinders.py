@@ -18,7 +18,7 @@ import numpy as np
 from solids import solid_agent
 
 from driftform.agent import solid_of_revolution
-from driftform.motion.body_drag import estimate_drag, wake_factor
+from driftform.motion.forces.body_drag import estimate_drag, wake_factor
 from driftform.testing.bodies import cylinder_body
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Fluid, Pipe, Scenario

@@ -18,7 +18,7 @@ from dataclasses import replace
 from solids import solid_agent
 
 from driftform.agent import solid_of_revolution
-from driftform.motion.body_drag import estimate_drag, wake_factor
+from driftform.motion.forces.body_drag import estimate_drag, wake_factor
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.flow import LogLawFlow

@@ -27,8 +27,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from solids import solid_agent
 
-from driftform.motion.body_drag import estimate_drag
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.forces.body_drag import estimate_drag
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Coefficients
 from driftform.water import Fluid, Pipe, Scenario

@@ -17,7 +17,7 @@ import math
 import numpy as np
 from solids import solid_agent
 
-from driftform.motion.body_drag import estimate_drag
+from driftform.motion.forces.body_drag import estimate_drag
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Coefficients
 from driftform.water import Fluid, Pipe, Scenario, Segment

@@ -16,9 +16,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from driftform.agent import solid_of_revolution
-from driftform.motion.body_drag import estimate_drag, wake_factor
-from driftform.motion.drag import still_water_wrench
-from driftform.motion.inertia import added_mass_at
+from driftform.motion.forces.body_drag import estimate_drag, wake_factor
+from driftform.motion.forces.drag import still_water_wrench
+from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import make_body
 from driftform.water import Fluid
 from driftform_panels.coefficients import PanelMethod

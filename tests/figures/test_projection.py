@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.figures.projection import PLAN, SIDE, drawing_times, silhouette, simplify_polyline
-from driftform.motion.approach import closest_approach
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path.approach import closest_approach
+from driftform.motion.path.interpolation import interpolate_positions
 
 unit = st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda q: np.linalg.norm(q) > 0.1)
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
-from driftform.motion.inertia import added_mass_at, rigid_body_mass, shift_origin
-from driftform.motion.interpolation import interpolate_positions
-from driftform.motion.path import evaluate_path, world_velocity
+from driftform.motion.forces.inertia import added_mass_at, rigid_body_mass, shift_origin
+from driftform.motion.path.curve import evaluate_path, world_velocity
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing import SimulatorContract
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, tumbling_agent
 from driftform.testing.bodies import spheroid_body

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.motion.equations import accelerations
-from driftform.motion.model import flight_model
+from driftform.motion.forces.equations import accelerations
+from driftform.motion.forces.model import flight_model
 from driftform.util.rotations import rotation_from_quaternion
 from driftform.water import Fluid, Scenario
 from driftform.water.flow import UniformFlow

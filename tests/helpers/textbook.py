@@ -4,7 +4,7 @@ This module shares no code with driftform's kernels. Inertial and relative veloc
 Handbook of Marine Craft Hydrodynamics and Motion Control (2011), theorem 3.2 and section 8.1, so that the
 equations do not rely on a change of frame. They hold in a uniform current along x, or in the logarithmic law in a smooth
 pipe along x, clear of any wall. Viscous forces, with the coefficients of :class:`driftform.types.Drag`, are written
-with vectors, from the sources that :mod:`driftform.motion.drag_coefficients` names.
+with vectors, from the sources that :mod:`driftform.motion.forces.drag_coefficients` names.
 
 This module needs scipy, which is not a dependency of driftform.
 """
@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing.agents import Spheroid
 from driftform.testing.simulator import largest_distance
 from driftform.types import Agent, Coefficients, Drag, FloatArray, MassProperties, Trajectory

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.motion.body_drag import SLENDER, estimate_drag, wake_factor
-from driftform.motion.drag import still_water_wrench
-from driftform.motion.drag_coefficients import (
+from driftform.motion.forces.body_drag import SLENDER, estimate_drag, wake_factor
+from driftform.motion.forces.drag import still_water_wrench
+from driftform.motion.forces.drag_coefficients import (
     BLUNT_BASE,
     base_coefficient,
     finite_length_factor,
@@ -19,8 +19,8 @@ from driftform.motion.drag_coefficients import (
     friction_coefficient,
     sphericity,
 )
-from driftform.motion.strips import outer_radii
-from driftform.motion.terminal import terminal_speeds
+from driftform.motion.forces.strips import outer_radii
+from driftform.motion.forces.terminal import terminal_speeds
 from driftform.study import load_study
 from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import (

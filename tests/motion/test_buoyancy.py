@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from driftform.agent import mass_properties
-from driftform.motion.buoyancy import buoyancy, buoyant_energy, half_height, submerged_share
-from driftform.motion.model import flight_model
+from driftform.motion.forces.buoyancy import buoyancy, buoyant_energy, half_height, submerged_share
+from driftform.motion.forces.model import flight_model
 from driftform.testing.agents import Spheroid
 from driftform.testing.bodies import cylinder_body, dome_body, spheroid_body
 from driftform.types import Agent, Coefficients

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from solids import solid_agent
 
-from driftform.motion.clearance import wall_clearances
+from driftform.motion.path.clearance import wall_clearances
 from driftform.study import load_study
 from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import cylinder_body

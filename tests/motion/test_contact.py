@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.motion.bore import axis_line, is_clear, transverse_parts
-from driftform.motion.contact import deepest_depth, is_far_from_wall, surface_depth, wall_wrench
-from driftform.motion.impact import contact_law, damper, spring
-from driftform.motion.model import flight_model
+from driftform.motion.forces.bore import axis_line, is_clear, transverse_parts
+from driftform.motion.forces.contact import deepest_depth, is_far_from_wall, surface_depth, wall_wrench
+from driftform.motion.forces.impact import contact_law, damper, spring
+from driftform.motion.forces.model import flight_model
 from driftform.testing.agents import sphere_agent
 from driftform.water import Scenario
 

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.motion.coordinates import WaterForces
-from driftform.motion.flight import SAMPLE, has_left_pipe, release_state
-from driftform.motion.inertia import added_mass_at, rigid_body_mass
-from driftform.motion.model import flight_model
-from driftform.motion.rates import fill_rate_in_space
+from driftform.motion.forces.inertia import added_mass_at, rigid_body_mass
+from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.rates import fill_rate_in_space
+from driftform.motion.forces.water_forces import WaterForces
+from driftform.motion.path.trajectory import SAMPLE, has_left_pipe, release_state
 from driftform.study import load_study
 from driftform.util.rotations import quaternion_from_rotation_vector
 from driftform.water import Fluid, Pipe, Scenario, Segment

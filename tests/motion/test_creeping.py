@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.motion.body_drag import estimate_drag
-from driftform.motion.creeping import creeping_resistance, spheroid_resistance
-from driftform.motion.drag import creeping_drag, still_water_wrench
+from driftform.motion.forces.body_drag import estimate_drag
+from driftform.motion.forces.creeping import creeping_resistance, spheroid_resistance
+from driftform.motion.forces.drag import creeping_drag, still_water_wrench
 from driftform.study import load_study
 from driftform.testing.bodies import cylinder_body, spheroid_body
 

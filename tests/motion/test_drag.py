@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.motion.drag import axial_drag, shear_lift, still_water_wrench, strip_drag, wake_drag
-from driftform.motion.drag_coefficients import (
+from driftform.motion.forces.drag import axial_drag, shear_lift, still_water_wrench, strip_drag, wake_drag
+from driftform.motion.forces.drag_coefficients import (
     LAMINAR_BELOW,
     blockage_factor,
     crossflow_coefficient,
@@ -18,8 +18,8 @@ from driftform.motion.drag_coefficients import (
     sphere_coefficient,
     spin_coefficient,
 )
-from driftform.motion.equations import drag_wrench
-from driftform.motion.model import flight_model
+from driftform.motion.forces.equations import drag_wrench
+from driftform.motion.forces.model import flight_model
 from driftform.testing.agents import Spheroid
 from driftform.types import Drag
 from driftform.water import Fluid, Scenario

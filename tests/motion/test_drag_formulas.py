@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.motion.body_drag import SLENDER, estimate_drag
-from driftform.motion.drag import axial_drag, sphere_drag, spin_drag, strip_drag, wake_drag
-from driftform.motion.drag_coefficients import (
+from driftform.motion.forces.body_drag import SLENDER, estimate_drag
+from driftform.motion.forces.drag import axial_drag, sphere_drag, spin_drag, strip_drag, wake_drag
+from driftform.motion.forces.drag_coefficients import (
     base_coefficient,
     blockage_factor,
     crossflow_coefficient,

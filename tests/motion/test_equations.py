@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.motion.equations import accelerations, damping_wrench, water_motion_at_cob
-from driftform.motion.model import flight_model
+from driftform.motion.forces.equations import accelerations, damping_wrench, water_motion_at_cob
+from driftform.motion.forces.model import flight_model
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform.types import Agent, Coefficients, Drag, MassProperties

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from solids import solid_agent
 
-from driftform.motion.bore import is_clear
-from driftform.motion.contact import deepest_depth
-from driftform.motion.fitting_contact import (
+from driftform.motion.forces.bore import is_clear
+from driftform.motion.forces.contact import deepest_depth
+from driftform.motion.forces.fitting_contact import (
     FLATNESS,
     deepest_rim_point,
     flat_curvatures,
@@ -20,10 +20,10 @@ from driftform.motion.fitting_contact import (
     rim_reach,
     touch_fitting,
 )
-from driftform.motion.flight import energies, release_state
-from driftform.motion.integrator import Accuracy, integrate_once
-from driftform.motion.model import flight_model
-from driftform.motion.surfaces import refined_surfaces, touching_surfaces
+from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.surfaces import refined_surfaces, touching_surfaces
+from driftform.motion.path.trajectory import energies, release_state
+from driftform.motion.solver.error import Accuracy, integrate_once
 from driftform.testing.bodies import cylinder_body, dome_body
 from driftform.types import Coefficients
 from driftform.water import Scenario

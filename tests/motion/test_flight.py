@@ -8,9 +8,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from driftform.agent import mass_properties
-from driftform.motion.flight import finish_trajectory, release_state
-from driftform.motion.integrator import Accuracy, integrate
-from driftform.motion.model import flight_model
+from driftform.motion.forces.model import flight_model
+from driftform.motion.path.trajectory import finish_trajectory, release_state
+from driftform.motion.solver.error import Accuracy, integrate
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, tumbling_agent
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Agent, Coefficients, Drag, End

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.motion.flight import release_state
-from driftform.motion.integrator import Accuracy, integrate
-from driftform.motion.model import flight_model
+from driftform.motion.forces.model import flight_model
+from driftform.motion.path.trajectory import release_state
+from driftform.motion.solver.error import Accuracy, integrate
 from driftform.study import load_study
 from driftform.testing.agents import DENSITY, Spheroid, sphere_agent
 from driftform.testing.bodies import spheroid_body

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from driftform.motion.bore import smoothed_sine
-from driftform.motion.impact import DEEPEST, STIFF_DEPTH, common_mass, contact_law, damper, spring
+from driftform.motion.forces.bore import smoothed_sine
+from driftform.motion.forces.impact import DEEPEST, STIFF_DEPTH, common_mass, contact_law, damper, spring
 
 OMEGA, VISCOSITY, RADIUS = 300.0, 1.05e-3, 0.015
 

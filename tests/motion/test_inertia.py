@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.motion.inertia import added_mass_at, cross_matrix, rigid_body_mass, shift_origin
-from driftform.motion.inverse import invert_mass
+from driftform.motion.forces.inertia import added_mass_at, cross_matrix, rigid_body_mass, shift_origin
+from driftform.motion.forces.inverse import invert_mass
 from driftform.types import Coefficients, MassProperties
 
 points = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array)

@@ -9,10 +9,10 @@ from scipy.integrate import DOP853 as SCIPY_DOP853
 from scipy.integrate import RK45 as SCIPY_RK45
 from scipy.stats import binom
 
-from driftform.motion.flight import release_state
-from driftform.motion.integrator import SAFETY_FACTOR, TOLERANCE_RATIO, Accuracy, greatest_distance, integrate
-from driftform.motion.model import flight_model
-from driftform.motion.tableaus import DOP853, DOPRI5
+from driftform.motion.forces.model import flight_model
+from driftform.motion.path.trajectory import release_state
+from driftform.motion.solver.error import SAFETY_FACTOR, TOLERANCE_RATIO, Accuracy, greatest_distance, integrate
+from driftform.motion.solver.tableaus import DOP853, DOPRI5
 from driftform.study import load_study
 from driftform.testing.agents import Spheroid, tumbling_agent
 from driftform.water import Fluid, Pipe, Scenario, Segment

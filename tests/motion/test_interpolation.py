@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from driftform.agent import mass_properties
-from driftform.motion.forces import acceleration_at, accelerations_along, net_wrench
-from driftform.motion.interpolation import even_times, interpolate_attitudes, interpolate_positions, resample
-from driftform.motion.path import world_velocity
+from driftform.motion.path.accelerations import acceleration_at, accelerations_along, net_wrench
+from driftform.motion.path.curve import world_velocity
+from driftform.motion.path.interpolation import even_times, interpolate_attitudes, interpolate_positions, resample
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drifting_trajectory

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from solids import solid_agent
 
-from driftform.motion.body_drag import estimate_drag
-from driftform.motion.limits import list_limits
+from driftform.motion.forces.body_drag import estimate_drag
+from driftform.motion.forces.limits import list_limits
 from driftform.study import load_study
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform.types import Coefficients

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from driftform.motion.approach import closest_approach
-from driftform.motion.path import hermite_coefficients, world_velocity
-from driftform.motion.resampling import select_spaced
+from driftform.motion.path.approach import closest_approach
+from driftform.motion.path.curve import hermite_coefficients, world_velocity
+from driftform.motion.path.thinning import select_spaced
 from driftform.types import End, Trajectory
 
 

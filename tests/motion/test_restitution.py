@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from driftform.motion.contact import deepest_depth
-from driftform.motion.flight import energies, release_state
-from driftform.motion.impact import DEEPEST
-from driftform.motion.integrator import Accuracy, integrate
-from driftform.motion.model import flight_model
-from driftform.motion.rates import fill_rate_in_space
+from driftform.motion.forces.contact import deepest_depth
+from driftform.motion.forces.impact import DEEPEST
+from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.rates import fill_rate_in_space
+from driftform.motion.path.trajectory import energies, release_state
+from driftform.motion.solver.error import Accuracy, integrate
 from driftform.testing.agents import DENSITY, Spheroid, sphere_agent
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform.types import Agent, Coefficients, MassProperties

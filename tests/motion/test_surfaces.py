@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.motion.surfaces import touching_surfaces, touching_vertices
+from driftform.motion.forces.surfaces import touching_surfaces, touching_vertices
 from driftform.study import load_study
 from driftform.testing.bodies import cylinder_body, dome_body, make_body, spheroid_body
 

@@ -99,13 +99,15 @@ def test_what_the_docs_show_imports_public_names_alone(page: Path) -> None:
 
 
 def test_an_import_of_a_private_module_is_found() -> None:
-    source = "from driftform.water import Scenario\ndef fly():\n    from driftform.motion.flight import SAMPLE\n"
+    source = (
+        "from driftform.water import Scenario\ndef fly():\n    from driftform.motion.path.trajectory import SAMPLE\n"
+    )
     found = list(find_private_imports(source, list_public()))
-    assert found == ["line 3: driftform.motion.flight.SAMPLE"]
+    assert found == ["line 3: driftform.motion.path.trajectory.SAMPLE"]
 
 
 def test_a_module_that_is_public_shows_its_public_names_alone() -> None:
-    source = "from driftform.motion.stepping import flight_model\nfrom driftform.motion import stepping\nstepping.{}"
+    source = "from driftform.motion.forces import flight_model\nfrom driftform.motion import stepping\nstepping.{}"
     assert list(find_private_imports(source.format("flight_model"), list_public())) == []
     [found] = find_private_imports(source.format("fill_rate_in_space"), list_public())
-    assert found == "line 3: driftform.motion.stepping.fill_rate_in_space"
+    assert found == "line 3: driftform.motion.forces.fill_rate_in_space"

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError
-from driftform.motion.approach import closest_approach
-from driftform.motion.path import hermite_coefficients, world_velocity
+from driftform.motion.path.approach import closest_approach
+from driftform.motion.path.curve import hermite_coefficients, world_velocity
 from driftform.runs.coverage import CoverageMap, PipeGrid, find_passes, map_coverage
 from driftform.types import End, Trajectory
 from driftform.water import Pipe, Scenario, Segment

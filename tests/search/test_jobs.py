@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.motion.way import find_offsets
+from driftform.motion.path.targets import find_offsets
 from driftform.search.jobs import MAX_BATCH, MAX_TASK_S, MIN_TASK_S, Job, evaluate_batch, rehearse, task_size
 from driftform.study import load_study
 from driftform.water.disturbances import draw_conditions

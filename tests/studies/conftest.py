@@ -7,7 +7,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 import numpy as np
 import pytest
 
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing.simulator import largest_distance
 from driftform.types import Agent
 from driftform.water import Scenario

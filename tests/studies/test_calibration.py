@@ -21,7 +21,7 @@ from made_films import Filming, draw_world, film_flight, place_drop
 import driftform as df
 from driftform.design.design import Design
 from driftform.errors import InputError
-from driftform.motion.approach import closest_approach
+from driftform.motion.path.approach import closest_approach
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
 from driftform.water import Calibration, Factors

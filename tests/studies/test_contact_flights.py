@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from closed_forms import wall_depths
 
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
 from driftform.types import FloatArray, Trajectory

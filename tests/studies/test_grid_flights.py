@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
 from driftform.water import Scenario

@@ -7,8 +7,8 @@ from itertools import repeat
 import numpy as np
 import pytest
 
-from driftform.motion.interpolation import interpolate_positions
-from driftform.motion.way import name_outlet
+from driftform.motion.path.interpolation import interpolate_positions
+from driftform.motion.path.targets import name_outlet
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
 from driftform.types import End

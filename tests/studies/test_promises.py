@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.motion.approach import closest_approach
-from driftform.motion.drag_coefficients import CROSSFLOW_PLATEAU
-from driftform.motion.forces import make_sphere
-from driftform.motion.way import find_offsets, find_within
+from driftform.motion.forces.drag_coefficients import CROSSFLOW_PLATEAU
+from driftform.motion.forces.spheres import make_sphere
+from driftform.motion.path.approach import closest_approach
+from driftform.motion.path.targets import find_offsets, find_within
 from driftform.runs.misses import PROMISED, estimate_quantile
 from driftform.runs.store import Store
 from driftform.runs.wording import KEPT

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.motion.approach import closest_approach
+from driftform.motion.path.approach import closest_approach
 from driftform.runs.coverage import CoverageMap, PipeGrid
 from driftform.runs.store import Store
 from driftform.search.local import LocalProcesses

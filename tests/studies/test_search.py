@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.motion.way import farthest_distances
+from driftform.motion.path.targets import farthest_distances
 from driftform.runs.store import Store
 from driftform.search.jobs import Executor
 from driftform.search.local import LocalProcesses

@@ -7,7 +7,7 @@ import pytest
 from closed_forms import wall_depths
 from textbook import textbook_states
 
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
 from driftform.types import End, Trajectory

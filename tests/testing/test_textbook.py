@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from solids import solid_agent
 from textbook import distance_from_textbook, textbook_rate
 
-from driftform.motion.body_drag import estimate_drag
-from driftform.motion.model import flight_model
-from driftform.motion.rates import fill_rate_in_space
+from driftform.motion.forces.body_drag import estimate_drag
+from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.rates import fill_rate_in_space
 from driftform.study import load_study
 from driftform.testing.bodies import spheroid_body
 

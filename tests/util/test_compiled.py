@@ -13,7 +13,7 @@ import driftform
 from driftform.util import kernel_cache
 
 SCRIPT = """
-from driftform.motion.buoyancy import slice_depth
+from driftform.motion.forces.buoyancy import slice_depth
 still = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 print(slice_depth(0.1, still, 0.5, (0.0, 0.0, 0.02), 1.0))
 """
@@ -253,7 +253,7 @@ def test_a_kernel_from_the_cache_holds_machine_code_only_and_other_kernels_can_c
     run_kernel(tmp_path)
     [file] = tmp_path.rglob("buoyancy.*.nbc")
     assert file.stat().st_size < 16_384, "the file holds more than the machine code of an entry"
-    used = "from driftform.motion.buoyancy import slice_depth\n"
+    used = "from driftform.motion.forces.buoyancy import slice_depth\n"
     script = SCRIPT.replace("print(", "first = (").replace(used, used + CALLER) + "print(enter(first))"
     run_kernel(tmp_path, script)
     [same] = tmp_path.rglob("buoyancy.slice_depth-*.nbc")
@@ -264,7 +264,7 @@ SPACED = """
 import sys
 import numpy as np
 from numba.core.runtime.nrt import rtsys
-from driftform.motion.resampling import select_spaced
+from driftform.motion.path.thinning import select_spaced
 spaced = select_spaced(np.arange(5.0), 2.0).tolist()
 print(spaced, "numba.np.arrayobj" in sys.modules, rtsys._init)
 """

@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from solids import solid_agent
 
-from driftform.motion.flight import finish_trajectory, release_state
-from driftform.motion.integrator import Accuracy, integrate
-from driftform.motion.model import flight_model
-from driftform.motion.way import name_outlet
+from driftform.motion.forces.model import flight_model
+from driftform.motion.path.targets import name_outlet
+from driftform.motion.path.trajectory import finish_trajectory, release_state
+from driftform.motion.solver.error import Accuracy, integrate
 from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Coefficients, End

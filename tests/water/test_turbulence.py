@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from tracers import carry, spread_evenly, straight_pipe
 
-from driftform.motion.model import flight_model
+from driftform.motion.forces.model import flight_model
 from driftform.testing.agents import sphere_agent
 from driftform.water.gusts import eddy_diffusivity
 from driftform.water.velocity import FRICTION, flow_array, pipe_rows, water_motion

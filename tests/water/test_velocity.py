@@ -14,8 +14,8 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from driftform.motion.model import flight_model
-from driftform.motion.terminal import terminal_speed_across
+from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.terminal import terminal_speed_across
 from driftform.study import load_study
 from driftform.testing.agents import sphere_agent
 from driftform.water import Fluid, Pipe, Scenario, Segment

@@ -41,7 +41,7 @@ def with_quaternions_the_other_way(agent, scenario):
 
 
 def with_velocity_in_the_world_frame(agent, scenario):
-    from driftform.motion.path import world_velocity
+    from driftform.motion.path.curve import world_velocity
 
     flight = sound(agent, scenario)
     return replace(flight, velocity=np.hstack([world_velocity(flight), flight.velocity[:, 3:]]))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from driftform.motion.model import flight_model
-from driftform.motion.stability import stable_rest
+from driftform.motion.forces.model import flight_model
+from driftform.motion.path.stability import stable_rest
 from driftform.study import load_study
 from driftform.water import Pipe
 from driftform_exudyn import exudyn_system

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.interfaces import Renderer, Table
-from driftform.motion.interpolation import even_times, interpolate_attitudes
+from driftform.motion.path.interpolation import even_times, interpolate_attitudes
 from driftform.testing import RendererContract
 from driftform.types import WrittenFile
 from driftform.util.files import write_whole

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from driftform.motion.coordinates import WaterForces
-from driftform.motion.flight import release_state
-from driftform.motion.integrator import Accuracy, greatest_distance, integrate
-from driftform.motion.interpolation import interpolate_positions
-from driftform.motion.model import flight_model
+from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.water_forces import WaterForces
+from driftform.motion.path.interpolation import interpolate_positions
+from driftform.motion.path.trajectory import release_state
+from driftform.motion.solver.error import Accuracy, greatest_distance, integrate
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
 from driftform_exudyn import exudyn_system, integration

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from textbook import distance_from_textbook, random_case
 
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing.agents import DENSITY, sphere_agent
 from driftform.types import End
 from driftform.water import Fluid, Pipe, Scenario, Segment

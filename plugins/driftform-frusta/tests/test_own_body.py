@@ -13,7 +13,7 @@ from solids import remus_body
 from driftform import load_study, open_agent
 from driftform.agent import mass_properties, solid_of_revolution
 from driftform.errors import InputError
-from driftform.motion.inertia import added_mass_at
+from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Morphology
 from driftform.water import Fluid

@@ -2,7 +2,7 @@
 
 from closed_forms import ClosedForms
 
-from driftform.motion.integrator import Accuracy
+from driftform.motion.solver.error import Accuracy
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
 

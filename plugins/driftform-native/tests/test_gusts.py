@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.motion.approach import closest_approach
-from driftform.motion.way import find_offsets
+from driftform.motion.path.approach import closest_approach
+from driftform.motion.path.targets import find_offsets
 from driftform.pipeline import Pipeline
 from driftform.study import load_study
 from driftform.types import Agent

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftform.motion.forces import make_sphere
+from driftform.motion.forces.spheres import make_sphere
 from driftform.types import End
 from driftform.water import Scenario
 from driftform_networks.flights.bodies import Traveller, open_traveller

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from driftform.agent import solid_of_revolution
-from driftform.motion.inertia import added_mass_at
+from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import cylinder_body, make_body, spheroid_body
 from driftform.types import Module, Morphology
 from driftform.water import Fluid

@@ -8,7 +8,7 @@ import pytest
 from solids import remus_body
 
 from driftform.agent import solid_of_revolution
-from driftform.motion.inertia import shift_origin
+from driftform.motion.forces.inertia import shift_origin
 from driftform.testing.bodies import cylinder_body, dome_body, spheroid_body
 from driftform.water import Fluid
 from driftform_panels import solve as module

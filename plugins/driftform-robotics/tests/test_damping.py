@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from driftform.interfaces import ExportJob
-from driftform.motion.body_drag import estimate_drag
-from driftform.motion.terminal import terminal_speeds
+from driftform.motion.forces.body_drag import estimate_drag
+from driftform.motion.forces.terminal import terminal_speeds
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Agent, Coefficients, MassProperties
 from driftform.water import Fluid

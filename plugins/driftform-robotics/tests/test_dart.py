@@ -13,7 +13,7 @@ from robots import inertia_of
 from scipy.spatial.transform import Rotation
 
 from driftform.interfaces import ExportJob
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.study import Study
 from driftform.types import Coefficients
 from driftform.water import Fluid, Scenario

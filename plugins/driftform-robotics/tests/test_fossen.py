@@ -16,8 +16,8 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from driftform.interfaces import ExportJob
-from driftform.motion.inertia import largest_added_mass_ratio
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.forces.inertia import largest_added_mass_ratio
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.study import Study
 from driftform.types import Coefficients
 from driftform.water import Fluid, Scenario

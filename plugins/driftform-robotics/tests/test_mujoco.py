@@ -11,7 +11,7 @@ import pytest
 from robots import random_states
 
 from driftform.interfaces import ExportJob
-from driftform.motion.inertia import added_mass_at
+from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.agents import Spheroid
 from driftform.types import Agent, Coefficients
 from driftform.util.rotations import matrix_from_quaternion

@@ -19,7 +19,7 @@ from mcap_ros2.decoder import DecoderFactory
 from ruamel.yaml import YAML
 
 from driftform.interfaces import ExportJob, Recorder
-from driftform.motion.forces import accelerations_along, net_wrench
+from driftform.motion.path.accelerations import accelerations_along, net_wrench
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Trajectory

@@ -9,7 +9,7 @@ import pytest
 from robots import check_sdf, model_of, still
 
 from driftform.interfaces import ExportJob
-from driftform.motion.inertia import added_mass_at, rigid_body_mass, shift_origin
+from driftform.motion.forces.inertia import added_mass_at, rigid_body_mass, shift_origin
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
 

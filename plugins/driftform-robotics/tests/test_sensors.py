@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from driftform.agent import mass_properties
-from driftform.motion.forces import accelerations_along
+from driftform.motion.path.accelerations import accelerations_along
 from driftform.testing.bodies import cylinder_body, hollow_body
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Agent, Coefficients, Trajectory

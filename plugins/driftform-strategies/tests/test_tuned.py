@@ -93,7 +93,7 @@ def fly(genome: Genome) -> Trajectory:
 
 def play(strategy: TunedStrategy, flights: int) -> FloatArray:
     """Return the distance from each target of all flights, m, (flights, 2)."""
-    from driftform.motion.way import approach_targets, farthest_distances
+    from driftform.motion.path.targets import approach_targets, farthest_distances
 
     scenario, misses = strategy.space.scenario, list[FloatArray]()
     while len(misses) < flights:

@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 from scipy.integrate import quad
 
-from driftform.motion.inertia import added_mass_at
+from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import cylinder_body, make_body, spheroid_body
 from driftform.types import Body
 from driftform.water import Fluid

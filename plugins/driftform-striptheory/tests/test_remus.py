@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from solids import remus_body
 
-from driftform.motion.inertia import added_mass_at
+from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import make_body, spheroid_body
 from driftform.types import Body
 from driftform.water import Fluid

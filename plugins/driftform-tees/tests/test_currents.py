@@ -8,10 +8,10 @@ from scipy.interpolate import RegularGridInterpolator
 from solids import solid_agent
 
 from driftform.errors import InputError
-from driftform.motion.flight import finish_trajectory, release_state
-from driftform.motion.integrator import Accuracy, integrate
-from driftform.motion.interpolation import interpolate_positions
-from driftform.motion.model import flight_model
+from driftform.motion.forces.model import flight_model
+from driftform.motion.path.interpolation import interpolate_positions
+from driftform.motion.path.trajectory import finish_trajectory, release_state
+from driftform.motion.solver.error import Accuracy, integrate
 from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Coefficients

@@ -14,7 +14,7 @@ class ClosestApproach(Fitness[Table]):
     d_min is the least distance of the core's centre from the target along the whole flight, also between samples;
     d_max is the distance from the target to the farthest point of the pipe's volume. ``100 - fitness`` is the
     error in percent of d_max. In a pipe with parts both are distances through the water
-    (:mod:`driftform.motion.way`).
+    (:mod:`driftform.motion.path.targets`).
     """
 
     name = "closest-approach"
@@ -39,7 +39,7 @@ class ClosestApproach(Fitness[Table]):
 
     def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,)."""
-        from driftform.motion.way import approach_targets, farthest_distances
+        from driftform.motion.path.targets import approach_targets, farthest_distances
 
         d_min, _ = approach_targets(trajectory, scenario)
         d_max = farthest_distances(scenario)

@@ -25,7 +25,7 @@ class OutletFitness(Fitness[Table]):
 
     def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,)."""
-        from driftform.motion.way import approach_targets, farthest_distances, name_outlet
+        from driftform.motion.path.targets import approach_targets, farthest_distances, name_outlet
 
         d_min, _ = approach_targets(trajectory, scenario)
         closeness = np.maximum(0.0, 1 - d_min / farthest_distances(scenario))

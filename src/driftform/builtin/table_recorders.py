@@ -35,7 +35,7 @@ class TableRecorder(Recorder[Table]):
 
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the table."""
-        from driftform.motion.forces import accelerations_along, net_wrench
+        from driftform.motion.path.accelerations import accelerations_along, net_wrench
 
         check_format(self.name)
         accelerations = accelerations_along(trajectory, job.agent, job.scenario)

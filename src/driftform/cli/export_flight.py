@@ -31,7 +31,7 @@ def export_flight(
     from driftform.cli.output import print_json
     from driftform.design.opening import open_agent
     from driftform.errors import WorkFailedError
-    from driftform.motion.resampling import check_rate
+    from driftform.motion.path.thinning import check_rate
     from driftform.util.files import make_directory
 
     names = parse_formats(format, "recorder", "csv")

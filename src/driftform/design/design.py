@@ -17,10 +17,10 @@ from driftform.design.live import LiveFlight
 from driftform.errors import InputError, WorkFailedError
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Renderer
-from driftform.motion.interpolation import resample
-from driftform.motion.limits import list_limits
-from driftform.motion.resampling import check_rate
-from driftform.motion.way import find_offsets, name_outlet
+from driftform.motion.forces.limits import list_limits
+from driftform.motion.path.interpolation import resample
+from driftform.motion.path.targets import find_offsets, name_outlet
+from driftform.motion.path.thinning import check_rate
 from driftform.pipeline import Pipeline, require_success
 from driftform.plugins.faults import describe_fault
 from driftform.plugins.genome_text import write_genome

@@ -10,7 +10,7 @@ from driftform.errors import find_commonest
 from driftform.figures.files import write_picture
 from driftform.figures.flight import flight_svg
 from driftform.figures.style import Page
-from driftform.motion.way import approach_targets, name_outlet
+from driftform.motion.path.targets import approach_targets, name_outlet
 from driftform.runs.columns import FLIGHT_COLUMNS
 from driftform.runs.misses import Misses
 from driftform.types import Agent, End, FloatArray, Trajectory

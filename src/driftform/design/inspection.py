@@ -8,12 +8,12 @@ import numpy as np
 from driftform.agent import hull_mass
 from driftform.design.sensitivity import measure_gram_sensitivity
 from driftform.errors import WorkFailedError, describe_error
-from driftform.motion.body_drag import estimate_drag, wake_factor
-from driftform.motion.inertia import added_mass_at, largest_added_mass_ratio, rigid_body_mass
-from driftform.motion.limits import list_limits
-from driftform.motion.model import flight_model
-from driftform.motion.stability import stable_rest
-from driftform.motion.terminal import terminal_speeds
+from driftform.motion.forces.body_drag import estimate_drag, wake_factor
+from driftform.motion.forces.inertia import added_mass_at, largest_added_mass_ratio, rigid_body_mass
+from driftform.motion.forces.limits import list_limits
+from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.terminal import terminal_speeds
+from driftform.motion.path.stability import stable_rest
 from driftform.pipeline import Pipeline
 from driftform.plugins.genome_text import write_genome
 from driftform.plugins.registry import registry

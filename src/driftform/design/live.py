@@ -30,7 +30,7 @@ class LiveFlight:
     """
 
     def __init__(self, name: str, agent: Agent, scenario: Scenario, simulator: Simulator[Any]) -> None:
-        from driftform.motion import stepping
+        from driftform.motion import forces, path
 
         if scenario.has_gusts:
             raise InputError(f"{name}: gusts outlast a step; set gusts.strength = 0 to fly step by step")
@@ -38,9 +38,9 @@ class LiveFlight:
             raise WorkFailedError(f"{name}: {misfit}")
         self.name, self.agent, self.scenario, self._simulator = name, agent, scenario, simulator
         self.end: End | None = None
-        model = stepping.flight_model(agent, scenario)
-        release = np.array([[0.0, *stepping.release_state(model, scenario)]])
-        self.latest = stepping.finish_trajectory(release, model, 0.0, 1)
+        model = forces.flight_model(agent, scenario)
+        release = np.array([[0.0, *forces.release_state(model, scenario)]])
+        self.latest = path.finish_trajectory(release, model, 0.0, 1)
 
     @property
     def time(self) -> float:
@@ -91,7 +91,7 @@ class LiveFlight:
         return found
 
     def _meet_current(self, current: FloatArray) -> tuple[Scenario, Trajectory]:
-        from driftform.motion import stepping
+        from driftform.motion import path
         from driftform.water import field
 
         if current.shape != (3,) or not (np.abs(current) <= MAX_SPEED).all():
@@ -104,4 +104,4 @@ class LiveFlight:
         scenario = self.scenario.model_copy(update={"flow": UniformFlow(speed=0.0, added=(x, y, z))})
         if not change.any():
             return scenario, self.latest
-        return scenario, stepping.change_current(self.latest, self.agent, scenario, change)
+        return scenario, path.change_current(self.latest, self.agent, scenario, change)

@@ -9,9 +9,9 @@ from driftform.figures.layout import resample_polyline, shorten, write, write_ti
 from driftform.figures.plot import Window, draw_cross, draw_scene, draw_silhouette, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import PLAN, SIDE, drawing_times
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, SCREEN, VERMILLION, Page, tint
-from driftform.motion.approach import Approach
-from driftform.motion.interpolation import interpolate_pose, interpolate_positions
-from driftform.motion.way import find_target_approaches
+from driftform.motion.path.approach import Approach
+from driftform.motion.path.interpolation import interpolate_pose, interpolate_positions
+from driftform.motion.path.targets import find_target_approaches
 from driftform.types import Body, FloatArray, Trajectory
 from driftform.water import Scenario
 

@@ -11,8 +11,8 @@ from driftform.figures.layout import resample_polyline, start_page
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import SIDE, drawing_times
 from driftform.figures.style import INK, MUTED, SCREEN, SERIES, Page, tint
-from driftform.motion.interpolation import interpolate_positions
-from driftform.motion.way import find_target_approaches
+from driftform.motion.path.interpolation import interpolate_positions
+from driftform.motion.path.targets import find_target_approaches
 from driftform.types import FloatArray
 from driftform.water import Scenario
 

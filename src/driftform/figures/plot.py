@@ -21,7 +21,7 @@ from driftform.figures.layout import (
 )
 from driftform.figures.projection import View, convex_hull, silhouette, simplify_polyline
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
-from driftform.motion.interpolation import Pose
+from driftform.motion.path.interpolation import Pose
 from driftform.types import Body, FloatArray
 from driftform.water import Pipe, Scenario
 from driftform.water.parts.shapes import Opening, Straight

@@ -8,7 +8,7 @@ import numpy as np
 
 from driftform.figures.projection import simplify_polyline
 from driftform.figures.streams import trace_streams
-from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Pipe, Scenario
 from driftform.water.flow import UniformFlow

@@ -61,8 +61,8 @@ def find_rest(agent: Agent, scenario: Scenario) -> WaterRest | None:
 
     If the scenario has no free surface, a body that rises is shown as it would float at one.
     """
-    from driftform.motion.model import flight_model
-    from driftform.motion.stability import stable_rest
+    from driftform.motion.forces.model import flight_model
+    from driftform.motion.path.stability import stable_rest
 
     fluid, mass = scenario.fluid, agent.mass
     if not fluid.gravity:

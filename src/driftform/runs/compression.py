@@ -74,7 +74,7 @@ def encode(trajectory: Trajectory) -> bytes:
     of equal significance lie side by side, and only the highest of each number are compressed, by their runs of equal
     bytes. The others hardly repeat: to compress them as well takes five times as long, for 5 % less.
     """
-    from driftform.motion.resampling import thin_samples
+    from driftform.motion.path.thinning import thin_samples
 
     samples = thin_samples(trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, SAMPLE_GAP)
     if samples.nbytes > LARGEST_FLIGHT:

@@ -120,8 +120,8 @@ class PipeGrid:
         The path between samples is their cubic Hermite curve. It is cut where it crosses the sides of cells; the
         distance in a cell is that of the nearest point of the parts inside it.
         """
-        from driftform.motion.crossing import lower_distances
-        from driftform.motion.path import world_velocity
+        from driftform.motion.path.crossing import lower_distances
+        from driftform.motion.path.curve import world_velocity
 
         place = self._place(trajectory.position)
         nearest = np.full(self.cell_count, np.inf)
@@ -240,7 +240,7 @@ class UnrolledGrid(PipeGrid):
 
         The path between samples is their cubic Hermite curve, in steps of a tenth of a cell.
         """
-        from driftform.motion.interpolation import interpolate_positions
+        from driftform.motion.path.interpolation import interpolate_positions
 
         t, step = trajectory.t, _FINE * float(self.size.min())
         lengths = np.linalg.norm(np.diff(trajectory.position, axis=0), axis=1)
@@ -333,7 +333,7 @@ class ClosestPass:
 
 def find_passes(flights: Iterable[tuple[int, Trajectory]], point: Vector) -> list[ClosestPass]:
     """Return the closest pass of each flight by a point of the world, closest first, the earlier of equals first."""
-    from driftform.motion.approach import closest_approach
+    from driftform.motion.path.approach import closest_approach
 
     passes, points = [], np.array([point], dtype=np.float64)
     for evaluation, trajectory in flights:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from driftform.motion.way import find_offsets
+from driftform.motion.path.targets import find_offsets
 from driftform.runs.store import DisturbedResult, Store
 from driftform.search.jobs import Executor, Job
 from driftform.study import Study

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from driftform.interfaces import Fitness
-from driftform.motion.way import find_offsets, find_within
+from driftform.motion.path.targets import find_offsets, find_within
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.misses import Misses, finite_or_none
 from driftform.runs.store import Store

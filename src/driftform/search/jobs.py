@@ -124,7 +124,7 @@ def rehearse(pipeline: Pipeline, genome: Genome) -> None:
 
 def _measure(evaluation: Evaluation, scenario: Scenario) -> Evaluation:
     # Imported here: it loads the compiler.
-    from driftform.motion.way import find_offsets
+    from driftform.motion.path.targets import find_offsets
 
     return replace(evaluation, offsets=find_offsets(evaluation, scenario), trajectory=None)
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import InputError, find_commonest
-from driftform.motion.limits import list_limits
+from driftform.motion.forces.limits import list_limits
 from driftform.pipeline import Pipeline
 from driftform.types import Body, FloatArray, Morphology
 from driftform.water import Scenario

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.interfaces import Hydrodynamics
-from driftform.motion.inertia import added_mass_at
+from driftform.motion.forces.inertia import added_mass_at
 from driftform.plugins.seams import require_coefficients
 from driftform.testing.bodies import (
     cylinder_body,

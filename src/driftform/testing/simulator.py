@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from driftform.interfaces import Simulator
-from driftform.motion import integrator, stepping
-from driftform.motion.interpolation import interpolate_positions
-from driftform.motion.path import world_velocity
+from driftform.motion import forces, path, solver
+from driftform.motion.path.curve import world_velocity
+from driftform.motion.path.interpolation import interpolate_positions
 from driftform.plugins.seams import require_flights
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, straight_pipe, tumbling_agent
 from driftform.testing.bodies import spheroid_body
@@ -349,11 +349,11 @@ class SimulatorContract(PointSimulatorContract):
         """Position, attitude and first contact agree with those of the core, whose error is half a millionth of a millimetre."""
         agent, scenario = make_motion(what)
         trajectory = self.fly(agent, scenario)
-        model = stepping.flight_model(agent, scenario)
-        start, horizon = stepping.release_state(model, scenario), scenario.flight.horizon
-        exact = integrator.Accuracy(REFERENCE, tolerance=1e-10, max_step=0.01)
-        flown = integrator.integrate(model, start, horizon, exact)
-        known = stepping.finish_trajectory(flown.samples, model, horizon, exact.step_limit, flown.error)
+        model = forces.flight_model(agent, scenario)
+        start, horizon = forces.release_state(model, scenario), scenario.flight.horizon
+        exact = solver.Accuracy(REFERENCE, tolerance=1e-10, max_step=0.01)
+        flown = solver.integrate(model, start, horizon, exact)
+        known = path.finish_trajectory(flown.samples, model, horizon, exact.step_limit, flown.error)
         times = np.linspace(0, horizon, 201)
         apart = largest_distance(*(interpolate_positions(flight, times) for flight in (trajectory, known)))
         assert apart < self.agreement

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.interfaces import Grammar, SearchSpace, Strategy
-from driftform.motion.way import approach_targets, farthest_distances
+from driftform.motion.path.targets import approach_targets, farthest_distances
 from driftform.plugins.seams import require_candidates
 from driftform.testing.agents import straight_pipe
 from driftform.testing.contract import Contract

@@ -7,12 +7,12 @@ import numpy as np
 
 from driftform import Pipeline
 from driftform.agent import hull_mass, mass_properties
-from driftform.motion import integrator, interpolation, stepping
+from driftform.motion import forces, path, solver
 from driftform.types import Agent, Body, Coefficients, FloatArray, Morphology
 from driftform.util import rotations
 from driftform.water import Calibration, Factors, Scenario
 
-ACCURACY = integrator.Accuracy(tolerance=1e-7, max_step=0.03, step_limit=20_000)
+ACCURACY = solver.Accuracy(tolerance=1e-6, max_step=0.03, step_limit=20_000)
 """Of the flights of a fit: smooth enough for finite differences, far finer than any track."""
 
 
@@ -55,8 +55,8 @@ class Path:
         within = np.clip(times, 0.0, self.t[-1])
         if len(self.t) == 1:
             return np.repeat(self.position, len(times), axis=0), np.repeat(self.axis, len(times), axis=0)
-        position = interpolation.evaluate_path(self.t, self.position, self.velocity, within)
-        axis = interpolation.evaluate_path(self.t, self.axis, self.axis_rate, within)
+        position = path.evaluate_path(self.t, self.position, self.velocity, within)
+        axis = path.evaluate_path(self.t, self.axis, self.axis_rate, within)
         late = np.maximum(times - self.t[-1], 0.0)[:, None]
         return position + late * self.velocity[-1], axis / np.linalg.norm(axis, axis=1, keepdims=True)
 
@@ -96,17 +96,17 @@ class Bench:
         """Return the flight with these factors and this release, up to the time ``until``, s."""
         calibration = Calibration().with_factors(factors)
         scenario = self.scenario.model_copy(update={"calibration": calibration})
-        model = stepping.flight_model(self.agent(factors), scenario)
+        model = forces.flight_model(self.agent(factors), scenario)
         if error.pitch or error.yaw:
             release, (pitch, yaw) = scenario.release, np.rad2deg([error.pitch, error.yaw]).tolist()
             angles = {"pitch_deg": release.pitch_deg + pitch, "yaw_deg": release.yaw_deg + yaw}
             scenario = scenario.model_copy(update={"release": release.model_copy(update=angles)})
-        start = stepping.release_state(model, scenario)
+        start = forces.release_state(model, scenario)
         start[7:10] += error.velocity
         start[2] += error.rise
-        samples = integrator.integrate_once(model, start, max(until, 0.01), ACCURACY)
+        samples = solver.integrate_once(model, start, max(until, 0.01), ACCURACY)
         samples = np.ascontiguousarray(samples[np.isfinite(samples).all(axis=1)])
-        touched = stepping.finish_trajectory(samples, model, until, ACCURACY.step_limit).contact
+        touched = path.finish_trajectory(samples, model, until, ACCURACY.step_limit).contact
         contact = np.inf if touched is None else touched
         turned = rotations.matrix_from_quaternion(samples[:, 4:8])
         axis, left, up = (np.ascontiguousarray(turned[..., k]) for k in range(3))

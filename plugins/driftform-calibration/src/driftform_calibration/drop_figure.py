@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from driftform.figures import layout, plot, style, svg
-from driftform.motion import interpolation
+from driftform.motion import path
 from driftform.types import Body, FloatArray
 
 WIDTH, TITLE, CAPTION = 300.0, 26.0, 20.0
@@ -39,7 +39,7 @@ def drop_svg(drop: DropPicture, body: Body, length: float, depth: float) -> str:
     svg.add_line(root, window.path_data(drop.path), style.BLUE, 1.8, "path", stroke_dasharray="4 3")
     start = np.array([drop.path[0, 0], 0.0, drop.path[0, 1]])
     colours = (style.tint(style.BLUE, 0.25), style.INK, style.ORANGE)
-    pose = interpolation.Pose(start, drop.quaternion)
+    pose = path.Pose(start, drop.quaternion)
     plot.draw_silhouette(root, replace(window, view=(0, 2)), body, pose, 1.0, colours)
     layout.draw_scale_bar(root, right - 4, bottom - 8, window.px_per_m, (right - left) / 3, style.MUTED)
     layout.write(root, 6, height - 8, drop.caption, 11, style.MUTED)

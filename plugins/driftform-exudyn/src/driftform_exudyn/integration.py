@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.motion import integrator
+from driftform.motion import solver
 from driftform.types import Agent, FloatArray
 from driftform.water import Scenario
 from driftform_exudyn.headless import exudyn
@@ -50,12 +50,12 @@ def make_settings(integrator: str, horizon: float, tolerance: float, max_step: f
 def integrate_motion(agent: Agent, scenario: Scenario, settings: Any, limit: int) -> FloatArray:
     """Return the raw samples of a flight, (k, 14): the release and the ends of at most ``limit`` steps.
 
-    The tolerance grows along the flight, as in :mod:`driftform.motion.integrator`.
+    The tolerance grows along the flight, as in :mod:`driftform.motion.solver.error`.
     """
     system = exudyn_system(agent, scenario)
     mbs, water = system.mbs, system.water
     integration = settings.timeIntegration
-    tolerance, bristles = integration.absoluteTolerance, water.model.bristles.size // 2
+    tolerance = integration.absoluteTolerance
     samples, count, due = np.empty((1024, SAMPLE)), 0, 0.0
 
     def after_step(_: Any, t: float) -> bool:
@@ -63,10 +63,9 @@ def integrate_motion(agent: Agent, scenario: Scenario, settings: Any, limit: int
         system.tries[0] = 0
         if t >= due:
             # Exudyn reads this at every step.
-            integration.absoluteTolerance = integrator.grow_tolerance(tolerance, t)
+            integration.absoluteTolerance = solver.grow_tolerance(tolerance, t)
             due = t + TOLERANCE_PERIOD
-        if bristles and not water.touches(coordinates):
-            inner[:bristles] = 0.0
+        water.straighten(coordinates, inner)
         if count == len(samples):
             samples = np.concatenate([samples, np.empty_like(samples)])
         proceeds = water.fill_sample(samples[count], t, coordinates, rates)

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from driftform.figures import style
-from driftform.motion import interpolation
+from driftform.motion import path
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.util import rotations
 from driftform.water import Scenario
@@ -27,8 +27,8 @@ class Pose:
 
 def interpolate_poses(trajectory: Trajectory, t: FloatArray) -> list[Pose]:
     """Return the poses at times ``t`` (s, (n,)), by the cubic interpolation that fitness uses for the path."""
-    turned = rotations.matrix_from_quaternion(interpolation.interpolate_attitudes(trajectory, t))
-    return [Pose(*pose) for pose in zip(interpolation.interpolate_positions(trajectory, t), turned, strict=True)]
+    turned = rotations.matrix_from_quaternion(path.interpolate_attitudes(trajectory, t))
+    return [Pose(*pose) for pose in zip(path.interpolate_positions(trajectory, t), turned, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class Scene:
         """Points of the path of the core's centre, ``PER_FRAME`` for each frame, world, m, (k, 3)."""
         frames = np.arange(len(self.t))
         between = np.linspace(0, len(self.t) - 1, PER_FRAME * (len(self.t) - 1) + 1)
-        return interpolation.interpolate_positions(self.trajectory, np.interp(between, frames, self.t))
+        return path.interpolate_positions(self.trajectory, np.interp(between, frames, self.t))
 
     def path_until(self, frame: int) -> FloatArray:
         """Return the path up to a frame, or the whole path for a still, world, m, (k, 3)."""

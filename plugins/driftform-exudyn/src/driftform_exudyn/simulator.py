@@ -4,25 +4,14 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Literal
 
-import numpy as np
-
 from driftform.interfaces import Simulator, Table, option
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Scenario
 
-GUST_TIGHTENING = 1e-2
-"""Least tolerance in gusts, relative to the initial one: a flight that needs less is chaotic."""
+STEP_ORDER = 5
+"""Order of DOPRI5: its longest step falls with the tolerance as the step does that its error control chooses.
 
-RATIO = 10.0
-"""Ratio of the tolerances of the two flights that are compared; RK67 and RK44 take twice the step in the first."""
-
-SAFETY_FACTOR = 2.0
-"""Estimated error of a flight over its distance from the one with a larger tolerance."""
-
-STEP_RATIO = RATIO**0.2
-"""Ratio of the steps of DOPRI5 for that of the tolerances; also of the longest ones.
-
-With equal steps, two flights would differ from the path between their samples alike, and not show it.
+With equal longest steps, two flights would differ from the path between their samples alike, and not show it.
 """
 
 
@@ -34,19 +23,21 @@ class ExudynOptions(Table):
     )
     accuracy: float = option(
         1e-3,
-        "largest estimated error of the position; the tolerance is reduced until this is met",
+        "largest estimated error of the position, in gusts ten times as much up to 10 mm; the tolerance is reduced until "
+        "this is met, in gusts only as long as that helps",
         "m",
         ge=1e-12,
         le=1e6,
     )
     tolerance: float = option(
         1e-6,
-        "initial tolerance of a step at the release in every coordinate; it grows along the flight (DOPRI5)",
+        "initial tolerance of a step at the release in every coordinate, ten times as much in gusts; it grows along the "
+        "flight (DOPRI5)",
         "SI",
         ge=1e-15,
         le=1e-2,
     )
-    tightest: float = option(1e-11, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2)
+    tightest: float = option(1e-12, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2)
     max_step: float = option(
         0.05,
         "longest time step and time between samples; RK67 and RK44 take all steps of this length",
@@ -82,35 +73,22 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         ]
 
     def _fly(self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None) -> Trajectory:
-        from driftform.motion import integrator, stepping
+        from driftform.motion import forces, solver
 
         # Exudyn takes longer to import than most flights take.
         from driftform_exudyn.integration import integrate_motion, make_settings
 
-        o, horizon, model = self.options, scenario.flight.horizon, stepping.flight_model(agent, scenario)
+        o, horizon = self.options, scenario.flight.horizon
         controlled = o.integrator == "DOPRI5"
+        # Equal steps have no tolerance to tighten: the two flights have steps of twice the length, and of that.
+        tightest = o.tightest if controlled else math.inf
+        accuracy = solver.Accuracy(o.accuracy, o.tolerance, tightest, o.max_step, o.step_limit)
+        first = accuracy.loosen_for_gusts().tolerance if scenario.has_gusts else accuracy.tolerance
 
-        def integrate(tolerance: float, max_step: float) -> FloatArray:
+        def fly(tolerance: float) -> FloatArray:
+            ratio = tolerance / (solver.TOLERANCE_RATIO * first)
+            max_step = o.max_step * (ratio ** (1 / STEP_ORDER) if controlled else 1 + (ratio > 0.5))
             settings = make_settings(o.integrator, horizon, tolerance, max_step)
             return integrate_motion(agent, scenario, settings, o.step_limit)
 
-        tolerance, max_step, least = o.tolerance, o.max_step, 0.0
-        coarse = integrate(RATIO * tolerance, max_step if controlled else 2 * max_step)
-        if matters is not None:
-            screened = stepping.finish_trajectory(coarse, model, horizon, o.step_limit)
-            if not matters(screened):
-                return screened
-        while True:
-            max_step /= STEP_RATIO if controlled else 1.0
-            fine = integrate(tolerance, max_step)
-            distance = integrator.greatest_distance(coarse, fine, not scenario.has_gusts)
-            # A distance that falls faster than the tolerance does so by chance.
-            error, least = SAFETY_FACTOR * max(distance, least), distance / RATIO
-            tolerance /= RATIO
-            hopeless = all(len(s) > o.step_limit or not np.isfinite(s[-1]).all() for s in (coarse, fine))
-            # A path in gusts that no tolerance fixes is one of many that the same gusts allow, as likely as any other.
-            is_chaotic = scenario.has_gusts and tolerance < GUST_TIGHTENING * o.tolerance
-            accepted = math.inf if is_chaotic else o.accuracy
-            if error <= accepted or not controlled or tolerance < o.tightest or hopeless:
-                return stepping.finish_trajectory(fine, model, horizon, o.step_limit, error, accepted, coarse)
-            coarse = fine
+        return solver.fly_checked(fly, forces.flight_model(agent, scenario), scenario, accuracy, matters)

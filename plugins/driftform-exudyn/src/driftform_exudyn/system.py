@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.motion import inertia, stepping
+from driftform.motion import forces
 from driftform.types import Agent, FloatArray
 from driftform.water import Scenario
 from driftform_exudyn.headless import exudyn
@@ -41,7 +41,7 @@ class ExudynSystem:
     mbs: Any
     node: Any
     body: Any
-    water: stepping.WaterForces
+    water: forces.WaterForces
     tries: list[float]
 
 
@@ -52,7 +52,7 @@ def exudyn_system(agent: Agent, scenario: Scenario) -> ExudynSystem:
     calls driftform; and weight and buoyancy as loads at markers of the centres of gravity and buoyancy. Call ``Assemble`` and
     then ``SolveDynamic`` with an explicit integrator, such as DOPRI5. A flight does not end at an outlet by itself.
     """
-    water = stepping.WaterForces.of(agent, scenario)
+    water = forces.WaterForces.of(agent, scenario)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     node = mbs.AddNode(
@@ -62,7 +62,7 @@ def exudyn_system(agent: Agent, scenario: Scenario) -> ExudynSystem:
             initialVelocities=water.rates.tolist(),
         )
     )
-    dry = inertia.rigid_body_mass(agent.mass)[3:, 3:]
+    dry = forces.rigid_body_mass(agent.mass)[3:, 3:]
     body = mbs.AddObject(
         items.ObjectRigidBody(
             nodeNumber=node,
@@ -80,19 +80,18 @@ def exudyn_system(agent: Agent, scenario: Scenario) -> ExudynSystem:
     return ExudynSystem(container, mbs, node, body, water, tries)
 
 
-def _add_water(mbs: Any, node: Any, water: stepping.WaterForces, tries: list[float]) -> None:
-    values, states = water.values, len(water.inner)
+def _add_water(mbs: Any, node: Any, water: forces.WaterForces, tries: list[float]) -> None:
+    states = len(water.inner_rates)
     known: tuple[float, ...] | None = None
-    added = np.empty((6, 6))
+    added, nothing = np.empty((6, 6)), np.empty(0)
 
     def inner_rates(_: Any, t: float, __: Any, inner: Any) -> FloatArray:
         nonlocal known
         first = mbs.GetNodeODE2Index(node)
         coordinates = mbs.systemData.GetODE2Coordinates()[first : first + 6]
         rates = mbs.systemData.GetODE2Coordinates_t()[first : first + 6]
-        values[water.inner] = inner
-        known = water.force(t, coordinates, rates)
-        return values[water.inner_rates]
+        known = water.force(t, coordinates, rates, np.asarray(inner))
+        return water.inner_rates
 
     def force(_: Any, t: float, __: Any, coordinates: Any, rates: Any) -> tuple[float, ...]:
         nonlocal known
@@ -100,7 +99,7 @@ def _add_water(mbs: Any, node: Any, water: stepping.WaterForces, tries: list[flo
         if tries[0] > MAX_TRIES:
             return NOWHERE
         if known is None:
-            return water.force(t, np.asarray(coordinates), np.asarray(rates))
+            return water.force(t, np.asarray(coordinates), np.asarray(rates), nothing)
         # Exudyn asks for the rates of the inner states first, and they are computed together.
         found, known = known, None
         return found

@@ -12,7 +12,7 @@ from driftform import Design
 from driftform.agent import MassElement
 from driftform.cli import formats
 from driftform.errors import InputError, WorkFailedError
-from driftform.motion import approach
+from driftform.motion import path
 from driftform.types import Agent, FloatArray
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import settle_ballast
@@ -97,7 +97,7 @@ def _trim(design: Design, weight: PrintWeight, density: float, measure: MeasureK
         if flight.failure is None
     }
     points = pipeline.scenario.target_array()
-    closest = {case: approach.closest_approach(flight, points)[0] for case, flight in flights.items()}
+    closest = {case: path.closest_approach(flight, points)[0] for case, flight in flights.items()}
     return {
         "agent": name,
         "simulator": pipeline.simulator.name,

@@ -1,27 +1,12 @@
 """Flights by driftform's integrator, optionally in parallel threads."""
 
-import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from driftform.interfaces import Simulator, Table, option
-from driftform.types import Agent, Trajectory
+from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Scenario
-
-if TYPE_CHECKING:
-    from driftform.motion import integrator
-
-
-GUST_RATIO = 10.0
-"""Ratio of accuracy and tolerance in gusts to those without: the gusts themselves are known by their statistics only."""
-
-GUST_ACCURACY = 0.01
-"""Largest accuracy that gusts loosen, m."""
-
-GUST_TIGHTENING = 1e-3
-"""Least tolerance in gusts, relative to the initial one. A flight that needs less is chaotic, and would take seconds."""
 
 
 class NativeOptions(Table):
@@ -88,34 +73,15 @@ class NativeSimulator(Simulator[NativeOptions]):
 
     def _fly(self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None) -> Trajectory:
         # Imported here, because compiled code loads the compiler, and listing the plugins must not.
-        from driftform.motion import integrator, stepping
+        from driftform.motion import forces, solver
 
-        horizon, accuracy = scenario.flight.horizon, self._choose_accuracy(scenario)
-        model = stepping.flight_model(agent, scenario)
-        start = stepping.release_state(model, scenario)
-        first = integrator.integrate_once(model, start, horizon, accuracy)
-        if matters is not None:
-            screened = stepping.finish_trajectory(first, model, horizon, accuracy.step_limit)
-            if not matters(screened):
-                return screened
-        flown = integrator.integrate(model, start, horizon, accuracy, first)
-        # A path in gusts that no tolerance fixes is one of many that the same gusts allow, as likely as any other.
-        accepted, other = math.inf if scenario.has_gusts else accuracy.position, None
-        if not flown.error <= accepted:
-            # The other flight that gave the error.
-            last = replace(accuracy, tolerance=flown.tolerance)
-            other = integrator.integrate_once(model, start, horizon, last)
-        return stepping.finish_trajectory(
-            flown.samples, model, horizon, accuracy.step_limit, flown.error, accepted, other
-        )
+        o = self.options
+        accuracy = solver.Accuracy(o.accuracy, o.tolerance, o.tightest, o.max_step, o.step_limit)
+        model = forces.flight_model(agent, scenario)
+        start = forces.release_state(model, scenario)
 
-    def _choose_accuracy(self, scenario: Scenario) -> "integrator.Accuracy":
-        from driftform.motion import integrator
+        def fly(tolerance: float) -> FloatArray:
+            at = replace(accuracy, tolerance=tolerance)
+            return solver.integrate_once(model, start, scenario.flight.horizon, at)
 
-        options = self.options
-        accuracy, tolerance, tightest = options.accuracy, options.tolerance, options.tightest
-        if scenario.has_gusts:
-            accuracy = max(accuracy, min(GUST_RATIO * accuracy, GUST_ACCURACY))
-            tolerance = GUST_RATIO * tolerance
-            tightest = max(tightest, GUST_TIGHTENING * tolerance)
-        return integrator.Accuracy(accuracy, tolerance, tightest, options.max_step, options.step_limit)
+        return solver.fly_checked(fly, model, scenario, accuracy, matters)

@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import layout, plot, style, svg
-from driftform.motion import approach, interpolation
+from driftform.motion import path
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
 
@@ -64,9 +64,9 @@ def compute_band(flights: Sequence[Trajectory], target: FloatArray) -> tuple[lis
     """
     paths = []
     for flight in flights:
-        _, [closest] = approach.closest_approach(flight, target[None])
+        _, [closest] = path.closest_approach(flight, target[None])
         t = np.linspace(flight.t[0], max(closest, flight.t[0] + 1e-6), STATIONS)
-        paths.append(interpolation.interpolate_positions(flight, np.minimum(t, flight.t[-1])))
+        paths.append(path.interpolate_positions(flight, np.minimum(t, flight.t[-1])))
     along = np.linspace(max(path[0, 0] for path in paths), min(path[:, 0].max() for path in paths), STATIONS)
     # A path may turn back for a moment: the first time at a station counts.
     heights = np.array([np.interp(along, np.maximum.accumulate(path[:, 0]), path[:, 2]) for path in paths])
@@ -84,8 +84,8 @@ def _draw_panel(root: ET.Element, window: plot.Window, repeated: FlightSpread, s
     edge = [window.to_page(mean + sign * deviation[:, None] * up) for sign in (1, -1)]
     outline = np.vstack([edge[0], edge[1][::-1]])
     svg.add(root, "path", class_="band", d=svg.path_data(outline, closed=True), fill=style.tint(colour, 0.3))
-    for path in paths:
-        svg.add_line(root, window.path_data(path), style.tint(colour, 0.55), 0.8)
+    for line in paths:
+        svg.add_line(root, window.path_data(line), style.tint(colour, 0.55), 0.8)
     svg.add_line(root, window.path_data(mean), colour, 2, "mean")
     x, y = window.to_page(target[None])[0]
     plot.draw_cross(root, x, y, 5, style.INK, 2)

@@ -66,11 +66,11 @@ class Leak(Fitness[LeakOptions]):
         self, trajectory: Trajectory, scenario: Scenario
     ) -> tuple[FloatArray, list[tuple["Plume", FloatArray]]]:
         """Return the times of the readings, s, and for each leak its plume and the readings, kg/m3."""
-        from driftform.motion import interpolation
+        from driftform.motion import path
         from driftform_robotics.plume import make_plume
         from driftform_robotics.sensors import point_positions
 
-        flight = interpolation.resample(trajectory, 1 / self.options.interval)
+        flight = path.resample(trajectory, 1 / self.options.interval)
         where = point_positions(flight, np.array(self.options.sensor))
         plumes = [
             make_plume(scenario, point, self.options.rate, self.options.diffusivity)

@@ -5,7 +5,7 @@ The sensors are at one ``point`` of the body (m, body frame). The readings have 
 
 import numpy as np
 
-from driftform.motion import forces
+from driftform.motion import path
 from driftform.types import Body, FloatArray, Trajectory
 from driftform.util import rotations
 from driftform.water import Fluid, Pipe, Scenario
@@ -52,7 +52,7 @@ def specific_force(trajectory: Trajectory, accelerations: FloatArray, point: Flo
     (:func:`driftform.motion.accelerations_along`), transferred to the point with the body's rotation.
     """
     up = rotations.matrix_from_quaternion(trajectory.quaternion)[:, 2]
-    return np.asarray(forces.acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64)
+    return np.asarray(path.acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64)
 
 
 def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:

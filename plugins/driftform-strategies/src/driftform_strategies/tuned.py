@@ -112,7 +112,7 @@ class TunedStrategy(Strategy[TunedOptions]):
     Options = TunedOptions
 
     def __init__(self, options: TunedOptions, space: SearchSpace) -> None:
-        from driftform.motion import way
+        from driftform.motion import path
 
         super().__init__(options, space)
         if space.builder is None:
@@ -134,7 +134,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         # An outlet is hit by leaving there, however far from its centre.
         wanted = map(space.scenario.targets.get, space.targets)
         self._outlets = [target if isinstance(target, str) else None for target in wanted]
-        self._bars = 100 * (1 - HIT / way.farthest_distances(space.scenario)) if space.targets else np.zeros(0)
+        self._bars = 100 * (1 - HIT / path.farthest_distances(space.scenario)) if space.targets else np.zeros(0)
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return the next flights of bodies that are being tuned, and the first ones of new bodies."""
@@ -159,16 +159,16 @@ class TunedStrategy(Strategy[TunedOptions]):
                 self._learn(index, job, evaluation)
 
     def _learn(self, index: int, job: Job, evaluation: Evaluation) -> None:
-        from driftform.motion import way
+        from driftform.motion import path
 
         shape, root = job.shape, job.shape.find_root(job.tuning)
-        offsets, outlet = way.find_offsets(evaluation, self.space.scenario), self._outlets[job.target]
+        offsets, outlet = path.find_offsets(evaluation, self.space.scenario), self._outlets[job.target]
         shape.points.append((root, offsets[:, 2]))
         if outlet is None:
             hits = bool(np.linalg.norm(offsets[job.target]) <= HIT)
         else:
             flight = evaluation.trajectory
-            hits = flight is not None and way.name_outlet(flight, self.space.scenario) == outlet
+            hits = flight is not None and path.name_outlet(flight, self.space.scenario) == outlet
         if hits:
             elites = self._elites[job.target]
             elites.append(_Elite(float(evaluation.fitness[job.target]), index, shape, root))

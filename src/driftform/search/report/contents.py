@@ -12,7 +12,7 @@ from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.style import SCREEN, Page
 from driftform.figures.trend import Trend, trend_svg
 from driftform.interfaces import Flown, ReportJob
-from driftform.motion.way import approach_targets
+from driftform.motion.path.targets import approach_targets
 from driftform.plugins.discovery import find_modules
 from driftform.plugins.genome_text import write_genome
 from driftform.runs.agent_file import StoredAgent

@@ -16,7 +16,7 @@ from driftform.figures import scene, style
 from driftform.figures.files import write_picture
 from driftform.figures.flight import flight_svg
 from driftform.figures.section import section_svg
-from driftform.motion.limits import list_limits
+from driftform.motion.forces.limits import list_limits
 from driftform.runs.run import Run
 from driftform.runs.wording import describe_worth, explain_columns, is_promised, list_cells, list_headings, summarise
 from driftform.search.report.contents import Contents, collect_contents

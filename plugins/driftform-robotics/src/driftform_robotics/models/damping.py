@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from driftform.motion import inertia
+from driftform.motion import forces
 from driftform.types import Agent, FloatArray
 from driftform.water import Fluid
 
@@ -13,7 +13,7 @@ MIN_SPEED = 0.05
 def linear_damping(agent: Agent) -> FloatArray:
     """Return the linear damping D_1 about the centre of gravity, (6, 6)."""
     coefficients = agent.coefficients
-    return inertia.shift_origin(coefficients.linear_damping, agent.mass.cog - coefficients.origin)
+    return forces.shift_origin(coefficients.linear_damping, agent.mass.cog - coefficients.origin)
 
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:

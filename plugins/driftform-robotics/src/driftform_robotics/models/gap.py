@@ -132,26 +132,26 @@ def fly_own(job: ExportJob, link: Link, seconds: float) -> FloatArray:
 
     The flight is that of driftform in open water; it is not finite where that fails.
     """
-    from driftform.motion import integrator, interpolation, stepping
+    from driftform.motion import forces, path, solver
     from driftform.util import rotations
 
     fluid = job.scenario.fluid.model_copy(update={"water_level": None})
     calm = Scenario().flow.model_copy(update={"speed": 0.0})
     scenario = Scenario(fluid=fluid, flow=calm)
-    model = stepping.flight_model(job.agent, scenario)
+    model = forces.flight_model(job.agent, scenario)
     start = np.zeros(13)
     start[3:7] = link.quaternion
     start[7:10] = link.velocity - job.scenario.current()
-    accuracy = integrator.Accuracy(tolerance=1e-8)
-    samples = integrator.integrate_once(model, start, seconds, accuracy)
-    flight = stepping.finish_trajectory(samples, model, seconds, accuracy.step_limit)
+    accuracy = solver.Accuracy(tolerance=1e-7)
+    samples = solver.integrate_once(model, start, seconds, accuracy)
+    flight = path.finish_trajectory(samples, model, seconds, accuracy.step_limit)
     times = np.linspace(0.0, seconds, POINTS + 1)
     found = np.full((len(times), 3), np.nan)
     flown = times <= flight.t[-1] + 1e-9
-    turned = interpolation.interpolate_attitudes(flight, times[flown])
+    turned = path.interpolate_attitudes(flight, times[flown])
     cog = job.agent.mass.cog
     offsets = np.array([rotations.matrix_from_quaternion(q) @ cog for q in turned]) - link.rotation @ cog
-    found[flown] = interpolation.interpolate_positions(flight, times[flown]) + offsets
+    found[flown] = path.interpolate_positions(flight, times[flown]) + offsets
     return found
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.motion import inertia
+from driftform.motion import forces
 from driftform.types import Body, FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models.damping import linear_damping, quadratic_damping, reference_speed
@@ -80,10 +80,10 @@ def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
         volume=mass.volume,
         buoyancy=mass.cob - mass.cog,
         core=-mass.cog,
-        added_mass=inertia.added_mass_at(agent.coefficients, mass.cog),
+        added_mass=forces.added_mass_at(agent.coefficients, mass.cog),
         linear_damping=linear_damping(agent),
         quadratic_damping=quadratic_damping(agent, scenario.fluid, speed),
-        added_mass_ratio=inertia.largest_added_mass_ratio(mass, agent.coefficients),
+        added_mass_ratio=forces.largest_added_mass_ratio(mass, agent.coefficients),
         drag_speed=speed if agent.coefficients.drag is not None else 0.0,
         position=scenario.release_position() + rotations.matrix_from_quaternion(quaternion) @ mass.cog,
         quaternion=quaternion,

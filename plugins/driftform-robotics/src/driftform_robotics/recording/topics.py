@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.motion import forces
+from driftform.motion import path
 from driftform.types import FloatArray, Trajectory
 from driftform.util import rotations
 from driftform.water import Scenario, field
@@ -89,7 +89,7 @@ class FlightTopics:
     @cached_property
     def accelerations(self) -> FloatArray:
         """Accelerations by the equations of motion, (k, 6)."""
-        return forces.accelerations_along(self.trajectory, self.job.agent, self.job.scenario)
+        return path.accelerations_along(self.trajectory, self.job.agent, self.job.scenario)
 
     @cached_property
     def sensor_positions(self) -> FloatArray:
@@ -142,7 +142,7 @@ class FlightTopics:
         yield self.stamps[0], make("nav_msgs/Path", self.stamps[0], WORLD, poses=poses)
 
     def _make_wrenches(self) -> Iterator[tuple[int, Any]]:
-        found = forces.net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
+        found = path.net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
         for stamp, values in zip(self.stamps, found, strict=True):
             force, torque = self.ros.make_vector(values[:3]), self.ros.make_vector(values[3:])
             wrench = self.ros.make("geometry_msgs/Wrench", force=force, torque=torque)

@@ -1,0 +1,14 @@
+from .body_drag import estimate_drag as estimate_drag
+from .drag import still_water_wrench as still_water_wrench
+from .inertia import added_mass_at as added_mass_at
+from .inertia import largest_added_mass_ratio as largest_added_mass_ratio
+from .inertia import rigid_body_mass as rigid_body_mass
+from .inertia import shift_origin as shift_origin
+from .model import FlightModel as FlightModel
+from .model import flight_model as flight_model
+from .rates import compute_rate as compute_rate
+from .spheres import make_sphere as make_sphere
+from .state import has_left as has_left
+from .state import release_state as release_state
+from .terminal import terminal_speeds as terminal_speeds
+from .water_forces import WaterForces as WaterForces

@@ -1,0 +1,193 @@
+"""The error of a whole flight, and flights of a given accuracy: fly twice, compare, tighten.
+
+The errors of the steps (:mod:`driftform.motion.solver.loop`) do not give the error of the whole flight: it is estimated as
+twice the distance from a second integration with ten times the tolerance. The tolerance is tightened until this error is
+small enough, or, in gusts, until that no longer helps: then the path is chaotic, and any other that the same gusts allow is
+as likely. Any integrator whose error falls with a tolerance can be checked so.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from driftform.motion.forces.model import FlightModel
+from driftform.motion.forces.state import is_finite, position_of
+from driftform.motion.path.curve import sample_path
+from driftform.motion.path.trajectory import finish_trajectory
+from driftform.motion.solver.loop import Limits, take_all_steps
+from driftform.types import FloatArray, Trajectory
+from driftform.util.compiled import compiled
+from driftform.util.cubic import cubic_point
+from driftform.util.small_vectors import dot, subtract
+from driftform.water import Scenario
+
+TOLERANCE_RATIO = 10.0
+"""Ratio of the tolerances of the two integrations that are compared."""
+
+SAFETY_FACTOR = 2.0
+"""Estimated error of a flight over its distance from the second integration.
+
+Both integrations sometimes err alike, for example after the same collision, so the estimate is not a bound. docs/validation.md
+has how often it holds.
+"""
+
+CONVERGENCE = 0.5
+"""Largest ratio of the errors at a tolerance and at ten times that, of a flight in gusts that converges.
+
+Of bodies that ride the wall in `pipe-inspection`, flights that converge have ratios of 0.02 to 0.4. Others stay some centimetres
+apart down to a tolerance of 1e-9.
+"""
+
+GUST_RATIO = 10.0
+"""Ratio of accuracy and tolerance in gusts to those without: the gusts themselves are known by their statistics only."""
+
+GUST_ACCURACY = 0.01
+"""Largest accuracy that gusts loosen, m."""
+
+GUST_TIGHTENING = 1e-3
+"""Least tolerance in gusts, relative to the initial one. A flight that needs less is chaotic, and would take seconds."""
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Accuracy of an integration.
+
+    Attributes:
+        position: largest accepted estimate of the error of the position, m.
+        tolerance: initial tolerance of a step at the release, relative to 1 + |value| in every coordinate (SI).
+        tightest: tolerance below which a flight counts as not converged.
+        max_step: longest step and gap between samples, s.
+        step_limit: number of steps after which a flight fails.
+    """
+
+    position: float = 1e-3
+    tolerance: float = 1e-6
+    tightest: float = 1e-12
+    max_step: float = 0.05
+    step_limit: int = 200_000
+
+    def loosen_for_gusts(self) -> "Accuracy":
+        """Return the accuracy that a flight in gusts has where one without them has this."""
+        position = max(self.position, min(GUST_RATIO * self.position, GUST_ACCURACY))
+        tolerance = GUST_RATIO * self.tolerance
+        tightest = max(self.tightest, GUST_TIGHTENING * tolerance)
+        return replace(self, position=position, tolerance=tolerance, tightest=tightest)
+
+
+@dataclass(frozen=True, eq=False)
+class IntegrationResult:
+    """Raw samples of a flight, (k, 14), its estimated error (m), the tolerance that it needed, and the flight that it was compared with."""
+
+    samples: FloatArray
+    error: float
+    tolerance: float
+    other: FloatArray
+
+    def distance_from(self, samples: FloatArray) -> float:
+        """Return the greatest distance (m) from other raw samples of the same flight, (k, 14); infinite if one ends early."""
+        return float(greatest_distance(self.samples, samples))
+
+
+def fly_checked(
+    fly: Callable[[float], FloatArray],
+    model: FlightModel,
+    scenario: Scenario,
+    accuracy: Accuracy,
+    matters: Callable[[Trajectory], bool] | None = None,
+) -> Trajectory:
+    """Return the flight of a model in its scenario, with an estimate of its error; unchecked if it does not matter.
+
+    Args:
+        fly: returns the raw samples (k, 14) of the flight at a tolerance.
+        model, scenario: of the flight.
+        accuracy: of a flight without gusts.
+        matters: whether a first flight, with ten times the tolerance, is worth a check; all are if it is omitted.
+    """
+    accuracy, accepted = (
+        (accuracy.loosen_for_gusts(), math.inf) if scenario.has_gusts else (accuracy, accuracy.position)
+    )
+    horizon, limit = scenario.flight.horizon, accuracy.step_limit
+    first = fly(TOLERANCE_RATIO * accuracy.tolerance)
+    if matters is not None:
+        screened = finish_trajectory(first, model, horizon, limit)
+        if not matters(screened):
+            return screened
+    # A path in gusts that no tolerance fixes is one of many that the same gusts allow, as likely as any other.
+    flown = tighten(fly, first, accuracy, scenario.has_gusts)
+    return finish_trajectory(flown.samples, model, horizon, limit, flown.error, accepted, flown.other)
+
+
+def tighten(
+    fly: Callable[[float], FloatArray], first: FloatArray, accuracy: Accuracy, has_gusts: bool
+) -> IntegrationResult:
+    """Return the flight at the first tolerance that makes its error small enough; see :func:`fly_checked`.
+
+    If no tolerance does, the result has the last error: infinite if the two integrations do not end alike, unless in
+    gusts, or both fail. ``first`` are the samples at ten times the tolerance of ``accuracy``.
+    """
+    coarse, tolerance, least, before = first, accuracy.tolerance, 0.0, math.inf
+    while True:
+        fine = fly(tolerance)
+        distance = float(greatest_distance(coarse, fine, not has_gusts))
+        # A distance that falls faster than the tolerance does so by chance.
+        error = SAFETY_FACTOR * max(distance, least)
+        # What fails alike at two tolerances fails at the next, too, which takes far longer.
+        hopeless = has_failed(coarse, accuracy.step_limit) and has_failed(fine, accuracy.step_limit)
+        hopeless = hopeless or (has_gusts and error > CONVERGENCE * before)
+        if error <= accuracy.position or tolerance / TOLERANCE_RATIO < accuracy.tightest or hopeless:
+            return IntegrationResult(fine, error, tolerance, coarse)
+        coarse, tolerance, least, before = fine, tolerance / TOLERANCE_RATIO, distance / TOLERANCE_RATIO, error
+
+
+def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: Accuracy) -> IntegrationResult:
+    """Return a flight by our own integrator from ``start`` (13,), or (17,) in gusts, to the outlet or to ``horizon`` (s)."""
+
+    def fly(tolerance: float) -> FloatArray:
+        return integrate_once(model, start, horizon, replace(accuracy, tolerance=tolerance))
+
+    return tighten(fly, fly(TOLERANCE_RATIO * accuracy.tolerance), accuracy, len(model.gusts) > 0)
+
+
+def integrate_once(model: FlightModel, start: FloatArray, horizon: float, accuracy: Accuracy) -> FloatArray:
+    """Return raw samples (k, 14) of one flight at the tolerance of ``accuracy``; its error is unknown."""
+    limits = Limits(horizon, accuracy.tolerance, accuracy.max_step, accuracy.step_limit)
+    return take_all_steps(model, start, limits)
+
+
+def has_failed(samples: FloatArray, step_limit: int) -> bool:
+    """Return True if a flight of raw samples (k, 14) ran out of steps, or is not finite at its end."""
+    return len(samples) > step_limit or not bool(np.isfinite(samples[-1]).all())
+
+
+@compiled
+def greatest_distance(a: FloatArray, b: FloatArray, whole: bool = True) -> float:
+    """Return the greatest distance (m) between two flights, at the samples of ``b``; both are raw samples, (k, 14).
+
+    Infinite if one is not finite, or, of ``whole`` flights, if one ends well before the other. Others are compared up to the
+    earlier end: a body that is carried out of the pipe along its wall may arrive a little later, and is then near the outlet.
+    """
+    last_a, last_b = a.shape[0] - 1, b.shape[0] - 1
+    if not (is_finite(a[last_a]) and is_finite(b[last_b])):
+        return math.inf
+    if last_a == 0 or last_b == 0:
+        # Both were released past the outlet: a single sample has no path to compare.
+        return 0.0 if last_a == last_b else math.inf
+    end = min(a[last_a, 0], b[last_b, 0])
+    # They may end up to a step apart, past the outlet.
+    step = max(a[last_a, 0] - a[last_a - 1, 0], b[last_b, 0] - b[last_b - 1, 0])
+    if whole and max(a[last_a, 0], b[last_b, 0]) - end > step:
+        return math.inf
+    greatest = 0.0
+    k = 0
+    for row in range(b.shape[0]):
+        t = b[row, 0]
+        if t > end:
+            break
+        while k < last_a - 1 and a[k + 1, 0] < t:
+            k += 1
+        u = (t - a[k, 0]) / (a[k + 1, 0] - a[k, 0])
+        apart = subtract(cubic_point(sample_path(a[k], a[k + 1]), u), position_of(b[row]))
+        greatest = max(greatest, dot(apart, apart))
+    return math.sqrt(greatest)
