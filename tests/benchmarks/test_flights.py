@@ -13,13 +13,15 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from driftform.motion.forces.model import flight_model, pack, unpack
-from driftform.motion.forces.rates import fill_rate_in_space
+from driftform.motion.forces.rates import fill_rate
+from driftform.motion.forces.state import SAMPLE, release_state
 from driftform.motion.path.interpolation import interpolate_positions
-from driftform.motion.path.trajectory import SAMPLE, finish_trajectory, has_left_pipe, release_state
+from driftform.motion.path.trajectory import finish_trajectory
 from driftform.motion.solver.error import Accuracy, integrate
 from driftform.runs.compression import encode
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
+from driftform.water.outlets import has_left_pipe
 
 pytestmark = pytest.mark.slow
 
@@ -34,7 +36,7 @@ TOLERANCE = 1e-6
 @njit
 def rate(t, y, values):
     out = np.empty(SAMPLE - 1)
-    fill_rate_in_space(t, y, unpack(values, None), out)
+    fill_rate(t, y, unpack(values, None), out)
     return out
 
 

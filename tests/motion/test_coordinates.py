@@ -8,13 +8,14 @@ from scipy.spatial.transform import Rotation
 
 from driftform.motion.forces.inertia import added_mass_at, rigid_body_mass
 from driftform.motion.forces.model import flight_model
-from driftform.motion.forces.rates import fill_rate_in_space
+from driftform.motion.forces.rates import fill_rate
+from driftform.motion.forces.state import SAMPLE, release_state
 from driftform.motion.forces.water_forces import WaterForces
-from driftform.motion.path.trajectory import SAMPLE, has_left_pipe, release_state
 from driftform.study import load_study
 from driftform.util.rotations import quaternion_from_rotation_vector
 from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.flow import TurbulentFlow
+from driftform.water.outlets import has_left_pipe
 from driftform.water.scenario import Contact, Release
 
 PIPELINE = load_study("paper").make_pipeline()
@@ -59,7 +60,7 @@ def test_a_dry_body_with_these_forces_accelerates_as_the_state_does(scenario, se
     spin = mass.mass * R @ np.cross(omega, np.cross(omega, mass.cog))
     right = force + np.concatenate([loads - spin, moments - np.cross(omega, dry[3:, 3:] @ omega)])
     quaternion, expected = quaternion_from_rotation_vector(np.array([turn]))[0], np.empty(13)
-    fill_rate_in_space(0.5, np.array([*place, *quaternion, *rates]), model, expected)
+    fill_rate(0.5, np.array([*place, *quaternion, *rates]), model, expected)
     left = (axes @ dry @ axes.T + added) @ expected[7:]
     assert left == pytest.approx(right, rel=1e-9, abs=1e-9 * np.abs(force).max() + 1e-12)
 

@@ -21,8 +21,9 @@ from driftform.motion.forces.fitting_contact import (
     touch_fitting,
 )
 from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.state import release_state
 from driftform.motion.forces.surfaces import refined_surfaces, touching_surfaces
-from driftform.motion.path.trajectory import energies, release_state
+from driftform.motion.path.trajectory import energies
 from driftform.motion.solver.error import Accuracy, integrate_once
 from driftform.testing.bodies import cylinder_body, dome_body
 from driftform.types import Coefficients

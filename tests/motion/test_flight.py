@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from driftform.agent import mass_properties
 from driftform.motion.forces.model import flight_model
-from driftform.motion.path.trajectory import finish_trajectory, release_state
+from driftform.motion.forces.state import release_state
+from driftform.motion.path.trajectory import finish_trajectory
 from driftform.motion.solver.error import Accuracy, integrate
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, tumbling_agent
 from driftform.testing.bodies import cylinder_body

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.motion.forces.model import flight_model
-from driftform.motion.path.trajectory import release_state
+from driftform.motion.forces.state import release_state
 from driftform.motion.solver.error import Accuracy, integrate
 from driftform.study import load_study
 from driftform.testing.agents import DENSITY, Spheroid, sphere_agent

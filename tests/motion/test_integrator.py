@@ -10,7 +10,7 @@ from scipy.integrate import RK45 as SCIPY_RK45
 from scipy.stats import binom
 
 from driftform.motion.forces.model import flight_model
-from driftform.motion.path.trajectory import release_state
+from driftform.motion.forces.state import release_state
 from driftform.motion.solver.error import SAFETY_FACTOR, TOLERANCE_RATIO, Accuracy, greatest_distance, integrate
 from driftform.motion.solver.tableaus import DOP853, DOPRI5
 from driftform.study import load_study

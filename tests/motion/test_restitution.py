@@ -10,8 +10,9 @@ from scipy.integrate import solve_ivp
 from driftform.motion.forces.contact import deepest_depth
 from driftform.motion.forces.impact import DEEPEST
 from driftform.motion.forces.model import flight_model
-from driftform.motion.forces.rates import fill_rate_in_space
-from driftform.motion.path.trajectory import energies, release_state
+from driftform.motion.forces.rates import fill_rate
+from driftform.motion.forces.state import release_state
+from driftform.motion.path.trajectory import energies
 from driftform.motion.solver.error import Accuracy, integrate
 from driftform.testing.agents import DENSITY, Spheroid, sphere_agent
 from driftform.testing.bodies import cylinder_body, spheroid_body
@@ -151,7 +152,7 @@ def test_a_homogeneous_sphere_rests_on_the_floor_in_any_attitude(edges, attitude
     assert depth == pytest.approx(expected, rel=0.02)
     assert depth < 1e-4
     rate = np.empty(13)
-    fill_rate_in_space(0.0, end[1:], model, rate)
+    fill_rate(0.0, end[1:], model, rate)
     assert np.abs(rate[10:] * model.numbers[0]["mass"][4, 4]).max() < 1e-9, "no torque"
     assert np.abs(end[11:]).max() < 1e-9, "it does not turn"
 

@@ -15,7 +15,7 @@ from public import list_public
 ROOT = Path(__file__).parents[2]
 PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"))
 
-MOST_MODULES, MOST_NAMES = 13, 120
+MAX_MODULES, MAX_NAMES = 16, 165
 
 
 def is_public(module: str, name: str, public: dict[str, list[str]]) -> bool:
@@ -65,7 +65,7 @@ def test_the_public_interface_is_small() -> None:
     public = list_public()
     count = sum(len(names) for names in public.values())
     print(f"{count} public names in {len(public)} modules")
-    assert len(public) <= MOST_MODULES and count <= MOST_NAMES
+    assert len(public) <= MAX_MODULES and count <= MAX_NAMES
 
 
 @pytest.mark.parametrize("package", PLUGINS, ids=lambda path: path.name)
@@ -107,7 +107,7 @@ def test_an_import_of_a_private_module_is_found() -> None:
 
 
 def test_a_module_that_is_public_shows_its_public_names_alone() -> None:
-    source = "from driftform.motion.forces import flight_model\nfrom driftform.motion import stepping\nstepping.{}"
+    source = "from driftform.motion import forces\nforces.{}"
     assert list(find_private_imports(source.format("flight_model"), list_public())) == []
-    [found] = find_private_imports(source.format("fill_rate_in_space"), list_public())
-    assert found == "line 3: driftform.motion.forces.fill_rate_in_space"
+    [found] = find_private_imports(source.format("fill_rate"), list_public())
+    assert found == "line 2: driftform.motion.forces.fill_rate"

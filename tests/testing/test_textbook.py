@@ -13,7 +13,7 @@ from textbook import distance_from_textbook, textbook_rate
 
 from driftform.motion.forces.body_drag import estimate_drag
 from driftform.motion.forces.model import flight_model
-from driftform.motion.forces.rates import fill_rate_in_space
+from driftform.motion.forces.rates import fill_rate
 from driftform.study import load_study
 from driftform.testing.bodies import spheroid_body
 
@@ -59,7 +59,7 @@ def rates(agent, turn, place, velocity, omega):
         [1.0, *np.multiply(0.5, place[1:]), *R.as_quat(scalar_first=True), *velocity, *np.multiply(20, omega)]
     )
     own = np.empty(13)
-    fill_rate_in_space(0.0, start, flight_model(agent, PIPELINE.scenario), own)
+    fill_rate(0.0, start, flight_model(agent, PIPELINE.scenario), own)
     state = np.concatenate([start[:7], R.inv().apply(start[7:10]), start[10:]])
     book = textbook_rate(agent, PIPELINE.scenario, state)
     return own[7:], np.concatenate([R.apply(book[7:10] + np.cross(start[10:], state[7:10])), book[10:]])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftform.motion.forces.model import flight_model
-from driftform.motion.path.trajectory import release_state
+from driftform.motion.forces.state import release_state
 from driftform.testing.agents import sphere_agent
 from driftform.water import Scenario
 from driftform.water.field import wall_distance, water_velocity

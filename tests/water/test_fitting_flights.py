@@ -8,8 +8,9 @@ from scipy.integrate import solve_ivp
 from solids import solid_agent
 
 from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.state import release_state
 from driftform.motion.path.targets import name_outlet
-from driftform.motion.path.trajectory import finish_trajectory, release_state
+from driftform.motion.path.trajectory import finish_trajectory
 from driftform.motion.solver.error import Accuracy, integrate
 from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import cylinder_body

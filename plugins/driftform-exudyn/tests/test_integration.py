@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.state import release_state
 from driftform.motion.forces.water_forces import WaterForces
 from driftform.motion.path.interpolation import interpolate_positions
-from driftform.motion.path.trajectory import release_state
 from driftform.motion.solver.error import Accuracy, greatest_distance, integrate
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
