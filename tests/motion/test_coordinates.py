@@ -48,7 +48,7 @@ def test_a_dry_body_with_these_forces_accelerates_as_the_state_does(scenario, se
     agent = make_agent(seed)
     water, model = WaterForces.of(agent, scenario), flight_model(agent, scenario)
     coordinates, speeds = np.array([*place, *turn]), np.array(rates)
-    force, added = np.array(water.force(0.5, coordinates, speeds)), np.empty((6, 6))
+    force, added = np.array(water.force(0.5, coordinates, speeds, np.zeros(len(water.inner_rates)))), np.empty((6, 6))
     water.fill_mass(coordinates, added)
     R, omega, dry = Rotation.from_rotvec(turn).as_matrix(), speeds[3:], rigid_body_mass(agent.mass)
     axes = np.block([[R, np.zeros((3, 3))], [np.zeros((3, 3)), np.eye(3)]])

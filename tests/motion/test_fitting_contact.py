@@ -100,7 +100,7 @@ def test_the_deepest_point_of_a_rim_is_that_of_many_points_around_it(name):
                 depth, lever, wall, _, _ = touch_fitting(vector(centre), vector(turned[2]), surfaces, 0, f)
                 tilted = math.sqrt(1 - (normal @ turned[2]) ** 2) > flat_tilt(r, surfaces, 0)
                 if deepest > -0.01 * r and tilted:
-                    assert depth == pytest.approx(max(0.0, -deepest), abs=2e-5 * r)
+                    assert depth == pytest.approx(-deepest, abs=2e-5 * r)
                 if depth > 0 and tilted:
                     checked += 1
                     assert np.linalg.norm(lever) == pytest.approx(r, rel=1e-5)
@@ -248,7 +248,7 @@ def test_a_surface_that_is_clear_of_a_straight_touches_no_part():
         for k in range(len(rows)):
             if is_clear(rows, k, line):
                 clear += 1
-                assert touch_fitting(place, axis, rows, k, f)[0] == 0.0
+                assert touch_fitting(place, axis, rows, k, f)[0] <= 0.0
     assert clear > 100
 
 

@@ -13,7 +13,7 @@ from driftform import Design, StoredAgent
 from driftform.agent import hull_mass
 from driftform.errors import InputError, did_you_mean
 from driftform.figures import scene, style
-from driftform.motion import path
+from driftform.motion.path import closest_approach
 from driftform.search import PipeGrid
 from driftform.types import FloatArray
 from driftform.util import progress
@@ -37,7 +37,7 @@ def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any
         flight = design.trace()
     is_best = key in scenario.targets
     point = scenario.target_points()[key] if is_best else tuple(result["point"])
-    [distance], [t] = path.closest_approach(flight, np.array([point], dtype=np.float64))
+    [distance], [t] = closest_approach(flight, np.array([point], dtype=np.float64))
     names = list(scenario.targets)
     number = names.index(key) if is_best else len(names)
     colour = style.SERIES[number % len(style.SERIES)] if is_best else style.SERIES[-1]

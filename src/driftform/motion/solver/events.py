@@ -96,7 +96,7 @@ def _acceleration(y: FloatArray, rate: FloatArray, reach: float, curvature: floa
     swing = math.sqrt(rate[11] * rate[11] + rate[12] * rate[12]) + abs(y[10]) * turning
     push = math.sqrt(rate[7] * rate[7] + rate[8] * rate[8] + rate[9] * rate[9])
     speed = math.sqrt(y[7] * y[7] + y[8] * y[8] + y[9] * y[9]) + reach * turning
-    return push + reach * (swing + turning * turning) + curvature * speed * speed
+    return float(push + reach * (swing + turning * turning) + curvature * speed * speed)
 
 
 @compiled
