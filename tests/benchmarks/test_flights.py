@@ -12,7 +12,7 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from driftform.motion.forces.model import flight_model, pack, unpack
+from driftform.motion.forces.model import flight_model
 from driftform.motion.forces.rates import fill_rate
 from driftform.motion.forces.state import SAMPLE, release_state
 from driftform.motion.path.interpolation import interpolate_positions
@@ -34,22 +34,22 @@ TOLERANCE = 1e-6
 
 
 @njit
-def rate(t, y, values):
+def rate(t, y, model):
     out = np.empty(SAMPLE - 1)
-    fill_rate(t, y, unpack(values, None), out)
+    fill_rate(t, y, model, out)
     return out
 
 
 @njit
-def runge_kutta(values, start, horizon, steps):
+def runge_kutta(model, start, horizon, steps):
     h, t, y = horizon / steps, 0.0, start.copy()
     samples = np.empty((steps + 1, SAMPLE))
     samples[0, 0], samples[0, 1:] = t, y
     for k in range(steps):
-        a = rate(t, y, values)
-        b = rate(t + h / 2, y + h / 2 * a, values)
-        c = rate(t + h / 2, y + h / 2 * b, values)
-        d = rate(t + h, y + h * c, values)
+        a = rate(t, y, model)
+        b = rate(t + h / 2, y + h / 2 * a, model)
+        c = rate(t + h / 2, y + h / 2 * b, model)
+        d = rate(t + h, y + h * c, model)
         y = y + h / 6 * (a + 2 * b + 2 * c + d)
         y[3:7] /= np.sqrt((y[3:7] ** 2).sum())
         t += h
@@ -63,7 +63,7 @@ class Course:
     def __init__(self, agent, scenario) -> None:
         self.agent, self.scenario = agent, scenario
         self.model = flight_model(agent, scenario)
-        self.values, self.start = pack(self.model), release_state(self.model, scenario)
+        self.start = release_state(self.model, scenario)
         exact = Accuracy(position=1e-6, tolerance=1e-9, tightest=1e-12)
         found = integrate(self.model, self.start, scenario.flight.horizon, exact)
         self.exact, self.doubt = self.finished(found.samples), found.error
@@ -79,7 +79,7 @@ class Course:
         return largest_distance(interpolate_positions(trajectory, times), interpolate_positions(self.exact, times))
 
     def by_runge_kutta(self):
-        return runge_kutta(self.values, self.start, self.exact.t[-1], STEPS)
+        return runge_kutta(self.model, self.start, self.exact.t[-1], STEPS)
 
     def by_scipy(self):
         def outlet(_, y):
@@ -89,7 +89,7 @@ class Course:
         # The first trial of a step may end deep in the wall, where the next stages overflow; SciPy then shortens it.
         with np.errstate(all="ignore"):
             solution = solve_ivp(
-                lambda t, y: rate(t, y, self.values),
+                lambda t, y: rate(t, y, self.model),
                 (0, self.scenario.flight.horizon),
                 self.start,
                 "DOP853",

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from driftform.motion.path.approach import closest_approach
-from driftform.motion.path.targets import approach_targets, farthest_distances, find_offsets, find_target_approaches, name_outlet
+from driftform.motion.path.targets import (
+    approach_targets,
+    farthest_distances,
+    find_offsets,
+    find_target_approaches,
+    name_outlet,
+)
 from driftform.testing.fitness import straight_trajectory
 from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform.water import Scenario

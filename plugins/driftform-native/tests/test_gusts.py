@@ -7,6 +7,7 @@ import pytest
 
 from driftform.motion.path.approach import closest_approach
 from driftform.motion.path.targets import find_offsets
+from driftform.motion.solver.error import GUST_RATIO
 from driftform.pipeline import Pipeline
 from driftform.study import load_study
 from driftform.types import Agent
@@ -14,7 +15,7 @@ from driftform.water import Scenario
 from driftform.water.disturbances import draw_conditions
 from driftform.water.flow import TurbulentFlow
 from driftform.water.scenario import Robustness
-from driftform_native.simulator import GUST_RATIO, NativeOptions, NativeSimulator
+from driftform_native.simulator import NativeOptions, NativeSimulator
 
 RIDER = (
     "C: addF-tiltp-1-M-moveN-addB-tiltn-2-S-moveN-addF-tiltn-1-L-moveF | S: addB-tiltn-0-M-moveF-addB-tiltp-1-L-moveB-"
