@@ -153,7 +153,7 @@ def make_courses(pipeline, kind, count):
         agents = trimmed(agents, pipeline)
     courses = [Course(agent, pipeline.scenario) for _, agent in zip(range(count), agents, strict=False)]
     assert len(courses) == count
-    runge_kutta(courses[0].values, courses[0].start, 0.1, 1)
+    runge_kutta(courses[0].model, courses[0].start, 0.1, 1)
     return courses
 
 
