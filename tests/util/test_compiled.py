@@ -26,14 +26,24 @@ def package(tmp_path):
     return shutil.copytree(Path(driftform.__file__).parent, folder, ignore=shutil.ignore_patterns("__pycache__"))
 
 
+@pytest.fixture
+def cache(tmp_path):
+    """An empty cache, but for the result of the test of the compiler, which takes longer than a kernel."""
+    folder = tmp_path / "cache"
+    folder.mkdir()
+    for result in kernel_cache.BASE.glob("kernels-*.tested"):
+        shutil.copy(result, folder)
+    return folder
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("compiler", ["", "plain"])
-def test_a_kernel_is_recompiled_when_a_file_changes_whose_functions_it_calls(tmp_path, package, compiler):
+def test_a_kernel_is_recompiled_when_a_file_changes_whose_functions_it_calls(tmp_path, cache, package, compiler):
     environment = {
         **os.environ,
         "DRIFTFORM_COMPILER": compiler,
         "PYTHONPATH": str(tmp_path),
-        "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
+        "NUMBA_CACHE_DIR": str(cache),
     }
 
     def depth():
@@ -42,10 +52,10 @@ def test_a_kernel_is_recompiled_when_a_file_changes_whose_functions_it_calls(tmp
         return float(done.stdout)
 
     assert abs(depth() - (1.0 - 0.1 - 0.02)) < 1e-12
-    cached = len(list((tmp_path / "cache").rglob("*.nbc")))
+    cached = len(list(cache.rglob("*.nbc")))
     assert cached > 0
     assert abs(depth() - (1.0 - 0.1 - 0.02)) < 1e-12
-    assert len(list((tmp_path / "cache").rglob("*.nbc"))) == cached, "the cache was not used"
+    assert len(list(cache.rglob("*.nbc"))) == cached, "the cache was not used"
     vectors = package / "util" / "small_vectors.py"
     text = vectors.read_text(encoding="utf-8")
     product = "a[0] * b[0] + a[1] * b[1] + a[2] * b[2]"
@@ -64,10 +74,10 @@ def run_kernel(cache, script=SCRIPT, timeout=None, **variables):
     return done.stderr
 
 
-def test_a_compiler_that_does_not_suit_numba_is_replaced_by_that_of_numba_with_one_line_once(tmp_path, package):
+def test_a_compiler_that_does_not_suit_numba_is_replaced_by_that_of_numba_with_one_line_once(tmp_path, cache, package):
     compiler = package / "util" / "compiler.py"
     text = compiler.read_text(encoding="utf-8")
-    cache, variables = tmp_path / "cache", {"PYTHONPATH": str(tmp_path)}
+    variables = {"PYTHONPATH": str(tmp_path)}
     assert run_kernel(cache, **variables).count("\n") == 1, "the compilation is announced, and nothing else"
     compiler.write_text(text.replace("from numba.core.caching", "from numba.core.cached"), encoding="utf-8")
     notice, announcement = run_kernel(tmp_path / "new", **variables).splitlines()
@@ -77,14 +87,14 @@ def test_a_compiler_that_does_not_suit_numba_is_replaced_by_that_of_numba_with_o
     assert run_kernel(tmp_path / "new", **variables) == ""
 
 
-def test_copies_of_the_same_sources_share_their_machine_code(tmp_path, package):
+def test_copies_of_the_same_sources_share_their_machine_code(tmp_path, cache, package):
     def list_times():
-        return {file: file.stat().st_mtime_ns for file in (tmp_path / "cache").rglob("*.nb[ci]")}
+        return {file: file.stat().st_mtime_ns for file in cache.rglob("*.nb[ci]")}
 
-    run_kernel(tmp_path / "cache")
+    run_kernel(cache)
     before = list_times()
     assert before
-    run_kernel(tmp_path / "cache", PYTHONPATH=str(tmp_path))
+    run_kernel(cache, PYTHONPATH=str(tmp_path))
     assert list_times() == before
 
 
@@ -146,27 +156,27 @@ def test_without_a_directory_to_write_to_kernels_are_compiled_without_a_cache(tm
     run_kernel(tmp_path / "file" / "cache")
 
 
-def test_a_cache_that_was_cut_short_is_begun_anew(tmp_path):
-    run_kernel(tmp_path)
-    files = [*tmp_path.rglob("buoyancy.*.nbi"), *tmp_path.rglob("buoyancy.*.nbc")]
+def test_a_cache_that_was_cut_short_is_begun_anew(cache):
+    run_kernel(cache)
+    files = [*cache.rglob("buoyancy.*.nbi"), *cache.rglob("buoyancy.*.nbc")]
     assert len(files) >= 2
     for file in files:
         os.truncate(file, 7)
-    run_kernel(tmp_path)
-    assert all(file.stat().st_size > 7 for file in tmp_path.rglob("buoyancy.*.nbi"))
+    run_kernel(cache)
+    assert all(file.stat().st_size > 7 for file in cache.rglob("buoyancy.*.nbi"))
 
 
-def test_processes_compile_one_kernel_for_different_types_at_the_same_time(tmp_path):
-    run_kernel(tmp_path)
-    [types] = tmp_path.rglob("slice_depth-*.lock")
-    for file in tmp_path.rglob("*.nb[ci]"):
+def test_processes_compile_one_kernel_for_different_types_at_the_same_time(cache):
+    run_kernel(cache)
+    [types] = cache.rglob("slice_depth-*.lock")
+    for file in cache.rglob("*.nb[ci]"):
         file.unlink()
     with FileLock(types):
-        run_kernel(tmp_path, SCRIPT.replace("0.02), 1.0", "0.02), 1"))
+        run_kernel(cache, SCRIPT.replace("0.02), 1.0", "0.02), 1"))
         with pytest.raises(subprocess.TimeoutExpired):
-            run_kernel(tmp_path, timeout=4)
-    run_kernel(tmp_path)
-    assert len(list(tmp_path.rglob("buoyancy.slice_depth-*.nbc"))) == 2
+            run_kernel(cache, timeout=4)
+    run_kernel(cache)
+    assert len(list(cache.rglob("buoyancy.slice_depth-*.nbc"))) == 2
 
 
 @pytest.mark.parametrize("enters", [True, False])
@@ -249,14 +259,14 @@ def enter(depth):
 
 
 @pytest.mark.long
-def test_a_kernel_from_the_cache_holds_machine_code_only_and_other_kernels_can_call_it(tmp_path):
-    run_kernel(tmp_path)
-    [file] = tmp_path.rglob("buoyancy.*.nbc")
+def test_a_kernel_from_the_cache_holds_machine_code_only_and_other_kernels_can_call_it(cache):
+    run_kernel(cache)
+    [file] = cache.rglob("buoyancy.*.nbc")
     assert file.stat().st_size < 16_384, "the file holds more than the machine code of an entry"
     used = "from driftform.motion.forces.buoyancy import slice_depth\n"
     script = SCRIPT.replace("print(", "first = (").replace(used, used + CALLER) + "print(enter(first))"
-    run_kernel(tmp_path, script)
-    [same] = tmp_path.rglob("buoyancy.slice_depth-*.nbc")
+    run_kernel(cache, script)
+    [same] = cache.rglob("buoyancy.slice_depth-*.nbc")
     assert same == file
 
 
@@ -271,8 +281,8 @@ print(spaced, "numba.np.arrayobj" in sys.modules, rtsys._init)
 
 
 @pytest.mark.long
-def test_loading_a_kernel_that_makes_arrays_neither_compiles_nor_imports_what_its_compilation_needs(tmp_path):
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+def test_loading_a_kernel_that_makes_arrays_neither_compiles_nor_imports_what_its_compilation_needs(cache):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
     command = [sys.executable, "-c", SPACED]
     printed = [
         subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout

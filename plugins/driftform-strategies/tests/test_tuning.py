@@ -58,3 +58,17 @@ def test_between_two_flights_that_pass_on_either_side_the_next_is_between_them()
 
 def test_two_flights_with_the_same_weight_count_as_one() -> None:
     assert find_next([(0.1, 0.2), (0.1, 0.2001)], -10.0) == pytest.approx(0.1 + 0.02, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("points", "found"),
+    [
+        # The last flight has brought the nearer end little nearer: half-way.
+        ([(0.0, 1.0), (1.0, -1.0), (0.2, 0.7)], 0.6),
+        # One end is all but hit: a step that brings the other near.
+        ([(0.0, 1.0), (1.0, -0.001)], 0.98),
+        ([(0.0, 0.001), (1.0, -1.0)], 0.02),
+    ],
+)
+def test_between_two_sides_of_the_target_no_end_stays_far(points: list[tuple[float, float]], found: float) -> None:
+    assert find_next(points, -1.0) == pytest.approx(found, rel=1e-12)
