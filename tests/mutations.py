@@ -81,7 +81,7 @@ class Target:
         return ".".join(Path(self.path.rpartition("src/")[2]).with_suffix("").parts)
 
 
-AGENT, MOTION, PLUGINS = "src/driftform/agent", "src/driftform/motion", "plugins/driftform"
+AGENT, FORCES, PLUGINS = "src/driftform/agent", "src/driftform/motion/forces", "plugins/driftform"
 FORMULAS = "tests/motion/test_drag_formulas.py"
 STRIPS = f"{PLUGINS}-striptheory/src/driftform_striptheory"
 NETWORKS = f"{PLUGINS}-networks/src/driftform_networks"
@@ -90,16 +90,16 @@ TARGETS = (
     Target(f"{AGENT}/solids.py", ("tests/agent/test_solids.py",)),
     Target(f"{AGENT}/mass.py", ("tests/agent/test_mass.py",)),
     Target(f"{AGENT}/mass_elements.py", ("tests/agent/test_mass_elements.py",)),
-    Target(f"{MOTION}/drag_coefficients.py", (FORMULAS, "tests/motion/test_body_drag.py")),
-    Target(f"{MOTION}/body_drag.py", (FORMULAS, "tests/motion/test_body_drag.py")),
-    Target(f"{MOTION}/drag.py", (FORMULAS, "tests/motion/test_drag.py", "tests/motion/test_creeping.py")),
-    Target(f"{MOTION}/creeping.py", ("tests/motion/test_creeping.py",)),
-    Target(f"{MOTION}/inertia.py", ("tests/motion/test_inertia.py",)),
+    Target(f"{FORCES}/drag_coefficients.py", (FORMULAS, "tests/motion/test_body_drag.py")),
+    Target(f"{FORCES}/body_drag.py", (FORMULAS, "tests/motion/test_body_drag.py")),
+    Target(f"{FORCES}/drag.py", (FORMULAS, "tests/motion/test_drag.py", "tests/motion/test_creeping.py")),
+    Target(f"{FORCES}/creeping.py", ("tests/motion/test_creeping.py",)),
+    Target(f"{FORCES}/inertia.py", ("tests/motion/test_inertia.py",)),
     Target("src/driftform/water/scenario.py", ("tests/water/test_scenario.py",), ("load",)),
     Target(f"{STRIPS}/coefficients.py", (f"{PLUGINS}-striptheory/tests/test_coefficients.py",)),
     Target(f"{STRIPS}/ellipsoid.py", (f"{PLUGINS}-striptheory/tests/test_ellipsoid.py",)),
-    Target(f"{MOTION}/impact.py", ("tests/motion/test_impact.py",)),
-    Target(f"{MOTION}/contact.py", ("tests/motion/test_contact.py", "tests/motion/test_friction.py")),
+    Target(f"{FORCES}/impact.py", ("tests/motion/test_impact.py",)),
+    Target(f"{FORCES}/contact.py", ("tests/motion/test_contact.py", "tests/motion/test_friction.py")),
     Target(
         f"{PLUGINS}-calibration/src/driftform_calibration/solution.py",
         (f"{PLUGINS}-calibration/tests/test_solution.py",),

@@ -1,5 +1,7 @@
 """Ballast balances to the last digit, and lies where there is room for it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 from driftform.agent import MassElement, mass_properties
 from driftform.types import Agent, Body, Coefficients, Core
 from driftform_kit.ballast import (
+    FOAM,
     MATERIALS,
     PUTTY,
     Piece,
@@ -22,6 +25,8 @@ from driftform_kit.ballast import (
     place_two_balls,
     required_ballast,
 )
+from driftform_kit.kit import KitReport
+from driftform_kit.trim import _lift, weigh_print
 
 LEAD = MATERIALS["lead"]
 
@@ -152,6 +157,21 @@ def test_too_heavy_a_print_needs_buoyancy_where_its_excess_is() -> None:
     # The excess is spread as the hull's material: at its middle.
     assert wanted.x == pytest.approx(0.015, abs=1e-9)
     assert place_ballast(BODY, wanted, LEAD) == ()
+
+
+def test_foam_moves_the_centre_of_buoyancy_towards_it() -> None:
+    required = RequiredBallast(-0.01, -0.01 * 0.03)
+    lifted, foam = _lift(AGENT, [MassElement(SIMULATED.mass + 0.01, SIMULATED.cog[0])], required, 1000.0)
+    assert foam["volume"] == pytest.approx(0.01 / (1000.0 - FOAM)) and foam["x"] == pytest.approx(0.03)
+    moment = SIMULATED.volume * SIMULATED.cob[0] + foam["volume"] * 0.03
+    assert lifted.mass.cob[0] == pytest.approx(moment / (SIMULATED.volume + foam["volume"]))
+
+
+def test_what_a_kit_weighs_more_or_less_is_hull_also_beside_a_core_off_its_centre() -> None:
+    agent = replace(AGENT, body=replace(BODY, core=Core(0.01, 0.05, cog=0.004)))
+    kit = KitReport(0.08, (0.03 * 0.02 + 0.05 * 0.004) / 0.08)
+    weight = weigh_print(agent, 0.09, None, kit)
+    assert weight.cog == pytest.approx((0.04 * 0.02 + 0.05 * 0.004) / 0.09)
 
 
 def test_room_ends_at_the_walls_at_the_core_and_at_what_the_core_passes_through() -> None:

@@ -11,12 +11,28 @@ from driftform.interfaces import SearchSpace, Table
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
-from driftform_strategies.evolution import Change, EvolutionOptions, EvolutionStrategy, position_at, smallest_indices
+from driftform_strategies.evolution import (
+    Change,
+    EvolutionOptions,
+    EvolutionStrategy,
+    _Displacements,
+    position_at,
+    smallest_indices,
+)
 from driftform_strategies.random import RandomOptions, RandomStrategy
 
 GRAMMAR = LetterGrammar(Table())
 WEIGHTS = np.random.default_rng(11).normal(size=(LENGTH, 3))
 """How much each letter at each place lifts a flight, m at its end."""
+
+
+def test_the_opposite_change_moves_a_path_the_opposite_way():
+    moved, change = _Displacements(), Change(0, "a", "b")
+    moved.put(change, np.array([1.0, -2.0, 2.0]))
+    numbers, by, lengths = moved.find_smallest(2)
+    found = {moved.changes[number]: way.tolist() for number, way in zip(numbers, by, strict=True)}
+    assert found == {change: [1.0, -2.0, 2.0], change.undo(): [-1.0, 2.0, -2.0]}
+    assert lengths.tolist() == [3.0, 3.0]
 
 
 class TestEvolution(StrategyContract):
