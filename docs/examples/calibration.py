@@ -7,7 +7,7 @@ from driftform_calibration.designs import calibrate_design
 
 TRACKS = Path(__file__).parent.parent / "tracks"
 
-# `C` is the core alone; the study beside the track has the oil, and a core of the sphere's size.
+# `C` is the core alone; the study next to the track has the oil, and a core of the sphere's size.
 sphere = df.open_agent("C", scenario=str(TRACKS / "ten-cate-e4.toml"))
 found = calibrate_design(sphere, TRACKS / "ten-cate-e4.csv", printed_mass=0.0019792)
 

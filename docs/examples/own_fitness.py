@@ -1,4 +1,4 @@
-"""A fitness of one's own, in a search of one's own: agents that see as many heights of the pipe as they can.
+"""Your own fitness in your own search: agents that see as many heights of the pipe as they can.
 
 As a plugin the same class serves every command: docs/write-a-plugin.md.
 """

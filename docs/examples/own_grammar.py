@@ -1,4 +1,4 @@
-"""A grammar of one's own: a genome is twelve tilts in degrees, of the modules of a tail behind the core."""
+"""Your own grammar: a genome is twelve tilts in degrees, of the modules of a tail aft of the core."""
 
 from dataclasses import replace
 

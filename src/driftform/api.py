@@ -126,7 +126,7 @@ class Run(StoredRun, Mapping[str, Design]):
     def advance(self, executor: Executor, observer: Observer | None = None) -> list[str]:
         """Search as :meth:`search` does, fly the finalists, and write best agents and pictures.
 
-        Returns one line for each file that could not be written.
+        Returns one line per file that could not be written.
 
         Raises:
             InputError: if the stored evaluations are not those that the study asks for.
@@ -224,7 +224,7 @@ def evolve(study: Study, directory: str | os.PathLike[str], *, workers: int = 1,
     interrupted continues where it stopped.
 
     Args:
-        study: from :func:`load_study`; name a seed, or each time is another run.
+        study: from :func:`load_study`; without a seed, each call makes another run.
         directory: where the run is written; see ``docs/dataflow.md`` for its files.
         workers: processes; the result does not depend on it.
         progress: whether the number of evaluations done is printed on stderr.

@@ -29,14 +29,9 @@ def last_line(result: Any) -> str:
     [
         ("exit", "simulator 'fake' failed in simulate(): SystemExit: 0 (in <lambda>, line "),
         ("none", "simulator 'fake' returned a NoneType"),
-        ("empty", "simulator 'fake' returned a flight without increasing times from simulate_batch()"),
-        ("unended", "simulator 'fake' returned a flight that ended by nothing from simulate_batch(), expected an End"),
         ("backward", "simulator 'fake' returned a flight without increasing times from simulate_batch()"),
         ("nan", "simulator 'fake' returned a flight that is not finite from simulate_batch()"),
         ("surrogate", "simulator 'fake' failed in simulate(): ValueError: half of a letter: \\ud800 (in _raise"),
-        ("turned", "simulator 'fake' returned a flight with quaternions of another length"),
-        ("unsure", "simulator 'fake' returned a flight with error = nan from simulate_batch()"),
-        ("words", "simulator 'fake' failed in simulate(): ValueError: could not convert string to float"),
         ("silent", "simulator 'fake' failed in simulate(): SilentError: no message (in _raise, line "),
         ("foreign", "simulator 'fake' failed in simulate(): KeyError: 'x' (in _raise, line "),
     ],
@@ -57,8 +52,6 @@ def test_a_simulator_that_misbehaves_fails_the_evaluation_by_name(call: Call, de
     [
         ("exit", "strategy 'deed' failed in ask(): SystemExit: 0 (in <lambda>, line "),
         ("none", "strategy 'deed' returned nothing from ask(), expected 1 to 4 candidates"),
-        ("empty", "strategy 'deed' returned 0 candidates from ask(), expected 1 to 4 candidates"),
-        ("silent", "strategy 'deed' failed in ask(): SilentError: no message (in _raise, line "),
     ],
 )
 def test_a_strategy_that_misbehaves_stops_the_run_by_name_and_again_on_resume(call: Call, deed: str, text: str) -> None:
@@ -74,12 +67,7 @@ def test_a_strategy_that_misbehaves_stops_the_run_by_name_and_again_on_resume(ca
     ("slip", "text"),
     [
         ("heading", "fitness 'wordy' has heading = None, expected text"),
-        ("unit", "fitness 'wordy' has unit = 5, expected text"),
-        ("goal", "fitness 'wordy' has goal = None, expected text"),
-        ("share", "fitness 'wordy' has share = None, expected text"),
         ("measure", "fitness 'wordy' returned nan of 0 % from measure(), expected a finite number"),
-        ("judge", "fitness 'wordy' returned a str from judge(), expected a Verdict"),
-        ("describe", "fitness 'wordy' returned a float from describe(), expected a str"),
         ("raising", "fitness 'wordy' failed in measure(): KeyError: 'lost' (in <lambda>, line "),
     ],
 )
@@ -98,17 +86,10 @@ def test_a_fitness_without_readable_words_is_refused_before_a_search(
     ("slip", "text"),
     [
         ("list", "returned a list from random(), expected a Genome of grammar 'slipping'"),
-        ("none", "returned nothing from random(), expected a Genome of grammar 'slipping'"),
         ("floats", "failed in random(): TypeError: Genome holds 0.5, a float, expected text, such as repr"),
-        ("name", "returned a Genome of grammar 'letters' from random(), expected a Genome of grammar 's"),
-        ("flip", "returned nothing from flip(), expected a Genome"),
         ("crossover", "returned a Genome from crossover(), expected two genomes"),
-        ("text", "returned a int from to_text(), expected a str"),
-        ("parse", "returned nothing from parse(), expected a Genome"),
         ("unread", "cannot read what to_text() returned: no"),
-        ("other", "returned another genome from parse(), expected that of which to_text() returned the text"),
         ("express", "returned nothing from express(), expected a Morphology"),
-        ("length", "returned 'long' m and 0.0 rad as length and tilt of a module from express(), expected"),
         ("flat", "returned nan m and 0.0 rad as length and tilt of a module from express(), expected"),
     ],
 )
@@ -128,35 +109,19 @@ def test_a_grammar_that_misbehaves_is_refused_by_name_before_a_search(
     ("seam", "slip", "text"),
     [
         ("builder", "none", "builder 'slipping' returned nothing from build(), expected a Body"),
-        ("builder", "empty", "builder 'slipping' returned a body whose outer contour is wrong from build()"),
-        ("builder", "nan", "builder 'slipping' returned a body whose outer contour is wrong from build()"),
         (
             "builder",
             "words",
             "builder 'slipping' failed in build(): TypeError: Body.outer holds values of type <U1, expected real",
         ),
-        ("builder", "coreless", "builder 'slipping' returned nothing from build(), expected a Core"),
-        ("hydrodynamics", "none", "hydrodynamics 'slipping' returned nothing from coefficients()"),
         (
             "hydrodynamics",
             "shape",
             "hydrodynamics 'slipping' failed in coefficients(): ValueError: Coefficients.added_mass has shape (3, 3)",
         ),
-        (
-            "hydrodynamics",
-            "complex",
-            "hydrodynamics 'slipping' failed in coefficients(): TypeError: Coefficients.added_mass holds values of",
-        ),
-        ("hydrodynamics", "nan", "hydrodynamics 'slipping' returned added_mass that is not finite"),
         ("hydrodynamics", "negative", "hydrodynamics 'slipping' returned an added mass that is not symmetric"),
-        ("hydrodynamics", "lopsided", "hydrodynamics 'slipping' returned an added mass that is not symmetric"),
-        ("fitness", "none", "fitness 'slipping' returned nothing from score(), expected an array of 1 number"),
-        ("fitness", "text", "fitness 'slipping' returned '50' from score(), expected an array of 1 number"),
         ("fitness", "texts", "fitness 'slipping' returned ['50'] from score(), expected an array of 1 number"),
         ("fitness", "scalar", "fitness 'slipping' returned 50.0 from score(), expected an array of 1 number"),
-        ("fitness", "column", "fitness 'slipping' returned [[50.0]] from score(), expected an array of 1"),
-        ("fitness", "complex", "fitness 'slipping' returned [(50+1j)] from score(), expected an array of 1"),
-        ("fitness", "truth", "fitness 'slipping' returned [True] from score(), expected an array of 1 number"),
         ("fitness", "ragged", "fitness 'slipping' returned [[1.0], [2.0, 3.0]] from score(), expected an"),
         ("fitness", "raising", "fitness 'slipping' failed in score(): LinAlgError: Singular matrix (in <lambda>"),
     ],
@@ -179,12 +144,8 @@ def test_what_cannot_be_a_value_of_a_seam_is_named_by_a_run_and_by_one_flight(
     ("slip", "text"),
     [
         ("word", "returned a str from ask(), expected a Candidate"),
-        ("none", "returned a candidate whose genome is nothing from ask(), expected a Genome of grammar 'lsystem'"),
-        ("grammar", "returned a candidate whose genome is a Genome of grammar 'letters' from ask(), expected a"),
         ("target", "returned a candidate for target 'Mars' from ask(), expected one of TP1, or an empty text"),
         ("parents", "returned a candidate of generation 0 with parents (99,) from ask(), expected evaluations"),
-        ("half", "failed in ask(): TypeError: 'float' object cannot be interpreted as an integer (in <lambda>"),
-        ("old", f"returned a candidate of generation {2**70} with parents () from ask(), expected evaluations"),
         ("threshold", "returned a candidate with threshold (1.0, 2.0) from ask(), expected None or 1 number"),
     ],
 )
@@ -204,9 +165,7 @@ def test_candidates_may_hold_integers_of_numpy_and_are_read_back(call: Call) -> 
     ("slip", "text"),
     [
         ("none", "returned nothing from check(), expected a list of Findings"),
-        ("words", "returned a str from check(), expected a Finding"),
         ("state", "returned a Finding with state = 'fine' from check(), expected a State"),
-        ("detail", "returned a Finding with detail = None from check(), expected text"),
     ],
 )
 def test_a_checker_that_misbehaves_is_named(call: Call, slip: str, text: str) -> None:
@@ -247,8 +206,6 @@ def test_a_strategy_that_does_not_accept_a_study_leaves_no_directory(call: Call,
         ("exit", "exporter 'deed' failed in write(): SystemExit: 0 (in <lambda>, line "),
         ("none", "exporter 'deed' returned nothing from write(), expected the files that it wrote"),
         ("absent", "exporter 'deed' returned a WrittenFile of 'nowhere.never' from write(), expected the path of"),
-        ("pathless", "exporter 'deed' returned a WrittenFile of None from write(), expected the path of"),
-        ("foreign", "exporter 'deed' failed in write(): KeyError: 'x' (in _raise, line "),
     ],
 )
 def test_an_exporter_that_misbehaves_is_named_and_the_other_files_are_kept(

@@ -15,20 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.console import Console
 
-from driftform.cli.display import BARS, PAGE, PLAIN_BARS, View, draw_sparkline, progress_line
+from driftform.cli.display import BARS, PAGE_S, PLAIN_BARS, View, draw_sparkline, progress_line
 from driftform.runs.status import RunStatus, Throughput
-from driftform.util.progress import format_duration
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [
-        *((0, "0 s"), (59.4, "59 s"), (59.6, "1 min 00 s"), (200, "3 min 20 s")),
-        *((3599.7, "1 h 00 min"), (7500, "2 h 05 min"), (86399, "23 h 59 min"), (266_400, "3 d 2 h")),
-    ],
-)
-def test_a_duration_is_told_in_the_two_units_that_matter(seconds: float, text: str) -> None:
-    assert format_duration(seconds) == text
 
 
 def test_a_sparkline_is_logarithmic_and_blank_where_nothing_is_known() -> None:
@@ -124,7 +112,7 @@ def test_targets_that_find_no_room_take_turns() -> None:
         lines = shown(view, 80, 24)
         seen |= {found[1] for text in lines if (found := re.match(r"(TP\d+|the-far-end\S*)", text))}
         assert any(re.search(r"targets \d+ to \d+ of 40", text) for text in lines)
-        clock.now += PAGE
+        clock.now += PAGE_S
     assert len(seen) == 40
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from processes import count_evaluations, is_alive, wait_until
 
 Start = Callable[..., subprocess.Popen[str]]
 Program = Callable[..., subprocess.CompletedProcess[str]]
@@ -38,26 +39,6 @@ STUDY = (
 PAUSE = 0.15
 
 
-def stored(directory: Path) -> int:
-    """Rows in the database of a run that may be going on, or may not have begun."""
-    path = directory / "run.db"
-    try:
-        connection = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
-        try:
-            return int(connection.execute("SELECT COUNT(*) FROM evaluation").fetchone()[0])
-        finally:
-            connection.close()
-    except sqlite3.OperationalError:
-        return 0
-
-
-def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not happen in time"
-        time.sleep(0.02)
-
-
 def children(process: int) -> list[int]:
     """Processes that a process started, and theirs, as the kernel has them."""
     found: list[int] = []
@@ -71,13 +52,6 @@ def children(process: int) -> list[int]:
             if int(parent) == process and state != "Z":
                 found += [int(entry.name), *children(int(entry.name))]
     return found
-
-
-def alive(process: int) -> bool:
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def workers(process: int) -> list[int]:
@@ -121,7 +95,7 @@ def going(start: Start, tmp_path: Path, request: pytest.FixtureRequest) -> Itera
     more = ("--set", f"simulator.pause={pause}", "--workers", 2, "--executor", executor, "--out", "run")
     with start("evolve", *STUDY, *more, cwd=tmp_path) as process:
         try:
-            wait_until(lambda: stored(tmp_path / "run") >= 15)
+            wait_until(lambda: count_evaluations(tmp_path / "run") >= 15)
             yield process
         finally:
             process.kill()
@@ -136,8 +110,8 @@ def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(
     assert started
     going.kill()
     going.wait()
-    wait_until(lambda: not any(alive(worker) for worker in started), seconds=10)
-    assert 15 <= stored(tmp_path / "run") < EVALUATIONS
+    wait_until(lambda: not any(is_alive(worker) for worker in started), seconds=10)
+    assert 15 <= count_evaluations(tmp_path / "run") < EVALUATIONS
 
     resumed = run("resume", "run", "--workers", 1, "--json", cwd=tmp_path)
     assert resumed.returncode == 0, resumed.stderr
@@ -166,7 +140,7 @@ def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_w
     last = err.splitlines()[-1]
     assert last.startswith("stopped after ")
     assert last.endswith("resume with: driftform resume run")
-    wait_until(lambda: not any(alive(child) for child in started), seconds=10)
+    wait_until(lambda: not any(is_alive(child) for child in started), seconds=10)
     # Whole, and in one file: what is copied is all there is.
     assert sorted(path.name for path in (tmp_path / "run").glob("run.db*")) == ["run.db"]
     connection = sqlite3.connect(tmp_path / "run" / "run.db")
@@ -189,7 +163,7 @@ def test_a_batch_system_that_ends_it_reads_the_command_that_goes_on(
     assert out == "" and "Traceback" not in err
     last = err.splitlines()[-1]
     assert last.startswith("stopped after ") and last.endswith("resume with: driftform resume run")
-    wait_until(lambda: not any(alive(child) for child in started))
+    wait_until(lambda: not any(is_alive(child) for child in started))
     assert [path.name for path in (tmp_path / "run").glob("run.db*")] == ["run.db"]
 
 

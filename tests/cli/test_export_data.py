@@ -2,7 +2,6 @@
 
 import csv
 import json
-import shutil
 import sqlite3
 from collections.abc import Callable
 from pathlib import Path
@@ -231,15 +230,6 @@ def test_tables_are_written_in_batches_that_fit_into_memory(
 
 
 @pytest.mark.peers
-def test_a_row_group_for_each_batch(run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
-    from pyarrow import parquet
-
-    monkeypatch.setattr(tables, "ROWS", 6)
-    assert call("export-data", "run", "--format", "parquet").exit_code == 0
-    assert parquet.ParquetFile("run/data/evaluations.parquet").num_row_groups == 4
-
-
-@pytest.mark.peers
 def test_the_folder_of_the_run_is_written_anew_and_holds_nothing_older(
     run_copy: Path, call: Callable[..., Any]
 ) -> None:
@@ -315,18 +305,6 @@ def test_without_pyarrow_parquet_says_what_to_install_before_anything_is_done(
     assert "pip install 'driftform[parquet]'" in line and "--format csv" in line
     assert not (run_copy / "data").exists()
     assert call("export-data", "run", "--format", "csv").exit_code == 0
-
-
-def test_bad_input_is_told_in_one_line(run_copy: Path, refused: Callable[..., str], tmp_path: Path) -> None:
-    shutil.copy(run_copy / "study.toml", tmp_path / "a-file")
-    assert refused("export-data", "run", "--format", "xlsx").endswith("known: csv, parquet")
-    assert refused("export-data", "run", "--format", "parqet").endswith("did you mean 'parquet'?")
-    assert refused("export-data", "nowhere") == "error: nowhere: no such run directory"
-    assert "it is not a run directory" in refused("export-data", ".")
-    assert "expected a run directory" in refused("export-data", "a-file")
-    assert refused("export-data", "run", "--out", "a-file") == "error: a-file is a file; choose another --out"
-    assert "not an empty directory" in refused("export-data", "run", "--out", "run/best")
-    assert "choose another --out" in refused("export-data", "run", "--out", "a-file/below")
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from processes import is_alive, wait_until
 
 from driftform.search.in_process import InProcess
 
@@ -113,13 +114,6 @@ def test_without_a_home_and_a_cache_the_program_works(fake_plugin: Path, tmp_pat
     assert "Traceback" not in done.stderr
 
 
-def is_alive(process: int) -> bool:
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 @pytest.mark.parametrize("delay", [0.0, 0.3, 3.0], ids=["workers start", "workers import", "workers fly"])
 def test_killed_in_long_flights_it_leaves_no_process(start: Start, tmp_path: Path, delay: float) -> None:
@@ -133,7 +127,4 @@ def test_killed_in_long_flights_it_leaves_no_process(start: Start, tmp_path: Pat
         time.sleep(delay)
         process.send_signal(signal.SIGKILL)
         process.communicate()
-    end = time.monotonic() + 20
-    while left := [child for child in started if is_alive(child)]:
-        assert time.monotonic() < end, left
-        time.sleep(0.05)
+    wait_until(lambda: not any(map(is_alive, started)), seconds=20)

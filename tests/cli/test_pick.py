@@ -66,12 +66,6 @@ def test_it_tells_the_flight_the_distance_and_the_file(call, run_copy: Path) -> 
     assert second == f"agent: {path}"
 
 
-def test_it_writes_where_it_is_told_to(call, run_copy: Path, tmp_path: Path) -> None:
-    told = json.loads(call("pick", run_copy, *ANYWHERE, "--out", tmp_path / "mine", "--json").stdout)
-    assert told["agent"] == str(tmp_path / "mine" / "agent.json")
-    assert not (run_copy / "picks").exists()
-
-
 @pytest.mark.parametrize("z", ["-0.9", "-9e-1", "-.9"])
 def test_a_negative_coordinate_is_no_option(call, run_copy: Path, z: str) -> None:
     told = json.loads(call("pick", run_copy, "4.0", "-0.0", z, "--json").stdout)
@@ -128,10 +122,6 @@ def test_a_point_that_is_none_is_refused(
     refused: Callable[..., str], run_copy: Path, point: tuple[str, ...], told: str
 ) -> None:
     assert told in refused("pick", run_copy, *point)
-
-
-def test_what_is_no_run_is_refused(refused: Callable[..., str], tmp_path: Path) -> None:
-    assert "no such run directory" in refused("pick", tmp_path / "nowhere", *ANYWHERE)
 
 
 def test_a_run_without_a_sound_flight_has_nothing_to_pick(

@@ -71,11 +71,6 @@ def test_a_simulator_that_raises_is_told_in_one_line(call: Call, fakes: None) ->
     assert re.fullmatch(rf"error: word-\w+: cannot be flown: {fault}", line)
 
 
-def test_simulate_prints_where_and_why_the_flight_ended(call: Call) -> None:
-    text = call("simulate", FIGURE_2, "--set", "flight.horizon=0.5").stdout
-    assert re.search(r"ended at the horizon after 0\.500 s at x 0\.\d+, y .*, z .* m", text)
-
-
 def test_a_plugin_of_the_command_line_takes_the_place_of_that_of_the_agent(
     finished_run: tuple[Path, Any], call: Call, fakes: None
 ) -> None:

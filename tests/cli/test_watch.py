@@ -2,9 +2,7 @@
 
 import json
 import re
-import shutil
 import signal
-import sqlite3
 import subprocess
 import sys
 import threading
@@ -16,10 +14,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from processes import count_evaluations, look, wait_until
 
 from driftform.errors import InputError
 from driftform.runs.directory import is_worked_on, lock_run
-from driftform.runs.monitor import RunMonitor
 from driftform.runs.store import EvaluationSummary, Record, Store
 from driftform.types import Candidate, Evaluation, Genome
 
@@ -42,19 +40,6 @@ STUDY = (
 )
 
 
-def look(directory: Path) -> RunMonitor:
-    monitor = RunMonitor(directory)
-    monitor.poll()
-    return monitor
-
-
-def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not happen in time"
-        time.sleep(0.02)
-
-
 def add(store: Store, *indices: int) -> None:
     genome = Genome("g", ())
     fitness = {i: np.array([50.0 if i > 4 else 10.0 * i]) for i in indices}
@@ -74,18 +59,10 @@ def going(start: Start, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
     slow = ("--set", "simulator.pause=0.25", "--workers", 1, "--out", "run")
     with start("evolve", *STUDY, *slow, cwd=tmp_path) as process:
         try:
-            wait_until(lambda: evaluations(tmp_path / "run") >= 5)
+            wait_until(lambda: count_evaluations(tmp_path / "run") >= 5)
             yield process
         finally:
             process.kill()
-
-
-def evaluations(directory: Path) -> int:
-    """How many a monitor counts; 0 while the run has not begun."""
-    try:
-        return look(directory).status.done
-    except InputError:
-        return 0
 
 
 def test_a_run_is_followed_to_its_end_while_others_come_and_go(start: Start, tmp_path: Path) -> None:
@@ -262,40 +239,6 @@ def test_a_writer_ends_and_begins_as_it_likes_while_others_read(tmp_path: Path) 
     assert trouble == []
     assert looks and looks == sorted(looks)
     assert look(tmp_path).status.done == 120
-
-
-@pytest.mark.parametrize(
-    ("harm", "told"),
-    [
-        ("UPDATE meta SET value = '{}'", "is damaged: its study has no targets, or no budget"),
-        ("""UPDATE meta SET value = '{"targets": {"A": 1}, "run": 3}'""", "is damaged"),
-        ("DELETE FROM meta", "is damaged"),
-        ("DELETE FROM score WHERE evaluation = 3", "is damaged"),
-        ("UPDATE score SET fitness = 'x'", "is damaged"),
-        ("DROP TABLE score", "is damaged"),
-        ("PRAGMA user_version = 99", "is of format 99"),
-    ],
-)
-def test_a_damaged_run_is_refused_in_one_line(
-    run_copy: Path, refused: Callable[..., str], harm: str, told: str
-) -> None:
-    connection = sqlite3.connect(run_copy / "run.db")
-    connection.execute(harm)
-    connection.commit()
-    connection.close()
-    line = refused("watch", "run", "--once")
-    assert line.startswith("error: run/run.db: ")
-    assert told in line
-
-
-def test_what_is_no_run_is_refused_in_one_line(
-    refused: Callable[..., str], finished_run: tuple[Path, object], tmp_path: Path
-) -> None:
-    assert refused("watch", "nowhere") == "error: nowhere: no such run directory"
-    assert "holds no run.db" in refused("watch", ".")
-    shutil.copy(finished_run[0] / "study.toml", tmp_path)
-    assert "is a file, expected a run directory" in refused("watch", "study.toml")
-    assert "--interval" in refused("watch", finished_run[0], "--interval", 0)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")

@@ -236,20 +236,6 @@ def test_a_number_beyond_its_bounds_is_refused(setting: str) -> None:
         load_study("paper", settings=[setting])
 
 
-def test_a_bound_has_its_unit() -> None:
-    with pytest.raises(InputError, match=r"radius = 1e-06: should be greater than or equal to 0.001 m$"):
-        load_study("paper", settings=["pipe.segments.0.radius=1e-6"])
-    with pytest.raises(InputError, match=r"flow.speed = 1000: should be less than or equal to 100 m/s$"):
-        load_study("paper", settings=["flow.speed=1000"])
-
-
-def test_a_billion_workers_are_refused(call: Call) -> None:
-    result = call("evolve", "paper", "--workers", 10**9, "--out", "run")
-    assert result.exit_code == 2
-    assert "1024" in result.stderr
-    assert not Path("run").exists()
-
-
 @pytest.mark.long
 def test_a_run_says_the_commonest_reason_of_its_failures(run: Call, tmp_path: Path) -> None:
     settings = ("paper", "--set", "pipe.segments.0.radius=0.0135", "--set", "targets={A=[1,0,0]}", "--seed", 1)

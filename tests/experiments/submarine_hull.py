@@ -4,7 +4,7 @@ Source: R. F. Roddy, Investigation of the stability and control characteristics 
 SUBOFF model (DTRC model 5470) from captive-model experiments, DTRC/SHD-1298-08, 1990. The bare hull, 4.356 m long, was
 towed at 6.5 knots (Re = 1.4e7) and turned on a rotating arm; the author states an uncertainty of 4 to 5 % for the first two
 derivatives, of 10 % for the other two. Forces are made dimensionless with the water's density, 4.2608 m and the speed, and refer
-to a point 2.013 m behind the nose.
+to a point 2.013 m aft of the nose.
 
 Driftform: panels and drag by strips, the derivatives by finite differences.
 

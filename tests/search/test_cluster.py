@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from processes import count_evaluations, wait_until
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.runs.monitor import RunMonitor
 from driftform.search import cluster
 from driftform.search.cluster import Cluster, find_versions
 from driftform.search.jobs import Job
@@ -85,16 +85,6 @@ def test_without_a_worker_it_prints_how_to_start_one_and_continues_when_it_joins
     assert "Traceback" not in err
 
 
-def count_stored(directory: Path) -> int:
-    """How many evaluations a run holds; 0 while it has not begun."""
-    try:
-        monitor = RunMonitor(directory)
-        monitor.poll()
-    except InputError:
-        return 0
-    return monitor.status.done
-
-
 def test_a_lost_scheduler_costs_nothing_and_the_command_to_resume_is_printed(
     start: Start, dask: Dask, dask_scheduler: Scheduler, run: Program, rows: Rows, tmp_path: Path
 ) -> None:
@@ -103,9 +93,7 @@ def test_a_lost_scheduler_costs_nothing_and_the_command_to_resume_is_printed(
         dask("worker", address, "--nthreads", 1, cwd=tmp_path) as worker,
         start(*STUDY, "--set", "simulator.pause=0.05", "--scheduler", address, cwd=tmp_path) as process,
     ):
-        while count_stored(tmp_path / "run") < 20:
-            assert process.poll() is None
-            time.sleep(0.02)
+        wait_until(lambda: process.poll() is not None or count_evaluations(tmp_path / "run") >= 20)
         scheduler.kill()
         _, err = process.communicate(timeout=60)
         worker.kill()

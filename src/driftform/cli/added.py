@@ -42,7 +42,7 @@ class AddedCommand(Command):
 
 @dataclass(frozen=True)
 class Added:
-    """What plugins add: commands by name, their plugins, and one line for each plugin or command that is unavailable."""
+    """What plugins add: commands by name, their plugins, and one line per plugin or command that is unavailable."""
 
     commands: Mapping[str, Any]
     owners: Mapping[str, PluginModule]

@@ -23,14 +23,14 @@ PLAIN_BARS = "_.-:=+*#"
 DECADES = (10.0, 1e6)
 """Least and largest ratio that a curve spans: a little progress does not look like a lot, and zero has a place."""
 
-PAGE = 5.0
-"""How long some of the targets are shown where there is no room for all, s."""
+PAGE_S = 5.0
+"""Time for which some of the targets are shown, if there is no room for all, s."""
 
 _AROUND = 8
 """Lines of a display that are not of a target."""
 
-_IN_A_LINE = 20
-"""Most targets that a line of progress shows one by one."""
+_MAX_IN_A_LINE = 20
+"""Largest number of targets that a line of progress shows one by one."""
 
 _ROOM_FOR_CURVES = 72
 """Columns of a terminal below which there are numbers alone."""
@@ -67,7 +67,7 @@ def progress_line(status: RunStatus, throughput: Throughput) -> str:
 
 def _format_best(best: Mapping[str, float]) -> str:
     """The best fitness of each target, or of many targets the worst and the median."""
-    if len(best) <= _IN_A_LINE:
+    if len(best) <= _MAX_IN_A_LINE:
         return "  ".join(f"{name} {fitness:.2f}" for name, fitness in best.items())
     worst = min(best, key=best.__getitem__)
     return f"best of {len(best)} targets: median {median(best.values()):.2f}, worst {worst} {best[worst]:.2f}"
@@ -111,13 +111,13 @@ class View:
             yield Text(self.footer, style="dim", no_wrap=True, overflow=_overflow(options))
 
     def _shown(self, height: int) -> tuple[int, int]:
-        """Which targets are shown now: the first, and the one behind the last."""
+        """Which targets are shown now: the first, and the one after the last."""
         around = _AROUND + bool(self.status.failed)
         count, room = len(self.status.targets), max(1, height - around)
         if not self.fits or count <= room:
             return 0, count
         pages = -(-count // room)
-        page = int(self.throughput.elapsed / PAGE) % pages
+        page = int(self.throughput.elapsed / PAGE_S) % pages
         return page * room, min(count, (page + 1) * room)
 
     def _table(self, rows: "Sequence[tuple[str, TargetStatus]]", options: "ConsoleOptions") -> "Table":
@@ -154,7 +154,7 @@ class View:
 
 
 def _overflow(options: "ConsoleOptions") -> "OverflowMethod":
-    """How text is cut: rich's ellipsis is no ASCII."""
+    """How text is cut: rich's ellipsis is not ASCII."""
     return "crop" if options.ascii_only else "ellipsis"
 
 

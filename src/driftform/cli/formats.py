@@ -98,7 +98,7 @@ def list_exporter_settings(formats: Iterable[str], options: Mapping[str, tuple[s
 
     Args:
         formats: names of exporters that are installed.
-        options: for each key its value as a setting has it, and how the user asked for it.
+        options: value of each key as in a setting, and the option of the user that gave it.
 
     Raises:
         InputError: if an exporter has no such option; the message names those that have it.

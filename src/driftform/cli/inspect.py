@@ -57,7 +57,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
     weight = "floats" if net > 0 else "sinks" if net < 0 else "hovers"
     modules = facts["modules"]
     aft = sum(m["side"] == "aft" for m in modules)
-    # An own body has neither modules nor a core.
+    # Your own body has neither modules nor a core.
     origin, parts = "volume's", []
     if modules or facts["core_mass"] > 0:
         origin, parts = "core's", ["hull", "core", *(["ballast"] if facts["ballast_mass"] else [])]

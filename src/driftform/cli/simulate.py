@@ -174,7 +174,7 @@ def _print(design: "Design", flight: "Flight", misses: "DisturbedFlights | None"
 
 
 def _document(misses: "DisturbedFlights", targets: "Sequence[str]") -> dict[str, Any]:
-    """Return for each target the distances of all flights, their median and 90 % quantile, and the causes of the spread."""
+    """Return, per target, the distances of all flights, their median and 90 % quantile, and the causes of the spread."""
     return {
         name: {
             "distances": misses.distances[:, number],

@@ -17,7 +17,7 @@ WEIGHT = 1e-4
 
 
 def list_departures(agent: Agent, pipeline: Pipeline, designed: Agent, design: Pipeline) -> list[str]:
-    """Return one line for each respect in which an agent and its water, pipe or wall are not those of its design.
+    """Return one line per difference between an agent, its water, pipe or wall, and those of its design.
 
     Args:
         agent, pipeline: the agent as it flies now.

@@ -281,7 +281,7 @@ class Design:
         Args:
             format: name of a recorder, such as ``"csv"`` or ``"mcap"``.
             path: of the file; ``None`` for the agent's name in the working directory. An older file is replaced.
-            rate_hz: samples for each second of the flight, 1/s, from 0 to 10 000; 0 for those of the simulator.
+            rate_hz: samples per second of flight, 1/s, from 0 to 10 000; 0 for the samples of the simulator.
 
         Raises:
             InputError: if there is no such format, or the rate is out of range.

@@ -78,7 +78,7 @@ class Flight:
     def draw(self, path: str | os.PathLike[str], width_mm: float | None = None) -> tuple[Path, ...]:
         """Write the picture of the flight as SVG, and return the paths of its files.
 
-        With ``width_mm`` it is a figure for a paper, without a title, and with the extra ``pdf`` there is a PDF beside it.
+        With ``width_mm`` it is a figure for a paper, without a title, and with the extra ``pdf`` a PDF is written too.
         """
         page = Page.find(width_mm)
         make_directory(Path(path).parent, "path")

@@ -1,4 +1,4 @@
-"""A flight that goes on step by step, in water that another program may change: for co-simulation."""
+"""A flight that advances step by step in water that another program may change, for co-simulation."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a miss depends on: a bar for each disturbed quantity."""
+"""What a miss depends on: a bar per disturbed quantity."""
 
 from collections.abc import Sequence
 

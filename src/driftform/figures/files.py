@@ -1,4 +1,4 @@
-"""Pictures as files: SVG, and beside it PNG, or PDF for a paper, if the extras ``png`` and ``pdf`` are installed."""
+"""Pictures as files: SVG, and also PNG, or PDF for a paper, if the extras ``png`` and ``pdf`` are installed."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ ZOOM = 2.0
 """PNG pixels per px of a picture: sharp on high-resolution screens, and 150 dpi at 15 cm."""
 
 DPI = 96.0
-"""px of a picture for each inch of a size in mm, as CSS defines it; without it resvg refuses sizes in mm."""
+"""px of a picture per inch of a size in mm, as CSS defines it; without it resvg refuses sizes in mm."""
 
 
 def write_picture(path: Path, svg: str, page: Page = SCREEN, png: bool = True) -> tuple[Path, ...]:
@@ -22,9 +22,9 @@ def write_picture(path: Path, svg: str, page: Page = SCREEN, png: bool = True) -
     content = make_pdf(svg) if page.is_paper else rasterise(svg) if png else None
     if content is None:
         return (path,)
-    beside = path.with_suffix(".pdf" if page.is_paper else ".png")
-    write_whole(beside, lambda part: part.write_bytes(content))
-    return path, beside
+    converted = path.with_suffix(".pdf" if page.is_paper else ".png")
+    write_whole(converted, lambda part: part.write_bytes(content))
+    return path, converted
 
 
 def rasterise(svg: str) -> bytes | None:

@@ -97,9 +97,9 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float,
             line, names = 30.0 if page.is_paper else 12.0, ", ".join(flight.name for flight in group)
             room = cell - 28 - line - text_width(names, 13, bold=True)
             single = len(group) == 1 and (not page.is_paper or text_width(error, 12) < room)
-            beside = text_width(error, 12) if single else 0.0
-            name = shorten(names, 13, cell - 28 - line - beside, bold=True)
-            parts = [line + 8, text_width(name, 13, bold=True) + 4, beside]
+            error_width = text_width(error, 12) if single else 0.0
+            name = shorten(names, 13, cell - 28 - line - error_width, bold=True)
+            parts = [line + 8, text_width(name, 13, bold=True) + 4, error_width]
             left = x - sum(parts) / 2
             ends, y, dashes = (left, left + line), base - 4.5, page.choose_dash(number)
             if dashes:

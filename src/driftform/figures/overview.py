@@ -1,4 +1,4 @@
-"""The result of a study in one picture: the best flight for each target, and the bodies."""
+"""The result of a study in one picture: the best flight per target, and the bodies."""
 
 from collections.abc import Sequence
 from xml.etree import ElementTree as ET

@@ -249,7 +249,7 @@ def label_points(
     ink: Sequence[FloatArray],
     keep: float,
 ) -> None:
-    """Write names beside points of the page so that they overlap neither each other nor, if possible, lines.
+    """Write names next to points of the page so that they overlap neither each other nor, if possible, lines.
 
     Args:
         anchors: the points, (n, 2) in px.

@@ -26,10 +26,10 @@ _SCALE = 280.0
 """Width kept free for the scale and its bar, px."""
 
 _NARROW, _BESIDE = 230.0, 160.0
-"""If the body is shorter than the first (px), the labels of wall and core are beside it and take the second (px)."""
+"""If the body is shorter than the first (px), the labels of wall and core are next to it and take the second (px)."""
 
 _AROUND = 10.0
-"""Width of the water that is drawn beside the body, px."""
+"""Width of the water that is drawn around the body, px."""
 
 
 class Ratio(NamedTuple):
@@ -266,7 +266,7 @@ def _plot_callouts(body: Body, place: Placement) -> dict[str, Any]:
     tips: list[tuple[FloatArray, FloatArray]] = []
     if wall is not None:
         normal = (wall[0] - wall[1]) / np.hypot(*(wall[0] - wall[1]))
-        tips = [(tip, tip + way * normal) for tip, way in zip(wall, (12, -12), strict=True)]
+        tips = [(tip, tip + length * normal) for tip, length in zip(wall, (12, -12), strict=True)]
     named = [(name, centre, text) for (name, _, text), centre in zip(labels, centres, strict=True)]
     return {"bottom": bottom, "labels": named, "find_tip": find_tip, "tips": tips}
 

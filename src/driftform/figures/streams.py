@@ -20,7 +20,7 @@ STEP = 0.2
 """Length of a step in a fitting, in radii of its bore."""
 
 STEPS_OF_STRAIGHT = 30
-"""Most steps in a straight, besides those near its end."""
+"""Largest number of steps in a straight, apart from those near its end."""
 
 TOLERANCE = 0.02
 """Distance by which a position may be moved where points of a path are left out, in radii of the narrowest bore."""

@@ -1,4 +1,4 @@
-"""Misses under disturbed conditions, a strip for each target: the robustness of a result."""
+"""Misses under disturbed conditions, a strip per target: the robustness of a result."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,9 +33,9 @@ class Strip:
 
 
 def strip_svg(strips: Sequence[Strip], title: str, subtitle: str, page: Page = SCREEN) -> str:
-    """Return the misses as SVG: a dot for each disturbed flight, a line at the 90 % miss, a diamond for the nominal one."""
+    """Return the misses as SVG: a dot per disturbed flight, a line at the 90 % miss, a diamond for the nominal one."""
     height = TOP + ROW * len(strips) + 52
-    root = start_page(height, title, subtitle, f"{subtitle} A row of dots for each target, misses in mm.", page)
+    root = start_page(height, title, subtitle, f"{subtitle} A row of dots per target, misses in mm.", page)
     values = np.concatenate([np.zeros(0), *(np.append(s.misses, s.nominal) for s in strips)])
     values = values[np.isfinite(values)]
     shown = np.maximum(values, SMALLEST)

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from typing import Self
 
 PX_PER_MM = 96 / 25.4
-"""px of a picture for each mm."""
+"""px of a picture per mm."""
 
 INK = "#1f2a36"
 MUTED = "#586673"
 GRID = "#e6ebef"
 WATER = "#f1f7fb"
 WALL = "#4a5967"
-"""Neutral colours: ``INK`` and ``MUTED`` of text, ``GRID`` of lines behind data, ``WATER`` and ``WALL`` of pipes."""
+"""Neutral colours: ``INK`` and ``MUTED`` of text, ``GRID`` of lines under data, ``WATER`` and ``WALL`` of pipes."""
 
 WRONG = "#b3261e"
 """Colour of what cannot work, such as a target outside the pipe."""

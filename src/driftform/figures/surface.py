@@ -92,7 +92,7 @@ def _describe_attitude(pitch: float) -> str:
 def find_surface(pitch: float, height: float, body: Body, place: Placement, around: float) -> Surface | None:
     """Return the surface across a body at rest, its pitch in rad and its origin ``height`` (m) above the water.
 
-    Water is drawn up to ``around`` px beside the body. Return ``None`` if the surface does not cross that region.
+    Water is drawn up to ``around`` px around the body. Return ``None`` if the surface does not cross that region.
     """
     # A point (x, z) of the body is height - x sin(pitch) + z cos(pitch) above the surface.
     normal = np.array([-math.sin(pitch), math.cos(pitch)])

@@ -1,4 +1,4 @@
-"""Best fitness against the number of flights, a panel for each target."""
+"""Best fitness against the number of flights, a panel per target."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class Trend:
     Attributes:
         name: of the target.
         flights: number of flights up to each value, (g,).
-        fitness: the best so far, %, a row for each repeat, (repeats, g).
+        fitness: the best so far, %, a row per repeat, (repeats, g).
         baseline: the same for a search without selection, (repeats, g), or (0, g) if there was no such search.
     """
 

@@ -38,7 +38,6 @@ from driftform.types import (
     Genome,
     Module,
     Morphology,
-    State,
     Trajectory,
     WrittenFile,
 )
@@ -142,15 +141,10 @@ DEEDS = {
     "die": lambda: end_process("exit"),
     "segfault": lambda: end_process("segfault"),
     "none": lambda: None,
-    "empty": lambda: _flight(np.zeros(0), End.OUTLET),
-    "unended": lambda: _flight(np.linspace(0.0, 1.0, 11), None),
     "backward": lambda: _flight(np.linspace(1.0, 0.0, 11), End.OUTLET),
     "nan": lambda: _flight(np.linspace(0.0, 1.0, 11), End.OUTLET, np.nan),
-    "turned": lambda: replace(_flight(np.linspace(0.0, 1.0, 11), End.OUTLET), quaternion=np.zeros((11, 4))),
-    "unsure": lambda: replace(_flight(np.linspace(0.0, 1.0, 11), End.OUTLET), error=np.nan),
     "words": lambda: replace(_flight(np.linspace(0.0, 1.0, 11), End.OUTLET), error="small"),
     "absent": lambda: [WrittenFile("never", "nowhere.never")],
-    "pathless": lambda: [WrittenFile("never", None)],
     "silent": lambda: _raise(SilentError()),
     "surrogate": lambda: _raise(ValueError("half of a letter: \ud800")),
     "foreign": lambda: _raise(KeyError("x")),
@@ -240,16 +234,9 @@ class SlipOptions(Table):
 
 GRAMMAR_SLIPS = {
     "list": ("random", lambda rng: ["a"] * 12),
-    "none": ("random", lambda rng: None),
-    "name": ("random", lambda rng: Genome("letters", ("a",) * 12)),
-    "flip": ("flip", lambda genome, index, rng: None),
     "crossover": ("crossover", lambda a, b, rng: a),
-    "text": ("to_text", lambda genome: 5),
-    "parse": ("parse", lambda text: None),
     "unread": ("parse", lambda text: refuse()),
-    "other": ("parse", lambda text: Genome("slipping", ("b",) * 12)),
     "express": ("express", lambda genome: None),
-    "length": ("express", lambda genome: Morphology(fore=(Module("long", 0.0),))),
     "flat": ("express", lambda genome: Morphology(fore=(Module(float("nan"), 0.0),))),
 }
 
@@ -271,10 +258,7 @@ class SlippingGrammar(LetterGrammar):
 
 BUILDER_SLIPS = {
     "none": lambda: None,
-    "empty": lambda: Body(np.zeros((0, 2)), np.zeros((0, 2)), [], Core(0.01, 0.05), 0.001, 1050.0),
-    "nan": lambda: Body(np.full((3, 2), np.nan), np.zeros((0, 2)), [], Core(0.01, 0.05), 0.001, 1050.0),
     "words": lambda: Body([["a", "b"]], np.zeros((0, 2)), [], Core(0.01, 0.05), 0.001, 1050.0),
-    "coreless": lambda: Body([(0, 0), (0, 1), (1, 0)], np.zeros((0, 2)), [], None, 0.001, 1050.0),
 }
 
 
@@ -295,10 +279,7 @@ class SlippingOptions(HydrodynamicsOptions, SlipOptions):
 HYDRODYNAMICS_SLIPS = {
     "none": lambda: None,
     "shape": lambda: Coefficients(np.eye(3)),
-    "complex": lambda: Coefficients(1j * np.eye(6)),
-    "nan": lambda: Coefficients(np.full((6, 6), np.nan)),
     "negative": lambda: Coefficients(-np.eye(6)),
-    "lopsided": lambda: Coefficients(np.triu(np.ones((6, 6)))),
 }
 
 
@@ -314,12 +295,8 @@ class SlippingHydrodynamics(Hydrodynamics[SlippingOptions]):
 
 FITNESS_SLIPS = {
     "none": lambda n: None,
-    "text": lambda n: "50",
     "texts": lambda n: ["50"] * n,
     "scalar": lambda n: 50.0,
-    "column": lambda n: np.full((n, 1), 50.0),
-    "complex": lambda n: np.full(n, 50 + 1j),
-    "truth": lambda n: np.ones(n, dtype=bool),
     "ragged": lambda n: [[1.0], [2.0, 3.0]],
     "raising": lambda n: np.linalg.inv(np.zeros((2, 2))),
 }
@@ -337,12 +314,8 @@ class SlippingFitness(Fitness[SlipOptions]):
 
 STRATEGY_SLIPS = {
     "word": lambda genome: "aab",
-    "none": lambda genome: Candidate(None),
-    "grammar": lambda genome: Candidate(Genome("letters", ("a",))),
     "target": lambda genome: Candidate(genome, target="Mars"),
     "parents": lambda genome: Candidate(genome, parents=(99,)),
-    "half": lambda genome: Candidate(genome, parents=(0.5,)),
-    "old": lambda genome: Candidate(genome, generation=2**70),
     "threshold": lambda genome: Candidate(genome, threshold=(1.0, 2.0)),
     "numpy": lambda genome: Candidate(genome, parents=[], generation=np.int64(3)),
 }
@@ -361,13 +334,7 @@ class SlippingStrategy(Strategy[SlipOptions]):
         pass
 
 
-CHECKER_SLIPS = {
-    "": lambda: [],
-    "none": lambda: None,
-    "words": lambda: ["all is well"],
-    "state": lambda: [Finding("closed", "fine", "all is well")],
-    "detail": lambda: [Finding("closed", State.PASS, None)],
-}
+CHECKER_SLIPS = {"": lambda: [], "none": lambda: None, "state": lambda: [Finding("closed", "fine", "all is well")]}
 
 
 class SlippingChecker(Checker[SlipOptions]):
@@ -384,16 +351,7 @@ class WordyOptions(Table):
     slip: str = option("", "the attribute or method that is wrong: see WORDS")
 
 
-WORDS = {
-    "heading": None,
-    "unit": 5,
-    "goal": None,
-    "share": None,
-    "measure": lambda fitness: float("nan"),
-    "judge": lambda fitness: "great",
-    "describe": lambda fitness: fitness,
-    "raising": lambda fitness: {}["lost"],
-}
+WORDS = {"heading": None, "measure": lambda fitness: float("nan"), "raising": lambda fitness: {}["lost"]}
 """Words that a fitness should not have, in place of what it should."""
 
 

@@ -25,7 +25,7 @@ def reproduce(
     settings: options.Settings = None,
     json: options.Json = False,
 ) -> None:
-    """Repeat the paper's experiment beside random search, and compare its figures with ours.
+    """Repeat the paper's experiment and random search, and compare the paper's figures with ours.
 
     Flies 50 agents for each of ten targets and each repeat, then flies the best agents again. After an interruption
     the same command continues where it stopped; the same seed gives the same tables.

@@ -37,7 +37,7 @@ def body(
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Agent to write; by default NAME.json.")] = None,
     json: options.Json = False,
 ) -> None:
-    """Make an agent of a body of one's own, by its profile, mass and centre of gravity; all commands take it."""
+    """Make an agent of your own body from its profile, mass and centre of gravity; all commands take it."""
     from driftform import Design, StoredAgent, load_study
     from driftform.cli import output
     from driftform.types import Genome

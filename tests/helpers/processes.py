@@ -1,0 +1,39 @@
+"""What tests of running programs share: waiting, whether a process lives, and how far a run is."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from driftform.errors import InputError
+from driftform.runs.monitor import RunMonitor
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+    """Wait for a condition; fail if it does not hold in time."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        time.sleep(0.02)
+
+
+def is_alive(process: int) -> bool:
+    """Return whether a process runs, by ``/proc``."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def look(directory: Path) -> RunMonitor:
+    """Read a run once."""
+    monitor = RunMonitor(directory)
+    monitor.poll()
+    return monitor
+
+
+def count_evaluations(directory: Path) -> int:
+    """Return how many evaluations a run holds; 0 while it has not begun."""
+    try:
+        return look(directory).status.done
+    except InputError:
+        return 0
