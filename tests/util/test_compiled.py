@@ -148,7 +148,7 @@ def test_an_unknown_compiler_is_refused(tmp_path):
     command = [sys.executable, "-c", app, "evolve", "--evaluations", "1", "--out", str(tmp_path / "run")]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 2 and "Traceback" not in done.stderr
-    assert done.stderr.endswith("DRIFTFORM_COMPILER: 'fast' is no compiler; set it to 'plain', or unset it\n")
+    assert done.stderr.endswith("DRIFTFORM_COMPILER: unknown compiler 'fast'; set it to 'plain', or unset it\n")
 
 
 def test_without_a_directory_to_write_to_kernels_are_compiled_without_a_cache(tmp_path):

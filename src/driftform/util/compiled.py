@@ -37,7 +37,7 @@ def _is_plain() -> bool:
     """Return whether numba's own compiler is asked for, or is the only one that works; say so once per machine."""
     chosen = os.environ.get(COMPILER_VARIABLE, "")
     if chosen not in ("", "plain"):
-        raise InputError(f"{COMPILER_VARIABLE}: {chosen!r} is no compiler; set it to 'plain', or unset it")
+        raise InputError(f"{COMPILER_VARIABLE}: unknown compiler {chosen!r}; set it to 'plain', or unset it")
     if chosen:
         return True
     here = Path(__file__).parent

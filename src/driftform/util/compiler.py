@@ -196,13 +196,13 @@ class _EntryCompiler(Compiler):
     def __init__(self, typing: Any, target: Any, _: None, *rest: Any) -> None:
         library = self._library(target.codegen(), "entry")
         library.enable_object_caching()
-        # Only entries have wrappers; whatever else numba compiles keeps its own context.
+        # Only entries have wrappers; what else numba compiles keeps its own context.
         context = copy(target)
         context.__class__ = _EntryContext
         super().__init__(typing, context, library, *rest)
 
     def compile_extra(self, func: Callable[..., Any]) -> Any:
-        """Compile the entry, and whatever it calls, as parts."""
+        """Compile the entry, and the kernels that it calls as parts."""
         with _make_parts(self.state.targetctx.codegen()):
             return super().compile_extra(func)
 
@@ -303,7 +303,7 @@ class _Cache(FunctionCache):
         return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Save machine code; a disk that refuses it, or an index that cannot be read, is no error."""
+        """Save machine code; ignore a disk that refuses it, and an index that cannot be read."""
         # Processes that compile the kernel for other types of arguments write the same index.
         with suppress(Exception), lock(Path(self.cache_path) / f"{self._py_func.__qualname__}.lock"):
             super().save_overload(sig, data)
