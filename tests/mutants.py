@@ -110,6 +110,6 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("uuv.py", "np.arctan2(z, np.hypot(x, y))", "np.arctan2(-z, np.hypot(x, y))", ("test_fossen.py",)),
     # Networks, and the flow around a body.
     ("tracers.py", "snapshot.departure - snapshot.exit * retained", "snapshot.departure", ("test_tracers.py",)),
-    ("walkers.py", "fresh * (self.high - self.low)", "(self.high - self.low)", ("test_routes.py",)),
+    ("walkers.py", "fresh * (self.high - self.low)", "(self.high - self.low)", ("test_tracers.py",)),
     ("solve.py", "r * (x * nr - r * nx)", "r * x * nr", ("panels/tests/test_solve.py",)),
 )

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 from time import process_time
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from driftform_networks.hydraulics.reading import open_network
 from driftform_networks.hydraulics.snapshot import STILL, Snapshot, take_snapshot
 from driftform_networks.passages.chain import follow
 from driftform_networks.passages.routing import route_tracers
-from driftform_networks.passages.walkers import walk
+from driftform_networks.passages.walkers import Walks, walk
 from driftform_networks.planning.following import trace
 
 
@@ -138,3 +139,32 @@ def test_ends_and_coverage_add_up(epanet: Any) -> None:
 def test_the_same_seed_gives_the_same_walks(epanet: Any) -> None:
     one, two, other = (trace(epanet.read_library("Net3"), "River", unsteady=True, walks=500, seed=s) for s in (3, 3, 4))
     assert one.as_document() == two.as_document() != other.as_document()
+
+
+def test_retained_tracers_stay_where_water_flows_on(epanet: Any) -> None:
+    snapshot = take_snapshot(epanet.read_library("Net3"))
+    flows_on = np.array([bool(len(table.choice[0])) for table in route_tracers(snapshot).tables])
+    inside = flows_on & ~np.isin(snapshot.head, np.flatnonzero(snapshot.network.stores))
+    staying, leaving = (
+        np.array([table.choice.sum() for table in route_tracers(snapshot, retained=kept).tables])[inside]
+        for kept in (True, False)
+    )
+    assert staying == pytest.approx(np.ones(len(staying)))
+    assert leaving.max() < 1 + 1e-9 and leaving.min() < 0.9
+
+
+def test_a_link_that_a_walk_passes_twice_is_seen_once() -> None:
+    network = SimpleNamespace(links=("A", "B"), worth=np.array([10.0, 4.0]))
+    moves = {"walk": [0, 0, 0, 1], "link": [0, 1, 0, 1], "node": [1, 2, 1, 2]}
+    walks = Walks(
+        cast(Network, network),
+        0,
+        np.zeros(2),
+        **{name: np.array(column) for name, column in moves.items()},
+        low=np.zeros(4),
+        high=np.ones(4),
+        reached=np.arange(1.0, 5.0),
+        ends=np.zeros(2, int),
+        place=np.array([1, 2]),
+    )
+    assert walks.measure_records().tolist() == [10.0, 14.0, 14.0, 4.0]
