@@ -194,6 +194,15 @@ def test_a_long_search_keeps_no_more_than_a_short_one(monkeypatch: pytest.Monkey
     assert max(len(shape.points) for shape in kept) <= 2 * 6
 
 
+def test_one_flight_shows_the_response_because_a_body_without_net_weight_passes_at_the_height_of_its_release() -> None:
+    strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
+    shape = Shape(Genome("letters", ()), (0.0, 100.0), 50.0, 1.0, 0.01)
+    # The first target lies 0.3 m below the release, and this body responds half as much again as is guessed.
+    response = -1.5 * strategy._guess_response(shape, 0)
+    shape.points.append((1.0, np.array([0.3 + response, 0.0])))
+    assert strategy._find_tuning(shape, 0) == pytest.approx(shape.tune(-0.3 / response), rel=1e-12)
+
+
 def test_a_study_whose_bodies_cannot_float_freely_is_refused_with_the_next_step() -> None:
     strategy = TunedStrategy(TunedOptions(), make_space(Corks(Table())))
     with pytest.raises(InputError, match="tuning to 'ballast' or 'wall', or use the strategy 'evolution'"):
