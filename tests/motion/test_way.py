@@ -71,9 +71,15 @@ def test_a_flight_past_a_branch_is_as_far_from_its_outlet_as_the_water_is():
     # Nearest is the tee itself: from the point under the branch to its mouth, and straight up from there through two straights.
     assert distance == pytest.approx(np.linalg.norm(branch.centre - junction) + 1.0, abs=1e-9)
     assert t == pytest.approx(junction[0], abs=1e-3)
-    # The offset leads straight to the target, and is as long as the way.
-    [offset] = find_offsets(Evaluation(Genome("none", ()), np.zeros(1), path), target)
-    assert offset == pytest.approx(distance * np.array([0.0, 0.0, -1.0]), abs=1e-3)
+    # Past the tee the way leads back through it: an offset points straight away from the target, and is as long as the way.
+    beyond = flight((2.2, 0, 0), outlets["on"])
+    [offset], [[distance], _] = (
+        find_offsets(Evaluation(Genome("none", ()), np.zeros(1), beyond), target),
+        approach_targets(beyond, target),
+    )
+    straight = beyond.position[0] - outlets["up"]
+    assert distance > 1.05 * np.linalg.norm(straight)
+    assert offset == pytest.approx(distance * straight / np.linalg.norm(straight), rel=1e-6)
 
 
 def test_the_distance_shrinks_along_the_way_to_a_target():

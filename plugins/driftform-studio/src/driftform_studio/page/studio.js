@@ -303,7 +303,7 @@ function showProgress({ state, done, budget, disturbed, rate, extent, compiling 
   else [bar.max, bar.value] = [budget, done];
   const words = [`${WORDS[state] ?? state}: ${done} of ${budget} flights`];
   if (flying) words.push(disturbed[1] ? `${disturbed[0]} of ${disturbed[1]} disturbed flights` : `${disturbed[0]} disturbed flights`);
-  else if (compiling.length && !isOver({ state })) words.push(`compiling the equations of motion, about ${duration(compiling[1])}, once per machine`);
+  else if (compiling.length && !isOver({ state })) words.push(`compiling the equations of motion for this kind of flight, about ${duration(compiling[1])}; later runs load the result`);
   else if (state === "running" && !done) words.push("the first are under way");
   else if (rate) words.push(`${rate.toPrecision(2)} per second`, `about ${duration((budget - done) / rate)} left`);
   find("progress-text").textContent = words.join(", ");
