@@ -29,7 +29,7 @@ from driftform.water.disturbances import (
     disturb_calibration,
     disturb_fluid,
     disturb_scenario,
-    end_behind,
+    stop_after_targets,
 )
 from driftform.water.misfit import ease_release, find_misfit
 
@@ -208,7 +208,7 @@ class Pipeline:
             thresholds: for each genome, the fitness for each target (%) that it must exceed to matter; ``None`` if
                 every fitness matters.
             wanted: for each genome, which targets its disturbed flight is for, (targets,), ``None`` for all. It may end behind
-                the last of them (:func:`driftform.water.disturbances.end_behind`), and what it scores for others means nothing.
+                the last of them (:func:`driftform.water.disturbances.stop_after_targets`), and what it scores for others means nothing.
         """
         started = time.perf_counter()
         targets = len(self.scenario.targets)
@@ -229,7 +229,7 @@ class Pipeline:
             if conditions[index] is not None:
                 scenarios[index] = ease_release(agent.body, self.scenario, scenarios[index])
                 if (flown_for := wanted[index]) is not None and self.fitness.judges_passing:
-                    scenarios[index] = end_behind(scenarios[index], flown_for)
+                    scenarios[index] = stop_after_targets(scenarios[index], flown_for)
             misfit = find_misfit(agent.body, scenarios[index])
             if misfit is None:
                 agents[index] = agent

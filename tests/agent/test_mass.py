@@ -76,14 +76,3 @@ def test_a_body_and_its_mirror_image_have_mirrored_centres_and_the_same_inertia(
     assert there.cog == pytest.approx(-back.cog, abs=1e-15)
     assert there.cob == pytest.approx(-back.cob, abs=1e-15)
     assert there.inertia == pytest.approx(back.inertia, rel=1e-12)
-
-
-def test_values_of_a_body_cannot_be_changed_behind_its_back():
-    body = capsule()
-    with pytest.raises(ValueError, match="read-only"):
-        body.outer[0, 0] = 1.0
-
-
-def test_a_contour_of_the_wrong_shape_is_refused_with_both_shapes():
-    with pytest.raises(ValueError, match=r"Body.outer has shape \(3, 3\), expected \(n, 2\)"):
-        Body(np.zeros((3, 3)), np.zeros((0, 2)), np.zeros(1), Core(0.01, 0.05), 0.001, 1000.0)

@@ -85,7 +85,7 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
     "water that is neither laminar nor turbulent": (
         ["fluid.viscosity=6e-4", "flow={kind='developed',speed=1.0,upstream=1000}"],
         "warned",
-        "nobody knows the profile from 2300 to 4000",
+        "the profile is unknown from 2300 to 4000",
     ),
     "a flow that had no room to develop": (
         ["flow={kind='developed',speed=1.0}"],

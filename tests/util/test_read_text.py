@@ -54,7 +54,7 @@ def test_what_is_no_text_is_refused_in_one_line(tmp_path: Path, data: bytes) -> 
 
 def test_a_text_too_large_or_missing_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "text.txt").write_text("x" * 11)
-    monkeypatch.setattr(files, "MOST_BYTES", 10)
+    monkeypatch.setattr(files, "MAX_BYTES", 10)
     with pytest.raises(InputError, match="is larger than"):
         read_text(tmp_path / "text.txt")
     with pytest.raises(InputError, match="cannot be read"):

@@ -25,7 +25,7 @@ from driftform.water.disturbances import (
     draw_conditions,
     draw_latin_hypercube,
     draw_normals,
-    end_behind,
+    stop_after_targets,
 )
 from driftform.water.scenario import Robustness
 
@@ -214,10 +214,10 @@ def test_a_level_pipe_ends_a_bore_behind_the_last_wanted_target_and_the_release(
     axis = np.array([np.cos(angle), np.sin(angle), 0.0])
     scenario, start = laid(axis, along, radius, {"kind": "developed", "speed": 1.0}, release)
     wanted = [True] + [False] * (len(along) - 1)
-    end = np.array(end_behind(scenario, wanted).pipe.straight.end)
+    end = np.array(stop_after_targets(scenario, wanted).pipe.straight.end)
     assert (end - start) @ axis == pytest.approx(min(9.0, max(along[0], release) + 2 * radius))
-    assert end_behind(scenario, [False] * len(along)) is scenario
-    assert end_behind(scenario, [True] * len(along)).pipe.straight.start == scenario.pipe.straight.start
+    assert stop_after_targets(scenario, [False] * len(along)) is scenario
+    assert stop_after_targets(scenario, [True] * len(along)).pipe.straight.start == scenario.pipe.straight.start
 
 
 @pytest.mark.parametrize(
@@ -226,12 +226,12 @@ def test_a_level_pipe_ends_a_bore_behind_the_last_wanted_target_and_the_release(
 )
 def test_a_pipe_stays_whole_if_a_flight_may_come_back(axis, flow):
     scenario, _ = laid(np.array(axis), [1.0], 0.1, flow)
-    assert end_behind(scenario, [True]) is scenario
+    assert stop_after_targets(scenario, [True]) is scenario
 
 
 def test_a_pipe_with_parts_stays_whole():
     scenario = load_study("t-junction").scenario
-    assert end_behind(scenario, [True] * len(scenario.targets)) is scenario
+    assert stop_after_targets(scenario, [True] * len(scenario.targets)) is scenario
 
 
 def test_disturbed_flights_have_the_secondary_flow_of_bends_and_no_other_draw_depends_on_it():

@@ -91,24 +91,6 @@ def test_uniform_water_has_the_velocity_along_the_pipe_which_grows_with_time() -
     )
 
 
-def test_the_power_law_is_that_of_the_textbook_whose_mean_is_the_bulk_speed() -> None:
-    scenario = straight(flow={"kind": "power_law", "speed": 1.3, "exponent": 7.0})
-    r = np.array([0.0, 0.05, 0.12, 0.19])
-    found = water_velocity([place(1.0, off) for off in r], 0.0, scenario)
-    top = 1.3 * 8 * 15 / (2 * 49)
-    assert found == pytest.approx(np.outer(top * (1 - r / 0.2) ** (1 / 7), AXIS))
-
-
-def test_a_bend_has_the_free_vortex_with_the_flux_of_the_mean_speed() -> None:
-    parts = [{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"length": 0.5}]
-    scenario = scenario_of(parts, flow={"speed": 1.3})
-    q = (0.3 - math.sqrt(0.3**2 - R**2)) / R
-    far = np.array([0.22, 0.3, 0.37])
-    points = np.column_stack([0.5 + far * math.sin(0.7), -0.3 + far * math.cos(0.7), np.zeros(3)])
-    expected = np.outer(0.5 * 1.3 * R / q / far, [math.cos(0.7), -math.sin(0.7), 0.0])
-    assert water_velocity(points, 0.0, scenario) == pytest.approx(expected)
-
-
 def test_behind_a_reducer_and_a_tee_the_water_has_the_speed_of_its_share_of_the_flux() -> None:
     reducer = scenario_of([{"kind": "reducer", "length": 0.4, "radius": 0.05}, {"length": 1.0}], flow={"speed": 0.5})
     assert water_velocity([[0.9, 0.0, 0.02]], 0.0, reducer) == pytest.approx(np.array([[2.0, 0.0, 0.0]]))

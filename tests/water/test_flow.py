@@ -1,14 +1,9 @@
 """The kinds of flow, and what is wrong with one in one line."""
 
-import math
-
 import pytest
-from pydantic import ValidationError
 
 from driftform.errors import InputError
 from driftform.study import load_study
-from driftform.study.error_lines import format_errors
-from driftform.study.sources import Source
 from driftform.water import Scenario
 from driftform.water.flow import (
     FLOWS,
@@ -73,49 +68,13 @@ def test_the_roughness_is_limited_by_the_validity_of_the_friction_law(kind):
 
 
 @pytest.mark.parametrize(
-    ("kind", "key", "value"),
-    [
-        ("uniform", "speed", math.inf),
-        ("uniform", "speed", 101),
-        ("power_law", "speed", 0),
-        ("power_law", "exponent", 0.5),
-        ("log_law", "speed", -1),
-        ("log_law", "roughness", -1e-3),
-        ("turbulent", "roughness", 11),
-        ("developed", "upstream", -1),
-    ],
-)
-def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, value):
-    table = {"kind": kind, key: value}
-    with pytest.raises(ValidationError) as caught:
-        scenario(flow=table)
-    document = {"pipe": PIPE, "flow": table}
-    [line] = format_errors(caught.value, (), Scenario, document, [Source("study.toml", document, {("flow", key): 3})])
-    assert line.startswith(f"study.toml:3: flow.{key} = {value}: should be ")
-
-
-# What a study's reader sees.
-
-
-@pytest.mark.parametrize(
     ("settings", "parts"),
     [
         (
-            ['flow.kind="parabolic"'],
-            [
-                "--set flow.kind=\"parabolic\": flow.kind = 'parabolic'",
-                "known: developed, developing, grid, log_law, power_law, turbulent, uniform",
-            ],
+            ["flow.kind=3"],
+            ["flow.kind = 3", "known: developed, developing, grid, log_law, power_law, turbulent, uniform"],
         ),
         (['flow.kind="power_lw"'], ["flow.kind = 'power_lw'", "did you mean 'power_law'?"]),
-        (["flow.kind=Uniform"], ["flow.kind = 'Uniform'", "did you mean 'uniform'?"]),
-        (["flow.kind=3"], ["flow.kind = 3", "known: developed"]),
-        (["flow.kind=true"], ["flow.kind = true", "known: developed"]),
-        (["flow.kind=[1]"], ["flow.kind = [1]", "known: developed"]),
-        (['flow={kind="power_law", exponnent=7}'], ["unknown key 'exponnent' in [flow]", "did you mean 'exponent'?"]),
-        (["gusts.memry=1"], ["--set gusts.memry=1: unknown key 'memry' in [gusts]", "did you mean 'memory'?"]),
-        (["flow.kind=turbulent", "flow.memory=1"], ["unknown key 'memory' in [flow]"]),
-        (["gusts.smoothing=0"], ["gusts.smoothing = 0"]),
         (
             ["flow.kind=log_law", "flow.exponent=7"],
             [
@@ -123,23 +82,16 @@ def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, v
                 "kind, roughness, speed, swirl, upstream",
             ],
         ),
-        (["flow.kind=power_law", "flow.exponent=x"], ["flow.exponent = 'x'", "should be a number"]),
         (["flow.kind=power_law", "flow.speed=0"], ["flow.speed = 0", "greater than or equal to 0.0001 m/s"]),
-        (["gusts.seed=1.5"], ["gusts.seed = 1.5", "should be a whole number"]),
-        (
-            ["pipe.segments=[]", "targets={}", "flow.kind=log_law"],
-            ["--set flow.kind=log_law: flow.kind = 'log_law' needs a pipe", "it must be 'uniform' or 'grid'"],
-        ),
-        (["pipe.segments=[]", "targets={}", "flow={kind='developing'}"], ["flow.kind = 'developing' needs a pipe"]),
+        (["flow.kind=uniform", "flow.speed=inf"], ["flow.speed = inf"]),
+        (["pipe.segments=[]", "targets={}", "flow.kind=log_law"], ["needs a pipe", "it must be 'uniform' or 'grid'"]),
     ],
 )
-def test_a_fault_of_a_flow_is_reported_in_one_line(settings, parts):
+def test_a_fault_of_a_flow_is_one_line_with_its_key_and_not_its_table(settings, parts):
     with pytest.raises(InputError) as caught:
         load_study("paper", settings=settings, run={"seed": 1})
     [line] = caught.value.args
-    for part in parts:
-        assert part in line
-    assert "tag" not in line, "that is pydantic's word"
+    assert all(part in line for part in parts) and "tag" not in line, "that is pydantic's word"
 
 
 def test_a_kind_set_on_the_command_line_drops_the_keys_that_only_the_kind_of_the_file_has(tmp_path):
@@ -148,13 +100,3 @@ def test_a_kind_set_on_the_command_line_drops_the_keys_that_only_the_kind_of_the
     assert load_study(str(path)).scenario.flow == PowerLawFlow(speed=0.5, exponent=9.0, upstream=100.0)
     assert load_study(str(path), ["flow.kind=log_law"]).scenario.flow == LogLawFlow(speed=0.5, upstream=100.0)
     assert load_study(str(path), ["flow.kind=power_law", "flow.speed=1"]).scenario.flow.speed == 1.0
-
-
-def test_all_faults_of_a_flow_are_reported_together():
-    with pytest.raises(InputError) as caught:
-        load_study("paper", settings=["flow.kind=turbulent", "flow.speed=-1", "flow.roughness=x", "flow.memry=1"])
-    assert [line.split(": ")[0] for line in caught.value.args] == [
-        "--set flow.memry=1",
-        "--set flow.speed=-1",
-        "--set flow.roughness=x",
-    ]

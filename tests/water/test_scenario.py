@@ -33,15 +33,6 @@ def test_the_current_follows_the_first_segment():
     assert Scenario(flow=UniformFlow(speed=0.7)).current() == pytest.approx([0.7, 0, 0])
 
 
-def test_the_free_surface_and_friction_are_off_by_default():
-    plain = scenario()
-    assert plain.fluid.water_level is None
-    assert plain.fluid.flow_force == "full"
-    assert plain.contact.friction == 0.0
-    set_so = scenario(fluid={"water_level": -0.25, "flow_force": "paper"}, contact={"friction": 0.3})
-    assert (set_so.fluid.water_level, set_so.contact.friction) == (-0.25, 0.3)
-
-
 def test_gusts_of_an_evaluation_are_those_of_its_seed_and_index_alone():
     gusty = scenario(flow={"kind": "turbulent"}, gusts={"seed": 5, "strength": 0.5})
     seeds = np.array([[gusty.of_evaluation(seed, k).gusts.seed for k in range(20)] for seed in range(20)])

@@ -149,16 +149,6 @@ def test_a_body_against_the_wall_meets_no_gust_across_it():
         assert abs(outward) < 1e-12 < math.hypot(gust[1], gust[2])
 
 
-def test_in_laminar_flow_the_axis_has_twice_the_mean_speed_and_no_gusts():
-    laminar = straight_pipe(
-        0.1, 0.5, flow={"kind": "developed", "speed": 0.5}, fluid={"viscosity": 1e-4}, gusts={"always": True}
-    )
-    assert not laminar.has_gusts
-    velocity, gradient, _ = water_motion((1.0, 0.0, 0.0), 0.0, pipe_rows(laminar), flow_array(laminar))
-    assert velocity == pytest.approx((1.0, 0.0, 0.0), abs=1e-15)
-    assert np.array(gradient) == pytest.approx(np.zeros((3, 3)), abs=1e-15)
-
-
 @pytest.mark.slow
 def test_the_page_shows_what_tracers_do(published):
     lines = [

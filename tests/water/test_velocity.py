@@ -29,7 +29,7 @@ from driftform.water.flow import (
     friction_factor,
     friction_velocity,
 )
-from driftform.water.gusts import draw_gusts, eddy_diffusivity, gust_motion, gust_numbers, least_memory
+from driftform.water.gusts import draw_gusts, eddy_diffusivity, gust_motion, gust_numbers, shortest_memory
 from driftform.water.parts.profiles import AT_A_POINT, MIN_WALL_DISTANCE
 from driftform.water.scenario import FlightLimits
 from driftform.water.velocity import FRICTION, gust_at, water_motion
@@ -307,18 +307,6 @@ def test_the_flow_beyond_the_wall_and_outside_the_pipes_ends_is_finite_and_goes_
         assert outside == pytest.approx(inside, abs=1e-9)
 
 
-@given(st.floats(0.5, 1), turns.filter(lambda a: np.linalg.norm(a) > 0.1))
-def test_the_flow_of_the_first_segment_goes_on_in_a_second_one_in_line(x, turn):
-    one = stream_of(DevelopingFlow(speed=1.0))
-    scenario = scenario_of(DevelopingFlow(speed=1.0))
-    model = flight_model(sphere_agent(0.01, 0.05), scenario)
-    pipe = np.array([[0.0, 0, 0, 1, 0, 0, 4, 1.0], [4.0, 0, 0, 1, 0, 0, 5, 1.0]])
-    point = (3.5 + x, *(0.5 * np.array(turn[:2]) / np.linalg.norm(turn)).tolist())
-    velocity, gradient, _ = water_motion(point, 0.0, pipe, model.flow)
-    assert velocity == pytest.approx(one.velocity(point), rel=1e-12, abs=1e-15)
-    assert np.array(gradient) == pytest.approx(one(point)[1], rel=1e-9, abs=1e-12)
-
-
 def test_a_rough_wall_slows_the_water_beside_it_to_rest_and_no_further():
     # The wall is so rough that the law of the core would have the water go back.
     stream = stream_of(LogLawFlow(speed=1.0, roughness=0.1), radius=1.0)
@@ -379,7 +367,7 @@ def test_every_evaluation_of_a_run_meets_gusts_of_its_own():
 def test_a_walk_lasts_until_the_horizon_even_at_the_wall():
     for horizon in (20.0, 200.0):
         _, flow, walk, _ = body_in_gusts(scenario_of(GUSTY, horizon=horizon))
-        shortest = least_memory(flow, [(1.0, flow[FRICTION])])
+        shortest = shortest_memory(flow, [(1.0, flow[FRICTION])])
         assert len(walk) >= horizon / (STEP * shortest)
     assert body_in_gusts(scenario_of(LogLawFlow()))[2].shape == (0, 12)
 

@@ -23,7 +23,7 @@ from driftform.water.parts.grid_flow import grid_velocities
 from driftform.water.parts.profiles import AT_A_POINT
 from driftform.water.parts.walls import wall_gaps
 from driftform.water.velocity import flow_array, water_motion
-from driftform_tees.currents import COLUMNS, MOST_NODES, sample_current, usual_spacing, write_current
+from driftform_tees.currents import COLUMNS, MAX_NODES, sample_current, usual_spacing, write_current
 
 BEND = [{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"length": 0.5}]
 
@@ -157,7 +157,7 @@ def test_a_long_pipe_has_a_coarser_grid(monkeypatch):
     assert spacing > 0.01
     with pytest.raises(InputError, match=f"choose at least {spacing:g} m"):
         sample_current(long, 0.01)
-    assert MOST_NODES >= 4_000_000
+    assert MAX_NODES >= 4_000_000
 
 
 @pytest.mark.parametrize(

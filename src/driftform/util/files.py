@@ -16,7 +16,7 @@ _log = logging.getLogger(__name__)
 
 _MAX_STEM_LENGTH = 60
 
-MOST_BYTES = 64_000_000
+MAX_BYTES = 64_000_000
 """Largest text that is read as a whole."""
 
 _HIGH_BYTES = re.compile(rb"[\x80-\xff]+")
@@ -51,20 +51,20 @@ def is_directory(path: Path) -> bool:
 
 
 def read_text(path: Path) -> str:
-    """Return a text that somebody wrote with any program, its lines ended by newlines; see :func:`find_encoding`.
+    """Return a text written by any program, its lines ended by newlines; see :func:`find_encoding`.
 
-    Raises InputError if the file cannot be read, is no text, or is larger than :data:`MOST_BYTES`.
+    Raises InputError if the file cannot be read, is not a text, or is larger than :data:`MAX_BYTES`.
     """
     try:
         with path.open("rb") as file:
             data = b""
             # In parts: a buffer of the whole limit would be reserved for the shortest text.
-            while len(data) <= MOST_BYTES and (part := file.read(1_000_000)):
+            while len(data) <= MAX_BYTES and (part := file.read(1_000_000)):
                 data += part
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    if len(data) > MOST_BYTES:
-        raise InputError(f"{path}: is larger than {MOST_BYTES // 1_000_000} MB, the most that is read as text")
+    if len(data) > MAX_BYTES:
+        raise InputError(f"{path}: is larger than {MAX_BYTES // 1_000_000} MB, the limit for text")
     try:
         text = data.decode(find_encoding(data, final=True))
     except UnicodeDecodeError:
@@ -183,7 +183,7 @@ def safe_stem(name: str) -> str:
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Call ``write`` with a temporary path beside ``path``, then rename the file to ``path`` in one step.
+    """Call ``write`` with a temporary path next to ``path``, then rename the file to ``path`` in one step.
 
     The file never exists in part. Parent folders are created.
 

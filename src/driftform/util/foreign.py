@@ -1,4 +1,4 @@
-"""What others wrote: packages that may be missing, and parsers and programs that may crash, loop, or take all memory."""
+"""Third-party code: packages that may be missing, and parsers and programs that may crash, loop, or take all memory."""
 
 import json
 import os
@@ -77,20 +77,20 @@ def require_module(module: str) -> None:
 
 
 def call_apart(function: Callable[..., Any], *arguments: Any, seconds: float = SECONDS, memory: int = MEMORY) -> Any:
-    """Call a function in a process of its own, with limits, and return its answer: for parsers of files from anybody.
+    """Call a function in a process of its own, with limits, and return its answer: for parsers of untrusted files.
 
     Args:
         function: of the top level of a module that can be imported.
         arguments: data; a path arrives as text, and absolute.
-        seconds: most processor time, s.
-        memory: most memory, bytes; Windows has no such limit, macOS a weak one.
+        seconds: limit of processor time, s.
+        memory: limit of memory, bytes; Windows has no such limit, macOS a weak one.
 
     Returns:
         Any: numbers, texts, arrays of numbers, and lists, tuples and dictionaries of these. An answer that names
-            anything else is refused, because whoever makes a parser run code must not reach this process.
+            anything else is refused, because code that a file makes a parser run must not reach this process.
 
     Raises:
-        DriftformError, ModuleNotFoundError, ValueError: what the function raises of these.
+        DriftformError, ModuleNotFoundError, ValueError: if the function raises one of these.
         ValueError: if it raises another error, crashes, or takes more than it may; the message does not name the
             file.
     """
@@ -175,10 +175,10 @@ def _describe_end(code: int | None, printed: str, seconds: float) -> str:
     if code is None:
         return f"cannot be read within {seconds:g} s"
     if code == 0:
-        return "cannot be read: what reads it gives no data"
+        return "cannot be read: its reader gives no data"
     said = next((line.strip() for line in reversed(printed.splitlines()) if line.strip()), "")
     how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-    return f"cannot be read: what reads it crashes ({how}{f': {said[:200]}' if said else ''})"
+    return f"cannot be read: its reader crashes ({how}{f': {said[:200]}' if said else ''})"
 
 
 class _DataUnpickler(pickle.Unpickler):

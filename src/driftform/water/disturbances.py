@@ -1,4 +1,4 @@
-"""Disturbed conditions of a flight: how they are drawn, and what they change.
+"""Disturbed conditions of a flight: how they are drawn, and which values they change.
 
 The conditions of a run are a design of experiments: a Latin hypercube over all disturbed quantities. All agents are
 flown under the same conditions, so that their misses can be compared.
@@ -36,14 +36,14 @@ SCALE = 0.00005
 
 
 class Specimen(StrEnum):
-    """What flies under a condition."""
+    """The body that flies under a condition."""
 
     PRINT = "print"
-    """The print as it comes from the printer."""
+    """The print, neither weighed nor trimmed."""
     WEIGHED = "weighed"
     """The print, weighed to the nearest :data:`SCALE` and trimmed with ballast to the nearest :data:`SCALE`."""
     IDLE = "idle"
-    """A body that does nothing: a neutral sphere of the agent's volume, in its place."""
+    """A neutral sphere of the agent's volume, in its place."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +56,13 @@ class Condition:
         current, density: factors on the speed and the density of the water.
         mass: factor on the density of the hull's material.
         wall: increase of the thickness of the printed wall, m.
-        drag: factor on all forces of drag and damping that no filmed flights have calibrated.
+        drag: factor on all forces of drag and damping that are not calibrated.
         gusts: seed of the gusts, ``None`` for steady water.
         calibrated: values of the factors that have an interval in ``[calibration]``, in the order of
             :attr:`driftform.water.Calibration.intervals`.
         swirl: increase of the secondary flow of bends, relative to the mean speed.
-        left: what a weighed and trimmed print weighs too much, kg.
-        specimen: what flies.
+        left: excess mass of a weighed and trimmed print, kg.
+        specimen: the body that flies.
     """
 
     across: tuple[float, float]
@@ -83,7 +83,7 @@ class Condition:
 def draw_conditions(
     robustness: Robustness, count: int, seed: Sequence[int], calibration: Calibration | None = None
 ) -> tuple[Condition, ...]:
-    """Return ``count`` disturbed conditions, drawn from a seed; factors with an interval are those of ``calibration``.
+    """Return ``count`` disturbed conditions, drawn from a seed; ``calibration`` has the factors with an interval.
 
     They are a Latin hypercube. All distributions are normal, truncated at :data:`MAX_DEVIATION` standard deviations, but for
     what is left of the error of a weighed print: the scale and the ballast are each off by up to half a step, evenly.
@@ -158,11 +158,11 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
     )
 
 
-def end_behind(scenario: Scenario, wanted: Sequence[bool]) -> Scenario:
-    """Return the scenario with a level, straight pipe that ends a bore behind the last of the targets that are ``wanted``.
+def stop_after_targets(scenario: Scenario, wanted: Sequence[bool]) -> Scenario:
+    """Return the scenario with a level, straight pipe that ends one bore after its last ``wanted`` target.
 
     A flight that is so far is farther from each than it was where it passed them, and does not come back: nothing but the
-    water moves it along the axis. Upstream nothing changes: the flow does not know what follows. Another pipe stays whole, and
+    water moves it along the axis. Upstream nothing changes: the flow does not depend on the pipe after it. Another pipe stays whole, and
     so does one that ends before.
     """
     straight, targets = scenario.pipe.straight, scenario.target_array()[np.array(wanted, bool)]
@@ -197,10 +197,10 @@ def disturb_body(condition: Condition, body: Body) -> Body:
     """Return the body as printed under a disturbed condition.
 
     A wall that is thicker by d weighs (1 + d / wall) times as much, to first order; the outer contour does not change. A
-    weighed print has the mass of the design, but for what is ``left``, which lies beside the core.
+    weighed print has the mass of the design, but for what is ``left``, which lies at the core.
     """
     if condition.specimen is Specimen.WEIGHED:
-        # A body of one's own has no core, and may lack ballast.
+        # Your own body has no core, and may lack ballast.
         left = max(condition.left, -body.core.mass or condition.left)
         return replace(body, core=replace(body.core, mass=body.core.mass + left))
     thicker = max(0.0, 1 + condition.wall / body.wall) if body.wall else 1.0

@@ -1,4 +1,4 @@
-"""The table ``[calibration]``: factors on the model that filmed flights have shown, and how sure they are."""
+"""The table ``[calibration]``: factors on the model from filmed flights, and how sure they are."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -13,7 +13,7 @@ from driftform.util.options import Table, option
 
 @dataclass(frozen=True)
 class Factors:
-    """Factors on what the model computes; 1 leaves it as it is.
+    """Factors on results of the model; 1 changes nothing.
 
     Attributes:
         axial_drag: of friction, nose and base along the axis, of the friction of a spin, and of damping in surge and
@@ -92,15 +92,15 @@ class Calibration(Table):
     """Standard deviations within which 90 % of a normal distribution lie."""
 
     axial_drag: Interval | None = option(
-        None, "on drag along the axis: friction, nose and base; [value, low, high] or a value"
+        None, "factor on drag along the axis: friction, nose and base; [value, low, high] or a value"
     )
-    cross_drag: Interval | None = option(None, "on drag across the axis, and on that of a sphere; the same")
-    added_mass: Interval | None = option(None, "on the added mass; the same")
+    cross_drag: Interval | None = option(None, "factor on drag across the axis, and on a sphere's drag; the same")
+    added_mass: Interval | None = option(None, "factor on the added mass; the same")
     hull_density: Interval | None = option(
-        None, "on the density of the hull's material, by which the net weight of a print differs; the same"
+        None, "factor on the density of the hull's material, by which the net weight of a print differs; the same"
     )
-    restitution: Interval | None = option(None, "on `contact.restitution`; the same")
-    friction: Interval | None = option(None, "on `contact.friction`; the same")
+    restitution: Interval | None = option(None, "factor on `contact.restitution`; the same")
+    friction: Interval | None = option(None, "factor on `contact.friction`; the same")
     correlations: tuple[tuple[str, str, Annotated[float, Field(strict=True, ge=-1, le=1)]], ...] = option(
         (), 'correlations between factors with an interval, such as ["cross_drag", "hull_density", 0.8]'
     )

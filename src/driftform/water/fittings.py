@@ -25,7 +25,7 @@ from driftform.water.scenario import Scenario
 CHANGE = 2.0
 """Length in which a straight changes over to the flow of a fitting, in radii of its bore, where it is long enough."""
 
-SHORTEST = 2.0
+MIN_PROFILE_LENGTH = 2.0
 """Length of a straight, in radii of its bore, below which it has plug flow like the fittings at its ends."""
 
 
@@ -65,7 +65,7 @@ def _make_array(pipe: Pipe, flow: Flow, viscosity: float) -> FloatArray:
 @keep_latest
 @lru_cache(maxsize=16)
 def wall_array(pipe: Pipe) -> FloatArray:
-    """Return the array of a pipe without its flow, read-only; of open water, that of a bore without end."""
+    """Return the array of a pipe without its flow, read-only; of open water, of a bore without end."""
     rows = wall_rows(pipe.layout) if not pipe.is_open else open_water_rows()
     return np.concatenate([[float(len(rows))], rows.ravel()])
 
@@ -106,9 +106,9 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
                     row[stream.SWIRL] = _find_swirl(flow, parts[ends[0]])
             case Bend():
                 row[stream.STRENGTH] = shares[k]
-                behind = ahead.get(k)
-                goes_on = behind is not None and _carries_profile(parts[behind])
-                row[stream.SWIRL] = (1 if goes_on else -1) * _find_swirl(flow, placed.part)
+                following = ahead.get(k)
+                decays = following is not None and _carries_profile(parts[following])
+                row[stream.SWIRL] = (1 if decays else -1) * _find_swirl(flow, placed.part)
                 for start, end in zip((stream.START, stream.FINISH), _neighbours(layout, ahead, k), strict=True):
                     if end is None or not _joins_smoothly(placed.part, parts[end]):
                         row[start + stream.LONG] = min(
@@ -127,7 +127,7 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
 
 
 def _find_swirl(flow: Flow, part: PipePart) -> float:
-    """Return the secondary flow that a bend leaves, over the mean speed: as its angle, up to that of a right angle."""
+    """Return the secondary flow that a bend leaves, over the mean speed: as its angle, up to a right angle."""
     if not isinstance(flow, PipeFlow) or not isinstance(part, Bend):
         return 0.0
     return flow.swirl * min(1.0, part.angle / (0.5 * math.pi))
@@ -170,7 +170,7 @@ def _neighbours(layout: Layout, ahead: Mapping[int, int], k: int) -> tuple[int |
 
 
 def _carries_profile(part: PipePart) -> bool:
-    return isinstance(part, Straight) and part.straight >= SHORTEST * part.radius
+    return isinstance(part, Straight) and part.straight >= MIN_PROFILE_LENGTH * part.radius
 
 
 def _joins_smoothly(bend: Bend, other: PipePart) -> bool:

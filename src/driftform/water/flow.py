@@ -18,15 +18,13 @@ class UniformFlow(Table):
     speed: float = option(1.0, "speed of the current at the time of release", "m/s", ge=-100, le=100)
     acceleration: float = option(0.0, "change of the speed with time", "m/s2", ge=-10, le=10)
     added: Vector = option(
-        (0.0, 0.0, 0.0), "velocity that is added everywhere, such as that of a cross current, in the world frame", "m/s"
+        (0.0, 0.0, 0.0), "velocity that is added everywhere, such as a cross current, in the world frame", "m/s"
     )
 
     @model_validator(mode="after")
     def _check_added(self) -> "UniformFlow":
         if self.acceleration and any(self.added):
-            raise ValueError(
-                "flow.added is that of a steady current: set flow.acceleration = 0, or leave flow.added out"
-            )
+            raise ValueError("flow.added needs a steady current: set flow.acceleration = 0, or leave flow.added out")
         return self
 
 
@@ -36,7 +34,7 @@ class PipeFlow(Table):
     speed: float = option(1.0, "bulk speed: volume flow divided by cross-section", "m/s", ge=1e-4, le=100)
     swirl: float = option(
         0.0,
-        "secondary flow behind a bend of 90 degrees: speed on the axis, away from the bend's centre, relative to the bulk speed",
+        "secondary flow after a bend of 90 degrees: speed on the axis, away from the bend's centre, relative to the bulk speed",
         ge=0,
         le=0.5,
     )
@@ -123,10 +121,7 @@ class Gusts(Table):
         le=10,
     )
     memory: float = option(
-        1.0,
-        "integral time of the gusts, relative to that with which a tracer spreads by the eddy diffusivity of the pipe",
-        ge=0.01,
-        le=100,
+        1.0, "integral time of the gusts; 1 spreads a tracer by the eddy diffusivity of the pipe", ge=0.01, le=100
     )
     crossing: float = option(
         0.5,

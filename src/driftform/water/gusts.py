@@ -14,7 +14,7 @@ u*^2 (r / R) / |dU/dr|, which is bounded in the core by its mean over the radius
 (1959), 544). Near the wall T falls with y: eddies there are small and short-lived.
 
 The component normal to the wall fades as the body comes near it, because eddies do not pass the wall, and is zero when it
-touches. A process with constant strength would then gather bodies at the wall. div S is what keeps them evenly spread
+touches. A process with constant strength would then gather bodies at the wall. div S keeps them evenly spread
 (Thomson, J. Fluid Mech. 180 (1987), 529): with x uniform and g + h normal, the Fokker-Planck equation is satisfied exactly
 for any S and T. A tracer has the least a, a thousandth of R, where the viscous layer of a main begins.
 """
@@ -33,7 +33,7 @@ from driftform.util.small_vectors import ZERO, Vector, add, dot, scale, subtract
 from driftform.water.flow import KARMAN, Gusts
 from driftform.water.parts.profiles import MIN_WALL_DISTANCE, Bore
 
-FEWEST_KNOTS, MOST_KNOTS = 1024, 131_072
+MIN_KNOTS, MAX_KNOTS = 1024, 131_072
 """Values of a walk, at equal steps of tau. Beyond them it repeats."""
 
 CORE = 1 / 6
@@ -78,9 +78,9 @@ def draw_gusts(gusts: Gusts, count: float, radius: float, length: float = 0.0) -
 
     The last six are relative to the strength of a gust, 1/m. Both walks are stationary and periodic, sampled exactly and
     joined by a cubic spline: the process itself has no derivative, and eddies smaller than the agent do not move it.
-    The other parameters are those of :func:`gust_numbers`.
+    For the other parameters see :func:`gust_numbers`.
     """
-    knots = 1 << (math.ceil(min(max(count, FEWEST_KNOTS), MOST_KNOTS)) - 1).bit_length()
+    knots = 1 << (math.ceil(min(max(count, MIN_KNOTS), MAX_KNOTS)) - 1).bit_length()
     apart, correlation = length / math.sqrt(3), _correlate(gusts, radius, length)
     spectrum, differences = _shape_waves(knots, gusts.smoothing)
     noise = np.random.default_rng(gusts.seed).standard_normal((knots, 6))
@@ -92,7 +92,7 @@ def draw_gusts(gusts: Gusts, count: float, radius: float, length: float = 0.0) -
 
 @lru_cache(maxsize=16)
 def _shape_waves(knots: int, smoothing: float) -> tuple[FloatArray, npt.NDArray[np.complex128]]:
-    """Return what makes of each wave of white noise one of a walk, and of that one of its slopes, (knots // 2 + 1, 1)."""
+    """Return the factors that turn waves of white noise into a walk, and those into its slopes, (knots // 2 + 1, 1)."""
     angles = 2 * np.pi * np.arange(knots // 2 + 1)[:, None] / knots
     kept = math.exp(-smoothing)
     spectrum = np.sqrt(1 - kept**2) / np.abs(1 - kept * np.exp(1j * angles))
@@ -103,7 +103,7 @@ def _shape_waves(knots: int, smoothing: float) -> tuple[FloatArray, npt.NDArray[
     return spectrum, differences
 
 
-def least_memory(flow: FloatArray, bores: Iterable[tuple[float, float]]) -> float:
+def shortest_memory(flow: FloatArray, bores: Iterable[tuple[float, float]]) -> float:
     """Return the shortest memory (s) that a body has in bores of (radius (m), friction velocity (m/s)): that at the wall."""
     rates = []
     for radius, friction in bores:

@@ -62,7 +62,7 @@ def _reach_from_axis(body: Body, position: FloatArray, axis: FloatArray, inlet: 
 
 
 def _lies_in_first_straight(body: Body, scenario: Scenario) -> bool:
-    """Return whether a body that is released in a pipe lies in its first straight part, or behind the inlet."""
+    """Return whether a body that is released in a pipe lies in its first straight part, or upstream of the inlet."""
     if scenario.pipe.straight is not None:
         return True
     first = scenario.pipe.layout.parts[0].part
@@ -81,8 +81,8 @@ def _find_misfit_in_parts(body: Body, scenario: Scenario) -> str | None:
     points = scenario.release_position() + rings.reshape(-1, 3)
     inlet = layout.inlet
     off = (points - inlet.centre) @ inlet.axes.T
-    behind = (off[:, 0] <= 0) & (np.hypot(off[:, 1], off[:, 2]) <= inlet.radius)
-    outside = (layout.find_part(points) < 0) & ~behind
+    upstream = (off[:, 0] <= 0) & (np.hypot(off[:, 1], off[:, 2]) <= inlet.radius)
+    outside = (layout.find_part(points) < 0) & ~upstream
     if not outside.any():
         return None
     x, y, z = points[outside][0].tolist()
@@ -95,7 +95,7 @@ def _find_misfit_in_parts(body: Body, scenario: Scenario) -> str | None:
 def ease_release(body: Body, nominal: Scenario, disturbed: Scenario) -> Scenario:
     """Return the disturbed scenario with a release that the wall leaves room for.
 
-    The deviation of the release from the nominal one is halved until the body fits: whoever releases it feels the wall.
+    The deviation of the release from the nominal one is halved until the body fits: the hand that releases it feels the wall.
     """
     share, release = 1.0, disturbed.release
     for _ in range(_HALVINGS):

@@ -56,7 +56,7 @@ class Pipe(Table):
         if not self.parts:
             for name in ("radius", "start", "direction"):
                 if getattr(self, name) is not None:
-                    raise ValueError(f"pipe.{name} is that of a pipe with parts: add [[pipe.parts]]")
+                    raise ValueError(f"pipe.{name} is for a pipe with parts: add [[pipe.parts]]")
             return self
         if self.segments:
             raise ValueError(

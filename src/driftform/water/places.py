@@ -73,9 +73,9 @@ def measure_along(axis: Axis) -> FloatArray:
 
 
 def resolve_place(value: Any, layout: Layout) -> Any:
-    """Return the coordinates (m) of a place that is given as a table; what else is given is returned as it is.
+    """Return the coordinates (m) of a place that is given as a table; any other value is returned unchanged.
 
-    Raises ValueError if it is no place of the pipe.
+    Raises ValueError if it is not a place in the pipe.
     """
     if not isinstance(value, Mapping):
         return value

@@ -74,18 +74,13 @@ def warn_of_regime(scenario: "Scenario") -> list[str]:
         where = f"flow.kind = '{flow.kind}' in {place} ({2 * radius:.4g} m wide, {speed:.3g} m/s)"
         if laminar <= reynolds < turbulent and isinstance(flow, DevelopedFlow):
             found.append(
-                f"{where}: Reynolds number Re_D = {reynolds:.4g}: nobody knows the profile from {laminar:g} to "
+                f"{where}: Reynolds number Re_D = {reynolds:.4g}: the profile is unknown from {laminar:g} to "
                 f"{turbulent:g}, where the flow is neither laminar nor turbulent; the logarithmic law is taken"
             )
         elif not is_laminar(flow, radius, speed, scenario.fluid.viscosity):
-            found += [
-                f"{where}: {line}{_advise(reynolds, laminar)}" for line in find_departures(formula, {"Re_D": reynolds})
-            ]
+            advice = "; take flow.kind = 'developed', which has the laminar profile" if reynolds < laminar else ""
+            found += [f"{where}: {line}{advice}" for line in find_departures(formula, {"Re_D": reynolds})]
     return [*found, *_warn_of_entry(scenario)]
-
-
-def _advise(reynolds: float, laminar: float) -> str:
-    return "; take flow.kind = 'developed', which has the laminar profile" if reynolds < laminar else ""
 
 
 def _warn_of_entry(scenario: "Scenario") -> list[str]:

@@ -41,7 +41,7 @@ class Fluid(Table):
     density: float = option(1024.0, "density of the water", "kg/m3", ge=0.1, le=30_000)
     gravity: float = option(9.81, "acceleration of gravity, along -z", "m/s2", ge=0, le=1000)
     viscosity: float = option(
-        1.05e-6, "kinematic viscosity; by default that of seawater at 20 degrees C", "m2/s", ge=1e-8, le=1
+        1.05e-6, "kinematic viscosity; the default is seawater at 20 degrees C", "m2/s", ge=1e-8, le=1
     )
     water_level: float | None = option(
         None,
@@ -90,9 +90,7 @@ class Release(Table):
     ballast_x: float = option(
         0.0, "where along the axis it hangs, from the core's centre, fore positive", "m", ge=-100, le=100
     )
-    ballast_density: float = option(
-        11_340.0, "density of the ballast; by default that of lead", "kg/m3", ge=100, le=30_000
-    )
+    ballast_density: float = option(11_340.0, "density of the ballast; the default is lead", "kg/m3", ge=100, le=30_000)
 
     def load(self, mass: MassProperties) -> MassProperties:
         """Return the mass properties with the ballast on the outside of the agent, in its water.
@@ -133,7 +131,7 @@ class FlightLimits(Table):
 
 
 class Robustness(Table):
-    """Disturbed conditions: how the best agents are chosen, and what is promised of them.
+    """Disturbed conditions: how the best agents are chosen, and how their promises are made.
 
     The quantities are standard deviations of normal distributions, truncated at three standard deviations.
     """
@@ -157,14 +155,14 @@ class Robustness(Table):
     )
     survey: int = option(
         8,
-        "most disturbed flights, among those of the choice, of each agent that may be among the best of the search; the search "
-        "goes by the mean fitness of these and of the undisturbed flight; whoever falls behind flies no more",
+        "disturbed flights, among those of the choice, of each agent that may be among the best of the search, at most; its "
+        "search score is the mean fitness of these and of the undisturbed flight; agents that fall behind are dropped",
         ge=0,
         le=10_000,
     )
     finalists: int = option(
         4,
-        "finalists for each target: the best agents by what the search goes by, of those that reach it undisturbed if any do",
+        "finalists for each target: top agents by search score, of those that reach it undisturbed if any do",
         gt=0,
         le=10_000,
     )
@@ -185,20 +183,20 @@ class Robustness(Table):
     )
     swirl: float = option(
         0.1,
-        "of `flow.swirl`, the secondary flow in and behind bends, which is never negative; ideal flow has 0.2 to 0.3 behind 90 "
-        "degrees (Squire and Winter 1951)",
+        "standard deviation of `flow.swirl`, the secondary flow in and after bends, which is never negative; ideal flow has "
+        "0.2 to 0.3 after 90 degrees (Squire and Winter 1951)",
         ge=0,
         le=0.16,
     )
     position: float = option(
-        0.02, "of the release position, along each of two directions across the pipe", "m", ge=0, le=10
+        0.02, "standard deviation of the release position in each direction across the pipe", "m", ge=0, le=10
     )
-    angle_deg: float = option(2.0, "of pitch and yaw at the release", "deg", ge=0, le=30)
-    current: float = option(0.03, "of the speed of the current, relative to it", ge=0, le=0.3)
-    density: float = option(0.001, "of the density of the water, relative to it", ge=0, le=0.3)
-    mass: float = option(0.01, "of the mass of the printed hull, relative to it", ge=0, le=0.3)
-    wall: float = option(0.00002, "of the thickness of the printed wall", "m", ge=0, le=0.01)
-    drag: float = option(0.2, "of drag and damping, relative to them", ge=0, le=0.3)
+    angle_deg: float = option(2.0, "standard deviation of pitch and yaw at the release", "deg", ge=0, le=30)
+    current: float = option(0.03, "standard deviation of the speed of the current, relative to it", ge=0, le=0.3)
+    density: float = option(0.001, "standard deviation of the density of the water, relative to it", ge=0, le=0.3)
+    mass: float = option(0.01, "standard deviation of the mass of the printed hull, relative to it", ge=0, le=0.3)
+    wall: float = option(0.00002, "standard deviation of the thickness of the printed wall", "m", ge=0, le=0.01)
+    drag: float = option(0.2, "standard deviation of drag and damping, relative to them", ge=0, le=0.3)
 
 
 Target: TypeAlias = Annotated[
@@ -228,7 +226,7 @@ class Scenario(Table):
     robustness: Robustness = Field(
         default=Robustness(), description="disturbances of the finalists' flights, and their score"
     )
-    calibration: Calibration = Field(default=Calibration(), description="what filmed flights have shown of the model")
+    calibration: Calibration = Field(default=Calibration(), description="factors on the model, from filmed flights")
     targets: Annotated[dict[str, Target], AfterValidator(_check_names)] = Field(
         default={},
         description="points to reach: name and position in the world frame, or the name of an outlet",
@@ -325,7 +323,7 @@ class Scenario(Table):
         return tuple(self.targets)
 
     def target_points(self) -> dict[str, Vector]:
-        """Return the positions of the targets in the world frame, m, by name; that of an outlet is its centre."""
+        """Return the positions of the targets in the world frame, m, by name; of an outlet, its centre."""
         openings = {outlet.name: outlet.opening for outlet in self.pipe.layout.outlets}
         points: dict[str, Vector] = {}
         for name, target in self.targets.items():
@@ -431,7 +429,7 @@ class Scenario(Table):
         return np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
 
     def release_velocity(self) -> FloatArray | None:
-        """Return the velocity at the release, in the world frame, m/s, (3,); ``None`` if it is that of the water."""
+        """Return the velocity at the release, in the world frame, m/s, (3,); ``None`` for the velocity of the water."""
         match self.release.velocity:
             case "current":
                 return None
@@ -442,7 +440,7 @@ class Scenario(Table):
 
     def resume(self, flown: Trajectory, duration: float) -> "Scenario":
         """Return the scenario of the next ``duration`` (s) of a flight: an agent is released as it is at the end of ``flown``."""
-        # The compiler behind it takes longer to import than all else of a scenario.
+        # It loads the compiler, which takes longer to import than all else of a scenario.
         from driftform.util import rotations
 
         R, velocity = rotations.matrix_from_quaternion(flown.quaternion[-1]), flown.velocity[-1]
@@ -482,7 +480,7 @@ def _check_flow_in_parts(flow: Flow) -> None:
     """Check that a flow is possible in a pipe with parts."""
     if isinstance(flow, DevelopingFlow):
         raise ValueError(
-            "flow.kind = 'developing' is the flow behind the inlet of a straight pipe: take 'log_law' in a pipe with parts"
+            "flow.kind = 'developing' is the flow after the inlet of a straight pipe: take 'log_law' in a pipe with parts"
         )
     if isinstance(flow, UniformFlow) and any(flow.added) and flow.speed:
         raise ValueError("flow.added in a pipe with parts is the whole current: set flow.speed = 0")

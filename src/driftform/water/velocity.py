@@ -12,7 +12,7 @@ from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import ZERO, Rotation, Vector, add, dot, scale, subtract
 from driftform.water.flow import GridFlow, UniformFlow, friction_velocity
-from driftform.water.gusts import REACH, SIZE, draw_gusts, gust_motion, gust_numbers, least_memory
+from driftform.water.gusts import REACH, SIZE, draw_gusts, gust_motion, gust_numbers, shortest_memory
 from driftform.water.parts.grid_flow import grid_motion
 from driftform.water.parts.profiles import AT_A_POINT, GRID, UNIFORM, Bore, Spread, spread_across, spread_profile
 from driftform.water.parts.stream import bore_at, fitting_flow
@@ -67,7 +67,7 @@ def gust_array(scenario: Scenario, flow: FloatArray, length: float = 0.0) -> Flo
         return np.empty((0, 12))
     viscosity = scenario.fluid.viscosity
     bores = [(R, friction_velocity(scenario.flow, R, speed, viscosity)) for _, R, speed in list_bores(scenario)]
-    steps = scenario.flight.horizon / (least_memory(flow, bores) * scenario.gusts.smoothing)
+    steps = scenario.flight.horizon / (shortest_memory(flow, bores) * scenario.gusts.smoothing)
     return draw_gusts(scenario.gusts, steps, scenario.pipe.layout.inlet.radius, length)
 
 

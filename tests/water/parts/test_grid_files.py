@@ -206,6 +206,9 @@ def test_what_is_no_regular_grid_is_refused_in_a_few_words(tmp_path, grid, chang
         read_grid(tmp_path / "current.csv")
 
 
+PEER = pytest.mark.peers
+
+
 @pytest.mark.parametrize(
     ("name", "content", "words"),
     [
@@ -215,27 +218,15 @@ def test_what_is_no_regular_grid_is_refused_in_a_few_words(tmp_path, grid, chang
         ("a.nc", b"", "is not a NetCDF file"),
         ("a.nc", b"CDF\x01zzzz", "is not a NetCDF file"),
         ("a.stl", b"solid", "the format '.stl' is unknown"),
+        pytest.param("a.nc", b"\x89HDF\r\n\x1a\n" + bytes(100), "cannot be read", marks=PEER),
+        *(pytest.param("a.vtk", content, "is not a VTK file", marks=PEER) for content in (b"", b"nonsense\n")),
+        *(
+            pytest.param("a.vtu", text, "is not a VTK file", marks=PEER)
+            for text in (b"", b"<VTKFile></VTKFile>", b"<other/>")
+        ),
     ],
 )
-def test_a_damaged_file_is_refused_in_a_few_words(tmp_path, name, content, words):
-    (tmp_path / name).write_bytes(content)
-    with pytest.raises(ValueError, match=words):
-        read_grid(tmp_path / name)
-
-
-@pytest.mark.peers
-@pytest.mark.parametrize(
-    ("name", "content", "words"),
-    [
-        ("a.nc", b"\x89HDF\r\n\x1a\n" + bytes(100), "cannot be read"),
-        ("a.vtk", b"", "is not a VTK file"),
-        ("a.vtk", b"nonsense\n", "is not a VTK file"),
-        ("a.vtu", b"", "is not a VTK file"),
-        ("a.vtu", b"<VTKFile></VTKFile>", "is not a VTK file"),
-        ("a.vtu", b"<other/>", "is not a VTK file"),
-    ],
-)
-def test_a_damaged_file_neither_ends_the_program_nor_prints(tmp_path, capfd, name, content, words):
+def test_a_damaged_file_is_refused_in_a_few_words_and_prints_nothing(tmp_path, capfd, name, content, words):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(ValueError, match=words):
         read_grid(tmp_path / name)

@@ -23,7 +23,7 @@ CELLS = 20
 FEWEST_CELLS = 4
 """Least number of cells across the narrowest bore: fewer have no node between its middle and its wall."""
 
-MOST_NODES = 4_000_000
+MAX_NODES = 4_000_000
 """Most nodes of the box around the pipe: Gazebo needs 200 MB for them, and sampling takes about a minute."""
 
 LAYERS = 2
@@ -33,11 +33,11 @@ LAYERS = 2
 def usual_spacing(scenario: Scenario) -> float:
     """Return the spacing (m) that is taken if none is given: :data:`CELLS` across the narrowest bore, or coarser.
 
-    It is coarser, rounded up to two digits, if the box around the pipe would have more than :data:`MOST_NODES` nodes.
+    It is coarser, rounded up to two digits, if the box around the pipe would have more than :data:`MAX_NODES` nodes.
     """
     low, high = _find_box(scenario)
     spacing = 2 * scenario.pipe.layout.narrowest / CELLS
-    while np.prod(_count_nodes(low, high, spacing)) > MOST_NODES:
+    while np.prod(_count_nodes(low, high, spacing)) > MAX_NODES:
         step = 10.0 ** (math.floor(math.log10(spacing)) - 1)
         spacing = round((math.floor(spacing / step + 1e-9) + 1) * step, 12)
     return spacing
@@ -71,9 +71,9 @@ def sample_current(scenario: Scenario, spacing: float | None = None) -> grid_fil
         )
     low, high = _find_box(scenario)
     shape = _count_nodes(low, high, spacing)
-    if math.prod(shape) > MOST_NODES:
+    if math.prod(shape) > MAX_NODES:
         raise InputError(
-            f"a spacing of {spacing:g} m takes a grid of {' x '.join(map(str, shape))} nodes, more than {MOST_NODES}: "
+            f"a spacing of {spacing:g} m takes a grid of {' x '.join(map(str, shape))} nodes, more than {MAX_NODES}: "
             f"choose at least {usual_spacing(scenario):g} m"
         )
     origin = 0.5 * (low + high) - 0.5 * spacing * (np.array(shape) - 1)

@@ -35,9 +35,9 @@ TERMS = 14
 
 
 DECAY = 10.0
-"""Length, in radii of the bore, of the decay of the secondary flow behind a bend: a tenth is left after 15 diameters.
+"""Length, in radii of the bore, of the decay of the secondary flow after a bend: a tenth is left after 15 diameters.
 
-Behind a sharp bend the flow recovers within 10 to 30 diameters at a Reynolds number of 1e4 (Appl. Sci. 14, 2024, 7895).
+After a sharp bend the flow recovers within 10 to 30 diameters at a Reynolds number of 1e4 (Appl. Sci. 14, 2024, 7895).
 """
 
 

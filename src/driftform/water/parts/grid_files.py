@@ -18,7 +18,7 @@ __all__ = ["VelocityGrid", "fill_nodes", "read_grid"]
 
 Nodes = TypeVar("Nodes", FloatArray, BoolArray)
 
-MOST_NODES = 3_000_000
+MAX_NODES = 3_000_000
 """Most nodes of a grid: their velocities take 72 MB, and to read and to fill them takes 500 MB."""
 
 MEMORY = 500 << 20
@@ -138,8 +138,8 @@ def _choose(known: Sequence[Sequence[str]], found: Mapping[str, object], what: s
 
 def _sort_nodes(points: FloatArray, velocities: FloatArray) -> VelocityGrid:
     """Return the grid of nodes in any order; nodes that are left out have no velocity."""
-    if len(points) > MOST_NODES:
-        raise ValueError(f"has {len(points)} nodes, more than {MOST_NODES}")
+    if len(points) > MAX_NODES:
+        raise ValueError(f"has {len(points)} nodes, more than {MAX_NODES}")
     if not np.isfinite(points).all():
         raise ValueError("has coordinates that are not finite")
     index, axes = np.empty(points.shape, dtype=np.int64), []
@@ -153,7 +153,7 @@ def _sort_nodes(points: FloatArray, velocities: FloatArray) -> VelocityGrid:
         if np.abs(place - index[:, a]).max() > 10 * UNEVEN:
             raise ValueError(f"is not a regular grid: its nodes are not evenly spaced along {'xyz'[a]}")
     shape = tuple(int(count) for _, _, count in axes)
-    if np.prod(shape) > MOST_NODES:
+    if np.prod(shape) > MAX_NODES:
         raise ValueError(
             f"is not a regular grid: {len(points)} nodes have {' x '.join(map(str, shape))} different coordinates"
         )
@@ -247,8 +247,8 @@ def _name_dimensions(name: str, variable: Any) -> list[str]:
 def _require_size(name: str, variable: Any) -> Any:
     """Return a variable, of which nothing need be read yet, if it is not larger than a grid may be."""
     count = math.prod(variable.shape)
-    if count > MOST_NODES:
-        raise _TooLargeError(f"has {count} values in the variable {name}; a grid has at most {MOST_NODES} nodes")
+    if count > MAX_NODES:
+        raise _TooLargeError(f"has {count} values in the variable {name}; a grid has at most {MAX_NODES} nodes")
     return variable
 
 

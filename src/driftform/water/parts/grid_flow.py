@@ -1,6 +1,6 @@
 """The velocity of the water on a regular grid: cubic splines along all three axes, twice continuously differentiable.
 
-Nodes in the wall, and nodes that the file leaves out beside it, are filled by extrapolation from the water, so that the splines
+Nodes in the wall, and nodes that the file leaves out next to it, are filled by extrapolation from the water, so that the splines
 are smooth up to the wall.
 """
 

@@ -15,13 +15,13 @@ from driftform.water.parts.tables import BendPart, ReducerPart, StraightPart, Te
 OUTLET = "outlet"
 """Name of the only outlet of a pipe without branches, unless it has another."""
 
-MOST_PARTS = 200
+MAX_PARTS = 200
 """Most parts of a pipe."""
 
-TIGHTEST_BEND = 1.05
+MIN_BEND_RADIUS = 1.05
 """Least radius of a bend over that of its bore: the wall inside a bend as tight as its bore is a point."""
 
-SHORTEST_REDUCER = 2.0
+MIN_REDUCER_LENGTH = 2.0
 """Least length of a reducer over the change of its radius: its wall is then nowhere steeper than 53 degrees."""
 
 FILLETS = (0.1, 0.5)
@@ -29,7 +29,7 @@ FILLETS = (0.1, 0.5)
 
 USUAL_FILLET = 0.2
 
-_MOST_SAMPLES = 400
+_MAX_SAMPLES = 400
 """Most points of the axis of a part at which collisions are looked for."""
 
 BEYOND = 6.0
@@ -139,21 +139,17 @@ class Layout:
         """
         if index == target or target in self._neighbours(index):
             return point, 0.0
-        leaving = self._find_way(index, target)
+        here, there = self.parts[index].part, self.parts[target].part
+        leaving, coming = self._find_way(index, target), self._find_way(target, index)
+        first = here.entry if leaving is None else here.list_exits()[leaving].centre
+        last = there.entry if coming is None else there.list_exits()[coming].centre
         if leaving is not None:
-            first = self.parts[index].part.list_exits()[leaving].centre
-            last = self.parts[target].part.entry
             length = self.depths[target] - self.depths[index] - self._length_through(index, leaving)
-            return first, float(length + np.linalg.norm(last - point))
-        first = self.parts[index].part.entry
-        coming = self._find_way(target, index)
-        if coming is not None:
-            last = self.parts[target].part.list_exits()[coming].centre
+        elif coming is not None:
             length = self.depths[index] - self.depths[target] - self._length_through(target, coming)
-            return first, float(length + np.linalg.norm(last - point))
-        junction = self._find_junction(index, target)
-        length = self.depths[index] + self.depths[target] - 2 * junction
-        return first, float(length + np.linalg.norm(self.parts[target].part.entry - point))
+        else:
+            length = self.depths[index] + self.depths[target] - 2 * self._find_junction(index, target)
+        return first, float(length + np.linalg.norm(last - point))
 
     def _neighbours(self, index: int) -> list[int | None]:
         following = [k for k, placed in enumerate(self.parts) if placed.upstream == index]
@@ -210,8 +206,8 @@ class _Builder:
         """Lay parts end to end from an opening on, and the branches of each."""
         for position, table in enumerate(tables):
             here, last = f"{key}[{position}]", position == len(tables) - 1
-            if len(self.parts) == MOST_PARTS:
-                raise LayoutError(f"{here}: the pipe has more than {MOST_PARTS} parts")
+            if len(self.parts) == MAX_PARTS:
+                raise LayoutError(f"{here}: the pipe has more than {MAX_PARTS} parts")
             part = _place(table, start, here)
             index = len(self.parts)
             self.parts.append(Placed(self._name(table, here), here, part, upstream, by_branch, flow))
@@ -287,20 +283,20 @@ def _place(table: AnyPart, start: Opening, key: str) -> PipePart:
         case StraightPart():
             return Straight(start.centre, axes, radius, table.length)
         case BendPart():
-            if table.radius < TIGHTEST_BEND * radius * (1 - 1e-9):
+            if table.radius < MIN_BEND_RADIUS * radius * (1 - 1e-9):
                 raise LayoutError(
                     f"{key}.radius = {table.radius:g}: the bend is tighter than its bore of radius {radius:g} m: "
-                    f"it needs at least {TIGHTEST_BEND * radius:g} m"
+                    f"it needs at least {MIN_BEND_RADIUS * radius:g} m"
                 )
             return Bend(start.centre, axes, radius, table.radius, math.radians(table.angle_deg))
         case ReducerPart():
             change = abs(table.radius - radius)
             if change < 1e-9 * radius:
                 raise LayoutError(f"{key}.radius = {table.radius:g}: the bore has this radius already: use a straight")
-            if table.length < SHORTEST_REDUCER * change * (1 - 1e-9):
+            if table.length < MIN_REDUCER_LENGTH * change * (1 - 1e-9):
                 raise LayoutError(
                     f"{key}.length = {table.length:g}: too short for a change of the radius from {radius:g} to {table.radius:g} m: "
-                    f"it needs at least {SHORTEST_REDUCER * change:g} m"
+                    f"it needs at least {MIN_REDUCER_LENGTH * change:g} m"
                 )
             return Reducer(start.centre, axes, radius, table.radius, table.length)
     angle = math.radians(table.angle_deg if isinstance(table, WyePart) else 90.0)
@@ -339,7 +335,7 @@ def _check_collisions(layout: Layout) -> None:
             apart = np.linalg.norm(second.points - first.points[:, None], axis=2)
             needed = second.radii + first.radii[:, None]
             way = layout.way_between(first.part, second.part, first.lengths[:, None], second.lengths, first.on_branch)
-            if ((apart < (1 - 1e-6) * needed) & (way > 0.5 * math.pi * TIGHTEST_BEND * needed)).any():
+            if ((apart < (1 - 1e-6) * needed) & (way > 0.5 * math.pi * MIN_BEND_RADIUS * needed)).any():
                 one, other = layout.parts[first.part], layout.parts[second.part]
                 raise LayoutError(
                     f"{other.key}: {other.name} runs into {one.name}; change a length, an angle or a roll_deg between them"
@@ -370,7 +366,7 @@ def _boxes_meet(a: _Samples, b: _Samples) -> bool:
 def _sample_axes(layout: Layout) -> Iterator[_Samples]:
     for index, placed in enumerate(layout.parts):
         part = placed.part
-        for number, axis in enumerate(part.list_axes(max(0.25 * part.narrowest, part.length / _MOST_SAMPLES))):
+        for number, axis in enumerate(part.list_axes(max(0.25 * part.narrowest, part.length / _MAX_SAMPLES))):
             begin = part.legs[0] if isinstance(part, Tee) and number == 1 else 0.0
             steps = np.linalg.norm(np.diff(axis.points, axis=0), axis=1)
             lengths = begin + np.concatenate([[0.0], np.cumsum(steps)])

@@ -12,7 +12,7 @@ from driftform.water.parts.shapes import Bend, Opening, PipePart, Reducer, Strai
 UNSEEN_DEPTH = 2e-4
 """Depth (m) to which a wall may bulge between two rims of a body without touching one: about that of a contact."""
 
-FINEST_RIMS = 2e-3
+MIN_RIM_SPACING = 2e-3
 """Least distance between additional rims, m."""
 
 _WALL = 0.5
@@ -85,7 +85,7 @@ def greatest_curvature(layout: Layout) -> float:
 def rim_spacing(layout: Layout) -> float:
     """Return the greatest distance (m) between the rims of a body: a wall of the radius rho rises by s^2 / (8 rho) between two."""
     bulge = min((placed.part.bulge for placed in layout.parts), default=math.inf)
-    return max(FINEST_RIMS, math.sqrt(8 * UNSEEN_DEPTH * bulge))
+    return max(MIN_RIM_SPACING, math.sqrt(8 * UNSEEN_DEPTH * bulge))
 
 
 def open_water_rows() -> FloatArray:

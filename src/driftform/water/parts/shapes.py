@@ -252,6 +252,11 @@ class Tee(PipePart):
         return tee_legs(self.radius, self.branch_radius, self.angle, self.fillet)
 
     @property
+    def ray(self) -> FloatArray:
+        """Unit vector along the branch, in the local frame, (3,)."""
+        return np.array([exact_cosine(self.angle), 0.0, exact_sine(self.angle)])
+
+    @property
     def branch_axes(self) -> FloatArray:
         """Rows: along the branch, y, and normal to both, in the world frame, (3, 3)."""
         c, s = exact_cosine(self.angle), exact_sine(self.angle)
@@ -294,23 +299,16 @@ def locate_on_axis(part: PipePart, points: FloatArray) -> tuple[FloatArray, Floa
     """
     local = part.to_local(points)
     along, on_branch = local[:, 0], np.zeros(len(points), dtype=bool)
-    feet, directions = _along_x(along), np.tile(np.array([1.0, 0.0, 0.0]), (len(points), 1))
     match part:
         case Bend():
             turn = np.arctan2(local[:, 0], part.bend_radius - local[:, 2])
-            turn = np.where(turn < 0.5 * (part.angle - 2 * np.pi), turn + 2 * np.pi, turn)
-            along, s, c = part.bend_radius * turn, np.sin(turn), np.cos(turn)
-            feet = part.bend_radius * np.column_stack([s, np.zeros(len(s)), 1 - c])
-            directions = np.column_stack([c, np.zeros(len(s)), s])
+            along = part.bend_radius * np.where(turn < 0.5 * (part.angle - 2 * np.pi), turn + 2 * np.pi, turn)
         case Tee():
-            ray = np.array([exact_cosine(part.angle), 0.0, exact_sine(part.angle)])
-            t = local @ ray
-            across = np.linalg.norm(local - t[:, None] * ray, axis=1) - part.branch_radius
+            t = local @ part.ray
+            across = np.linalg.norm(local - t[:, None] * part.ray, axis=1) - part.branch_radius
             on_branch = (t > 0) & (across < np.hypot(local[:, 1], local[:, 2]) - part.radius)
-            feet = np.where(on_branch[:, None], t[:, None] * ray, feet)
-            directions = np.where(on_branch[:, None], ray, directions)
             along = part.legs[0] + np.where(on_branch, t, along)
-    return along, part.to_world(feet), _axes_along(part, directions), on_branch
+    return along, *_follow_axis(part, along, on_branch), on_branch
 
 
 def place_on_axis(part: PipePart, along: FloatArray, on_branch: bool = False) -> tuple[FloatArray, FloatArray]:
@@ -324,17 +322,20 @@ def place_on_axis(part: PipePart, along: FloatArray, on_branch: bool = False) ->
         points: m, (n, 3).
         axes: downstream, left and up, rows, (n, 3, 3).
     """
+    return _follow_axis(part, along, np.full(len(along), on_branch))
+
+
+def _follow_axis(part: PipePart, along: FloatArray, on_branch: BoolArray) -> tuple[FloatArray, FloatArray]:
     feet, directions = _along_x(along), np.tile(np.array([1.0, 0.0, 0.0]), (len(along), 1))
     match part:
         case Bend():
-            s, c, zero = (np.sin(along / part.bend_radius), np.cos(along / part.bend_radius), np.zeros(len(along)))
+            s, c, zero = np.sin(along / part.bend_radius), np.cos(along / part.bend_radius), np.zeros(len(along))
             feet = part.bend_radius * np.column_stack([s, zero, 1 - c])
             directions = np.column_stack([c, zero, s])
         case Tee():
             feet = _along_x(along - part.legs[0])
-            if on_branch:
-                ray = np.array([exact_cosine(part.angle), 0.0, exact_sine(part.angle)])
-                feet, directions = feet[:, :1] * ray, np.tile(ray, (len(along), 1))
+            feet = np.where(on_branch[:, None], feet[:, :1] * part.ray, feet)
+            directions = np.where(on_branch[:, None], part.ray, directions)
     return part.to_world(feet), _axes_along(part, directions)
 
 

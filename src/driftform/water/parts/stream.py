@@ -67,7 +67,7 @@ STRENGTH = 43
 
 SWIRL = EDGE + 3 * EDGE_POINTS
 """Secondary flow on the axis over the mean speed: of a bend at its end, of a straight at its start; negative in a bend that has
-no straight behind it, where it comes and goes."""
+no straight after it, where it comes and goes."""
 
 
 @compiled
@@ -134,7 +134,7 @@ def _flow_in_straight(p: Vector, f: FloatArray, o: int, square: float) -> tuple[
         share = f[e + AMPLITUDE]
         if share == 0.0 or w == 0.0:
             continue
-        # Within the bore: what lies in the wall has the flow at the wall.
+        # Within the bore: a point in the wall has the flow at the wall.
         inside = min(1.0, R / r) if r > 0.0 else 1.0
         y, z = inside * p[1], inside * p[2]
         m, n = f[e + TOWARD_Y], f[e + TOWARD_Z]
@@ -210,7 +210,7 @@ def _flow_in_bend(p: Vector, f: FloatArray, o: int) -> tuple[Vector, Rotation]:
     U, R, bend, eta = f[o + SPEED], f[o + RADIUS], f[o + CURVE], p[1]
     x, z = p[0], bend - p[2]
     far, turn = math.hypot(x, z), math.atan2(x, z)
-    # Within the bore: what lies in the wall has the flow at the wall.
+    # Within the bore: a point in the wall has the flow at the wall.
     r = math.hypot(bend - far, eta)
     inside = min(1.0, R / r) if r > 0.0 else 1.0
     xi, eta = inside * (bend - far), inside * eta

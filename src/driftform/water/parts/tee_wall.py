@@ -72,7 +72,7 @@ def wall_level(x: float, y: float, z: float, wall: FloatArray) -> tuple[float, P
     across = x * wall[SINE] - z * wall[COSINE]
     b = math.sqrt(across * across + y * y) - wall[BRANCH]
     if t < 0.0:
-        # The branch begins at the origin: its level grows behind it.
+        # The branch begins at the origin: its level grows beyond it.
         b += 2.0 * t * t / wall[BRANCH]
     f = wall[FILLET]
     if min(a, b) > -f and max(a, b) < 2.0 * f:

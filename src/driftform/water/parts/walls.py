@@ -33,7 +33,7 @@ CENTRE, EXTENT = 24, 27
 """Sphere around the part: its centre and its radius, m."""
 NARROWEST = 28
 EXIT = 29
-"""-1 for a part of the pipe, -2 behind the inlet, and the number of the outlet behind an outlet."""
+"""-1 for a part of the pipe, -2 before the inlet, and the number of the outlet after an outlet."""
 FIELD, FIELD_SIZE = 46, 47
 """Where the flow field of a tee begins in `fittings`, and how many numbers it has."""
 EDGE = 48
@@ -44,7 +44,7 @@ PART = EDGE + 3 * EDGE_POINTS + 1
 INNER, OUTSIDE = -1.0, -2.0
 
 _CORNER = 1e-9
-"""Angle (rad) beside a corner of a curve at which its slope is that of one side."""
+"""Angle (rad) near a corner of a curve at which its slope is that of one side."""
 
 FOUND = 1e-9
 """Part of a turn, or m, by which two neighbouring parts overlap: no point between them belongs to neither."""
@@ -204,7 +204,7 @@ def _gap_in_ogee(x: float, rho: float, f: FloatArray, o: int) -> tuple[float, fl
 def beyond_bores(p: Vector, f: FloatArray, o: int) -> tuple[float, float, float]:
     """Return how far (m) a point of the local frame of a tee lies beyond its run and its branch, and its place along the branch.
 
-    The branch begins at the axis of the run. Behind it the second number is infinite.
+    The branch begins at the axis of the run. Beyond it the second number is infinite.
     """
     c, s = f[o + COSINE], f[o + SINE]
     t = c * p[0] + s * p[2]
