@@ -1,4 +1,4 @@
-"""What others wrote: a call in a process of its own gives data or one error, whatever the other side does."""
+"""Third-party code: a call in a process of its own gives data or one error, whatever the other side does."""
 
 import sys
 from pathlib import Path

@@ -51,14 +51,19 @@ def test_the_distance_in_a_bend_is_that_in_a_torus() -> None:
     assert wall_distance(points, scenario) == pytest.approx(expected, abs=1e-12)
 
 
-def test_the_distance_in_the_middle_of_a_reducer_is_that_from_its_arcs() -> None:
-    scenario = scenario_of([{"kind": "reducer", "length": 0.4, "radius": 0.06}, {"length": 0.5}])
-    # The early arc begins along the axis at the entry, about a centre on the far side of the axis.
-    arc = (0.4**2 + 0.04**2) / (4 * 0.04)
-    centre = np.array([0.0, R - arc])
-    points = np.array([[0.1, 0.03, 0.0], [0.15, 0.0, -0.02], [0.05, 0.05, 0.05]])
+@pytest.mark.parametrize("end", [0.06, 0.14])
+def test_the_distance_in_a_reducer_is_that_from_its_arcs(end: float) -> None:
+    scenario = scenario_of([{"kind": "reducer", "length": 0.4, "radius": end}, {"length": 0.5}])
+    # The early arc begins along the axis at the entry, the late one ends along it; the wider half is hollow.
+    change = R - end
+    arc = math.copysign((0.4**2 + change**2) / (4 * abs(change)), change)
+    early, late = np.array([0.0, R - arc]), np.array([0.4, end + arc])
+    points = np.array(
+        [[0.1, 0.03, 0.0], [0.05, 0.05, 0.05], [0.12, 0.0, -0.08], [0.32, 0.05, 0.0], [0.35, 0.03, -0.045]]
+    )
     meridian = np.column_stack([points[:, 0], np.hypot(points[:, 1], points[:, 2])])
-    expected = arc - np.linalg.norm(meridian - centre, axis=1)
+    away = np.linalg.norm(meridian - np.where(points[:, :1] < 0.2, early, late), axis=1)
+    expected = np.where(points[:, 0] < 0.2, 1, -1) * (arc - math.copysign(1, arc) * away)
     assert wall_distance(points, scenario) == pytest.approx(expected, abs=1e-12)
 
 
