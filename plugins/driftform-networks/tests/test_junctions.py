@@ -42,6 +42,7 @@ def draw_fork(fork_file: Path, side: float = 100.0) -> Network:
 def test_the_longest_rod_around_a_right_angle_is_that_of_the_ladder(first: float, second: float) -> None:
     ladder = (first ** (2 / 3) + second ** (2 / 3)) ** 1.5
     assert longest_rod(first, second, np.pi / 2, 0.0) == pytest.approx(ladder, rel=1e-5)
+    assert longest_rod(first, second, 0.0, 0.05) == np.inf and longest_rod(first, second, np.pi / 2, 2.0) == 0.0
 
 
 @given(st.floats(0.0, 0.9), st.floats(0.1, 2.8))

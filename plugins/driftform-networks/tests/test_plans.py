@@ -124,6 +124,16 @@ def test_what_is_seen_is_counted_by_material_and_weighed_by_risk(
     assert document["heard"] == pytest.approx(0.25 * 2 / 3)
 
 
+def test_many_numbers_are_grouped_into_classes_of_about_equal_length(epanet: Any) -> None:
+    network = epanet.read_library("Net3")
+    reachable, years = network.length > 0, [f"{1950 + row % 40}" for row in range(len(network.links))]
+    groups = group_sight(network, np.full(len(years), 0.25), reachable, years)
+    assert len(groups) == 5 and groups[0][0].startswith("1950")
+    assert sum(length for _, length, _ in groups) == pytest.approx(network.length.sum())
+    assert max(length for _, length, _ in groups) < 0.4 * network.length.sum()
+    assert all(share == pytest.approx(0.25) for *_, share in groups)
+
+
 @pytest.mark.parametrize(
     ("option", "expected"),
     [

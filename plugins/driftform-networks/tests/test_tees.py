@@ -131,6 +131,14 @@ def test_a_cross_is_two_tees_in_a_row_the_larger_branch_first(tmp_path: Any) -> 
     assert (found[0, 2, left], found[0, 0, BOTTOM], found[0, 1, RIGHT]) == pytest.approx((0.4, 0.25, 0.125))
 
 
+def test_no_body_enters_a_branch_that_takes_too_little_water(tmp_path: Any) -> None:
+    sphere = open_traveller("sphere:60mm")
+    task = TeeTask(sphere, tmp_path, Tee(0.3, 0.5, 0.5, 90.0, 90.0, 0.0), None)
+    found = Traveling(sphere, Travel(), tmp_path)._fly_on(make_junction(), [(1, [(task, 1.0)])])
+    assert found is not None and not found[:, 1].any()
+    assert found[:, 0] == pytest.approx(np.eye(BANDS))
+
+
 @pytest.mark.long
 def test_a_narrow_sphere_divides_at_a_cross_like_its_water(fork_file: Any, tmp_path: Any) -> None:
     """Within the standard error of 105 flights through each tee, and what its size shifts."""
@@ -163,6 +171,8 @@ def test_two_pipes_that_meet_are_a_bend_and_a_reducer_or_neither() -> None:
     assert find_joint(meet(0.17, 0.0), 0.1) == (0.0, 0.5)
     assert find_joint(meet(0.17, 0.0), 0.52) == (0.0, 0.7)
     assert find_joint(meet(0.2, 50.0, inlets=2), 0.1) == (0.0, 1.0)
+    # It fits into neither.
+    assert match_ratio(0.55, 0.7, RATIOS[90.0]) == 0.5
 
 
 @pytest.mark.parametrize("reverse", [False, True])
