@@ -104,12 +104,19 @@ def bounce_with_history(stokes, radius, viscosity, oil, step=5e-5):
     return *top, duration
 
 
+def find_apex(t, height):
+    """Return height (m) and time (s) of the top of the parabola through three samples, whose times are those of steps."""
+    curve = np.polyfit(t - t[1], height, 2)
+    top = -curve[1] / (2 * curve[0])
+    return float(np.polyval(curve, top)), float(t[1] + top)
+
+
 def find_bounces(t, height, count):
     """Return the first apexes (m, s) and the contacts after them (s)."""
     rises = np.diff(height)
     tops = 1 + np.flatnonzero((rises[:-1] > 0) & (rises[1:] <= 0) & (height[1:-1] > 1e-4))
     touches = 1 + np.flatnonzero((height[:-1] > 0) & (height[1:] <= 0))
-    apexes = [(float(height[k]), float(t[k])) for k in tops[:count]]
+    apexes = [find_apex(t[k - 1 : k + 2], height[k - 1 : k + 2]) for k in tops[:count]]
     return apexes, [float(t[touches[t[touches] > when][0]]) for _, when in apexes if (t[touches] > when).any()]
 
 
