@@ -73,12 +73,10 @@ class Counting:
 @pytest.mark.parametrize("strategy", ["paper", "random"])
 def test_the_budget_is_spent_exactly(store: Store, strategy: str) -> None:
     study = study_of(strategy=strategy)
-    generations: list[int] = []
     seen: list[int] = []
-    run_search(study, store, Counting(study), lambda r: seen.append(r.index), generations.append)
+    run_search(study, store, Counting(study), lambda r: seen.append(r.index))
     assert store.count() == 25
     assert sorted(seen) == list(range(25))
-    assert generations[-1] == 25
 
 
 @pytest.mark.parametrize("strategy", ["paper", "random", "evolution"])

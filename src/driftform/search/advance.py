@@ -34,9 +34,6 @@ class Observer:
     def warn(self, text: str) -> None:
         """Take a line about what the first flights show."""
 
-    def generation(self, evaluations: int) -> None:
-        """Take the number of evaluations so far, after the strategy has received their outcomes."""
-
     def open_finalists(self) -> AbstractContextManager[Callable[[int, int], None]]:
         """Return a context that yields a function of the disturbed flights done, and of their total."""
         return nullcontext(lambda _, __: None)
@@ -118,7 +115,7 @@ def _search(run: Run, store: Store, executor: Executor, observer: Observer) -> N
             observer.warn(text)
 
     with observer.open_search(store.count()):
-        run_search(run.study, store, executor, record, observer.generation)
+        run_search(run.study, store, executor, record)
 
 
 def _prepare_flow(run: Run) -> None:

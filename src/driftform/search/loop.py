@@ -63,7 +63,6 @@ def run_search(
     store: Store,
     executor: Executor,
     on_record: Callable[[Record], None] = lambda _: None,
-    on_generation: Callable[[int], None] = lambda _: None,
 ) -> None:
     """Ask, evaluate, tell, until the budget is spent; a strategy that can is asked for a batch while another is flown.
 
@@ -72,8 +71,6 @@ def run_search(
 
     Args:
         on_record: called with each evaluation, stored or new.
-        on_generation: called with the number of evaluations so far, whenever the strategy has received their
-            outcomes.
 
     Raises:
         InputError: where the stored evaluations are not those that this study asks for.
@@ -119,7 +116,6 @@ def run_search(
             batches.popleft()
             told += len(batch.candidates)
             _log.debug("%d of %d evaluations", told, study.evaluations)
-            on_generation(told)
 
 
 class _Journal:
