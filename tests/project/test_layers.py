@@ -22,7 +22,7 @@ LAYERS = (
 )
 """The modules and packages of the core from the ground up: each may import those before it, and no others."""
 
-MAX_ROOMS, MAX_FLOORS = 18, 13
+MAX_ROOMS_AND_FLOORS = {"driftform": (18, 13), "driftform.motion": (3, 3)}
 
 
 def list_imports(source: str) -> Iterator[str]:
@@ -66,18 +66,24 @@ def find_forbidden(imports: Mapping[str, set[str]]) -> list[str]:
     ]
 
 
-def count_floors(imports: Mapping[str, set[str]]) -> int:
-    """The number of rooms in the longest chain of which each imports the next; a room is a module or package of the core."""
-    below: dict[str, set[str]] = {}
+def find_rooms(imports: Mapping[str, set[str]], package: str = "driftform") -> dict[str, set[str]]:
+    """The modules and packages directly in a package, and which of the others each imports."""
+    place, rooms = package.count(".") + 1, dict[str, set[str]]()
     for module, names in imports.items():
-        if module != "driftform":
-            room = module.split(".")[1]
-            below.setdefault(room, set()).update({name.split(".")[1] for name in names} - {room})
+        if module.startswith(f"{package}."):
+            room = module.split(".")[place]
+            below = {name.split(".")[place] for name in names if name.startswith(f"{package}.")}
+            rooms.setdefault(room, set()).update(below - {room})
+    return rooms
+
+
+def count_floors(rooms: Mapping[str, set[str]]) -> int:
+    """The number of rooms in the longest chain of which each imports the next."""
 
     def find_floor(room: str) -> int:
-        return 1 + max(map(find_floor, below[room]), default=0)
+        return 1 + max(map(find_floor, rooms[room]), default=0)
 
-    return max(map(find_floor, below))
+    return max(map(find_floor, rooms))
 
 
 def find_circle(imports: Mapping[str, set[str]]) -> list[str]:
@@ -103,10 +109,12 @@ def test_every_part_of_the_core_has_its_layer() -> None:
     assert parts - {"__init__", "__main__"} == set(LAYERS)
 
 
-def test_the_core_has_few_rooms_on_few_floors() -> None:
-    floors = count_floors(read_imports(CORE))
-    print(f"{len(LAYERS)} rooms on {floors} floors")
-    assert len(LAYERS) <= MAX_ROOMS and floors <= MAX_FLOORS
+@pytest.mark.parametrize("package", MAX_ROOMS_AND_FLOORS)
+def test_a_package_has_few_rooms_on_few_floors(package: str) -> None:
+    rooms = find_rooms(read_imports(CORE), package)
+    found = len(rooms), count_floors(rooms)
+    print("{}: {} rooms on {} floors".format(package, *found))
+    assert found <= MAX_ROOMS_AND_FLOORS[package] and found[1] <= MAX_ROOMS_AND_FLOORS[package][1]
 
 
 def test_floors_are_counted_along_the_longest_chain() -> None:
@@ -116,7 +124,8 @@ def test_floors_are_counted_along_the_longest_chain() -> None:
         "driftform.b.z": set[str](),
         "driftform.c": set[str](),
     }
-    assert count_floors(imports) == 3
+    assert count_floors(find_rooms(imports)) == 3
+    assert find_rooms(imports, "driftform.b") == {"y": {"z"}, "z": set()}
 
 
 def test_each_part_of_the_core_imports_only_those_below_it() -> None:

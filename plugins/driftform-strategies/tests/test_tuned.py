@@ -14,7 +14,7 @@ from driftform.testing.strategy import search_space
 from driftform.types import Body, Core, End, Evaluation, FloatArray, Genome, Moments, Morphology, Trajectory
 from driftform.water import Scenario
 from driftform_strategies.direct import DirectStrategy
-from driftform_strategies.tuned import HIT, MOST_UNFIT, Shape, TunedOptions, TunedStrategy
+from driftform_strategies.tuned import HIT, MAX_UNFIT, Shape, TunedOptions, TunedStrategy
 
 RADIUS = 0.02
 """Of the bodies, m."""
@@ -179,7 +179,7 @@ def test_ten_shapes_are_drawn_once_for_a_target_that_none_is_heavy_enough_for() 
         candidates = strategy.ask(3)
         flown |= {candidate.genome.symbols for candidate in candidates}
         strategy.tell(0, [Evaluation.failed(candidate.genome, 1, "the flight failed") for candidate in candidates])
-    assert Light.measured == MOST_UNFIT - 1 + len(flown)
+    assert Light.measured == MAX_UNFIT - 1 + len(flown)
 
 
 def test_a_long_search_keeps_no_more_than_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,8 +20,8 @@ HIT = 0.001
 MAX_DRAWS = 200
 """Number of genomes that are drawn in the search for a new shape that can be tuned."""
 
-MOST_UNFIT = 10
-"""Most random shapes that are drawn to find one that can be heavy or light enough for a target."""
+MAX_UNFIT = 10
+"""Random shapes that are drawn at most to find one that can be heavy or light enough for a target."""
 
 DRAG = 1.0
 """Drag coefficient, on length times greatest diameter, by which the first response to a change of weight is guessed."""
@@ -234,7 +234,7 @@ class TunedStrategy(Strategy[TunedOptions]):
                 shape = self._vary(elite, target)
         if shape is None:
             # Where so many were in vain before, the next will hardly be fit: each costs more than the flights of a body.
-            draws = 1 if target in self._unfit else MOST_UNFIT
+            draws = 1 if target in self._unfit else MAX_UNFIT
             shape, elite = self._take_random(target, draws), None
             if len(self._fresh) < self.options.shapes and shape not in self._fresh:
                 self._fresh.append(shape)
@@ -268,7 +268,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         """Return the best with probability 1/2, the second with 1/4, and so on."""
         return elites[min(int(self.space.rng.geometric(0.5)), len(elites)) - 1]
 
-    def _take_random(self, target: int, draws: int = MOST_UNFIT) -> Shape:
+    def _take_random(self, target: int, draws: int = MAX_UNFIT) -> Shape:
         """Return a random shape, of some draws the first that may hit; at first one of a few that serve all targets."""
         untried = [shape for shape in self._fresh if target not in shape.tried and self._may_hit(shape, target)]
         if len(self._fresh) < self.options.shapes or not untried:

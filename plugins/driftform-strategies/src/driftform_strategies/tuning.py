@@ -8,7 +8,7 @@ secant is taken in that variable, here in kg^1/2.
 from collections.abc import Sequence
 from math import copysign, nan, prod, sqrt
 
-LEAST_SLOPE = 0.02
+MIN_SLOPE = 0.02
 """Least response, over the expected one, of a body that is tuned: a body that rides the wall has less."""
 
 FARTHEST = 3.0
@@ -54,7 +54,7 @@ def find_next(points: Sequence[tuple[float, float]], slope: float) -> float | No
     if len(nearest) > 1:
         (b, other) = nearest[1]
         found = (other - miss) / (b - a)
-        if not found < LEAST_SLOPE * slope:
+        if not found < MIN_SLOPE * slope:
             return None
         step = -miss / found
         return a + copysign(min(abs(step), FARTHEST * abs(b - a)), step)
