@@ -216,13 +216,13 @@ class Fitness(Plugin[OptionsT_co]):
     heading: ClassVar[str] = "fitness %"
     """What :meth:`measure` returns, with its unit: the heading of a column."""
     unit: ClassVar[str] = "%"
-    """The unit beside a single value."""
+    """The unit of a single value."""
     goal: ClassVar[str] = "a fitness of at least 99 %"
     """What a target that is reached has, in words."""
     share: ClassVar[str] = ""
     """Heading of the column with the share of the disturbed flights that reach the target; empty for none."""
     judges_passing: ClassVar[bool] = False
-    """Whether only how near a flight passes the target counts, so that a disturbed flight may end behind it."""
+    """Whether only how near a flight passes the target counts, so that a disturbed flight may end after it."""
 
     @abstractmethod
     def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:

@@ -198,7 +198,7 @@ class Core:
 
 @dataclass(frozen=True)
 class Fittings:
-    """What a hull has beside the wall of its section, such as the joints and the engraving of a kit.
+    """What a hull has besides the wall of its section, such as the joints and the engraving of a kit.
 
     Attributes:
         material: volume integrals of the material that is added, less that of material that is removed.
@@ -221,7 +221,7 @@ class Body:
         core: what the hull encloses, at the origin of the body frame.
         wall: nominal wall thickness, m.
         hull_density: density of the hull's material, kg/m3.
-        fittings: what the hull has beside the wall between both contours.
+        fittings: what the hull has besides the wall between both contours.
         ballast: volume integrals of the ball of ballast that lies inside the hull, on its axis. What holds it counts
             as a part of it, so that the hull does not depend on it.
         ballast_density: density of the ballast, kg/m3.
@@ -315,7 +315,7 @@ class Drag:
         blocking: diameter that narrows the bore, m; 0 if the drag is that in open water.
         creeping: k of Stokes flow: along the axis and across it (m), and of a turn about a transverse axis (m3); and
             the share of the water's curl with which the axis turns, b^2 / (a^2 + b^2) of a spheroid.
-        rubbing: factor on the friction of strips, beside that of each strip.
+        rubbing: factor on the friction of strips, in addition to that of each strip.
     """
 
     strips: FloatArray

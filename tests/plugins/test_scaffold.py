@@ -206,13 +206,6 @@ def test_one_distribution_brings_plugins_of_several_seams(call: Call, tmp_path: 
         monkeypatch.delitem(sys.modules, name)
 
 
-def test_no_placeholder_is_left_to_fill_in(tmp_path: Path) -> None:
-    for seam in KINDS:
-        for path, text in list_files([make_names("dwell", seam)]).items():
-            prompts = text.replace("\n$ ", "\n") if path == "README.md" else text
-            assert "$" not in prompts, f"{seam}: {path}"
-
-
 @pytest.mark.peers
 @pytest.mark.parametrize("words", [["format", "--check"], ["check", "--select", "E,F,W,I,N,UP,B,SIM,PTH,RUF"]])
 def test_a_scaffold_is_formatted_and_passes_the_linter(words: list[str], installed: Path) -> None:

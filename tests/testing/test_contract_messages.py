@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from driftform import testing
-from driftform.interfaces import Checker, Exporter, Fitness, Recorder
-from driftform.testing import CheckerContract, ExporterContract, FitnessContract, GrammarContract, RecorderContract
+from driftform.interfaces import Exporter
+from driftform.testing import ExporterContract, GrammarContract
 from driftform.testing.contract import Contract
 from driftform.testing.letters import LetterGrammar
 from driftform.util.options import Table
@@ -21,34 +21,12 @@ class Listing(LetterGrammar):
         return ["a"] * 12
 
 
-class Scalar(Fitness[Table]):
-    name = "scalar"
-
-    def score(self, trajectory: Any, scenario: Any, agent: Any) -> Any:
-        return 50.0
-
-
 class Silent(Exporter[Table]):
     name = "silent"
     suffix = ".txt"
 
     def write(self, job: Any, path: Path) -> Any:
         return None
-
-
-class Mute(Recorder[Table]):
-    name = "mute"
-    suffix = ".txt"
-
-    def write(self, job: Any, trajectory: Any, path: Path) -> Any:
-        return None
-
-
-class Wordy(Checker[Table]):
-    name = "wordy"
-
-    def check(self, job: Any) -> Any:
-        return ["all is well"]
 
 
 def make(contract: type[Any], plugin: type[Any]) -> Any:
@@ -64,24 +42,9 @@ def make(contract: type[Any], plugin: type[Any]) -> Any:
             "Every random genome grows into modules of finite length and a tilt below 90 degrees.",
         ),
         (
-            lambda _: make(FitnessContract, Scalar).test_there_is_one_fitness_for_each_target(("near",)),
-            "fitness 'scalar' returned 50.0 from score(), expected an array of 1 number from 0 to 100",
-            "The score is a vector over the scenario's targets, for one target or many.",
-        ),
-        (
             lambda path: make(ExporterContract, Silent).test_only_the_requested_files_are_written(path),
             "exporter 'silent' returned nothing from write(), expected the files that it wrote",
             "Every reported file exists, is not empty and has the name of the path, and every file that is written is reported.",
-        ),
-        (
-            lambda path: make(RecorderContract, Mute).test_only_the_requested_files_are_written(path),
-            "recorder 'mute' returned nothing from write(), expected the files that it wrote",
-            "Every reported file exists, is not empty and has the name of the path, and every file that is written is reported.",
-        ),
-        (
-            lambda path: make(CheckerContract, Wordy).test_a_sound_file_does_not_fail(path),
-            "checker 'wordy' returned a str from check(), expected a Finding",
-            "A cube of 20 mm can be printed; at least one finding says so, or why the check was skipped, each in one line.",
         ),
     ],
 )

@@ -1,7 +1,6 @@
 """The contract of recorders is of use only if it refuses recorders that are wrong: each of these has one fault."""
 
 import itertools
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -28,14 +27,14 @@ class Plain(Recorder[Table]):
         return (WrittenFile(self.name, str(path)),)
 
 
-class LeavesSomethingBeside(Plain):
+class LeavesAnotherFile(Plain):
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         path.parent.mkdir(exist_ok=True, parents=True)
         path.with_suffix(".tmp").write_text("left over")
         return super().write(job, trajectory, path)
 
 
-class TellsOfNothing(Plain):
+class ReportsNothing(Plain):
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         super().write(job, trajectory, path)
         return ()
@@ -89,36 +88,36 @@ def contract(cls: type[Plain]) -> RecorderContract:
     return Contract()
 
 
-CHECKS: dict[str, Callable[[RecorderContract, Path], None]] = {
-    "files": lambda c, p: c.test_only_the_requested_files_are_written(p),
-    "same": lambda c, p: c.test_the_same_job_gives_the_same_content(p),
-    "single": lambda c, p: c.test_a_flight_of_one_sample_is_recorded_too(p),
-    "open": lambda c, p: c.test_a_flight_in_open_water_is_recorded_too(p),
-    "other": lambda c, p: c.test_another_flight_gives_other_content(p),
-    "blocked": lambda c, p: c.test_a_failed_write_leaves_nothing_behind(p),
-}
+FILES, SAME, SINGLE, OPEN, OTHER, BLOCKED = CHECKS = (
+    "test_only_the_requested_files_are_written",
+    "test_the_same_job_gives_the_same_content",
+    "test_a_flight_of_one_sample_is_recorded_too",
+    "test_a_flight_in_open_water_is_recorded_too",
+    "test_another_flight_gives_other_content",
+    "test_a_failed_write_leaves_nothing_behind",
+)
 
 
 @pytest.mark.parametrize("check", CHECKS)
 def test_a_sound_recorder_passes(check: str, tmp_path: Path) -> None:
-    CHECKS[check](contract(Plain), tmp_path)
+    getattr(contract(Plain), check)(tmp_path)
 
 
 @pytest.mark.parametrize(
     ("cls", "check"),
     [
-        (LeavesSomethingBeside, "files"),
-        (TellsOfNothing, "files"),
-        (WritesTheClock, "same"),
-        (NeedsTwoSamples, "single"),
-        (NeedsAPipe, "open"),
-        (ForgetsTheFlight, "other"),
-        (LeavesHalfAFile, "blocked"),
+        (LeavesAnotherFile, FILES),
+        (ReportsNothing, FILES),
+        (WritesTheClock, SAME),
+        (NeedsTwoSamples, SINGLE),
+        (NeedsAPipe, OPEN),
+        (ForgetsTheFlight, OTHER),
+        (LeavesHalfAFile, BLOCKED),
     ],
 )
 def test_a_faulty_recorder_is_refused(cls: type[Plain], check: str, tmp_path: Path) -> None:
     with pytest.raises((AssertionError, IndexError)):
-        CHECKS[check](contract(cls), tmp_path)
+        getattr(contract(cls), check)(tmp_path)
 
 
 def test_a_recorder_that_refuses_failed_flights_is_refused(tmp_path: Path) -> None:

@@ -105,7 +105,7 @@ def test_a_strategy_that_looks_at_the_budget_is_refused(fault: type[Generations]
     ("fault", "test"),
     [
         (Disdainful, "test_fitness_up_to_the_threshold_does_not_matter"),
-        (OneForAll, "test_a_threshold_has_one_fitness_for_each_target"),
+        (OneForAll, "test_candidates_are_genomes_of_the_grammar"),
     ],
 )
 def test_a_strategy_with_a_false_threshold_is_refused(fault: type[Generations], test: str) -> None:

@@ -41,9 +41,6 @@ def differences(a: Genome, b: Genome) -> int:
 
 def test_the_wheel_turns_in_proportion_to_fitness():
     np.testing.assert_allclose(roulette_probabilities([1.0, 3.0, 0.0, 4.0]), [1 / 8, 3 / 8, 0, 1 / 2])
-
-
-def test_without_any_fitness_the_wheel_is_even():
     np.testing.assert_array_equal(roulette_probabilities([0.0] * 4), [0.25] * 4)
 
 
@@ -60,20 +57,6 @@ def test_parents_are_drawn_in_proportion_to_fitness():
         assert abs(drawn[index,] - size * p) < 5 * np.sqrt(size * p * (1 - p))
 
 
-def test_the_best_has_as_many_copies_as_its_fitness_is_above_the_mean():
-    # Spread as the fitness of random agents is: the best of ten gets little more than its one.
-    fitness = np.array([97.0, 92, 90, 88, 86, 84, 82, 80, 78, 74])
-    expected = fitness[0] / fitness.mean()
-    assert expected == pytest.approx(1.14, abs=0.005)
-    copies = []
-    for seed in range(600):
-        strategy = paper(seed, crossover=0, mutation_rate=0)
-        told(strategy, 0, strategy.ask(10), fitness)
-        copies.append(sum(candidate.parents == (0,) for candidate in strategy.ask(10)))
-    # Of 10 independent draws: a standard deviation of 1.0 each, of 0.041 for the mean of 600.
-    assert np.mean(copies) == pytest.approx(expected, abs=5 * 0.041)
-
-
 @pytest.mark.parametrize(("population", "targets"), [(10, 1), (10, 3), (7, 2), (2, 1)])
 def test_every_generation_has_one_population_of_constant_size_for_each_target(population, targets):
     names = tuple(f"T{i}" for i in range(targets))
@@ -87,11 +70,6 @@ def test_every_generation_has_one_population_of_constant_size_for_each_target(po
         assert all(bool(c.parents) == (generation > 0) for c in candidates)
         told(strategy, first, candidates, rng.random((len(candidates), targets)))
         first += len(candidates)
-
-
-def test_fifty_evaluations_for_a_target_are_five_generations_of_ten():
-    assert PaperStrategy.evaluations_per_target == 50
-    assert PaperOptions() == PaperOptions(population=10, crossover=0.9, mutation="per_symbol", mutation_rate=0.1)
 
 
 def test_a_population_descends_from_its_own_targets_individuals_by_that_targets_fitness():
@@ -111,26 +89,14 @@ def test_a_population_descends_from_its_own_targets_individuals_by_that_targets_
     assert parents == {"left": {where["left"][3]}, "right": {where["right"][6]}}
 
 
-def test_with_crossover_all_offspring_have_two_parents_and_symbols_of_both():
-    strategy = paper(3, population=20, crossover=1, mutation_rate=0)
-    first = strategy.ask(20)
-    told(strategy, 0, first, np.ones(20))
-    mixed = 0
-    for candidate in strategy.ask(20):
-        a, b = (first[parent].genome for parent in candidate.parents)
-        child = candidate.genome
-        assert all(s in pair for s, *pair in zip(child.symbols, a.symbols, b.symbols, strict=True))
-        mixed += child not in (a, b)
-    assert mixed > 10, "one-point crossover of twelve letters rarely gives a parent back"
-
-
 def test_the_two_offspring_of_a_pair_share_all_their_parents_symbols():
     strategy = paper(4, population=20, crossover=1, mutation_rate=0)
     first = strategy.ask(20)
     told(strategy, 0, first, np.ones(20))
     offspring = strategy.ask(20)
+    assert sum(child.genome not in [first[p].genome for p in child.parents] for child in offspring) > 10
     for one, other in zip(offspring[::2], offspring[1::2], strict=True):
-        assert one.parents == other.parents
+        assert one.parents == other.parents and len(one.parents) == 2
         a, b = (first[parent].genome for parent in one.parents)
         for place in range(LENGTH):
             given = sorted([a.symbols[place], b.symbols[place]])

@@ -316,7 +316,7 @@ def check_grammar(grammar: Grammar[Any]) -> None:
 def check_wording(fitness: Fitness[Any]) -> None:
     """Check the words of a fitness before a search, at the end of which they are needed.
 
-    Raises WorkFailedError if a word is no text, or a method does not return what
+    Raises WorkFailedError if a word is not text, or a method does not return what
     :class:`driftform.interfaces.Fitness` says.
     """
     for attribute in ("heading", "unit", "goal", "share"):

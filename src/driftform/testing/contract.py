@@ -35,7 +35,7 @@ def _explain(test: Callable[..., None]) -> Callable[..., None]:
 
 
 def _run_within(seconds: float, test: Callable[[], None]) -> None:
-    """Run a test, and fail if it takes longer; what hangs then is left behind in a thread that does not outlive the process."""
+    """Run a test, and fail if it takes longer; what hangs then stays in a thread that ends with the process."""
     __tracebackhide__ = True
     raised: list[BaseException] = []
 

@@ -93,8 +93,8 @@ class FitnessContract(SeamContract[Fitness[Any]]):
             again = self.copy().score(pickle.loads(pickle.dumps(trajectory)), self.scenario(), self.agent())
             np.testing.assert_array_equal(self.score(trajectory), again)
 
-    def test_what_comes_behind_a_target_counts_unless_the_fitness_judges_passing(self) -> None:
-        """A flight that ends a bore behind a target scores the same for it as the whole flight, if it ``judges_passing``."""
+    def test_what_comes_after_a_target_counts_unless_the_fitness_judges_passing(self) -> None:
+        """A flight that ends a bore after a target scores the same for it as the whole flight, if it ``judges_passing``."""
         ends: list[Vector] = [(9.0, 0.9, -0.3), (9.0, 0.0, -0.9)] if self.plugin().judges_passing else []
         for end in ends:
             whole = straight_trajectory((0, 0, 0), end, np.linspace(0, 9, 91))

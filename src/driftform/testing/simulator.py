@@ -143,7 +143,7 @@ class PointSimulatorContract(SeamContract[Simulator[Any]]):
         np.testing.assert_allclose(trajectory.position[0], (0.1, 0.2, 0.3), atol=1e-12)
 
     def test_a_flight_follows_a_bend_to_the_outlet(self) -> None:
-        """A neutral sphere on the axis ends in the plane of the outlet behind a bend of 90 degrees, and not beyond its wall."""
+        """A neutral sphere on the axis ends in the plane of the outlet after a bend of 90 degrees, and not beyond its wall."""
         parts: list[dict[str, Any]] = [{"length": 0.5}, {"kind": "bend", "radius": 0.3}, {"length": 0.4}]
         trajectory = self.fly(NEUTRAL, _parts_scenario(parts), End.OUTLET)
         # The axis turns from x to z: 0.5 m, a quarter of a circle of 0.3 m, and 0.4 m.

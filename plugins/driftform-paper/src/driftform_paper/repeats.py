@@ -1,4 +1,4 @@
-"""The paper's experiment: its search repeated over seeds, beside random search with the same budget.
+"""The paper's experiment: its search repeated over seeds, compared with random search of the same budget.
 
 Each repeat is a separate run in a separate directory, so that an interrupted repeat continues where it stopped.
 """
@@ -15,7 +15,7 @@ from driftform.types import FloatArray, Genome, Trajectory
 from driftform.water import Scenario
 
 STRATEGIES = ("paper", "random")
-"""The paper's search, and the baseline that it is held against."""
+"""The paper's search, and its baseline."""
 
 PER_TARGET = 50
 """Flights for each target in a repeat: five generations of ten."""

@@ -27,7 +27,7 @@ SIDE = (0, 2)
 class FlightSpread:
     """Flights of one agent for one target, cut at their closest approach as in the paper's Figure 7.
 
-    ``note`` is written beside the target's name.
+    ``note`` is written after the target's name.
     """
 
     name: str

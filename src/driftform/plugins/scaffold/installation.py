@@ -1,4 +1,4 @@
-"""The commands that install a new plugin beside driftform, by pip or by uv."""
+"""The commands that install a new plugin where driftform is, by pip or by uv."""
 
 import json
 import shlex
@@ -10,7 +10,7 @@ from urllib.request import url2pathname
 
 
 def list_installation() -> list[str]:
-    """Return the commands that install a new distribution beside driftform and run its tests, from its folder.
+    """Return the commands that install a new distribution where driftform is and run its tests, from its folder.
 
     An environment with pip takes it as any other. One without was made by uv. If it is that of a clone of driftform, the
     distribution gets an environment of its own, so that ``uv sync`` of the clone does not uninstall it.
