@@ -23,11 +23,11 @@ from driftform.interfaces import SEAMS
 from driftform.plugins.registry import Contribution, registry
 from driftform.study import RunOptions
 from driftform.util.options import describe_bounds, find_table
+from driftform.util.validity import RANGES
 from driftform.water import Scenario
 from driftform.water.flow import FLOWS
 from driftform.water.fluids import FLUIDS
 from driftform.water.parts.tables import PARTS as PIPE_PARTS
-from driftform.water.validity import RANGES
 
 Check = Callable[[Path, str], None]
 

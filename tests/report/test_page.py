@@ -14,8 +14,8 @@ from driftform.runs.run import Run
 from driftform.search.report.contents import collect_contents
 from driftform.search.report.page import page_html, viewer_data
 from driftform.util.rotations import matrix_from_quaternion
+from driftform.util.validity import RANGES
 from driftform.water.flow import PowerLawFlow
-from driftform.water.validity import RANGES
 
 PIXELS = """
 const view = document.getElementById(arguments[0]);

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from driftform.study import load_study
+from driftform.util.validity import RANGES, Range, find_departures
 from driftform.water import Scenario
 from driftform.water.field import water_velocity
 from driftform.water.regime import entry_length, warn_of_regime
-from driftform.water.validity import RANGES, Range, find_departures
 
 OIL = {"density": 870.0, "viscosity": 1e-4}
 

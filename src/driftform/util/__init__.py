@@ -1,4 +1,4 @@
-"""Files, options, progress, notebooks and compilation; independent of agents and flows."""
+"""Files, options, ranges of formulas, progress, notebooks and compilation; independent of agents and flows."""
 
 import lazy_loader
 

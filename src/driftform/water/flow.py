@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import Discriminator, Tag, model_validator
 
 from driftform.util.options import MAX_SEED, Table, option
+from driftform.util.validity import RANGES
 from driftform.water.pipe import Vector
-from driftform.water.validity import RANGES
 
 
 class UniformFlow(Table):

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from driftform.util.validity import RANGES, find_departures
 from driftform.water.flow import (
     KARMAN,
     DevelopedFlow,
@@ -16,7 +17,6 @@ from driftform.water.flow import (
 )
 from driftform.water.parts.profiles import DEVELOPING, GRID, LOG_LAW, PARABOLA, POWER_LAW, UNIFORM
 from driftform.water.parts.shapes import Tee
-from driftform.water.validity import RANGES, find_departures
 
 if TYPE_CHECKING:
     from driftform.water.scenario import Scenario

@@ -1,11 +1,11 @@
-"""Where an agent is outside of the ranges of the formulas that fly it: :mod:`driftform.water.validity`."""
+"""Where an agent is outside of the ranges of the formulas that fly it: :mod:`driftform.util.validity`."""
 
 from driftform.motion.forces.body_drag import SLENDER
 from driftform.motion.forces.drag_coefficients import sphericity
 from driftform.motion.forces.terminal import terminal_speeds
 from driftform.types import Agent
+from driftform.util.validity import find_departures
 from driftform.water import Scenario
-from driftform.water.validity import find_departures
 
 SLIP = 0.2
 """Speed through the water, over that of the water, that any agent may reach: in a gust, at a wall, in a bend."""
