@@ -165,7 +165,7 @@ class Run(StoredRun, Mapping[str, Design]):
             trajectories: whether the samples of all flights are written too.
 
         Raises:
-            InputError: if there is no such format, or the folder is not empty.
+            InputError: if the format is unknown, or the folder is not empty.
         """
         return write_tables(self, None if folder is None else Path(folder), format, trajectories)
 
@@ -252,7 +252,7 @@ def evolve(study: Study, directory: str | os.PathLike[str], *, workers: int = 1,
 
 
 def open_run(directory: str | os.PathLike[str]) -> Run:
-    """Open a run directory, also that of a run that another process continues.
+    """Open a run directory, also while another process continues it.
 
     Raises:
         InputError: if it is not a run.
@@ -276,7 +276,7 @@ def open_agent(
         use: other plugins than its own, as there.
 
     Raises:
-        InputError: if there is no such agent.
+        InputError: if the agent does not exist.
     """
     return opening.open_agent(os.fspath(text), scenario, settings, use)
 

@@ -11,7 +11,6 @@ import os
 import random
 import resource
 import signal
-import sqlite3
 import struct
 import sys
 import time
@@ -19,7 +18,6 @@ import traceback
 import zipfile
 from collections import Counter
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 from warnings import catch_warnings
@@ -267,12 +265,6 @@ def make_run(folder: Path) -> bytes:
     return (run.path / "run.db").read_bytes()
 
 
-def make_cells(folder: Path) -> list[bytes]:
-    """Make the run whose cells :func:`read_database` changes, and return a file that names one."""
-    DATABASE[:] = [make_run(folder)]
-    return [bytes(range(0, 256, 9))]
-
-
 def read_run(path: Path) -> None:
     folder = path.parent / "read"
     folder.mkdir(exist_ok=True)
@@ -323,31 +315,6 @@ def read_word(path: Path) -> None:
     open_agent(path.read_text(encoding="utf-8", errors="surrogateescape"))
 
 
-def read_database(path: Path) -> None:
-    """A run's texts and numbers changed within a sound file of SQLite: the bytes name the cell, and what is put there."""
-    data = path.read_bytes()
-    path.write_bytes(DATABASE[0])
-    with closing(sqlite3.connect(path)) as connection, connection:
-        cells = [
-            (table, column)
-            for table in ("meta", "evaluation", "score")
-            for _, column, *_ in connection.execute(f"PRAGMA table_info({table})")
-        ]
-        table, column = cells[data[0] % len(cells)] if data else cells[0]
-        [old] = connection.execute(f"SELECT {column} FROM {table} LIMIT 1").fetchone()
-        raw = old if isinstance(old, bytes) else str(old).encode()
-        at = len(raw) * data[-1] // 256 if data else 0
-        new: Any = raw[:at] + data[1:] + raw[at + len(data) :]
-        new = new if isinstance(old, bytes) else new.decode(errors="replace")
-        try:
-            connection.execute(f"UPDATE {table} SET {column} = ? WHERE rowid = 1", (new,))
-        except sqlite3.Error:
-            return  # A constraint of the table forbids it.
-    read_run(path)
-
-
-DATABASE: list[bytes] = []
-
 Make = Callable[[Path], Sequence[bytes]]
 
 READERS: dict[str, tuple[str, Make, Callable[[Path], Any]]] = {
@@ -369,7 +336,6 @@ READERS: dict[str, tuple[str, Make, Callable[[Path], Any]]] = {
     "GLB": ("part.glb", lambda f: [make_glb(f)], read_both),
     "STEP": ("part.step", lambda f: [make_step(f)], read_own_body),
     "run": ("run.db", lambda f: [make_run(f)], read_run),
-    "cells of a run": ("cells", make_cells, read_database),
 }
 """Of each reader the name of its file, sound files, and what reads them."""
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.cli.display import format_throughput, progress_line
-from driftform.runs.status import STEPS, RunStatus, TargetStatus, Throughput
+from driftform.runs.status import MAX_STEPS, RunStatus, TargetStatus, Throughput
 
 Evaluated = tuple[int, int, str, str | None, list[float]]
 
@@ -84,7 +84,7 @@ def test_a_long_run_of_small_improvements_takes_little_memory_and_keeps_its_shap
     count = 20_000
     for index in range(count):
         target.score(index, 100 * (index + 1) / count)
-    assert len(target._steps) <= STEPS
+    assert len(target._steps) <= MAX_STEPS
     for column, error in enumerate(target.errors(40, count), start=1):
         # Improvements that lie close together were joined: a curve is late by less than half a column.
         assert error == pytest.approx(100 - 100 * column / 40, abs=100 / 80)

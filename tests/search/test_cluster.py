@@ -17,8 +17,9 @@ from processes import count_evaluations, wait_until
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.search import cluster
-from driftform.search.cluster import Cluster, find_versions
+from driftform.search.cluster import Cluster
 from driftform.search.jobs import Job
+from driftform.search.versions import find_versions
 from driftform.study import Study, load_study
 
 Call = Callable[..., Any]
@@ -115,8 +116,7 @@ def test_a_local_cluster_lets_nobody_in_who_does_not_hold_its_keys(study: Study)
     from distributed import Client, Security
 
     with closing(Cluster.start(study.document, 1)) as executor:
-        [group] = executor._groups
-        address = group._client.scheduler.address  # type: ignore[attr-defined]
+        address = executor._client.scheduler.address
         assert address.startswith("tls://127.0.0.1:")
         strangers = ((address.replace("tls", "tcp"), Security()), (address, Security.temporary()))
         for where, security in strangers:
@@ -228,8 +228,8 @@ def test_an_address_without_a_scheduler_is_refused(
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--executor", "dusk"), "--executor dusk: no such executor; did you mean 'dask'?"),
-        (("--executor", "local", "--scheduler", "tcp://x:1"), "--scheduler tcp://x:1: only goes with --executor dask"),
+        (("--executor", "dusk"), "--executor dusk: unknown executor; did you mean 'dask'?"),
+        (("--executor", "local", "--scheduler", "tcp://x:1"), "--scheduler tcp://x:1: needs --executor dask"),
         (("--workers", 2, "--scheduler", "tcp://x:1"), "--workers 2: a cluster has the workers that joined it"),
     ],
 )

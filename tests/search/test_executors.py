@@ -21,7 +21,7 @@ import pytest
 from driftform.errors import InputError
 from driftform.search.cluster import Cluster
 from driftform.search.in_process import InProcess
-from driftform.search.jobs import ATTEMPTS, KILLS, FunctionDiedError, Job, Outcome, WorkersLostError
+from driftform.search.jobs import ATTEMPTS, FunctionDiedError, Job, Outcome, WorkersLostError
 from driftform.search.local import LocalProcesses
 from driftform.search.pool import PoolExecutor
 from driftform.study import Study, load_study
@@ -60,8 +60,7 @@ def make(request: pytest.FixtureRequest) -> Make:
 def workers_of(executor: PoolExecutor) -> list[int]:
     """The processes that evaluate."""
     if isinstance(executor, Cluster):
-        [group] = executor._groups
-        return list(group._client.run(os.getpid).values())
+        return list(executor._client.run(os.getpid).values())
     return [child.pid or 0 for child in multiprocessing.active_children()]
 
 
@@ -115,15 +114,7 @@ def test_a_genome_that_raises_fails_and_the_others_do_not(jobs: list[Job]) -> No
             assert_same({index: evaluation}, {index: sound[index]})
 
 
-def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(
-    jobs: list[Job], make: Make, request: pytest.FixtureRequest
-) -> None:
-    is_local = "local" in request.node.callspec.id
-    reason = (
-        f"its process died {ATTEMPTS} times (exit code 1)"
-        if is_local
-        else f"its process was killed {KILLS} times, from outside or for want of memory"
-    )
+def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(jobs: list[Job], make: Make) -> None:
     sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
     guilty = {job.index for job in jobs if number(job.genome) < 0.08}
     assert 0 < len(guilty) < COUNT / 3
@@ -132,7 +123,7 @@ def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(
     assert outcomes.keys() == sound.keys()
     for index, evaluation in outcomes.items():
         if index in guilty:
-            assert evaluation.failure == reason
+            assert evaluation.failure == f"its process died {ATTEMPTS} times (exit code 1)"
             assert evaluation.fitness.tolist() == [0.0, 0.0]
         else:
             assert_same({index: evaluation}, {index: sound[index]})

@@ -61,6 +61,6 @@ def test_a_rehearsal_is_one_flight_under_the_conditions_of_the_study(conditions:
             return super().simulate_batch(agents, scenarios)
 
     pipeline = replace(pipeline, simulator=Observed(pipeline.simulator.options))
-    rehearse(pipeline, pipeline.grammar.random(np.random.default_rng(1)))
+    rehearse(pipeline)
     assert len(flown) == (conditions > 0)
     assert all(scenario.release != study.scenario.release for scenario in flown)

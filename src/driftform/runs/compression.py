@@ -12,7 +12,7 @@ from driftform.types import End, Evaluation, Trajectory
 SAMPLE_GAP = 0.01
 """Least time between the samples of a compressed trajectory, s."""
 
-LARGEST_FLIGHT = 1 << 28
+MAX_FLIGHT_BYTES = 1 << 28
 """Largest size of a flight in single precision, bytes: 13 hours, whatever it contains."""
 
 _NUMBERS = 14
@@ -77,7 +77,7 @@ def encode(trajectory: Trajectory) -> bytes:
     from driftform.motion.path.thinning import thin_samples
 
     samples = thin_samples(trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, SAMPLE_GAP)
-    if samples.nbytes > LARGEST_FLIGHT:
+    if samples.nbytes > MAX_FLIGHT_BYTES:
         raise ValueError(f"a flight of {trajectory.t[-1]:g} s has more samples than a run can hold")
     is_stored = np.array(samples.view(np.uint32).any(axis=1))
     # The times are always stored, and say how many samples there are.

@@ -37,8 +37,8 @@ class PipeGrid:
     """Grid of cells over a straight pipe's section in the vertical plane through its axis.
 
     The coordinates on the map are the distance along the axis from the upstream end, and the height above the axis,
-    perpendicular to it. A cell is a box centred on that plane, as deep as it is high: a flight that passes beside it,
-    because gusts have blown the agent out of the plane, does not cross it. Cells are half open, so that each point is in
+    perpendicular to it. A cell is a box centred on that plane, as deep as it is high: a flight that
+    gusts have blown out of the plane does not cross it. Cells are half open, so that each point is in
     exactly one.
 
     Attributes:
@@ -98,7 +98,7 @@ class PipeGrid:
         return self.shape[0] * self.shape[1]
 
     def to_map(self, points: FloatArray) -> FloatArray:
-        """Return world points (n, 3) as distance along, height above and distance beside the axis, m, (n, 3)."""
+        """Return world points (n, 3) as distance along, height above and distance aside of the axis, m, (n, 3)."""
         return np.asarray((points - self.origin) @ self.axes.T)
 
     def to_world(self, points: FloatArray) -> FloatArray:
@@ -152,7 +152,7 @@ class UnrolledGrid(PipeGrid):
     """Grid of cells over the section of a pipe with parts, unrolled: the run from inlet to outlet, then each branch.
 
     The coordinates are the distance along the axes and the height above them; in a vertical part, the axes that the pipe
-    carries along take the place of up and aside. A branch begins at the axis of its run, :data:`_APART` behind the end of
+    carries along take the place of up and aside. A branch begins at the axis of its run, :data:`_APART` after the end of
     the chain before it on the map. All chains have rows for the widest bore.
 
     ``origin`` and ``axes`` are those of the inlet.
@@ -195,7 +195,7 @@ class UnrolledGrid(PipeGrid):
         return False
 
     def to_map(self, points: FloatArray) -> FloatArray:
-        """Return world points (n, 3) as place along, height above and distance beside the axis, m, (n, 3).
+        """Return world points (n, 3) as place along, height above and distance aside of the axis, m, (n, 3).
 
         A point outside the pipe counts for the first part.
         """
@@ -220,14 +220,14 @@ class UnrolledGrid(PipeGrid):
         found = np.full((len(points), 3), np.nan)
         for index, placed in enumerate(self.layout.parts):
             entry = self.starts[index] + self.layout.depths[index]
-            ways = [(0.0, placed.part.length, entry, False)]
+            spans = [(0.0, placed.part.length, entry, False)]
             if placed.by_branch and placed.upstream is not None:
                 # The axis of the branch within the tee, from that of the run on.
                 tee = placed.upstream
                 begin = self.layout.junction_depth(tee) - self.layout.depths[tee]
                 end = self.layout.depths[index] - self.layout.depths[tee]
-                ways.append((begin, end, self.starts[index] + self.layout.depths[tee], True))
-            for begin, end, start, on_branch in ways:
+                spans.append((begin, end, self.starts[index] + self.layout.depths[tee], True))
+            for begin, end, start, on_branch in spans:
                 along = points[:, 0] - start
                 here = np.isnan(found[:, 0]) & (along >= begin - _ROUNDING) & (along <= end + _ROUNDING)
                 part = self.layout.parts[placed.upstream or 0].part if on_branch else placed.part

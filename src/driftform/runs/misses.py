@@ -41,7 +41,7 @@ class Misses:
     Attributes:
         conditions: of each flight.
         offsets: vector from each target to the closest approach of each flight, world frame, m, (flights, targets,
-            3); NaN for a failed flight. In a pipe with parts it is as long as the way through the water.
+            3); NaN for a failed flight. In a pipe with parts it is as long as the path through the water.
     """
 
     conditions: Sequence[Condition]

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 
 from driftform.errors import ReasonTally
 
-STEPS = 512
-"""Most improvements of a target that are kept: far more than a terminal has columns."""
+MAX_STEPS = 512
+"""Number of improvements of a target that are kept: far more than a terminal has columns."""
 
 
 class TargetStatus:
@@ -77,11 +77,11 @@ class TargetStatus:
 
 
 def _thin(steps: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]:
-    """At most :data:`STEPS` improvements: of those that lie close together, the last."""
-    if len(steps) <= STEPS:
+    """At most :data:`MAX_STEPS` improvements: of those that lie close together, the last."""
+    if len(steps) <= MAX_STEPS:
         return steps
     width = steps[-1][0] + 1
-    return tuple({index * (STEPS // 2) // width: (index, error) for index, error in steps}.values())
+    return tuple({index * (MAX_STEPS // 2) // width: (index, error) for index, error in steps}.values())
 
 
 class RunStatus:
@@ -135,7 +135,7 @@ class Throughput:
     settling = 1.0
     """Evaluations that come this soon after the first, s, are as old as it: several are computed at once."""
 
-    fewest = 5
+    min_count = 5
     """Evaluations that a rate needs; fewer would make it jump."""
 
     def __init__(self, done: int, clock: Callable[[], float] = time.monotonic) -> None:
@@ -176,7 +176,7 @@ class Throughput:
 
     def _rate(self, since: float, before: int, done: int) -> float | None:
         new, span = done - before, self._clock() - since
-        return new / span if self._first is not None and new >= self.fewest and span > 0 else None
+        return new / span if self._first is not None and new >= self.min_count and span > 0 else None
 
     def _is_enough(self, since: float, before: int, now: float, done: int) -> bool:
-        return since < now - self.window and done - before >= self.fewest
+        return since < now - self.window and done - before >= self.min_count

@@ -21,17 +21,8 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error, find_commonest
-from driftform.runs.compression import LARGEST_FLIGHT, compress, decode, diagnostics
+from driftform.runs.compression import MAX_FLIGHT_BYTES, compress, decode, diagnostics
 from driftform.runs.directory import resume_command
-from driftform.runs.values import (
-    check_integer,
-    check_number,
-    check_optional_number,
-    check_text,
-    read_integers,
-    read_study_document,
-    read_texts,
-)
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 from driftform.util.files import write_whole
 
@@ -58,10 +49,10 @@ _TABLES = {statement.split()[2]: _normalise(statement) for statement in _SCHEMA.
 _HEADER = 100
 """Bytes that every SQLite file begins with."""
 
-_LARGEST = 2**63 - 1
+_MAX_INTEGER = 2**63 - 1
 """Integer of SQLite."""
 
-_LARGEST_ROW = LARGEST_FLIGHT + (1 << 20)
+_MAX_ROW_BYTES = MAX_FLIGHT_BYTES + (1 << 20)
 """Largest row that is written or read, bytes: SQLite refuses a larger one before it takes memory."""
 
 _DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
@@ -78,9 +69,9 @@ class Record:
 
     Attributes:
         index: in the run, from 0.
-        candidate: what was asked for.
-        evaluation: what came of it.
-        seed: of what was random about it.
+        candidate: as the strategy asked for it.
+        evaluation: its outcome.
+        seed: of its random parts.
     """
 
     index: int
@@ -91,7 +82,7 @@ class Record:
 
 @dataclass(frozen=True)
 class EvaluationSummary:
-    """What is small of a stored evaluation: not its genome, nor its flight.
+    """A stored evaluation without its genome and flight.
 
     Attributes:
         index: in the run, from 0.
@@ -110,7 +101,7 @@ class EvaluationSummary:
 
 @dataclass(frozen=True, eq=False)
 class DisturbedResult:
-    """What one flight of an evaluation's agent under a disturbed condition scored.
+    """The result of one flight of an evaluation's agent under a disturbed condition.
 
     Attributes:
         evaluation: index of the evaluation.
@@ -142,13 +133,13 @@ class Store:
         """Make a new run file for a study's document.
 
         Raises:
-            InputError: where the file exists already.
-            WorkFailedError: where it cannot be written.
+            InputError: if the file exists already.
+            WorkFailedError: if it cannot be written.
         """
         if path.exists():
             raise InputError(f"{path} exists already: resume that run, or choose another --out")
         try:
-            # In place in one step: whoever is killed meanwhile leaves no file that is not a run.
+            # In place in one step: a killed process leaves no partial file.
             write_whole(path, lambda part: _write_empty(part, study))
             connection = _connect(path)
             connection.execute("PRAGMA journal_mode = WAL")
@@ -211,7 +202,7 @@ class Store:
         self.close()
 
     def close(self) -> None:
-        """Close the file, and leave it whole without its write-ahead log where nobody else reads it."""
+        """Close the file, and leave it whole without its write-ahead log if no other process reads it."""
         if self._read_only:
             self._connection.close()
             return
@@ -223,10 +214,15 @@ class Store:
         self._connection.close()
 
     def read_study(self) -> dict[str, Any]:
-        """The document of the study that made the run."""
+        """Return the document of the study that made the run."""
         with self._reading():
-            [value] = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
-            return read_study_document(value)
+            [text] = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
+            document: dict[str, Any] = json.loads(text)
+            # Their names are shown before anything else of a study is checked.
+            for name in document.get("targets", ()):
+                if not name.isprintable():
+                    raise ValueError(f"a target is named {name!r}")
+            return document
 
     def replace_study(self, study: Mapping[str, Any]) -> None:
         """Put another document in the place of the study's; when this returns it survives a crash."""
@@ -272,7 +268,7 @@ class Store:
         return found if is_same else {}
 
     def check_place(self) -> None:
-        """Refuse to go on if the file is no longer where it was opened: SQLite would write to it, wherever it is.
+        """Refuse to continue if the file is no longer where it was opened: SQLite would write to it, wherever it is.
 
         Raises WorkFailedError if the run was moved or deleted.
         """
@@ -286,7 +282,7 @@ class Store:
         """Write evaluations, all or none; when this returns they survive a crash.
 
         Raises:
-            WorkFailedError: where they cannot be written.
+            WorkFailedError: if they cannot be written.
         """
         self.check_place()
         # One fsync for all of them: on a disk that makes each wait 4 ms it is what a write costs.
@@ -307,10 +303,10 @@ class Store:
             ) from None
 
     def add_disturbed(self, flights: Sequence[DisturbedResult], targets: Sequence[str]) -> None:
-        """Write what flights under disturbed conditions scored, all or none.
+        """Write the results of flights under disturbed conditions, all or none.
 
         Raises:
-            WorkFailedError: where they cannot be written.
+            WorkFailedError: if they cannot be written.
         """
         self.check_place()
         rows = [
@@ -326,12 +322,9 @@ class Store:
             raise WorkFailedError(f"{self._path}: disturbed flights {_describe_unwritten(error, self._path)}") from None
 
     def list_disturbed(self) -> set[tuple[int, int]]:
-        """The evaluations and conditions that were flown disturbed."""
+        """Return the pairs of evaluation and condition that were flown disturbed."""
         with self._reading():
-            return {
-                (check_integer(index, "an evaluation"), check_integer(condition, "a condition"))
-                for index, condition in self._connection.execute("SELECT DISTINCT evaluation, condition FROM disturbed")
-            }
+            return set(self._connection.execute("SELECT DISTINCT evaluation, condition FROM disturbed"))
 
     def read_disturbed(self, target: str, first: int = 0, end: int = MAX_INDEX) -> dict[int, dict[int, float]]:
         """Return the fitness (%) of every disturbed flight, NaN if it says nothing: by evaluation, and by condition.
@@ -346,9 +339,8 @@ class Store:
         with self._reading():
             rows = self._connection.execute(query, (target, first, end)).fetchall()
             for index, flights in groupby(rows, key=itemgetter(0)):
-                found[check_integer(index, "an evaluation")] = {
-                    check_integer(condition, "a condition"): nan if failed else _check_fitness(fitness)
-                    for _, condition, fitness, failed in flights
+                found[index] = {
+                    condition: nan if failed else float(fitness) for _, condition, fitness, failed in flights
                 }
         return found
 
@@ -360,17 +352,14 @@ class Store:
         query = "SELECT condition, x, y, z FROM disturbed WHERE target = ? AND evaluation = ? ORDER BY condition"
         with self._reading():
             rows = self._connection.execute(query, (target, evaluation)).fetchall()
-            return {
-                check_integer(condition, "a condition"): np.array(offset, dtype=np.float64)
-                for condition, *offset in rows
-            }
+            return {condition: np.array(offset, dtype=np.float64) for condition, *offset in rows}
 
     def count(self) -> int:
-        """How many evaluations there are."""
+        """Return the number of evaluations."""
         return int(self._scalar("SELECT COUNT(*) FROM evaluation"))
 
     def count_failed(self) -> int:
-        """How many of them failed."""
+        """Return the number of evaluations that failed."""
         return int(self._scalar("SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"))
 
     def find_commonest_failure(self) -> tuple[str, int]:
@@ -379,21 +368,19 @@ class Store:
         return find_commonest(str(failure) for (failure,) in self._connection.execute(query))
 
     def count_sound(self) -> int:
-        """How many of them have a flight: those that did not fail."""
+        """Return the number of evaluations that did not fail."""
         return self.count() - self.count_failed()
 
     def total_seconds(self) -> float:
-        """What all evaluations took together, s."""
-        with self._reading():
-            return check_number(self._scalar("SELECT COALESCE(SUM(seconds), 0) FROM evaluation"), "the time")
+        """Return the time that all evaluations took together, s."""
+        return float(self._scalar("SELECT COALESCE(SUM(seconds), 0) FROM evaluation"))
 
     def last_index(self) -> int:
-        """The largest index of an evaluation, -1 before any; not each below it need be there yet."""
-        with self._reading():
-            return check_integer(self._scalar("SELECT COALESCE(MAX(id), -1) FROM evaluation"), "an evaluation", -1)
+        """Return the largest index of an evaluation, -1 before any; some below it may be missing yet."""
+        return int(self._scalar("SELECT COALESCE(MAX(id), -1) FROM evaluation"))
 
     def read_summaries(self, targets: Sequence[str], first: int = 0) -> Iterator[EvaluationSummary]:
-        """Yield what is small of the evaluations from index ``first`` on, in their order, as of one moment."""
+        """Yield the summaries of the evaluations from index ``first`` on, in their order, as of one moment."""
         columns = "id, generation, population, failure"
         scores = "SELECT fitness FROM score WHERE target = ? AND evaluation >= ? ORDER BY evaluation"
         with self._reading(), _transaction(self._connection), ExitStack() as stack:
@@ -405,27 +392,19 @@ class Store:
                 )
             )
             for (index, generation, population, failure), *scored in zip(rows, *fitness, strict=True):
-                yield EvaluationSummary(
-                    check_integer(index, "an evaluation"),
-                    check_integer(generation, "a generation"),
-                    check_text(population, "a population"),
-                    None if failure is None else check_text(failure, "a failure"),
-                    tuple(_check_fitness(score) for (score,) in scored),
-                )
+                scores = tuple(float(score) for (score,) in scored)
+                yield EvaluationSummary(index, generation, population, failure, scores)
 
     def read_fitness(self, target: str, indices: Sequence[int]) -> dict[int, float]:
         """Return the fitness (%) of the undisturbed flights of evaluations, by evaluation."""
         query = "SELECT fitness FROM score WHERE target = ? AND evaluation = ?"
         with self._reading():
-            return {
-                index: _check_fitness(self._connection.execute(query, (target, index)).fetchone()[0])
-                for index in indices
-            }
+            return {index: float(self._connection.execute(query, (target, index)).fetchone()[0]) for index in indices}
 
     def read_records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
         """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
         # An end in any case: without one, SQLite would read all that follows, to leave it out.
-        end = first + count if count >= 0 else _LARGEST
+        end = first + count if count >= 0 else _MAX_INTEGER
         query = "SELECT * FROM evaluation WHERE id >= ? AND id < ? ORDER BY id"
         with self._reading(), closing(self._connection.execute(query, (first, end))) as rows:
             for row in rows:
@@ -439,7 +418,7 @@ class Store:
         """
         with self._reading(), closing(self._connection.execute(query)) as rows:
             for index, ended, contact, drift, error, blob in rows:
-                yield check_integer(index, "an evaluation"), _flight(blob, ended, contact, drift, error)
+                yield index, _flight(blob, ended, contact, drift, error)
 
     def read_record(self, index: int, targets: Sequence[str]) -> Record:
         """Return one evaluation."""
@@ -452,14 +431,14 @@ class Store:
             return self._genome(*self._connection.execute(query, (index,)).fetchone())
 
     def find_best(self, target: str) -> tuple[int, float] | None:
-        """Index and fitness of the best evaluation for a target, the earliest of equals; ``None`` before any."""
+        """Return index and fitness of the best evaluation for a target, the earliest of equals; ``None`` before any."""
         query = """
             SELECT evaluation, fitness FROM score JOIN evaluation ON id = evaluation
             WHERE target = ? AND failure IS NULL ORDER BY fitness DESC, evaluation LIMIT 1
         """
         with self._reading():
             row = self._connection.execute(query, (target,)).fetchone()
-            return (check_integer(row[0], "an evaluation"), _check_fitness(row[1])) if row else None
+            return (row[0], float(row[1])) if row else None
 
     @cached_property
     def _grammar(self) -> str | None:
@@ -480,19 +459,17 @@ class Store:
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
-        """What cannot be read as it was written is damage, unless the place where it is read is to blame."""
+        """Turn errors of reading into a line for users: damage, or a place that does not let the file be read."""
         try:
             yield
-        except (sqlite3.Error, zlib.error, ValueError, TypeError, KeyError, RecursionError) as error:
+        except (sqlite3.Error, zlib.error, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             raise _describe_read_error(self._path, error) from None
 
-    def _genome(self, grammar: object, symbols: object, tuning: object) -> Genome:
+    def _genome(self, grammar: str, symbols: str, tuning: float) -> Genome:
         """Return a genome from the values of its columns."""
         if self._grammar not in (None, grammar):
             raise ValueError(f"a genome is of the grammar {grammar!r}, expected {self._grammar!r}")
-        return Genome(
-            check_text(grammar, "a grammar"), read_texts(symbols, "the symbols"), check_number(tuning, "the tuning")
-        )
+        return Genome(grammar, tuple(json.loads(symbols)), tuning)
 
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
         index, generation, population, parents, grammar, symbols, tuning, seed, failure, ended, _, *rest = row
@@ -505,37 +482,15 @@ class Store:
             ).fetchall()
         )
         genome = self._genome(grammar, symbols, tuning)
-        evaluation = Evaluation(
-            genome,
-            np.array([_check_fitness(scores[target]) for target in targets]),
-            _flight(blob, ended, contact, drift, error) if blob is not None else None,
-            None if failure is None else check_text(failure, "a failure"),
-            check_number(seconds, "the time of an evaluation"),
-        )
-        candidate = Candidate(
-            genome,
-            read_integers(parents, "the parents"),
-            check_integer(generation, "a generation"),
-            check_text(population, "a population"),
-        )
-        return Record(check_integer(index, "an evaluation"), candidate, evaluation, check_integer(seed, "a seed"))
+        fitness = np.array([float(scores[target]) for target in targets])
+        flight = None if blob is None else _flight(blob, ended, contact, drift, error)
+        candidate = Candidate(genome, tuple(json.loads(parents)), generation, population)
+        return Record(index, candidate, Evaluation(genome, fitness, flight, failure, seconds), seed)
 
 
-def _check_fitness(value: object) -> float:
-    return check_number(value, "a fitness", 0, 100)
-
-
-def _flight(blob: object, ended: object, contact: object, drift: object, error: object) -> Trajectory:
+def _flight(blob: bytes, ended: str, contact: float | None, drift: float | None, error: float | None) -> Trajectory:
     """Return a flight from the values of its columns."""
-    if not isinstance(blob, bytes):
-        raise TypeError("a flight is no blob")
-    return decode(
-        blob,
-        End(check_text(ended, "the end of a flight")),
-        contact=check_optional_number(contact, "the contact of a flight"),
-        energy_drift=check_optional_number(drift, "the energy drift of a flight"),
-        error=check_optional_number(error, "the error of a flight"),
-    )
+    return decode(blob, End(ended), contact=contact, energy_drift=drift, error=error)
 
 
 def _describe_read_error(path: Path, error: Exception) -> DriftformError:
@@ -616,7 +571,7 @@ def _connect(path: Path, read_only: bool = False) -> sqlite3.Connection:
             connection = sqlite3.connect(path, isolation_level=None)
     except sqlite3.Error as error:
         raise WorkFailedError(f"{path}: cannot be opened: {error}") from None
-    connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LARGEST_ROW)
+    connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _MAX_ROW_BYTES)
     return connection
 
 

@@ -36,8 +36,8 @@ COLUMNS = "columns.json"
 CHUNK = 64
 """Evaluations that are read at a time: no writer has to wait for a reader, and logs stay short."""
 
-ROWS = 4096
-"""Most evaluations in a batch."""
+MAX_ROWS = 4096
+"""Evaluations in a batch."""
 
 SAMPLES = 200_000
 """A batch of samples is complete with the flight that reaches so many."""
@@ -55,7 +55,7 @@ def write_tables(
         trajectories: whether the samples of all flights are written too, hundreds for each.
 
     Raises:
-        InputError: if there is no such format, or the folder is not empty.
+        InputError: if the format is unknown, or the folder is not empty.
         WorkFailedError: if pyarrow is missing.
     """
     check_output(format, folder)
@@ -68,10 +68,10 @@ def write_tables(
 def check_output(format: str, folder: Path | None = None) -> None:
     """Refuse tables that cannot be written, before anything is read.
 
-    Raises InputError if there is no such format, or the folder is not empty. Raises WorkFailedError if pyarrow is missing.
+    Raises InputError if the format is unknown, or the folder is not empty. Raises WorkFailedError if pyarrow is missing.
     """
     if format not in FORMATS:
-        raise InputError(f"--format {format}: no such format of tables{did_you_mean(format, FORMATS)}")
+        raise InputError(f"--format {format}: unknown format of tables{did_you_mean(format, FORMATS)}")
     check_format(format)
     if folder is not None and folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file; choose another --out")
@@ -120,11 +120,11 @@ def _count(records: Iterable[Record], progress: Callable[[int, int], None], tota
 
 
 def evaluation_batches(study: Study, records: Iterable[Record]) -> Iterator[Batch]:
-    """Evaluations in batches of at most :data:`ROWS`; bodies are built anew from their genomes."""
+    """Evaluations in batches of at most :data:`MAX_ROWS`; bodies are built anew from their genomes."""
     columns = evaluation_columns(study.scenario.target_names)
     describe = _describer(study)
     left = iter(records)
-    while rows := [describe(record) for record in islice(left, ROWS)]:
+    while rows := [describe(record) for record in islice(left, MAX_ROWS)]:
         yield {column.name: [row[i] for row in rows] for i, column in enumerate(columns)}
 
 

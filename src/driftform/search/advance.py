@@ -9,12 +9,12 @@ from driftform.errors import DriftformError, InputError
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.run import Run
 from driftform.runs.store import Record, Store
-from driftform.search.cluster import find_versions
+from driftform.search.early_warnings import EarlyWarnings
 from driftform.search.finalists import find_best_agent, fly_finalists
 from driftform.search.jobs import Executor
 from driftform.search.loop import run_search
-from driftform.search.outlook import Outlook
 from driftform.search.results import Best, write_results
+from driftform.search.versions import find_versions
 from driftform.util.files import is_file
 from driftform.water.flow import GridFlow
 
@@ -107,11 +107,11 @@ def find_ended(run: Run) -> list[Best] | None:
 
 def _search(run: Run, store: Store, executor: Executor, observer: Observer) -> None:
     _prepare_flow(run)
-    outlook = Outlook(run.study.scenario)
+    warnings = EarlyWarnings(run.study.scenario)
 
     def record(record: Record) -> None:
         observer.record(record)
-        for text in outlook.add(record.index, record.evaluation):
+        for text in warnings.add(record.index, record.evaluation):
             observer.warn(text)
 
     with observer.open_search(store.count()):

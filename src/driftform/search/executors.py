@@ -1,6 +1,5 @@
-"""Where the evaluations of a run are flown: in processes here, or on a cluster."""
+"""The executor of a run: processes on this machine, or a cluster."""
 
-import os
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 
@@ -9,6 +8,7 @@ from driftform.search.jobs import Executor
 from driftform.search.local import LocalProcesses
 from driftform.search.pool import PoolExecutor
 from driftform.study import Study
+from driftform.util.cores import count_cores
 
 EXECUTORS = ("local", "dask")
 
@@ -21,16 +21,16 @@ def open_executor(
 
     Args:
         study: what they evaluate.
-        name: ``"local"`` for processes on this machine, ``"dask"`` for a cluster; ``None`` for what the others need.
+        name: ``"local"`` for processes on this machine, ``"dask"`` for a cluster; ``None`` for the one that ``scheduler`` needs.
         scheduler: address of a running Dask scheduler.
         workers: number of processes; ``None`` for one on each core. The result does not depend on it.
 
     Raises:
-        InputError: where the options do not go together, or there is no such cluster.
+        InputError: if the options exclude each other, or no cluster answers.
     """
     name = name or ("local" if scheduler is None else "dask")
     _check(name, scheduler, workers)
-    with closing(_make_executor(study, name, scheduler, workers or os.cpu_count() or 1)) as executor:
+    with closing(_make_executor(study, name, scheduler, workers or count_cores())) as executor:
         yield executor
 
 
@@ -48,9 +48,9 @@ def _make_executor(study: Study, name: str, scheduler: str | None, workers: int)
 
 def _check(name: str, scheduler: str | None, workers: int | None) -> None:
     if name not in EXECUTORS:
-        raise InputError(f"--executor {name}: no such executor{did_you_mean(name, EXECUTORS)}")
+        raise InputError(f"--executor {name}: unknown executor{did_you_mean(name, EXECUTORS)}")
     if scheduler is not None and name != "dask":
-        raise InputError(f"--scheduler {scheduler}: only goes with --executor dask")
+        raise InputError(f"--scheduler {scheduler}: needs --executor dask")
     if scheduler is not None and workers is not None:
         raise InputError(
             f"--workers {workers}: a cluster has the workers that joined it; start more with: "

@@ -1,7 +1,7 @@
 """The last round of a run: finalists are judged under disturbed conditions, and the winners' misses are measured.
 
-The conditions of the choice are not those of the promise: whoever wins among many was also lucky, and only conditions
-that the choice never saw show how far the winner misses.
+The conditions of the choice are not those of the promise: the winner among many was also lucky, and only other
+conditions show how far it misses.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -86,7 +86,7 @@ def _race(
     scores: Mapping[int, FloatArray],
     on_flights: Callable[[int, int], None],
 ) -> int:
-    """Fly the conditions of the choice, and return the number of flights; whoever can no longer win flies no more.
+    """Fly the conditions of the choice, and return the number of flights; finalists that can no longer win are dropped.
 
     The best of the search for each target fly under all conditions. Another is out as soon as its score would be below
     theirs for all its targets if all flights to come were perfect. So the winners are those of a choice in which all fly.
@@ -101,9 +101,9 @@ def _race(
     # The error of an unchecked flight is far below the differences that decide; what is promised is checked.
     unchecked = (inf,) * len(targets)
 
-    def fly_on(indices: Sequence[int], first: int, end: int, behind: int) -> int:
+    def fly_on(indices: Sequence[int], first: int, end: int, later: int) -> int:
         pairs = [(index, number) for index in indices for number in range(first, end)]
-        bound = done + len(pairs) + behind
+        bound = done + len(pairs) + later
         return done + fly(pairs, lambda flown: on_flights(done + flown, bound), unchecked, finalists)
 
     def find_bounds(flown: int) -> dict[int, FloatArray]:

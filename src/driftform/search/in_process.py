@@ -1,4 +1,4 @@
-"""Evaluations in this process."""
+"""Evaluations in this process, for a few genomes."""
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence

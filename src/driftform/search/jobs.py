@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
+import numpy as np
+
 from driftform.errors import WorkFailedError, describe_error
 from driftform.pipeline import Pipeline
 from driftform.runs.compression import compress_evaluation
@@ -27,7 +29,7 @@ class Job:
         condition: disturbed conditions of the flight, ``None`` for undisturbed.
         threshold: for each target the fitness (%) that the genome must exceed to matter, ``None`` if every fitness
             matters; see :meth:`driftform.pipeline.Pipeline.evaluate`.
-        wanted: for each target whether a disturbed flight is for it, ``None`` if it is for all; it may end behind the last.
+        wanted: for each target whether a disturbed flight is for it, ``None`` if it is for all; it may stop after the last.
     """
 
     index: int
@@ -66,7 +68,7 @@ KILLS = 5
 but the kernel does if the genome takes all memory."""
 
 STARTS = 5
-"""A run stops if this many workers in a row die before they can evaluate anything."""
+"""A run stops if this many workers in a row, for each process, die before they can evaluate anything."""
 
 MAX_BATCH = 50
 """Largest number of genomes in one task."""
@@ -111,14 +113,15 @@ def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
     ]
 
 
-def rehearse(pipeline: Pipeline, genome: Genome) -> None:
-    """Fly a genome under a disturbed condition, if a run with this scenario has any, and forget the flight.
+def rehearse(pipeline: Pipeline) -> None:
+    """Fly a random genome under a disturbed condition, if a run with this scenario has any, and forget the flight.
 
     Disturbed flights need kernels of their own, and a run asks for them only after its undisturbed flights. One process
     that rehearses compiles them while another compiles those of the undisturbed flights.
     """
     robustness, calibration = pipeline.scenario.robustness, pipeline.scenario.calibration
     if robustness.conditions:
+        genome = pipeline.grammar.random(np.random.default_rng(0))
         pipeline.evaluate([genome], conditions=draw_conditions(robustness, 1, (0,), calibration))
 
 

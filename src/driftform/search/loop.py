@@ -1,4 +1,4 @@
-"""The ask/tell loop over a stored run, and what a run leaves behind."""
+"""The ask/tell loop over a stored run."""
 
 import logging
 from collections import deque

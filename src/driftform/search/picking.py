@@ -72,7 +72,7 @@ def write_pick(run: Run, point: Vector, folder: Path | None = None) -> tuple[Sto
 def find_place(text: str, pipe: Pipe) -> Vector:
     """Return the point (m) of a place in a pipe, given as the inside of an inline table of TOML.
 
-    Raises InputError if it is no place of the pipe.
+    Raises InputError if it is not a place in the pipe.
     """
     try:
         place = tomllib.loads(f"place = {{ {text} }}")["place"]
@@ -100,14 +100,14 @@ def check_point(point: Vector, scenario: Scenario) -> None:
         nearest, away = find_nearest_inside(np.array(point), scenario.pipe.layout)
         inside = " ".join(f"{value:.4g}" for value in nearest)
         raise InputError(
-            f"{given} lies outside the pipe, {_describe_way(scenario.pipe)}; it is {away:.3g} m away, and the nearest point "
+            f"{given} lies outside the pipe, {_describe_pipe(scenario.pipe)}; it is {away:.3g} m away, and the nearest point "
             f"inside is {inside}"
         )
 
 
-def _describe_way(pipe: Pipe) -> str:
+def _describe_pipe(pipe: Pipe) -> str:
     segment = pipe.straight
     if segment is not None:
-        return f"which leads from {list(segment.start)} to {list(segment.end)} with radius {segment.radius:g} m"
+        return f"from {list(segment.start)} to {list(segment.end)} with radius {segment.radius:g} m"
     names = [placed.name for placed in pipe.layout.parts]
     return f"whose parts are {', '.join(names)}"

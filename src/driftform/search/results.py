@@ -1,4 +1,4 @@
-"""What a run leaves behind: the best agents with their files, and pictures of all flights."""
+"""The results of a run: the best agents with their files, and pictures of all flights."""
 
 import shlex
 import shutil

@@ -25,7 +25,7 @@ from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.pipeline import Pipeline
 from driftform.plugins import faults
 from driftform.search.jobs import Job, Outcome, T, WorkersLostError, evaluate_batch, rehearse
-from driftform.search.pool import Cause, Death, WorkerDiedError
+from driftform.search.pool import Cause, WorkerDiedError
 from driftform.study import Document, load_study
 from driftform.util.files import keep_directory
 from driftform.util.preparation import observe_preparation
@@ -39,7 +39,7 @@ TICK_S = 1.0
 """Longest time between two looks at a worker that sends nothing, s."""
 
 END_S = 5.0
-"""Longest wait for a killed process to end, s; one that the kernel does not release is left behind."""
+"""Longest wait for a killed process to end, s; one that the kernel does not release stays."""
 
 OUTSIDE_SIGNALS = frozenset(
     -getattr(signal, name).value
@@ -50,16 +50,18 @@ OUTSIDE_SIGNALS = frozenset(
 
 
 class Worker:
-    """A worker process that ends when it is closed, or when this process ends."""
+    """A worker process that ends when it is closed, or when this process ends.
 
-    def __init__(self, document: Mapping[str, Any], timeout: float) -> None:
-        self._timeout = timeout
+    Args:
+        document: of the study whose genomes it evaluates.
+    """
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        self._timeout = float(document["run"]["evaluation_timeout"])
         self._tasks: deque[Future[Any]] = deque()
-        self._answered = 0
-        self._is_confused = False
         self._lock = threading.Lock()
         self._is_over = False
-        # Spawned, not forked: the libraries behind the simulators keep threads and global state.
+        # Spawned, not forked: the libraries of simulators keep threads and global state.
         context = multiprocessing.get_context("spawn")
         self._connection, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs,))
@@ -81,6 +83,11 @@ class Worker:
         self._reader.start()
         # A script that never closes its executor ends nevertheless.
         atexit.register(self.close)
+
+    @property
+    def tasks(self) -> int:
+        """Number of functions that are not answered yet."""
+        return len(self._tasks)
 
     def submit(self, function: Callable[[], T]) -> "Future[T] | None":
         """Call a function in the process; return ``None`` if the process has ended."""
@@ -112,95 +119,64 @@ class Worker:
 
     def _read(self) -> None:
         """Pass results on until the process ends or takes too long; runs in a thread of its own."""
-        clock = _Clock(self._timeout)
-        while not clock.is_overdue:
+        tick = min(TICK_S, self._timeout / 10)
+        # Time that the first task may still take, s, without preparations; None before it evaluates anything.
+        left: float | None = None
+        pauses, since = 0, time.monotonic()
+        while left is None or left > 0:
             try:
-                if not self._connection.poll(clock.tick):
-                    clock.advance()
+                has_arrived = self._connection.poll(tick)
+                now = time.monotonic()
+                if left is not None and not pauses:
+                    # Time in which this process was stopped does not count.
+                    left -= min(now - since, 2 * tick)
+                since = now
+                if not has_arrived:
                     # A process that the worker started may keep the pipe open.
                     if self._process.exitcode is None or self._connection.poll(0):
                         continue
                     break
-                clock.advance()
-                what, number, value = self._connection.recv()
+                kind, value = self._connection.recv()
             except (EOFError, OSError):
                 break
             except Exception as error:
-                what, number = "error", self._answered
-                value = WorkFailedError(f"a result cannot be read: {describe_error(error)}")
-            match what:
+                kind, value = "error", WorkFailedError(f"a result cannot be read: {describe_error(error)}")
+            match kind:
                 case "begun":
-                    clock.start()
+                    left, pauses = self._timeout, 0
                 case "preparing":
-                    clock.pause(value)
+                    pauses += 1 if value else -1
                 case _:
-                    if number != self._answered:
-                        self._is_confused = True
-                        break
-                    self._answered += 1
-                    clock.stop()
+                    left = None
                     with self._lock:
                         future = self._tasks.popleft()
-                    if what == "result":
+                    if kind == "result":
                         future.set_result(value)
                     else:
                         future.set_exception(value)
-        self._end(clock)
+        self._end(left)
 
-    def _end(self, clock: "_Clock") -> None:
-        """End the process, and report its death to whoever waits for its tasks."""
-        if not (clock.is_overdue or self._is_confused):
+    def _end(self, left: float | None) -> None:
+        """End the process, and report its death to all that wait for its tasks."""
+        is_overdue = left is not None and left <= 0
+        if not is_overdue:
             self._process.join(TICK_S)
         self._kill()
         self._process.join(END_S)
         self._connection.close()
         code = self._process.exitcode
-        if self._is_confused:
-            cause = Cause.CRASH
-        elif not clock.is_running:
+        if left is None:
             cause = Cause.START
-        elif clock.is_overdue:
+        elif is_overdue:
             cause = Cause.TIMEOUT
         else:
             cause = Cause.KILL if code in OUTSIDE_SIGNALS else Cause.CRASH
         with self._lock:
             self._is_over = True
             tasks, self._tasks = self._tasks, deque()
-        detail = "it answered what it was not asked" if self._is_confused else _describe_exit(code)
         for number, future in enumerate(tasks):
             # The second task was only waiting in the pipe.
-            future.set_exception(WorkerDiedError(Death(Cause.NONE if number else cause, detail)))
-
-
-class _Clock:
-    """The time that a task has taken, without preparations and without times when this process was stopped."""
-
-    def __init__(self, limit: float) -> None:
-        self._limit = limit
-        self.tick = min(TICK_S, limit / 10)
-        self.is_running = False
-        self._seconds = 0.0
-        self._pauses = 0
-        self._last = time.monotonic()
-
-    @property
-    def is_overdue(self) -> bool:
-        return self._seconds > self._limit
-
-    def start(self) -> None:
-        self.is_running, self._seconds, self._pauses = True, 0.0, 0
-
-    def stop(self) -> None:
-        self.is_running, self._seconds = False, 0.0
-
-    def pause(self, begins: bool) -> None:
-        self._pauses += 1 if begins else -1
-
-    def advance(self) -> None:
-        now = time.monotonic()
-        if self.is_running and not self._pauses:
-            self._seconds += min(now - self._last, 2 * self.tick)
-        self._last = now
+            future.set_exception(WorkerDiedError(Cause.NONE if number else cause, _describe_exit(code)))
 
 
 def _describe_exit(code: int | None) -> str:
@@ -254,7 +230,6 @@ def leave_out_script() -> Iterator[None]:
 _connection: "Connection[Any, Any]"
 _document: Mapping[str, Any]
 _sending = threading.Lock()
-_answered = 0
 _process = 0
 
 
@@ -276,7 +251,6 @@ def _serve(connection: "Connection[Any, Any]") -> None:
 
 
 def _answer() -> None:
-    global _answered  # noqa: PLW0603 - the pipe belongs to the process
     received = _connection.recv_bytes()
     try:
         with keep_directory():
@@ -292,16 +266,15 @@ def _answer() -> None:
         raise
     except Exception as error:
         _report("error", WorkFailedError(f"a result cannot be sent: {describe_error(error)}"))
-    _answered += 1
 
 
-def _report(what: str, value: object = None) -> None:
+def _report(kind: str, value: object = None) -> None:
     if os.getpid() != _process:
         # A plugin has made a clone of this process. Only the original answers.
         os._exit(1)
     # Several threads of a simulator may prepare something.
     with _sending:
-        _connection.send((what, _answered, value))
+        _connection.send((kind, value))
 
 
 def _exit_with_coordinator() -> None:
@@ -320,16 +293,17 @@ def _load_pipeline() -> Pipeline:
     return load_study(Document("the study", _document)).make_pipeline()
 
 
-def prepare() -> None:
-    """Load what the first evaluation needs, in a worker process."""
-    _load_pipeline()
+def prepare(*, rehearses: bool) -> None:
+    """Load what the first evaluation needs, in a worker process, and rehearse a disturbed flight if asked."""
+    pipeline = _load_pipeline()
+    if rehearses:
+        _report("begun")
+        rehearse(pipeline)
 
 
-def work(batch: Sequence[Job], *, rehearses: bool = False) -> list[Outcome]:
-    """Evaluate the genomes of one task, in a worker process, which flies one of them under other conditions before."""
+def work(batch: Sequence[Job]) -> list[Outcome]:
+    """Evaluate the genomes of one task, in a worker process."""
     # Loaded by a task: an exception is then the error of that task, and not a dead process.
     pipeline = _load_pipeline()
     _report("begun")
-    if rehearses:
-        rehearse(pipeline, batch[0].genome)
     return evaluate_batch(pipeline, batch)

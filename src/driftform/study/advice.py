@@ -40,16 +40,16 @@ OWN_SPEED = 1.0
 PATIENCE = 100
 """Horizon over the time in which the water passes the pipe that is certainly longer than needed."""
 
-TIGHTEST_BEND = 1.0
+MIN_BEND_RADIUS = 1.0
 """Smallest radius of elbows for butt welding, "short radius", over the diameter of the pipe (ASME B16.9)."""
 
-FLATTEST_BEND = 2 * np.pi
+MIN_BEND_DEG = 2 * np.pi
 """Angle in degrees below which that of a bend may have been meant in radians; fittings begin at 11.25 degrees (EN 545)."""
 
-SAMPLE = 12
+SAMPLED_AGENTS = 12
 """Random agents that are built to see whether they fit."""
 
-DENSEST = 22_600.0
+MAX_DENSITY = 22_600.0
 """Density of osmium, the densest material there is, kg/m3 (CRC Handbook of Chemistry and Physics)."""
 
 
@@ -141,12 +141,12 @@ class _Advice:
     def _check_bare(self, bare: Body) -> Iterator[str]:
         core = bare.core
         density = core.mass / core.volume if core.mass else 0.0
-        if density > DENSEST:
+        if density > MAX_DENSITY:
             yield (
                 f"the core of {core.mass:g} kg has a radius of {show_length(core.radius)}: {density:.3g} kg/m3, and "
-                f"osmium has {DENSEST:g}; masses are in kg, lengths in m"
+                f"osmium has {MAX_DENSITY:g}; masses are in kg, lengths in m"
             )
-        if not 10 <= bare.hull_density <= DENSEST:
+        if not 10 <= bare.hull_density <= MAX_DENSITY:
             yield f"the hull's material has {bare.hull_density:g} kg/m3, ABS has 1050: densities are in kg/m3"
         try:
             agent = self.pipeline.realise(Morphology())
@@ -209,7 +209,7 @@ class _Advice:
         horizon, axis = scenario.flight.horizon, scenario.direction()
         low, high = self._find_drift(horizon)
         off = {name: float((np.array(p) - self._start) @ axis) for name, p in scenario.target_points().items()}
-        # A body is as long as the way to a target that counts as near.
+        # A body may be that long, m.
         reach = 0.1
         upstream = {name: s for name, s in off.items() if s < low - reach}
         beyond = {name: s for name, s in off.items() if s > high + reach}
@@ -245,15 +245,15 @@ class _Advice:
             if not isinstance(part := placed.part, Bend):
                 continue
             angle, bore = float(np.rad2deg(part.angle)), 2 * part.radius
-            if angle < FLATTEST_BEND:
+            if angle < MIN_BEND_DEG:
                 yield (
                     f"a bend turns by {angle:.4g} degrees: angle_deg is in degrees, and {angle:.4g} rad are "
                     f"{np.rad2deg(angle):.4g} degrees"
                 )
-            if part.bend_radius < TIGHTEST_BEND * bore * (1 - 1e-9):
+            if part.bend_radius < MIN_BEND_RADIUS * bore * (1 - 1e-9):
                 yield (
                     f"a bend has a radius of {show_length(part.bend_radius)}, {part.bend_radius / bore:.2g} times the bore of "
-                    f"{show_length(bore)}: elbows have {TIGHTEST_BEND:g} times and more; is pipe.radius a diameter?"
+                    f"{show_length(bore)}: elbows have {MIN_BEND_RADIUS:g} times and more; is pipe.radius a diameter?"
                 )
 
     def _check_limits(self) -> Iterator[str]:
@@ -263,7 +263,7 @@ class _Advice:
         if needed is not None and scenario.pipe.straight is None and horizon < needed:
             yield (
                 f"flight.horizon = {horizon:g} s is less than the {needed:.3g} s in which the water passes {self.scenario.pipe.layout.longest_way:.3g} m "
-                "at its speed at the inlet, the way to the farthest outlet"
+                "at its speed at the inlet, the distance to the farthest outlet"
             )
         if needed is not None and horizon > PATIENCE * needed:
             yield (
@@ -311,8 +311,8 @@ class _Advice:
         else:
             speeds.append(flow.speed * CENTRE_SPEED)
         own = OWN_SPEED * abs(float(axis[2])) * horizon
-        ways = [0.0, *(speed * t + 0.5 * acceleration * t * t for speed in speeds for t in times)]
-        return min(ways) - own, max(ways) + own
+        drifts = [0.0, *(speed * t + 0.5 * acceleration * t * t for speed in speeds for t in times)]
+        return min(drifts) - own, max(drifts) + own
 
     def _check_targets(self) -> Iterator[str]:
         points: dict[Any, str] = {}
@@ -327,8 +327,8 @@ class _Advice:
         lengths = [body.length for body in self._random_agents if isinstance(body, Body)]
         if lengths:
             typical = float(np.median(lengths))
-            ways = {name: float(np.linalg.norm(point - self._start)) for name, point in points.items()}
-            near = {name: way for name, way in ways.items() if way < typical}
+            distances = {name: float(np.linalg.norm(point - self._start)) for name, point in points.items()}
+            near = {name: distance for name, distance in distances.items() if distance < typical}
             if near:
                 yield (
                     f"{list_targets(near)} {'lies' if len(near) == 1 else 'lie'} {show_length(min(near.values()))} from the release, "
@@ -351,13 +351,15 @@ class _Advice:
     def _random_agents(self) -> list[Body | str]:
         """Bodies of random genomes, or why one cannot be built or released, in one line."""
         rng = np.random.default_rng(0)
-        return [self.pipeline.try_build(self.pipeline.grammar.random(rng)) for _ in range(SAMPLE)]
+        return [self.pipeline.try_build(self.pipeline.grammar.random(rng)) for _ in range(SAMPLED_AGENTS)]
 
     def _check_random_agents(self) -> Iterator[str]:
         reasons = [found for found in self._random_agents if isinstance(found, str)]
-        if len(reasons) > SAMPLE // 4:
+        if len(reasons) > SAMPLED_AGENTS // 4:
             reason, count = find_commonest(reasons)
-            yield (f"{len(reasons)} of {SAMPLE} random agents cannot be released, {count} of them like this: {reason}")
+            yield (
+                f"{len(reasons)} of {SAMPLED_AGENTS} random agents cannot be released, {count} of them like this: {reason}"
+            )
 
 
 def _find_time(drift: Callable[[float], tuple[float, float]], distance: float) -> float | None:

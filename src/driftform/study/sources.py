@@ -126,19 +126,19 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
     for table, option in FILES:
         options = data.get(table)
         if isinstance(options, Mapping) and isinstance(name := options.get(option), str):
-            # Such a file lies beside the study that names it; a core may be a ball by name, too.
-            beside = path.parent / name
-            if table == "flow" or is_file(beside):
-                data[table] = {**options, option: str(beside)}
+            # Such a file lies in the folder of the study that names it; a core may be a ball by name, too.
+            sibling = path.parent / name
+            if table == "flow" or is_file(sibling):
+                data[table] = {**options, option: str(sibling)}
     layer = replace(layer, data=data)
     base = data.get("base")
     if base is None:
         return [layer]
     if not isinstance(base, str):
         raise InputError(f"{layer.locate(('base',))}: base = {base!r} is not the name of a scenario or file")
-    beside = path.parent / base
+    sibling = path.parent / base
     named_by = f"{layer.locate(('base',))}: "
-    return [*read_sources(str(beside) if is_file(beside) else base, (*above, key), named_by), layer]
+    return [*read_sources(str(sibling) if is_file(sibling) else base, (*above, key), named_by), layer]
 
 
 def read_calibration(path: str) -> Source:

@@ -305,7 +305,7 @@ def load_study(
     for layer in layers:
         document = merge_source(document, layer)
     document = {key: value for key, value in document.items() if value or key not in FORMER}
-    # A document may come from an agent file, which needs no strategy to fly; whoever writes files checks their formats.
+    # A document may come from an agent file, which needs no strategy to fly; commands that write files check their formats.
     is_file = not isinstance(source, Document)
     required = [seam for seam in SELECTED if seam != "strategy" or is_file]
     study = _check_document(document, layers, targets, required)

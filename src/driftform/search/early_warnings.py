@@ -1,4 +1,4 @@
-"""What the first flights of a run show of its study: that agents come to rest, or that no flight passes a target."""
+"""Early warnings: what the first flights of a run show of its study, such as agents that come to rest."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -13,16 +13,16 @@ from driftform.water.misfit import show_length
 FIRST = 20
 """Number of flights that are looked at: the first of a run, of random agents with most strategies."""
 
-MOST_AT_REST = 0.9
-"""Share of the flights that last to the horizon at which the study is said to be at fault.
+MAX_AT_REST = 0.9
+"""Share of the flights that may last to the horizon; with so many, the study is at fault.
 
 If half of all agents arrived, more than 17 of 20 would fail to in one study of 5000.
 """
 
 
 @dataclass
-class Outlook:
-    """Collects the first flights of a run, and says once what they show."""
+class EarlyWarnings:
+    """Collects the first flights of a run, and warns once."""
 
     scenario: Scenario
     _flights: dict[int, Trajectory | None] = field(default_factory=dict)
@@ -40,12 +40,12 @@ class Outlook:
 
 def _describe_ends(flights: list[Trajectory], scenario: Scenario) -> Iterator[str]:
     held = [flight for flight in flights if flight.end == End.HORIZON]
-    if len(held) < MOST_AT_REST * len(flights):
+    if len(held) < MAX_AT_REST * len(flights):
         return
-    ways = [float(np.linalg.norm(flight.position[-1] - flight.position[0])) for flight in held]
+    distances = [float(np.linalg.norm(flight.position[-1] - flight.position[0])) for flight in held]
     yield (
         f"{len(held)} of the first {len(flights)} flights last to flight.horizon = {scenario.flight.horizon:g} s, and end "
-        f"{show_length(min(ways))} to {show_length(max(ways))} from the release (median {show_length(float(np.median(ways)))}): "
+        f"{show_length(min(distances))} to {show_length(max(distances))} from the release (median {show_length(float(np.median(distances)))}): "
         "agents come to rest on the wall, or need longer; raise flow.speed or flight.horizon, or evolve agents nearer to the density of the water "
         "(builder, grammar)"
     )
@@ -65,7 +65,7 @@ def _describe_targets(flights: list[Trajectory], scenario: Scenario) -> Iterator
 
 
 def _passes(flight: Trajectory, target: FloatArray, scenario: Scenario) -> bool:
-    """Return whether a flight is nearest to a target before its end, or leaves the pipe beside it."""
+    """Return whether a flight is nearest to a target before its end, or leaves the pipe within a radius of it."""
     distances = np.linalg.norm(flight.position - target, axis=1)
     leaves = flight.end == End.OUTLET and distances[-1] <= scenario.pipe.layout.inlet.radius
     return bool(leaves or np.argmin(distances) < len(distances) - 1)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from driftform.search.outlook import FIRST, Outlook
+from driftform.search.early_warnings import FIRST, EarlyWarnings
 from driftform.study import load_study
 from driftform.types import End, Evaluation, Genome, Trajectory
 
@@ -22,9 +22,9 @@ def flight(length: float, end: End) -> Evaluation:
 
 
 def lines(evaluations: Sequence[Evaluation], seed: int = 0) -> list[str]:
-    outlook, found = Outlook(SCENARIO), []
+    early_warnings, found = EarlyWarnings(SCENARIO), []
     for index in np.random.default_rng(seed).permutation(len(evaluations)):
-        found += outlook.add(int(index), evaluations[index])
+        found += early_warnings.add(int(index), evaluations[index])
     return found
 
 
