@@ -1,11 +1,8 @@
-"""How long the files of an agent take, beside OpenSCAD on the same body.
+"""How long the files of an agent take.
 
 Run by hand: ``pytest -m slow -s tests/benchmarks``.
 """
 
-import resource
-import shutil
-import subprocess
 import time
 from collections.abc import Callable
 
@@ -14,7 +11,6 @@ import pytest
 
 from driftform.interfaces import ExportJob
 from driftform.study import load_study
-from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.svg import SvgExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
@@ -32,18 +28,6 @@ def jobs():
     pipeline, rng = load_study(run={"seed": 0}).make_pipeline(), np.random.default_rng(0)
     agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(20)]
     return [ExportJob(f"agent-{i}", agent, pipeline.scenario, {"n": i}) for i, agent in enumerate(agents)]
-
-
-def openscad_milliseconds(source, path):
-    """CPU time of one rendering."""
-
-    def spent():
-        used = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return 1e3 * (used.ru_utime + used.ru_stime)
-
-    start = spent()
-    subprocess.run(["openscad", "-o", str(path), str(source)], capture_output=True, check=True, timeout=900)
-    return spent() - start
 
 
 def milliseconds(function: Callable[[ExportJob], object], jobs: list[ExportJob]) -> list[float]:
@@ -81,19 +65,9 @@ def test_files_for_printers(jobs, tmp_path):
     for function in stages.values():
         function(jobs[0])
     times = {name: milliseconds(function, jobs) for name, function in stages.items()}
-    lines = ["| what | median ms | 90 % ms | OpenSCAD over that |", "|---|---|---|---|"]
-    rendered = {False: None, True: None}
-    if shutil.which("openscad"):
-        for kit, count in ((False, 5), (True, 2)):
-            spent = []
-            for job in jobs[:count]:
-                written(ScadExporter, kit=kit)(job)
-                spent.append(openscad_milliseconds(tmp_path / "agent.scad", tmp_path / "agent.stl"))
-            rendered[kit] = float(np.median(spent))
+    lines = ["| what | median ms | 90 % ms |", "|---|---|---|"]
     for name, found in times.items():
-        openscad = None if "SVG" in name else rendered["kit" in name]
-        ratio = "" if openscad is None else f"{openscad / np.median(found):.3g}"
-        lines.append(f"| {name} | {np.median(found):.3g} | {np.quantile(found, 0.9):.3g} | {ratio} |")
+        lines.append(f"| {name} | {np.median(found):.3g} | {np.quantile(found, 0.9):.3g} |")
     lines += [
         "",
         f"{len(jobs)} random agents, CPU time, each the best of five; with 64 segments unless stated otherwise.",

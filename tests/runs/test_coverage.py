@@ -83,9 +83,7 @@ def test_the_cells_fill_the_section_of_any_pipe(segment, side):
     ("length", "radius", "shape", "size"),
     [(9.0, 1.0, (90, 20), (0.1, 0.1)), (30.0, 0.15, (1000, 10), (0.03, 0.03)), (0.4, 2.0, (2, 20), (0.2, 0.2))],
 )
-def test_unless_told_cells_are_a_tenth_of_the_radius_but_not_over_a_thousand_along_the_pipe(
-    length, radius, shape, size
-):
+def test_by_default_cells_are_a_tenth_of_the_radius_but_not_over_a_thousand_along_the_pipe(length, radius, shape, size):
     cells = PipeGrid.of_segment(Segment(start=(0.0, 0.0, 0.0), end=(length, 0.0, 0.0), radius=radius))
     assert cells.shape == shape
     assert cells.size[:2] == pytest.approx(size)
@@ -218,7 +216,7 @@ def test_a_flight_on_the_side_between_two_cells_is_in_the_upper_one_alone():
 
 
 @pytest.mark.parametrize("aside", [0.051, -0.051, 0.5])
-def test_a_flight_beside_the_plane_crosses_no_cell(aside):
+def test_a_flight_off_the_plane_crosses_no_cell(aside):
     assert len(CELLS.find_crossed(straight((0.0, aside, 0.0), (9.0, aside, 0.0)))[0]) == 0
 
 
@@ -229,7 +227,7 @@ def test_a_flight_is_credited_only_where_it_is_in_the_plane():
     np.testing.assert_allclose(along, [4.25, 4.35, 4.45, 4.55, 4.65, 4.75])
 
 
-def test_what_lies_before_the_inlet_or_behind_the_outlet_is_on_no_map():
+def test_what_lies_upstream_of_the_inlet_or_past_the_outlet_is_not_on_the_map():
     crossed, _ = CELLS.find_crossed(straight((-3.0, 0.0, 0.25), (12.0, 0.0, 0.25)))
     assert len(crossed) == 90
     assert len(CELLS.find_crossed(straight((9.5, 0.0, 0.0), (12.0, 0.0, 0.0)))[0]) == 0
@@ -281,7 +279,7 @@ def test_each_cell_keeps_the_closest_flight_and_counts_all():
     assert (reach.evaluation[~reach.reached] == -1).all() and np.isinf(reach.distance[~reach.reached]).all()
 
 
-def test_adding_a_flight_tells_where_it_is_the_closest_now():
+def test_adding_a_flight_returns_where_it_is_the_closest_now():
     reach = CoverageMap(CELLS)
     level = straight((0.0, 0.0, 0.25), (9.0, 0.0, 0.25))
     assert len(reach.add(0, level)) == 90
@@ -305,9 +303,6 @@ def test_passes_are_sorted_by_their_distance_the_earliest_of_equals_first():
     assert [found.distance for found in passes] == pytest.approx([0.3, 0.3, 0.9])
     assert passes[0].t == pytest.approx(0.5)
     assert [found.checked for found in passes] == [False, False, True]
-
-
-def test_no_flight_passes_where_there_is_none():
     assert find_passes([], (0.0, 0.0, 0.0)) == []
 
 
