@@ -20,7 +20,7 @@ from driftform.errors import InputError, did_you_mean
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.coverage import CoverageMap
 from driftform.runs.misses import Misses
-from driftform.runs.run import Run as StoredRun
+from driftform.runs.run import StoredRun
 from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
 from driftform.runs.wording import is_promised, list_cells, list_headings

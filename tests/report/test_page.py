@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from accessibility import find_barriers, look
 
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.search.report.contents import collect_contents
 from driftform.search.report.page import page_html, viewer_data
 from driftform.util.rotations import matrix_from_quaternion
@@ -86,7 +86,7 @@ def test_the_slider_is_moved_by_the_keyboard_too(page):
 
 
 def test_the_closest_approach_on_the_page_is_that_of_the_run(page, run_with_page):
-    contents = collect_contents(Run.open(run_with_page))
+    contents = collect_contents(StoredRun.open(run_with_page))
     for number, group in enumerate(contents.agents[:3]):
         entry = group[0]
         page.find_elements("css selector", "[data-agent]")[number].click()
@@ -154,7 +154,7 @@ def test_the_tables_are_read_without_scrolling_and_no_letter_of_a_figure_is_tiny
 
 
 def test_targets_that_share_an_agent_share_its_row_its_button_and_its_section(page, run_with_page):
-    groups = collect_contents(Run.open(run_with_page)).agents
+    groups = collect_contents(StoredRun.open(run_with_page)).agents
     names = [[entry.target for entry in group] for group in groups]
     assert max(map(len, names)) > 1
     rows = page.find_elements("css selector", "[aria-label='Table of the best agents'] tbody tr")
@@ -180,7 +180,7 @@ def names_in_view(page):
 
 
 def test_targets_are_named_and_the_view_follows_the_agent(page, run_with_page):
-    scenario = collect_contents(Run.open(run_with_page)).scenario
+    scenario = collect_contents(StoredRun.open(run_with_page)).scenario
     page.find_elements("css selector", "[data-agent]")[0].click()
 
     def scrub(value):
@@ -203,7 +203,7 @@ def test_targets_are_named_and_the_view_follows_the_agent(page, run_with_page):
 
 
 def test_a_magnified_agent_does_not_pierce_the_wall(page, run_with_page):
-    contents = collect_contents(Run.open(run_with_page))
+    contents = collect_contents(StoredRun.open(run_with_page))
     data = viewer_data(contents)
     rng = np.random.default_rng(3)
     for agent in data["agents"]:
@@ -231,7 +231,7 @@ def test_a_magnified_agent_does_not_pierce_the_wall(page, run_with_page):
 
 
 def test_the_current_drifts_as_fast_as_the_profile_says(page, run_with_page):
-    contents = collect_contents(Run.open(run_with_page))
+    contents = collect_contents(StoredRun.open(run_with_page))
     flow = PowerLawFlow(speed=1.5, exponent=7)
     scenario = contents.scenario.model_copy(update={"flow": flow})
     faster = replace(contents, study=replace(contents.study, scenario=scenario))
@@ -275,7 +275,7 @@ def test_all_that_can_be_used_can_be_reached_by_the_keyboard(page):
 
 
 def test_the_page_names_the_agents_that_are_outside_of_what_was_tested(run_with_page, monkeypatch):
-    contents = collect_contents(Run.open(run_with_page))
+    contents = collect_contents(StoredRun.open(run_with_page))
     monkeypatch.setitem(RANGES, "a body in a bore", (replace(RANGES["a body in a bore"][0], high=0.0),))
     page = " ".join(page_html(contents).split())
     assert "Outside of what was tested" in page
@@ -286,7 +286,7 @@ def test_the_page_names_the_agents_that_are_outside_of_what_was_tested(run_with_
 
 
 def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
-    contents = collect_contents(Run.open(run_with_page))
+    contents = collect_contents(StoredRun.open(run_with_page))
     for group, agent in zip(contents.agents, viewer_data(contents)["agents"], strict=True):
         entry = group[0]
         assert agent["targets"] == [shared.target for shared in group]
@@ -303,7 +303,7 @@ def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
     "name", ["</script><script>alert(1)</script>", "<img src=x onerror=alert(1)>", '" onfocus="alert(1)', "&lt;b>"]
 )
 def test_a_name_from_a_foreign_file_is_text_wherever_the_page_shows_it(run_with_page, name):
-    plain = collect_contents(Run.open(run_with_page))
+    plain = collect_contents(StoredRun.open(run_with_page))
     study = plain.study
     renamed = replace(
         plain,

@@ -12,7 +12,7 @@ from driftform import hookimpl
 from driftform.errors import WorkFailedError
 from driftform.interfaces import ReportJob
 from driftform.plugins.discovery import PluginModule
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.search.report.contents import Contents, collect_contents
 from driftform.search.report.page import page_html
 from driftform.water import Scenario
@@ -25,7 +25,7 @@ def collect_with(run: Path, monkeypatch: pytest.MonkeyPatch, *hooks: Callable[..
         for number, hook in enumerate(hooks)
     ]
     monkeypatch.setattr("driftform.search.report.contents.find_modules", lambda: modules)
-    return collect_contents(Run.open(run))
+    return collect_contents(StoredRun.open(run))
 
 
 def list_masses(job: ReportJob) -> Mapping[str, str]:

@@ -11,7 +11,7 @@ import pytest
 
 from driftform.errors import WorkFailedError
 from driftform.runs import store
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.search.advance import advance_run
 from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
@@ -124,7 +124,7 @@ def test_a_directory_of_something_else_is_taken_by_neither(call: Call, tmp_path:
 class Disturbed(InProcess):
     """Does something to the run after its first task."""
 
-    def __init__(self, run: Run, disturb: Callable[[], object]) -> None:
+    def __init__(self, run: StoredRun, disturb: Callable[[], object]) -> None:
         super().__init__(run.study.make_pipeline())
         self._disturb: Callable[[], object] | None = disturb
 
@@ -157,14 +157,14 @@ def test_a_run_whose_directory_goes_away_stops_and_says_so(
 
     with (
         pytest.raises(WorkFailedError, match=r"run\.db: was moved or deleted while the run was under way"),
-        Run.create(path, study) as run,
+        StoredRun.create(path, study) as run,
     ):
         advance_run(run, Disturbed(run, disturb))
     assert path.exists() == (deed == "replaced")
     if deed == "moved":
-        with Run.resume(other) as run:
+        with StoredRun.resume(other) as run:
             assert 0 < run.count()[0] < 40
             advance_run(run, InProcess(study.make_pipeline()))
-        with Run.create(path, study) as run:
+        with StoredRun.create(path, study) as run:
             advance_run(run, InProcess(study.make_pipeline()))
         assert rows(other) == rows(path)

@@ -12,7 +12,7 @@ import pytest
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.pipeline import MARGIN
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
 from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
@@ -262,13 +262,13 @@ def test_a_fitness_that_no_selection_can_work_with_is_a_failure(
     with pytest.raises(
         WorkFailedError, match="all 25 evaluations failed, 25 of them like this: fitness 'nonsense' returned"
     ):
-        write_results(Run(tmp_path, study), InProcess(study.make_pipeline()))
+        write_results(StoredRun(tmp_path, study), InProcess(study.make_pipeline()))
 
 
 def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> None:
     study = study_of(formats=["scad"])
     run_search(study, store, Counting(study))
-    results = write_results(Run(tmp_path, study), InProcess(study.make_pipeline()))
+    results = write_results(StoredRun(tmp_path, study), InProcess(study.make_pipeline()))
     overview = tmp_path / "figures" / "overview.svg"
     assert overview.is_file()
     for number, best in enumerate(results):
@@ -285,9 +285,9 @@ def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> Non
 def test_writing_the_best_again_gives_the_same_files(store: Store, tmp_path: Path) -> None:
     study = study_of()
     run_search(study, store, Counting(study))
-    write_results(Run(tmp_path, study), InProcess(study.make_pipeline()))
+    write_results(StoredRun(tmp_path, study), InProcess(study.make_pipeline()))
     files = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file() and "run.db" not in p.name}
-    write_results(Run(tmp_path, study), InProcess(study.make_pipeline()))
+    write_results(StoredRun(tmp_path, study), InProcess(study.make_pipeline()))
     assert {p: p.read_bytes() for p in files} == files
 
 
@@ -304,7 +304,7 @@ def test_three_hundred_targets_start_and_end_within_seconds(store: Store, tmp_pa
     started = time.process_time()
     run_search(study, store, InProcess(study.make_pipeline()))
     assert time.process_time() - started < 15
-    results = write_results(Run(tmp_path, study), InProcess(study.make_pipeline()))
+    results = write_results(StoredRun(tmp_path, study), InProcess(study.make_pipeline()))
     # Several minutes, if each target is searched, read, and drawn as if it were alone.
     assert time.process_time() - started < 60
     assert len(results) == 300

@@ -69,14 +69,17 @@ def test_no_random_agent_passes_a_wall_and_every_end_has_a_name(workers, count_o
 
 def test_a_search_finds_an_agent_for_each_outlet_in_nine_of_ten_seeds(tmp_path, count_of):
     """Each leaves by its outlet in nine of ten disturbed flights, although the branch takes 30 % of the water."""
-    from driftform.runs.run import Run
+    from driftform.runs.run import StoredRun
     from driftform.search.advance import advance_run
     from driftform.search.local import LocalProcesses
 
     seeds, sound = count_of("SEEDS", 10), 0
     for seed in range(seeds):
         study = load_study("t-junction", ["run.formats=[]"], run={"seed": seed})
-        with closing(LocalProcesses(study.document, 2)) as executor, Run.create(tmp_path / str(seed), study) as run:
+        with (
+            closing(LocalProcesses(study.document, 2)) as executor,
+            StoredRun.create(tmp_path / str(seed), study) as run,
+        ):
             best = advance_run(run, executor)
         shares = [found.robust["reached"] for found in best]
         print(f"seed {seed}: {', '.join(f'{share:.0%}' for share in shares)} of the fresh flights", flush=True)

@@ -86,7 +86,7 @@ def evolve(
     with open_executor(checked, executor, scheduler, workers) as place:
         from driftform.cli.running import advance_run
         from driftform.runs.directory import check_new
-        from driftform.runs.run import Run
+        from driftform.runs.run import StoredRun
 
         checked.check_search()
         if out is not None:
@@ -94,7 +94,7 @@ def evolve(
         warnings = checked.list_warnings()
         for warning in warnings:
             typer.echo(f"warning: {warning}", err=True)
-        with Run.create(out or _next_directory(study), checked) as run:
+        with StoredRun.create(out or _next_directory(study), checked) as run:
             advance_run(run, place, json, warnings)
 
 

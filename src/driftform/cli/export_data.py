@@ -26,11 +26,11 @@ def export_data(
     The run need not be finished: the tables hold what is stored when the command begins.
     """
     from driftform.cli.output import print_json
-    from driftform.runs.run import Run
+    from driftform.runs.run import StoredRun
     from driftform.runs.tables import COLUMNS, FOLDER, check_output, write_tables
 
     check_output(format, out)
-    opened = Run.open(run)
+    opened = StoredRun.open(run)
     rows = write_tables(opened, out, format, trajectories)
     folder = opened.path / FOLDER if out is None else out
     files = [{"table": table, "path": str(folder / f"{table}.{format}"), "rows": n} for table, n in rows.items()]

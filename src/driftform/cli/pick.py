@@ -34,10 +34,10 @@ def pick(
     """
     from driftform.cli.output import print_json
     from driftform.errors import InputError
-    from driftform.runs.run import Run
+    from driftform.runs.run import StoredRun
     from driftform.search.picking import find_place, write_pick
 
-    opened = Run.open(run, check=False)
+    opened = StoredRun.open(run, check=False)
     if place is not None and x is None:
         x, y, z = find_place(place, opened.study.scenario.pipe)
     elif place is not None or x is None or y is None or z is None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 
 from driftform.cli.display import View, format_failures, format_throughput, progress_line
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.runs.status import RunStatus, Throughput
 from driftform.runs.store import Record
 from driftform.search.advance import Observer
@@ -15,7 +15,7 @@ from driftform.util.progress import REFRESH, count_progress, format_duration, is
 class Progress(Observer):
     """Counts evaluations and shows the state of the run on stderr: stdout is for results."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: StoredRun) -> None:
         self.warnings: list[str] = []
         self._status = RunStatus(run.study.scenario.target_names, run.study.evaluations)
         self._throughput = Throughput(0)

@@ -30,15 +30,15 @@ def report(
     """
     from driftform.cli.formats import parse_page
     from driftform.cli.output import print_json
-    from driftform.runs.run import Run
+    from driftform.runs.run import StoredRun
     from driftform.search.report.page import write_figures, write_report
 
     page = parse_page(style, width_mm)
     if page.is_paper:
-        figures = [str(path) for path in write_figures(Run.open(run), out, page)]
+        figures = [str(path) for path in write_figures(StoredRun.open(run), out, page)]
         print_json({"figures": figures}) if json else print(*figures, sep="\n")
         return
-    contents, path = write_report(Run.open(run), out)
+    contents, path = write_report(StoredRun.open(run), out)
     size = path.stat().st_size
     if json:
         print_json({"report": str(path), "evaluations": contents.evaluations, "bytes": size})

@@ -25,9 +25,9 @@ def resume(
     A finished run continues with a larger --evaluations; the result equals that of a run with this number from the start.
     """
     from driftform.cli.running import advance_run, show_results
-    from driftform.runs.run import Run
+    from driftform.runs.run import StoredRun
 
-    with Run.resume(run, evaluations) as resumed:
+    with StoredRun.resume(run, evaluations) as resumed:
         from driftform.search.advance import find_ended
 
         if (ended := find_ended(resumed)) is not None:

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import typer
 
 if TYPE_CHECKING:
-    from driftform.runs.run import Run
+    from driftform.runs.run import StoredRun
     from driftform.search.jobs import Executor
     from driftform.search.results import Best
 
 
-def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence[str] = ()) -> None:
+def advance_run(run: "StoredRun", executor: "Executor", json: bool, warnings: Sequence[str] = ()) -> None:
     """Advance a run to the end of its budget and print its results; say how to resume it if it is interrupted."""
     import time
 
@@ -38,7 +38,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
 
 
 def show_results(
-    run: "Run", results: "list[Best]", json: bool, seconds: float = 0.0, warnings: Sequence[str] = ()
+    run: "StoredRun", results: "list[Best]", json: bool, seconds: float = 0.0, warnings: Sequence[str] = ()
 ) -> None:
     """Print what a run has found, in words or as JSON.
 
@@ -104,7 +104,7 @@ def stop_at_signals() -> Iterator[None]:
             signal.signal(number, signal.SIG_DFL)
 
 
-def _describe_stop(run: "Run") -> str:
+def _describe_stop(run: "StoredRun") -> str:
     from driftform.errors import DriftformError
 
     try:
@@ -114,7 +114,7 @@ def _describe_stop(run: "Run") -> str:
     return f"stopped after {evaluations} of {run.study.evaluations} evaluations; resume with: {run.resume_command}"
 
 
-def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
+def _print_results(run: "StoredRun", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
     from driftform.cli.output import print_table, print_text
     from driftform.runs.wording import (
         describe_worth,

@@ -11,7 +11,7 @@ from driftform.errors import DriftformError, InputError, did_you_mean
 from driftform.plugins.genome_text import read_genome
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import DATABASE
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.search.advance import find_best
 from driftform.study import load_study
 from driftform.util.files import is_directory, is_file
@@ -35,7 +35,7 @@ def name_agent(text: str, settings: Sequence[str]) -> str:
     return shlex.join([text, *(word for setting in kept for word in ("--set", setting))])
 
 
-def open_best(run: Run, target: str) -> StoredAgent:
+def open_best(run: StoredRun, target: str) -> StoredAgent:
     """Return the best agent of a run for a target, named after both.
 
     Raises InputError if the run has no such target, or no evaluation yet that did not fail.
@@ -58,7 +58,7 @@ def _find(
     left, colon, right = text.rpartition(":")
     # The rules of a genotype have colons too, and so have some directories.
     if colon and (is_directory(Path(left)) or not any(c in text for c in " |")):
-        return open_best(Run.open(Path(left)), right)
+        return open_best(StoredRun.open(Path(left)), right)
     if text and is_directory(path):
         if (path / DATABASE).is_file():
             raise InputError(f"AGENT '{text}' is a run: name one of its targets too, such as {text}:TP1")

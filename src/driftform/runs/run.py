@@ -25,7 +25,7 @@ from driftform.study import Document, Study, load_study
 from driftform.util.files import make_directory
 
 
-class Run:
+class StoredRun:
     """A run on disk.
 
     A run that is opened to be read opens its store for each question, so that it sees what another process has

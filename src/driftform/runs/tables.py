@@ -18,7 +18,7 @@ from driftform.agent import mass_properties
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import Grammar, PhenotypeBuilder
 from driftform.runs.columns import BODY_COLUMNS, FLIGHT_COLUMNS, SAMPLE_COLUMNS, Batch, Column, evaluation_columns
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
 from driftform.runs.table_files import FORMATS, check_format
 from driftform.study import Study
@@ -44,7 +44,7 @@ SAMPLES = 200_000
 
 
 def write_tables(
-    run: Run, folder: Path | None = None, format: str = "csv", trajectories: bool = False
+    run: StoredRun, folder: Path | None = None, format: str = "csv", trajectories: bool = False
 ) -> dict[str, int]:
     """Write a run as tables for data frames, and return the number of rows of each.
 

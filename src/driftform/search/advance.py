@@ -7,7 +7,7 @@ from typing import Any
 
 from driftform.errors import DriftformError, InputError
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
 from driftform.search.early_warnings import EarlyWarnings
 from driftform.search.finalists import find_best_agent, fly_finalists
@@ -39,7 +39,7 @@ class Observer:
         return nullcontext(lambda _, __: None)
 
 
-def search_run(run: Run, executor: Executor, observer: Observer | None = None) -> None:
+def search_run(run: StoredRun, executor: Executor, observer: Observer | None = None) -> None:
     """Ask, evaluate and store until the budget is spent; requires the lock of the run.
 
     Raises:
@@ -49,7 +49,7 @@ def search_run(run: Run, executor: Executor, observer: Observer | None = None) -
         _search(run, store, executor, observer or Observer())
 
 
-def advance_run(run: Run, executor: Executor, observer: Observer | None = None) -> list[Best]:
+def advance_run(run: StoredRun, executor: Executor, observer: Observer | None = None) -> list[Best]:
     """Search to the end of the budget, fly the finalists, and write best agents and maps; requires the lock of the run.
 
     Raises:
@@ -60,7 +60,7 @@ def advance_run(run: Run, executor: Executor, observer: Observer | None = None) 
     return finish_run(run, executor, observer or Observer()) if ended is None else ended
 
 
-def finish_run(run: Run, executor: Executor, observer: Observer) -> list[Best]:
+def finish_run(run: StoredRun, executor: Executor, observer: Observer) -> list[Best]:
     """Advance a run as :func:`advance_run` does, without looking whether it has ended."""
     _log.info("%s: search, %d evaluations in all", run.path, run.study.evaluations)
     with run.write() as store:
@@ -71,7 +71,7 @@ def finish_run(run: Run, executor: Executor, observer: Observer) -> list[Best]:
         store.check_place()
         _log.info("%s: write best agents and pictures", run.path)
         try:
-            found = write_results(Run(run.path, run.study), executor)
+            found = write_results(StoredRun(run.path, run.study), executor)
         except DriftformError:
             store.check_place()
             raise
@@ -82,7 +82,7 @@ def finish_run(run: Run, executor: Executor, observer: Observer) -> list[Best]:
         return found
 
 
-def find_ended(run: Run) -> list[Best] | None:
+def find_ended(run: StoredRun) -> list[Best] | None:
     """Return the best agents of a run that has ended and was not changed since, ``None`` for any other.
 
     What was stored, the versions of all that affects it, and the files of the agents are compared with those of the end.
@@ -105,7 +105,7 @@ def find_ended(run: Run) -> list[Best] | None:
     return found
 
 
-def _search(run: Run, store: Store, executor: Executor, observer: Observer) -> None:
+def _search(run: StoredRun, store: Store, executor: Executor, observer: Observer) -> None:
     _prepare_flow(run)
     warnings = EarlyWarnings(run.study.scenario)
 
@@ -118,7 +118,7 @@ def _search(run: Run, store: Store, executor: Executor, observer: Observer) -> N
         run_search(run.study, store, executor, record)
 
 
-def _prepare_flow(run: Run) -> None:
+def _prepare_flow(run: StoredRun) -> None:
     """Solve the flow in tees of a new shape, or read a grid, here and now: what is said would be lost in the display.
 
     Raises:
@@ -137,13 +137,13 @@ def _prepare_flow(run: Run) -> None:
         # The flow in a tee of such a shape is not known; a flight says so.
 
 
-def find_best(run: Run, target: str) -> StoredAgent | None:
+def find_best(run: StoredRun, target: str) -> StoredAgent | None:
     """Return the best agent of a run for a target, ``None`` while every evaluation has failed."""
     with run.read() as store:
         return find_best_agent(run.study, store, target)
 
 
-def list_best(run: Run) -> Mapping[str, Mapping[str, Any]]:
+def list_best(run: StoredRun) -> Mapping[str, Mapping[str, Any]]:
     """Return the result of the best agent of each target: fitness (%), error (% of d_max), evaluation."""
     with run.read() as store:
         found = {target: find_best_agent(run.study, store, target) for target in run.study.scenario.targets}

@@ -13,7 +13,7 @@ from driftform.pipeline import Pipeline
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.compression import compress_evaluation
 from driftform.runs.coverage import ClosestPass, find_passes
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
 from driftform.util.files import make_directory
 from driftform.util.progress import track_progress
@@ -22,7 +22,7 @@ from driftform.water.pipe import Vector
 from driftform.water.places import find_nearest_inside, resolve_place
 
 
-def pick_agent(run: Run, point: Vector) -> StoredAgent:
+def pick_agent(run: StoredRun, point: Vector) -> StoredAgent:
     """Return the agent whose flight passes closest to a point of the world (m).
 
     Its ``result`` holds the point, the distance (m), when it passes (``t``, s) and its evaluation. If the stored flight
@@ -42,7 +42,7 @@ def pick_agent(run: Run, point: Vector) -> StoredAgent:
     return StoredAgent(name, genome, run.study.environment(found.evaluation), result)
 
 
-def _check_closest(run: Run, store: Store, passes: Sequence[ClosestPass], point: Vector) -> ClosestPass | None:
+def _check_closest(run: StoredRun, store: Store, passes: Sequence[ClosestPass], point: Vector) -> ClosestPass | None:
     """Return the closest of some passes, in ascending order, after unchecked ones that seem closer are flown again."""
     pipeline: Pipeline | None = None
     waiting, closest = deque(passes), None
@@ -61,7 +61,7 @@ def _check_closest(run: Run, store: Store, passes: Sequence[ClosestPass], point:
     return closest
 
 
-def write_pick(run: Run, point: Vector, folder: Path | None = None) -> tuple[StoredAgent, Path]:
+def write_pick(run: StoredRun, point: Vector, folder: Path | None = None) -> tuple[StoredAgent, Path]:
     """Pick an agent, and write it as ``agent.json`` into a folder, by default ``picks/X_Y_Z`` of the run."""
     stored = pick_agent(run, point)
     path = make_directory(folder or run.path / "picks" / name_point(point)) / "agent.json"

@@ -16,7 +16,7 @@ from driftform.plugins.seams import require_files
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.coverage import CoverageMap, PipeGrid, map_coverage
 from driftform.runs.misses import Misses
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
 from driftform.runs.wording import summarise
 from driftform.search.finalists import Winner, describe_best, find_winner
@@ -52,7 +52,7 @@ class Best:
     problems: tuple[str, ...] = ()
 
 
-def write_results(run: Run, executor: Executor) -> list[Best]:
+def write_results(run: StoredRun, executor: Executor) -> list[Best]:
     """Write the best agent of each target, the overview and the map of a run; return the best agents.
 
     The executor writes them at the same time, each file completely or not at all.
@@ -61,7 +61,7 @@ def write_results(run: Run, executor: Executor) -> list[Best]:
     with run.read() as store:
         groups = _group_targets(run.study, store)
     # What takes longest first.
-    pieces: list[Callable[[Run, Store], Any]] = [_write_overview, _write_reach]
+    pieces: list[Callable[[StoredRun, Store], Any]] = [_write_overview, _write_reach]
     pieces += [partial(_write_agents, stored=group) for group in groups]
     try:
         _, _, *results = executor.call([partial(_call_with_store, write, run) for write in pieces])
@@ -75,7 +75,7 @@ def write_results(run: Run, executor: Executor) -> list[Best]:
     return [found[target] for target in run.study.scenario.targets]
 
 
-def _call_with_store(write: Callable[[Run, Store], T], run: Run) -> T:
+def _call_with_store(write: Callable[[StoredRun, Store], T], run: StoredRun) -> T:
     with run.read() as store:
         return write(run, store)
 
@@ -97,7 +97,7 @@ def _require_best(study: Study, store: Store, target: str, winner: Winner | None
     return stored
 
 
-def read_flight(run: Run, store: Store, index: int) -> Trajectory:
+def read_flight(run: StoredRun, store: Store, index: int) -> Trajectory:
     """Return the stored flight of an evaluation that did not fail. Raises InputError if it is missing."""
     flight = store.read_record(index, run.study.scenario.target_names).evaluation.trajectory
     if flight is None:
@@ -105,7 +105,7 @@ def read_flight(run: Run, store: Store, index: int) -> Trajectory:
     return flight
 
 
-def _write_agents(run: Run, store: Store, stored: Sequence[StoredAgent]) -> tuple[list[Best], Agent]:
+def _write_agents(run: StoredRun, store: Store, stored: Sequence[StoredAgent]) -> tuple[list[Best], Agent]:
     """Write ``best/<target>/`` of targets that share an agent, without the files of exporters; return it for these."""
     from driftform.figures.section import section_svg
     from driftform.runs.table_files import write_trajectory
@@ -132,7 +132,7 @@ Exports = dict[str, tuple[list[Path], list[str]]]
 
 
 def _export_all(
-    run: Run,
+    run: StoredRun,
     executor: Executor,
     groups: Sequence[Sequence[StoredAgent]],
     agents: Sequence[Agent],
@@ -161,7 +161,7 @@ def _export_all(
             found[target] = replace(best, files=(*best.files, *files), problems=tuple(problems))
 
 
-def _export_agent(run: Run, agent: Agent, stored: Sequence[StoredAgent]) -> Exports:
+def _export_agent(run: StoredRun, agent: Agent, stored: Sequence[StoredAgent]) -> Exports:
     """Write the formats of the run into ``best/<target>/`` of targets that share an agent."""
     exporters = [run.study.make_exporter(name) for name in run.study.run.formats]
     exported: Exports = {}
@@ -192,7 +192,7 @@ class BestFlight:
     misses: Misses | None
 
 
-def read_best(run: Run, store: Store) -> list[BestFlight]:
+def read_best(run: StoredRun, store: Store) -> list[BestFlight]:
     """Return the best agent for each target of a run; targets that share an agent share its objects.
 
     Raises WorkFailedError where not one evaluation succeeded.
@@ -224,11 +224,11 @@ def draw_overview(study: Study, best: Sequence[BestFlight], page: Page = SCREEN)
     return overview_svg(flights, study.scenario, study.title, summarise(fitness, results), page)
 
 
-def _write_overview(run: Run, store: Store) -> None:
+def _write_overview(run: StoredRun, store: Store) -> None:
     write_text(run.path / "figures" / "overview.svg", draw_overview(run.study, read_best(run, store)))
 
 
-def _write_reach(run: Run, store: Store) -> None:
+def _write_reach(run: StoredRun, store: Store) -> None:
     from driftform.figures.reach import reach_svg
 
     picture = reach_svg(map_run(run.study, store), run.study.scenario, run.study.title)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.search.advance import search_run
 from driftform.search.in_process import InProcess
 from driftform.study import load_study
@@ -69,6 +69,6 @@ def test_a_search_solves_the_tees_of_its_pipe_before_its_first_flight(solved: li
         flown.append(list(solved))
         return InProcess(study.make_pipeline()).evaluate(jobs)
 
-    with Run.create(tmp_path / "run", study) as run:
+    with StoredRun.create(tmp_path / "run", study) as run:
         search_run(run, SimpleNamespace(evaluate=evaluate))
     assert len(solved) == 1 and flown[0] == solved

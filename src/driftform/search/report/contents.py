@@ -17,7 +17,7 @@ from driftform.plugins.discovery import find_modules
 from driftform.plugins.genome_text import write_genome
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.misses import Misses
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
 from driftform.search.results import draw_overview, map_run, read_best
 from driftform.study import Study
@@ -82,7 +82,7 @@ class Contents:
         return list(groups.values())
 
 
-def collect_contents(run: Run, page: Page = SCREEN) -> Contents:
+def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
     """Read a run, finished or not, and draw its pictures for a page.
 
     Raises InputError if the run is damaged. Raises WorkFailedError if no evaluation succeeded yet.

@@ -17,7 +17,7 @@ from driftform.figures.files import write_picture
 from driftform.figures.flight import flight_svg
 from driftform.figures.section import section_svg
 from driftform.motion.forces.limits import list_limits
-from driftform.runs.run import Run
+from driftform.runs.run import StoredRun
 from driftform.runs.wording import describe_worth, explain_columns, is_promised, list_cells, list_headings, summarise
 from driftform.search.report.contents import Contents, collect_contents
 from driftform.search.report.kinds import count_kinds, name_kind
@@ -34,7 +34,7 @@ BODIES, PROMISE = ("as printed", "weighed and trimmed", "passive baseline"), ("h
 """Titles of the groups of columns of a promise, and the headings in each."""
 
 
-def write_report(run: Run, path: Path | None = None) -> tuple[Contents, Path]:
+def write_report(run: StoredRun, path: Path | None = None) -> tuple[Contents, Path]:
     """Write the page of a run, by default ``report.html`` in it; return what it holds, and its path.
 
     Raises InputError if the run is damaged. Raises WorkFailedError if no evaluation succeeded yet.
@@ -46,7 +46,7 @@ def write_report(run: Run, path: Path | None = None) -> tuple[Contents, Path]:
     return contents, path
 
 
-def write_figures(run: Run, folder: Path | None, page: style.Page) -> tuple[Path, ...]:
+def write_figures(run: StoredRun, folder: Path | None, page: style.Page) -> tuple[Path, ...]:
     """Write the pictures of a run as figures of a paper, by default into its ``figures/paper``, and return their paths."""
     contents = collect_contents(run, page)
     folder = make_directory(folder or run.path / "figures" / "paper", "--out")
