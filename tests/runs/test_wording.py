@@ -90,7 +90,7 @@ def test_a_promise_is_said_with_the_number_of_flights():
 def test_a_summary_counts_who_keeps_the_targets():
     results = {"A": result_of(0.95, 0.95, 0.0), "B": result_of(0.5, 0.95, 0.95), "C": result_of(0.5, 0.5, 0.0)}
     found = summarise(ClosestApproach(Table()), results)
-    assert found == ("2 of 3 targets are kept if the print is weighed, 1 untrimmed, 1 by an idle sphere")
+    assert found == ("2 of 3 targets are kept if the print is weighed, 1 as printed, 1 by the passive baseline")
 
 
 def test_a_shape_that_is_hardly_better_than_nothing_is_said_to_matter_little():
@@ -103,5 +103,5 @@ def test_a_shape_that_is_hardly_better_than_nothing_is_said_to_matter_little():
 def test_a_fitness_of_shares_is_compared_by_shares():
     alike = {"A": result_of(1, 0.88, 0.88, (0.3, 0.2, 0.5)), "B": result_of(1, 1, 0.85, (0.3, 0.3, 0.3))}
     assert describe_worth(OutletFitness(Table()), alike).startswith(
-        "the shape matters little for A: an idle sphere does nearly as well"
+        "the shape matters little for A: the passive baseline does nearly as well"
     )

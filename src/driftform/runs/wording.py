@@ -15,7 +15,7 @@ KEPT = 0.9
 """Least share of the flights that hit a target that is kept."""
 
 WORTH = 0.1
-"""Part by which the 90 % miss must be below that of the idle sphere, at least, for the shape to matter."""
+"""Part by which the 90 % miss must be below that of the passive baseline, for the shape to matter."""
 
 Result = Mapping[str, Any]
 """``result`` of an agent file: fitness (%), nominal miss (m), and what was promised as ``robust``."""
@@ -74,7 +74,7 @@ def list_cells(fitness: Fitness[Any], result: Result, promised: bool = False) ->
 
 
 def summarise(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
-    """Return how many targets are kept, by print, weighed print and idle sphere; without promises how many are reached, and the worst one."""
+    """Return how many targets are kept, by print, weighed print and passive baseline; without promises how many are reached, and the worst one."""
     promises = [result["robust"] for result in results.values() if is_promised(result)]
     count = len(results)
     if len(promises) < count:
@@ -86,7 +86,7 @@ def summarise(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
     weighed = sum(is_kept(promise["weighed"]) for promise in promises)
     printed, idle = sum(map(is_kept, promises)), sum(is_kept(promise["baseline"]) for promise in promises)
     targets = "target is" if count == 1 else "targets are"
-    return f"{weighed} of {count} {targets} kept if the print is weighed, {printed} untrimmed, {idle} by an idle sphere"
+    return f"{weighed} of {count} {targets} kept if the print is weighed, {printed} as printed, {idle} by the passive baseline"
 
 
 def describe_worst(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
@@ -110,7 +110,7 @@ def describe_worth(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
         return ""
     does = "does nearly as well" if fitness.share else "keeps nearly the same 90 % miss"
     return (
-        f"the shape matters little for {', '.join(idle)}: an idle sphere {does}, because the "
+        f"the shape matters little for {', '.join(idle)}: the passive baseline {does}, because the "
         "water carries it there, and gusts decide the rest"
     )
 
