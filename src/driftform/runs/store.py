@@ -218,6 +218,8 @@ class Store:
         with self._reading():
             [text] = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
             document: dict[str, Any] = json.loads(text)
+            if not document.get("targets", True):
+                raise ValueError("the study has no targets")
             # Their names are shown before anything else of a study is checked.
             for name in document.get("targets", ()):
                 if not name.isprintable():
@@ -392,8 +394,8 @@ class Store:
                 )
             )
             for (index, generation, population, failure), *scored in zip(rows, *fitness, strict=True):
-                scores = tuple(float(score) for (score,) in scored)
-                yield EvaluationSummary(index, generation, population, failure, scores)
+                values = tuple(float(score) for (score,) in scored)
+                yield EvaluationSummary(index, generation, population, failure, values)
 
     def read_fitness(self, target: str, indices: Sequence[int]) -> dict[int, float]:
         """Return the fitness (%) of the undisturbed flights of evaluations, by evaluation."""
