@@ -3,7 +3,6 @@
 A file is found by its name, or else by the expression, which no other file has; tests by the end of their path.
 """
 
-SEATS = "driftform-kit/tests/test_ballast_seats.py"
 FILMS = "driftform-calibration/tests/test_fit.py"
 
 CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
@@ -14,7 +13,12 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("mass_elements.py", "element.mass * (element.x - x) ** 2", "element.mass * element.x**2", ("tests/agent",)),
     ("clearance.py", "offset @ across + x * sine", "offset @ across - x * sine", ("tests/agent",)),
     ("slices.py", "3 * rb * rb) / 12", "2 * rb * rb) / 12", ("tests/agent",)),
-    ("distance.py", "/ square, 0.0), 1.0)", "/ square, 0.0), 9.0)", ("test_coupon.py", "kit/tests/test_ballast.py")),
+    (
+        "distance.py",
+        "/ square, 0.0), 1.0)",
+        "/ square, 0.0), 9.0)",
+        ("test_coupon.py", "driftform-kit/tests/test_ballast.py"),
+    ),
     # Disturbed conditions.
     ("disturbances.py", "(intervals.T - within) / count", "(intervals.T - 0.5) / count", ("test_disturbances.py",)),
     (
@@ -87,10 +91,15 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("coverage.py", "row + 0.5 - self.shape[1] / 2", "row - self.shape[1] / 2", ("runs/test_coverage.py",)),
     ("coverage.py", "upward, np.cross(upward, along)", "upward, np.cross(along, upward)", ("runs/test_coverage.py",)),
     # Ballast.
-    ("trim.py", "(kit.mass * kit.cog - moment)", "(kit.mass * kit.cog)", (SEATS, "test_trim_command.py")),
-    ("trim.py", "agent.mass.cob[0] + volume * x)", "agent.mass.cob[0])", ("test_trim_command.py",)),
-    ("ballast.py", "axial / 2 + wanted.mass * thick**2 / 12", "axial / 2", ("kit/tests/test_ballast.py",)),
-    ("ballast.py", "e.transverse + e.mass * (e.x - centre) ** 2", "e.transverse", ("kit/tests/test_ballast.py",)),
+    ("trim.py", "(kit.mass * kit.cog - moment)", "(kit.mass * kit.cog)", ("driftform-kit/tests/test_ballast.py",)),
+    ("trim.py", "agent.mass.cob[0] + volume * x)", "agent.mass.cob[0])", ("driftform-kit/tests/test_ballast.py",)),
+    ("ballast.py", "axial / 2 + wanted.mass * thick**2 / 12", "axial / 2", ("driftform-kit/tests/test_ballast.py",)),
+    (
+        "ballast.py",
+        "e.transverse + e.mass * (e.x - centre) ** 2",
+        "e.transverse",
+        ("driftform-kit/tests/test_ballast.py",),
+    ),
     ("ballast_seat.py", "0.2 * volume * radius**2", "0.4 * volume * radius**2", ("test_ballast_seat.py",)),
     ("ballast_seat.py", "volume * x**2 + own", "own", ("test_ballast_seat.py",)),
     # Search.
@@ -111,5 +120,5 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     # Networks, and the flow around a body.
     ("tracers.py", "snapshot.departure - snapshot.exit * retained", "snapshot.departure", ("test_tracers.py",)),
     ("walkers.py", "fresh * (self.high - self.low)", "(self.high - self.low)", ("test_tracers.py",)),
-    ("solve.py", "r * (x * nr - r * nx)", "r * x * nr", ("panels/tests/test_solve.py",)),
+    ("solve.py", "r * (x * nr - r * nx)", "r * x * nr", ("driftform-panels/tests/test_solve.py",)),
 )

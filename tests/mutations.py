@@ -222,8 +222,10 @@ def list_chosen() -> list[Mutant]:
     sources = {path: path.read_text(encoding="utf-8") for path in files if "tests" not in path.parts}
 
     def find_test(ending: str) -> str:
-        found = (path for path in (ROOT / ending, *files) if path.exists() and f"{path}".endswith(f"/{ending}"))
-        return next(found).relative_to(ROOT).as_posix()
+        for path in (ROOT / ending, *files):
+            if path.exists() and f"{path}".endswith(f"/{ending}"):
+                return path.relative_to(ROOT).as_posix()
+        raise LookupError(f"{ending}: no such test")
 
     found = []
     for name, old, new, endings in CHOSEN:
@@ -310,7 +312,7 @@ def start(target: Target, source: str | None, folder: Path, number: int, limit: 
             sys.meta_path.insert(0, _Replacement(target.module, file))
         import pytest
 
-        options = ("-x", "-q", "-n", "0", "-p", "no:cacheprovider", "-p", "no:warnings", "-m", target.marks)
+        options = ("-x", "-q", "-n", "0", "-p", "no:cacheprovider", "-W", "ignore", "-m", target.marks)
         code = int(pytest.main([*options, "--rootdir", str(ROOT), *target.tests]))
     finally:
         os._exit(code)
