@@ -3,7 +3,7 @@
 A file is found by its name, or else by the expression, which no other file has; tests by the end of their path.
 """
 
-FILMS = "driftform-calibration/tests/test_fit.py"
+FILMS = "driftform-calibration/tests/test_calibrate_command.py"
 
 CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     # A body and its mass.
@@ -61,8 +61,8 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ),
     # The promise, and what it depends on.
     ("misses.py", "share * (len(ordered) + 1)", "share * len(ordered)", ("test_misses.py",)),
-    ("dependence.py", "len(offsets) - 1 - int(used.sum())", "len(offsets)", ("test_dependence.py",)),
-    ("dependence.py", "slopes**2 - variance", "slopes**2", ("test_dependence.py",)),
+    ("dependence.py", "len(offsets) - 1 - int(used.sum())", "len(offsets)", ("runs/test_dependence.py",)),
+    ("dependence.py", "slopes**2 - variance", "slopes**2", ("runs/test_dependence.py",)),
     ("finalists.py", "len(targets)), 100.0)", "len(targets)), 95.0)", ("test_finalists.py",)),
     ("finalists.py", "bounds[index] >= bars", "bounds[index] > bars", ("test_finalists.py",)),
     ("finalists.py", "2 * len(column) > len(fitness)", "len(column) > 0", ("test_finalists.py",)),
@@ -77,10 +77,10 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("survey.py", "np.vstack([undisturbed, disturbed])", "np.vstack([disturbed])", ("test_survey.py",)),
     ("disturbed.py", "(study.seed, 1)", "(study.seed, 0)", ("test_survey.py", "test_finalists.py")),
     (
-        "outlook.py",
+        "early_warnings.py",
         "np.argmin(distances) < len(distances) - 1",
         "np.argmin(distances) < len(distances)",
-        ("test_outlook.py",),
+        ("test_early_warnings.py",),
     ),
     (
         "status.py",
@@ -111,7 +111,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     # Films.
     ("bench.py", "position + late * self.velocity[-1]", "position", (FILMS,)),
     ("fit.py", "sum(problem.counts) - len(problem.parameters)", "sum(problem.counts)", (FILMS,)),
-    ("experiment.py", "Calibration.quantile * deviation", "deviation", ("test_experiment.py",)),
+    ("experiment.py", "Calibration.quantile * deviation", "deviation", (FILMS,)),
     # Robots.
     ("plume.py", "eta * eta * twice + whole - 2 * twice", "eta * eta * twice + whole", ("test_plume.py",)),
     ("plume.py", "(-axis, along)", "(-axis, length - along)", ("test_plume.py",)),

@@ -5,8 +5,8 @@
 
 The second command makes the changes of ``tests/mutants.py``, which reach all over the house.
 
-A mutant is a copy of one file in a temporary folder, which a child process imports in place of the file; the working tree
-stays as it is. The child runs the tests of that file. A test that fails, an error, or a run beyond the time limit kills the
+A mutant is another source of one file, which a child process imports in place of that on the disk; the working tree stays
+as it is. The child runs the tests of that file. A test that fails, an error, or a run beyond the time limit kills the
 mutant; mutants that live are printed, and the exit code is 1. Kernels run as plain Python where mutants are drawn, because
 each would compile for tens of seconds: the tests of a file are therefore those that call its functions, and not whole
 flights. No chosen change is in a kernel.
@@ -30,7 +30,7 @@ import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from importlib.machinery import ModuleSpec
+from importlib.machinery import ModuleSpec, SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -243,15 +243,34 @@ def list_chosen() -> list[Mutant]:
 # One run.
 
 
-class _Replacement(importlib.abc.MetaPathFinder):
-    """Import one module from another file."""
+class _Loader(SourceFileLoader):
+    """Loads a module from another source; its file stays the same, because data lie beside it."""
 
-    def __init__(self, module: str, file: Path) -> None:
-        self.module, self.file = module, file
+    def __init__(self, name: str, path: str, source: str) -> None:
+        super().__init__(name, path)
+        self.source = source
+
+    def get_data(self, path: str) -> bytes:
+        """Return the source."""
+        return self.source.encode()
+
+    def path_stats(self, path: str) -> Any:
+        """Raise OSError: the bytecode on the disk is that of the unchanged file."""
+        raise OSError
+
+
+class _Replacement(importlib.abc.MetaPathFinder):
+    """Import one module from another source."""
+
+    def __init__(self, target: Target, source: str) -> None:
+        self.target, self.source = target, source
 
     def find_spec(self, name: str, path: object = None, target: ModuleType | None = None) -> ModuleSpec | None:
-        """Return where the module is."""
-        return importlib.util.spec_from_file_location(name, self.file) if name == self.module else None
+        """Return how the module is loaded."""
+        if name != self.target.module:
+            return None
+        file = str(ROOT / self.target.path)
+        return importlib.util.spec_from_file_location(name, file, loader=_Loader(name, file, self.source))
 
 
 def prepare_parent() -> None:
@@ -307,9 +326,7 @@ def start(target: Target, source: str | None, folder: Path, number: int, limit: 
             keep_python()
         assert target.module not in sys.modules, f"{target.module} is imported before it is changed"
         if source is not None:
-            file = folder / f"{number}.py"
-            file.write_text(source, encoding="utf-8")
-            sys.meta_path.insert(0, _Replacement(target.module, file))
+            sys.meta_path.insert(0, _Replacement(target, source))
         import pytest
 
         options = ("-x", "-q", "-n", "0", "-p", "no:cacheprovider", "-W", "ignore", "-m", target.marks)
