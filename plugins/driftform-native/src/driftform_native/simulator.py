@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 
 from driftform.interfaces import Simulator, Table, option
 from driftform.types import Agent, FloatArray, Trajectory
@@ -81,7 +80,6 @@ class NativeSimulator(Simulator[NativeOptions]):
         start = forces.release_state(model, scenario)
 
         def fly(tolerance: float) -> FloatArray:
-            at = replace(accuracy, tolerance=tolerance)
-            return solver.integrate_once(model, start, scenario.flight.horizon, at)
+            return solver.integrate_once(model, start, scenario.flight.horizon, accuracy.tighten_to(tolerance))
 
         return solver.fly_checked(fly, model, scenario, accuracy, matters)

@@ -185,6 +185,15 @@ def _contact_depth(row: FloatArray, model: FlightModel) -> float:
     return deepest_depth(position_of(row), rotation_of(row), model)
 
 
+@compiled
+def has_touched(samples: FloatArray, model: FlightModel) -> bool:
+    """Return True if a surface touches the wall at one of the raw samples, (k, 14)."""
+    touched = False
+    for k in range(samples.shape[0]):
+        touched = touched or _contact_depth(samples[k], model) > 0.0
+    return touched
+
+
 def _conserves_energy(model: FlightModel) -> bool:
     """Return True without drag, in water that is uniform and steady and does not carry the body to or from its surface."""
     n = model.numbers[0]

@@ -69,11 +69,12 @@ _ROWS = len(DOP853.b) + 3
 
 
 class Limits(NamedTuple):
-    """What bounds an integration: its end (s), tolerance at the release, longest step (s), and number of steps."""
+    """What bounds an integration: its end (s), tolerance at the release, longest steps (s), also near a wall, and how many."""
 
     horizon: float
     tolerance: float
     max_step: float
+    near_step: float
     step_limit: int
 
 
@@ -177,7 +178,11 @@ def _advance(model: FlightModel, limits: Limits, rooms: _Rooms, progress: _Progr
             sharp *= SMOOTH_SHARE
         # What remains of the bristles would only limit the steps.
         straighten_bristles(y, slopes[0], model)
-    h, explicit, stay = min(progress.control.h, limits.max_step), progress.stiffness.explicit - 1, math.inf
+    h, explicit, stay = (
+        min(progress.control.h, limits.near_step if near else limits.max_step),
+        progress.stiffness.explicit - 1,
+        math.inf,
+    )
     while True:
         h = min(h, horizon - t)
         implicit = near and h > longest and explicit < 0
