@@ -59,10 +59,7 @@ class _Batch:
 
 @report_faults()
 def run_search(
-    study: Study,
-    store: Store,
-    executor: Executor,
-    on_record: Callable[[Record], None] = lambda _: None,
+    study: Study, store: Store, executor: Executor, on_record: Callable[[Record], None] = lambda _: None
 ) -> None:
     """Ask, evaluate, tell, until the budget is spent; a strategy that can is asked for a batch while another is flown.
 

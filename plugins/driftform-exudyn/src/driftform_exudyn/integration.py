@@ -50,16 +50,22 @@ def make_settings(integrator: str, horizon: float, tolerance: float, max_step: f
 def integrate_motion(agent: Agent, scenario: Scenario, settings: Any, limit: int) -> FloatArray:
     """Return the raw samples of a flight, (k, 14): the release and the ends of at most ``limit`` steps.
 
-    The tolerance grows along the flight, as in :mod:`driftform.motion.solver.error`.
+    The tolerance grows along the flight, as in :mod:`driftform.motion.solver.control`. Where a step of DOPRI5 passed over a
+    touch of the wall, the flight goes back to the beginning of that step, and takes one that ends at the touch.
     """
     system = exudyn_system(agent, scenario)
-    mbs, water = system.mbs, system.water
-    integration = settings.timeIntegration
-    tolerance = integration.absoluteTolerance
+    mbs, water, integration = system.mbs, system.water, settings.timeIntegration
+    tolerance, horizon = integration.absoluteTolerance, integration.endTime
+    longest = horizon / integration.numberOfSteps
     samples, count, due = np.empty((1024, SAMPLE)), 0, 0.0
+    # The last step's end: the numbers of the flight and their rates, and Exudyn's coordinates.
+    size = SAMPLE + len(water.inner_rates)
+    last, ends, kept = np.empty((2, size)), np.empty((2, size)), [np.empty(0)] * 3
+    touch: tuple[float, float] | None = None
+    finds_touches = integration.solverType == exudyn.DynamicSolverType.DOPRI5
 
     def after_step(_: Any, t: float) -> bool:
-        nonlocal samples, count, due
+        nonlocal samples, count, due, touch
         system.tries[0] = 0
         if t >= due:
             # Exudyn reads this at every step.
@@ -69,8 +75,36 @@ def integrate_motion(agent: Agent, scenario: Scenario, settings: Any, limit: int
         if count == len(samples):
             samples = np.concatenate([samples, np.empty_like(samples)])
         proceeds = water.fill_sample(samples[count], t, coordinates, rates)
+        if finds_touches and proceeds:
+            water.fill_numbers(t, samples[count], inner, ends[0], ends[1])
+            if count > 0:
+                share, stay = solver.find_touch(
+                    t - samples[count - 1, 0], last[0], last[1], ends[0], ends[1], water.model
+                )
+                if share < 1.0:
+                    touch = share * (t - samples[count - 1, 0]), stay
+                    return False
+            last[:] = ends
+            kept[:] = coordinates.copy(), rates.copy(), inner.copy()
         count += 1
         return proceeds and count <= limit
+
+    def solve(begin: float, end: float, first: float) -> None:
+        integration.startTime, integration.endTime, integration.initialStepSize = begin, end, first
+        integration.numberOfSteps = max(1, math.ceil((end - begin) / longest - 1e-9))
+        # Exudyn raises an error if the error control fails, and returns True after NaN: the samples show both.
+        with contextlib.suppress(exudyn.SolverError):
+            try:
+                mbs.SolveDynamic(settings)
+            except exudyn.ModelError as error:
+                # An interrupt is raised in the running Python code, usually a function that Exudyn calls.
+                raise error.__cause__ or error from None
+
+    def go_back() -> None:
+        initial = exudyn.ConfigurationType.Initial
+        mbs.systemData.SetODE2Coordinates(kept[0], initial)
+        mbs.systemData.SetODE2Coordinates_t(kept[1], initial)
+        mbs.systemData.SetODE1Coordinates(kept[2], initial)
 
     mbs.Assemble()
     # Live views of the memory that the last Assemble laid out.
@@ -79,13 +113,16 @@ def integrate_motion(agent: Agent, scenario: Scenario, settings: Any, limit: int
     inner: Any = mbs.systemData.GetODE1Coordinates(copy=False)
     after_step(mbs, 0.0)
     mbs.SetPostStepUserFunction(after_step)
-    # Exudyn raises an error if the error control fails, and returns True after NaN: the samples show both.
-    with contextlib.suppress(exudyn.SolverError):
-        try:
-            mbs.SolveDynamic(settings)
-        except exudyn.ModelError as error:
-            # An interrupt is raised in the running Python code, usually a function that Exudyn calls.
-            raise error.__cause__ or error from None
-        finally:
-            integration.absoluteTolerance = tolerance
+    try:
+        solve(0.0, horizon, 0.0)
+        while touch is not None:
+            (ahead, stay), touch = touch, None
+            begin = samples[count - 1, 0]
+            go_back()
+            solve(begin, begin + ahead, ahead)
+            if touch is None and samples[count - 1, 0] > begin:
+                go_back()
+                solve(samples[count - 1, 0], horizon, min(longest, solver.TOUCH_SHARE * stay))
+    finally:
+        integration.absoluteTolerance = tolerance
     return samples[:count]

@@ -21,7 +21,7 @@ from driftform.motion.forces.equations import wrench_in_water
 from driftform.motion.forces.fields import Records
 from driftform.motion.forces.inertia import added_mass_at
 from driftform.motion.forces.model import FlightModel, flight_model
-from driftform.motion.forces.rates import count_inner, first_bristle, get_inner_rates, set_inner
+from driftform.motion.forces.rates import count_inner, fill_rate, first_bristle, get_inner_rates, set_inner
 from driftform.motion.forces.state import STATE, is_finite, release_state
 from driftform.types import Agent, FloatArray
 from driftform.util.compiled import compiled
@@ -93,6 +93,16 @@ class WaterForces:
     def fill_sample(self, sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray) -> bool:
         """Fill a raw sample of :mod:`driftform.motion.forces.state`, (14,), and return True while it is finite and in the pipe."""
         return _fill_sample(sample, t, coordinates, rates, self.model.pipe, self.model.fittings)
+
+    def fill_numbers(
+        self, t: float, sample: FloatArray, inner: FloatArray, numbers: FloatArray, rate: FloatArray
+    ) -> None:
+        """Fill the numbers of a flight and their rates, (k,) each, at a raw sample with these inner states.
+
+        They are those of :mod:`driftform.motion.forces.rates`, in a frame that has the body's attitude and does not spin.
+        """
+        numbers[:STATE], numbers[STATE:-1], numbers[-1] = sample[1:], inner, 0.0
+        fill_rate(t, numbers, self.model, rate)
 
     def straighten(self, coordinates: FloatArray, inner: FloatArray) -> None:
         """Set those inner states that are bristles of friction to zero where no surface can touch a wall."""

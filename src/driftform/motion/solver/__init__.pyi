@@ -6,3 +6,5 @@ from .error import fly_checked as fly_checked
 from .error import greatest_distance as greatest_distance
 from .error import integrate as integrate
 from .error import integrate_once as integrate_once
+from .events import find_touch as find_touch
+from .loop import TOUCH_SHARE as TOUCH_SHARE
