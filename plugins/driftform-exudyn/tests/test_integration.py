@@ -71,7 +71,7 @@ def test_the_step_limit_ends_a_flight():
 def test_the_tolerance_grows_along_a_flight_and_the_settings_remain(monkeypatch):
     growing = integrate_motion(make_agent(1), PIPELINE.scenario, SETTINGS, 10_000)
     assert SETTINGS.timeIntegration.absoluteTolerance == 1e-8
-    monkeypatch.setattr(integration.integrator, "grow_tolerance", lambda tolerance, _: tolerance)
+    monkeypatch.setattr(integration.solver, "grow_tolerance", lambda tolerance, _: tolerance)
     constant = integrate_motion(make_agent(1), PIPELINE.scenario, SETTINGS, 10_000)
     assert len(growing) < 0.95 * len(constant)
 

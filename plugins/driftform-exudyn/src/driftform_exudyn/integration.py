@@ -124,5 +124,6 @@ def integrate_motion(agent: Agent, scenario: Scenario, settings: Any, limit: int
                 go_back()
                 solve(samples[count - 1, 0], horizon, min(longest, solver.TOUCH_SHARE * stay))
     finally:
-        integration.absoluteTolerance = tolerance
+        integration.absoluteTolerance, integration.startTime, integration.endTime = tolerance, 0.0, horizon
+        integration.initialStepSize, integration.numberOfSteps = 0.0, round(horizon / longest)
     return samples[:count]
