@@ -18,17 +18,23 @@ import numpy as np
 
 from driftform.motion.forces.contact import is_near_wall
 from driftform.motion.forces.equations import wrench_in_water
-from driftform.motion.forces.fields import Records
+from driftform.motion.forces.fields import NUMBERS
 from driftform.motion.forces.inertia import added_mass_at
 from driftform.motion.forces.model import FlightModel, flight_model
 from driftform.motion.forces.rates import count_inner, fill_rate, first_bristle, get_inner_rates, set_inner
 from driftform.motion.forces.state import STATE, is_finite, release_state
 from driftform.types import Agent, FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import borrow, borrow_as, borrowing, compiled
 from driftform.util.rotations import rotation_from_vector, rotation_vector_from_quaternion
 from driftform.util.small_vectors import ZERO, Vector, add, add_wrenches, cross, multiply, to_body, to_world
 from driftform.water import Scenario
+from driftform.water.gusts import STATES
 from driftform.water.outlets import has_left_pipe
+
+_borrow_numbers = borrow_as(NUMBERS)
+_NUMBERS = NUMBERS.itemsize // 8
+_ARRAYS = 9
+"""Arrays of a model besides its numbers and fittings; a packed model begins with their lengths."""
 
 GREATEST = 1e9
 """Acceleration (m/s2, rad/s2) of the dry body to which the forces of trial steps are limited.
@@ -47,7 +53,7 @@ class WaterForces:
         lift: buoyancy (N, upward), if the other program must add it at the centre of buoyancy; 0 if it depends on the
             pose, and the forces contain it.
         model: of the flight.
-        outer: the same without weight and dry mass.
+        outer: the same without weight and dry mass, packed.
         inner_rates: room for the rates of the inner states of wall and water, (k,), which :meth:`force` fills; the
             states are all zero at the release.
         limits: greatest components of a force, (6,).
@@ -57,7 +63,7 @@ class WaterForces:
     rates: FloatArray
     lift: float
     model: FlightModel
-    outer: FlightModel
+    outer: FloatArray
     inner_rates: FloatArray
     limits: FloatArray
 
@@ -77,18 +83,18 @@ class WaterForces:
         turned = rotation_vector_from_quaternion(start[3:7])
         coordinates = np.concatenate([start[:3], turned])
         inner_rates = np.zeros(count_inner(model))
-        return cls(coordinates, start[7:13], lift, model, outer, inner_rates, GREATEST * inertia)
+        return cls(coordinates, start[7:13], lift, model, _pack(outer), inner_rates, GREATEST * inertia)
 
     def force(self, t: float, coordinates: FloatArray, rates: FloatArray, inner: FloatArray) -> tuple[float, ...]:
         """Return the force (N, world frame) and the torque (N m, body frame) at a time (s), six numbers.
 
         ``inner`` are the inner states, (k,); the mass is that of :meth:`fill_mass`.
         """
-        return _force(t, coordinates, rates, inner, self.outer, self.inner_rates, self.limits)
+        return _force(t, coordinates, rates, inner, self.outer, self.inner_rates, self.limits, self.model.fittings)
 
     def fill_mass(self, coordinates: FloatArray, mass: FloatArray) -> None:
         """Fill in the added mass for accelerations of these coordinates, (6, 6)."""
-        _fill_mass(coordinates, self.outer.numbers, mass)
+        _fill_mass(coordinates, self.outer, mass)
 
     def fill_sample(self, sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray) -> bool:
         """Fill a raw sample of :mod:`driftform.motion.forces.state`, (14,), and return True while it is finite and in the pipe."""
@@ -122,10 +128,12 @@ def _force(
     coordinates: FloatArray,
     rates: FloatArray,
     inner: FloatArray,
-    model: FlightModel,
+    outer: FloatArray,
     inner_rates: FloatArray,
     limits: FloatArray,
+    fittings: FloatArray | None,
 ) -> tuple[float, float, float, float, float, float]:
+    model = _unpack(outer, fittings)
     R = rotation_from_vector(coordinates[3], coordinates[4], coordinates[5])
     velocity, omega = (rates[0], rates[1], rates[2]), (rates[3], rates[4], rates[5])
     set_inner(inner, 0, inner.shape[0], model)
@@ -155,8 +163,8 @@ def _bound(value: float, most: float) -> float:
 
 
 @compiled
-def _fill_mass(coordinates: FloatArray, numbers: Records, out: FloatArray) -> None:
-    added = numbers[0].mass
+def _fill_mass(coordinates: FloatArray, outer: FloatArray, out: FloatArray) -> None:
+    added = _unpack(outer, None).numbers[0].mass
     R = rotation_from_vector(coordinates[3], coordinates[4], coordinates[5])
     for j in range(6):
         i = j % 3
@@ -185,3 +193,47 @@ def _fill_sample(
         sample[8 + i] = rates[i]
         sample[11 + i] = rates[3 + i]
     return is_finite(sample) and not has_left_pipe(_place(coordinates), pipe, fittings)
+
+
+def _pack(model: FlightModel) -> FloatArray:
+    """Return all arrays of a model but its fittings as one, for :func:`_unpack`.
+
+    To hand a model over takes 1.5 us, three times as long as to evaluate its forces, of which Exudyn asks thousands of
+    times in a flight.
+    """
+    arrays = model[1:-1]
+    lengths = np.array([float(len(array)) for array in arrays])
+    return np.concatenate([lengths, model.numbers.view(np.float64), *(array.ravel() for array in arrays)])
+
+
+@borrowing
+def _unpack(values: FloatArray, fittings: FloatArray | None) -> FlightModel:
+    """Return the model that :func:`_pack` put into one array, with its fittings; its arrays share that memory."""
+    surfaces = _ARRAYS + _NUMBERS
+    pipe = surfaces + 7 * int(values[0])
+    flow = pipe + 8 * int(values[1])
+    gusts = flow + int(values[2])
+    slices = gusts + 12 * int(values[3])
+    strips = slices + 4 * int(values[4])
+    touches = strips + 4 * int(values[5])
+    bristles = touches + 10 * int(values[6])
+    eddies = bristles + 3 * int(values[7])
+    return FlightModel(
+        _borrow_numbers(values, _ARRAYS, (1,)),
+        borrow(values, surfaces, (int(values[0]), 7)),
+        borrow(values, pipe, (int(values[1]), 8)),
+        borrow(values, flow, (int(values[2]),)),
+        borrow(values, gusts, (int(values[3]), 12)),
+        borrow(values, slices, (int(values[4]), 4)),
+        borrow(values, strips, (int(values[5]), 4)),
+        borrow(values, touches, (int(values[6]), 10)),
+        borrow(values, bristles, (int(values[7]), 3)),
+        borrow(values, eddies, (int(values[8]), STATES)),
+        _borrow_fittings(fittings),
+    )
+
+
+@borrowing
+def _borrow_fittings(fittings: FloatArray | None) -> FloatArray | None:
+    # numba compiles no branch for an argument that is None.
+    return borrow(fittings, 0, (fittings.shape[0],)) if fittings is not None else None

@@ -34,11 +34,10 @@ Both integrations sometimes err alike, for example after the same collision, so 
 has how often it holds.
 """
 
-THIRD_RATIO = 4.0
-"""Ratio of the tolerance of a third integration to that of the first, for flights that touch a wall in steady water.
+TOUCH_FACTOR = 3.0
+"""The same for a flight that touches a wall in steady water.
 
-After a collision the errors of two integrations may be equal by chance: with two, the error of some 1 of 100 flights of an
-evolved population in `paper` was larger than estimated, by up to 13 times. That three agree by chance is far rarer.
+After a collision the errors of two integrations are sometimes nearly equal by chance, and their difference is too small.
 """
 
 CONVERGENCE = 0.5
@@ -151,10 +150,7 @@ def tighten(
         fine = fly(tolerance)
         distance = float(greatest_distance(coarse, fine, not has_gusts))
         # A distance that falls faster than the tolerance does so by chance.
-        error = SAFETY_FACTOR * max(distance, least)
-        if error <= accuracy.position and not has_gusts and has_touched(fine, model):
-            third = float(greatest_distance(fly(THIRD_RATIO * tolerance), fine))
-            error = max(error, SAFETY_FACTOR * third)
+        error = (SAFETY_FACTOR if has_gusts or not has_touched(fine, model) else TOUCH_FACTOR) * max(distance, least)
         # What fails alike at two tolerances fails at the next, too, which takes far longer.
         hopeless = has_failed(coarse, accuracy.step_limit) and has_failed(fine, accuracy.step_limit)
         hopeless = hopeless or (has_gusts and error > CONVERGENCE * before)
