@@ -9,9 +9,14 @@ from driftform.motion.forces.water_forces import WaterForces
 from driftform.motion.path.interpolation import interpolate_positions
 from driftform.motion.solver.error import Accuracy, greatest_distance, integrate
 from driftform.study import load_study
+from driftform.testing.agents import sphere_agent
 from driftform.testing.simulator import largest_distance
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import FlightLimits, Release
 from driftform_exudyn import exudyn_system, integration
 from driftform_exudyn.integration import integrate_motion, make_settings
+from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
 
 PIPELINE = load_study("paper").make_pipeline()
 SETTINGS = make_settings("DOPRI5", horizon=2.0, tolerance=1e-8, max_step=0.05)
@@ -83,3 +88,23 @@ def test_a_system_has_the_weight_and_the_buoyancy_of_its_agent_as_loads():
     mass = agent.mass
     assert loads == pytest.approx([-9.81 * mass.mass, 9.81 * scenario.fluid.density * mass.volume])
     assert sum(loads) == pytest.approx(mass.net_buoyancy(scenario.fluid))
+
+
+@pytest.mark.parametrize("depth", [1e-6, 3e-5, 3e-4])
+def test_a_touch_between_the_ends_of_a_step_is_found(depth):
+    """A heavy sphere that is thrown at the ceiling: its parabola would lead to a depth (m) in it."""
+    radius, mass, bore, water = 0.02, 0.1, 0.2, 1024.0
+    displaced = water * 4 / 3 * np.pi * radius**3
+    fall, room = (mass - displaced) * 9.81 / (mass + displaced / 2), bore - radius
+    speed = np.sqrt(2 * fall * (room + depth))
+    scenario = Scenario(
+        pipe=Pipe(segments=(Segment(start=(-1, 0, 0), end=(9, 0, 0), radius=bore),)),
+        fluid=Fluid(density=water),
+        flow=UniformFlow(speed=0.0),
+        release=Release(velocity=(0.0, 0.0, float(speed))),
+        flight=FlightLimits(horizon=0.5),
+    )
+    flight = ExudynSimulator(ExudynOptions()).simulate(sphere_agent(radius, mass), scenario)
+    time = (speed - np.sqrt(speed**2 - 2 * fall * room)) / fall
+    assert flight.contact == pytest.approx(time, abs=1e-7 / np.sqrt(2 * fall * depth))
+    assert flight.position[-1, 2] < scenario.release_position()[2] + room - 1e-3
