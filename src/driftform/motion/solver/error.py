@@ -96,7 +96,14 @@ class Accuracy:
 
 @dataclass(frozen=True, eq=False)
 class IntegrationResult:
-    """Raw samples of a flight, (k, 14), its estimated error (m), the tolerance that it needed, and the flight that it was compared with."""
+    """A flight of a given accuracy.
+
+    Attributes:
+        samples: raw samples, (k, 14).
+        error: estimated, m.
+        tolerance: that it needed.
+        other: raw samples of the flight that it was compared with.
+    """
 
     samples: FloatArray
     error: float
