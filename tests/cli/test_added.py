@@ -91,7 +91,7 @@ def test_a_command_and_a_group_of_a_plugin_are_listed_and_run(install: Install, 
     page = call("--help").stdout
     assert "Show the tide." in page and "Work in a harbour." in page and "It is calm" not in page
     # A command that states no group is in that of plugins.
-    assert page.index("Files, programs and plugins:") < page.index("Show the tide.") < page.index("Water networks:")
+    assert page.index("Files, programs and plugins:") < page.index("Show the tide.") < page.index("Workshop:")
     assert call("tide").stdout == "a library prints this\n"
     assert call("harbour", "enter", "Hull").stdout == "in Hull\n"
     group = call("harbour", "--help").stdout

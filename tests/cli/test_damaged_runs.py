@@ -250,4 +250,4 @@ def test_a_name_that_steers_a_terminal_is_refused_before_it_is_shown(
 ) -> None:
     studied(lambda study: study.update(targets={name: [1.0, 0.0, 0.0]}))(run_copy / "run.db")
     for args in (("watch", "run", "--once"), ("watch", "run", "--json"), ("report", "run"), ("resume", "run")):
-        assert "the name of a target is " in refused(*args)
+        assert f"a target is named {name!r}" in refused(*args)

@@ -109,7 +109,7 @@ def test_what_a_writer_has_just_stored_is_found(call, run_copy: Path, flights) -
 @pytest.mark.parametrize(
     ("point", "told"),
     [
-        (("4", "0", "-1.2"), "X Y Z = 4 0 -1.2 lies outside the pipe, which leads from [0.0, 0.0, 0.0] to [9.0, "),
+        (("4", "0", "-1.2"), "X Y Z = 4 0 -1.2 lies outside the pipe, from [0.0, 0.0, 0.0] to [9.0, "),
         (("-0.5", "0", "0"), "lies outside the pipe"),
         (("nan", "0", "0"), "X Y Z = nan 0 0: should be three finite numbers"),
         (("4", "0", "inf"), "should be three finite numbers"),
