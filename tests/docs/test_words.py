@@ -7,10 +7,10 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-LIMIT = 40_000
+LIMIT = 39_700
 LIMITS = {"dataflow.md": 1800, "validation.md": 2000, "study-files.md": 1200, "printing.md": 2000}
 # Pages that are made from the program; cli.md, the reference of all commands, is so for the most part.
-GENERATED = ("cli.md", "examples.md", "plugins", "study-keys.md")
+GENERATED = ("cli.md", "examples.md", "plugins", "reference.md", "study-keys.md")
 
 _GENERATED = re.compile(r"<!-- generated: .*?-->.*?<!-- end -->", re.DOTALL)
 
