@@ -305,7 +305,7 @@ def keep_python() -> None:
     from driftform.motion.forces import fields
 
     # Kernels read n.gravity, which numba gives any record.
-    for name in ("LAW", "PLANE", "NUMBERS"):
+    for name in ("LAW", "NUMBERS"):
         setattr(fields, name, np.dtype((np.record, getattr(fields, name))))
 
 
