@@ -18,7 +18,7 @@ def calibrate(
         typer.Argument(
             metavar="TRACK",
             help="Tracks of filmed flights: CSV with the columns t, x, y, and z or pitch if known, or an export of Tracker, Kinovea, SLEAP, TrackMate, trackpy or DeepLabCut. "
-            "NAME.toml beside NAME.csv is the scenario of that film.",
+            "NAME.toml in the folder of NAME.csv is the scenario of that film.",
         ),
     ],
     scenario: Annotated[
@@ -27,33 +27,33 @@ def calibrate(
     ] = None,
     unit: Annotated[str | None, typer.Option(metavar="m|cm|mm", help="Unit of the coordinates; by default m.")] = None,
     scale: Annotated[
-        float | None, typer.Option(metavar="M", help="Metres of a pixel, if the coordinates are pixels.")
+        float | None, typer.Option(metavar="M", help="Metres per pixel, if the coordinates are pixels.")
     ] = None,
     scale_error: Annotated[
         float, typer.Option(metavar="SHARE", help="Standard deviation of the film's scale, relative to it.")
     ] = 0.005,
     distance: Annotated[
-        float, typer.Option(metavar="M", help="Distance of the camera, m; the nearer, the less do films show.")
+        float, typer.Option(metavar="M", help="Distance of the camera, m; nearer films show less.")
     ] = 2.5,
     fps: Annotated[
-        float | None, typer.Option(metavar="N", help="Frames for each second, if the file has frames and no times.")
+        float | None, typer.Option(metavar="N", help="Frames per second, if the file has frames and no times.")
     ] = None,
     y_down: Annotated[
         bool | None,
         typer.Option("--y-down/--y-up", help="Direction of y; by default down for pixels, and up otherwise."),
     ] = None,
     view: Annotated[
-        str, typer.Option(metavar="side|top|front", help="Where the camera looks from, for tracks in a plane.")
+        str, typer.Option(metavar="side|top|front", help="Side that the camera looks from, for tracks in a plane.")
     ] = "side",
     point: Annotated[
         list[str] | None,
         typer.Option(
             metavar="NAME=X",
-            help="Where on the axis a tracked point is, m from the core's centre, fore positive; repeatable.",
+            help="Position of a tracked point on the axis, m from the core's centre, fore positive; repeatable.",
         ),
     ] = None,
     target: Annotated[
-        str | None, typer.Option("--object", metavar="NAME", help="The tracked object, if there are several.")
+        str | None, typer.Option("--object", metavar="NAME", help="Tracked object, if there are several.")
     ] = None,
     fit: Annotated[
         list[str] | None, typer.Option(metavar="FACTOR", help="Fit only this factor; repeatable. By default all.")
@@ -72,7 +72,7 @@ def calibrate(
 ) -> None:
     """Fit the model to tracks of filmed flights: drag, added mass, weight, restitution and friction.
 
-    Prints a factor with its 90 % interval for each of them, and why for those that the tracks do not show. Writes the
+    Prints each factor with its 90 % interval, or why the tracks do not show it. Writes the
     table [calibration] for any study, the calibrated agent, and pictures of the films against the flights.
     """
     from driftform import open_agent
@@ -155,4 +155,4 @@ def _print(found: "CalibrationResult", paths: list[Path]) -> None:
     if found.fit.known:
         print(f"next: driftform evolve --calibration {quote(str(paths[0]))}")
     else:
-        print("next: driftform drop AGENT, which plans the drops that tell most")
+        print("next: driftform drop AGENT, which plans the drops that show most")

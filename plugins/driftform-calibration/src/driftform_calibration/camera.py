@@ -1,4 +1,4 @@
-"""What a film shows of a flight: points of the axis in the plane of the picture, with the camera's own errors."""
+"""A flight as a film shows it: points of the axis in the plane of the picture, with the camera's own errors."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Calibrate an agent by films of its flights, and plan the drops to film: what the commands do, for scripts."""
+"""Calibrate an agent by films of its flights, and plan the drops to film: the commands, for scripts."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -35,8 +35,8 @@ def calibrate_design(
     """Return what films of an agent's flights show of the model, as ``driftform calibrate`` does.
 
     Args:
-        tracks: files of tracks, one for each film. A study file of the same name beside a track, such as
-            ``drop-1.toml`` beside ``drop-1.csv``, is the scenario of that film.
+        tracks: files of tracks, one for each film. A study file of the same name in the folder of a track, such
+            as ``drop-1.toml`` for ``drop-1.csv``, is the scenario of that film.
         scenario: of all films, in place of such files; ``None`` for these, or for that of the agent.
         settings, use: of the scenarios of the films, as for :meth:`under`.
         reading: units, frames and points of the tracks; ``None`` for metres and seconds.
@@ -44,7 +44,7 @@ def calibrate_design(
         scale_error: standard deviation of a film's scale, relative to it.
         distance: of the camera, m: the nearer, the more do heights bend if it looks down.
         fit: names of the factors to fit; empty for all.
-        printed_mass: what the agent weighs with core and ballast, kg, by scales; ``None`` if it was not weighed.
+        printed_mass: mass of the print with core and ballast, kg, by scales; ``None`` if it was not weighed.
 
     Raises:
         InputError: if a track is not that of a flight of this agent.
@@ -79,7 +79,7 @@ def drop_design(
     Args:
         tank: inside of the tank: along the picture, across it, and the depth of the water, m.
         drops: number of drops.
-        fps: frames of the films for each second.
+        fps: frames of the films per second.
         noise: standard deviation of a tracked point, m.
         progress: called with the number of releases that were examined, and of all.
 

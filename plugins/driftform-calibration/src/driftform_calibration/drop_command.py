@@ -20,9 +20,7 @@ def drop(
         ),
     ] = (1.0, 0.5, 0.5),
     drops: Annotated[int, typer.Option(metavar="N", min=1, max=20, help="Number of drops to film.")] = 3,
-    fps: Annotated[
-        float, typer.Option(metavar="N", min=1, max=10_000, help="Frames of the film for each second.")
-    ] = 60.0,
+    fps: Annotated[float, typer.Option(metavar="N", min=1, max=10_000, help="Frames per second of the film.")] = 60.0,
     noise: Annotated[
         float, typer.Option(metavar="M", min=1e-6, max=1, help="Standard deviation of a tracked point, m.")
     ] = 0.002,
@@ -39,16 +37,15 @@ def drop(
     """Plan the drops in a tank whose films show most about the model: attitude, depth and ballast of each release.
 
     Writes a page to take to the tank (what to weigh, where to put the camera, a ruler to print) and a study file for each
-    drop. Save the track of a film beside the file of its drop, for 'driftform calibrate'.
+    drop. Save the track of a film in the folder of its drop's file, for 'driftform calibrate'.
     """
     from driftform import open_agent
     from driftform.cli import output
     from driftform.util import files, progress
     from driftform_calibration.designs import drop_design
-    from driftform_calibration.protocol import default_directory
 
     design = open_agent(agent, *(settings or ()), scenario=scenario, use={"hydrodynamics": hydrodynamics})
-    directory = files.check_directory(out or default_directory(design.name))
+    directory = files.check_directory(out or Path("drops") / design.name)
     with progress.count_progress("releases") as show:
         plan = drop_design(design, tank, drops=drops, fps=fps, noise=noise, progress=show)
     paths = plan.write(directory)
@@ -62,15 +59,9 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
     from driftform.cli import output
 
     document = plan.document()
-    output.print_table(*plan.tabulate(), right=(0, 1, 2, 3, 4, 6))
+    output.print_table(*plan.tabulate(), right=(0, 1, 3, 4, 5, 7))
     print()
-    rows = [
-        (name, f"+-{100 * row['half_width']:.0f} %", _describe_width(name, row["known"]))
-        for name, row in document["expected"].items()
-    ]
-    rows += [(name, "-", why) for name, why in document["reasons"].items()]
-    shown = [(name.replace("_", " "), *rest) for name, *rest in rows]
-    output.print_table(("factor", "expected 90 % interval", ""), shown, right=(1,))
+    output.print_table(*plan.tabulate_expected(), right=(1,))
     output.print_text(
         f"weigh the print with core and ballast: {1000 * document['mass']:.2f} g as simulated; calibrate takes it as --printed-mass"
     )
@@ -78,9 +69,3 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
         print(f"wrote {path}")
     tracks = " ".join(f"{path.with_suffix('.csv')}" for path in paths[1:])
     print(f"next: driftform calibrate AGENT {tracks}")
-
-
-def _describe_width(name: str, known: bool) -> str:
-    if known:
-        return ""
-    return "known only if the print is weighed" if name == "net_weight" else "too wide: left at 1"

@@ -19,7 +19,7 @@ from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray, Morphology
 from driftform.water import Calibration, Factors, Pipe, Scenario, Segment
 from driftform_calibration.bench import Bench, Path, ReleaseError
-from driftform_calibration.fit import CONTACT, find_widest, list_reasons
+from driftform_calibration.fit import CONTACT, find_max_width, list_reasons
 from driftform_calibration.problem import Filmed, Problem, factor_of
 from driftform_calibration.tracks import Marker, Track
 
@@ -44,10 +44,10 @@ MARGIN = 0.02
 AFTER_FLOOR = 0.4
 """Time that is filmed after the agent reaches the floor, s."""
 
-LONGEST = 20.0
+MAX_DURATION = 20.0
 """Longest film, s."""
 
-FEWEST_FRAMES = 8
+MIN_FRAMES = 8
 """Fewest frames of a film that is worth making."""
 
 
@@ -141,7 +141,7 @@ def plan_drops(
     if not found:
         raise WorkFailedError(
             f"no release in a tank of {tank.length:g} x {tank.width:g} x {tank.depth:g} m can be filmed for "
-            f"{FEWEST_FRAMES} frames at {fps:g} frames/s: take a deeper tank, or more frames"
+            f"{MIN_FRAMES} frames at {fps:g} frames/s: take a deeper tank, or more frames"
         )
     return _choose(found, names, reasons, bench, count)
 
@@ -186,10 +186,10 @@ def _examine(
     bench: Bench, tank: Tank, names: Sequence[str], fps: float, noise: float
 ) -> tuple[Drop, FloatArray] | None:
     """Return a drop, and the information of its film about the factors, (factors, factors); ``None`` if it is too short."""
-    path = bench.fly(Factors(), ReleaseError(), LONGEST)
+    path = bench.fly(Factors(), ReleaseError(), MAX_DURATION)
     duration, end = _find_end(bench.body, path, tank)
     t = np.arange(0.0, duration, 1 / fps)
-    if len(t) < FEWEST_FRAMES:
+    if len(t) < MIN_FRAMES:
         return None
     inform = partial(_inform, bench, names, noise, CAMERA * tank.length)
     information = inform(t)
@@ -197,7 +197,7 @@ def _examine(
         # A fit takes drag and weight from free flight alone.
         free = np.array([name not in CONTACT for name in names])
         before = t[t < path.contact]
-        falling = inform(before) if len(before) >= FEWEST_FRAMES else 0.0
+        falling = inform(before) if len(before) >= MIN_FRAMES else 0.0
         information = np.where(np.outer(free, free), falling, np.where(np.outer(~free, ~free), information, 0.0))
     points, _ = path.points_at(t)
     release = bench.scenario.release
@@ -206,7 +206,7 @@ def _examine(
 
 
 def _inform(bench: Bench, names: Sequence[str], noise: float, distance: float, t: FloatArray) -> FloatArray:
-    """Return what a film with frames at ``t`` (s) shows of the factors, (factors, factors), besides its own unknowns."""
+    """Return what a film with frames at ``t`` (s) shows of the factors, (factors, factors), without its own unknowns."""
     film = Filmed(bench, _blank(t), distance=distance)
     problem = Problem([film], names, [noise])
     jacobian, count = problem.jacobian(problem.start), len(names)
@@ -269,6 +269,6 @@ def _choose(
     expected = {}
     for name, width in zip(names, Calibration.quantile * deviation, strict=True):
         half = (factor_of(name, width) - factor_of(name, -width)) / 2
-        expected[name] = (float(half), bool(half <= find_widest(bench, name, 1.0)))
+        expected[name] = (float(half), bool(half <= find_max_width(bench, name, 1.0)))
     share = bench.hull_weight / max(abs(bench.net_weight), 1e-12)
     return Plan(tuple(drops), expected, dict(reasons), float(share))

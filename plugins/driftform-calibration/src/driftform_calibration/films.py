@@ -14,8 +14,8 @@ from driftform_calibration.camera import VIEWS
 from driftform_calibration.problem import Filmed
 from driftform_calibration.tracks import UNITS, Reading, estimate_noise, read_track
 
-LARGEST_SPAN, SMALLEST_SPAN = 5.0, 0.02
-"""Extent of a track over what the model can move in that time, beyond which its unit is wrong."""
+MAX_SPAN, MIN_SPAN = 5.0, 0.02
+"""Extent of a track over what the model can move in that time, outside which its unit is wrong."""
 
 SURE_SIGN = 0.2
 """Net weight over the weight of the hull above which no print sinks that should rise."""
@@ -25,9 +25,9 @@ SCALES = 1e-3
 
 
 def find_scenario(track: Path) -> str | None:
-    """Return the study file of a film, of the same name beside its track; ``None`` without one."""
-    beside = track.with_suffix(".toml")
-    return str(beside) if beside != track and beside.is_file() else None
+    """Return the study file of a film, of the same name in the folder of its track; ``None`` without one."""
+    study = track.with_suffix(".toml")
+    return str(study) if study != track and study.is_file() else None
 
 
 def film_track(path: Path, bench: Bench, reading: Reading, view: str, scale_error: float, distance: float) -> Filmed:
@@ -55,7 +55,7 @@ def _check_motion(label: str, film: Filmed) -> None:
     moved = path.position @ film.axes.T
     expected = float(np.ptp(moved[:, film.seen_axes], axis=0).max())
     fastest = float(np.linalg.norm(path.velocity, axis=1).max()) * duration
-    if track.span > LARGEST_SPAN * max(fastest, 0.01) or track.span < SMALLEST_SPAN * expected:
+    if track.span > MAX_SPAN * max(fastest, 0.01) or track.span < MIN_SPAN * expected:
         close = [u for u, f in UNITS.items() if 0.2 < track.span * f / max(expected, 1e-9) < 5 and f != 1]
         hint = f"give --unit {close[0]}" if close else "check --unit, --scale and --fps"
         raise InputError(
@@ -84,7 +84,7 @@ def _check_direction(label: str, film: Filmed, moved: FloatArray) -> None:
 
 
 def weigh_prior(bench: Bench, printed_mass: float | None) -> dict[str, tuple[float, float]]:
-    """Return what scales say of the hull's density: value and deviation of its parameter; nothing without a mass.
+    """Return the hull's density by the weight of a print: value and deviation of its parameter; nothing without a mass.
 
     Raises:
         InputError: if no print of this agent weighs that.
@@ -104,7 +104,7 @@ def choose_factors(names: Sequence[str]) -> tuple[str, ...]:
     """Return the factors to fit, all if none is named; ``net_weight`` is that of the hull's density.
 
     Raises:
-        InputError: if there is no such factor.
+        InputError: if a factor is unknown.
     """
     known = {**{name: name for name in Factors.names}, "net_weight": "hull_density"}
     for name in names:

@@ -22,11 +22,11 @@ from driftform_calibration.tracks import estimate_noise
 CONFIDENCE = 0.9
 """Probability that an interval holds the factor."""
 
-WIDEST = 0.2
+MAX_WIDTH = 0.2
 """Widest half of an interval of a factor that counts as known, relative to the factor."""
 
-WIDEST_HULL = 0.02
-"""The same of the density of the hull, if that is wider: nobody prints more exactly."""
+MAX_WIDTH_HULL = 0.02
+"""The same of the density of the hull, if that is wider: prints are not more exact."""
 
 PLAUSIBLE = {"axial_drag": (0.25, 4.0), "cross_drag": (0.25, 4.0), "added_mass": (0.5, 2.0)}
 """Factors beyond which a model does not err: something else acts on the agent."""
@@ -37,7 +37,7 @@ ROUND = 0.9
 ALIKE = 0.8
 """Correlation above which the films cannot separate two factors."""
 
-LEAST_NOISE = 1e-3
+MIN_NOISE = 1e-3
 """Least noise of a track over its span."""
 
 AFTER_CONTACT = 0.5
@@ -46,7 +46,7 @@ AFTER_CONTACT = 0.5
 SHARES = (0.8, 0.95, 0.98)
 """Shares of the time from the release to the first contact that count as free flight, in fits that follow each other."""
 
-FEWEST_FREE = 10
+MIN_FREE = 10
 """Fewest points of free flight from which drag and weight are fitted."""
 
 STARTS = (-0.4, 0.0, 0.4)
@@ -64,7 +64,7 @@ FILM_NOISE = 2e-3, 1e-4
 TOO_FAR = 5.0
 """Distance of a track from the calibrated flight over the noise of its points from which no factor is known."""
 
-FARTHEST = 4.0
+MAX_DEVIATIONS = 4.0
 """Standard deviations of a release or a camera from what is expected from which no factor is known."""
 
 NEGLIGIBLE = 0.05
@@ -104,7 +104,7 @@ class Fit:
         noise: standard deviation of the error of each track, m, (tracks,).
         correlations: between the factors that are known.
         problem, x, x_before: the problem, and its unknowns with the calibrated model and with the model as it was.
-        notes: what was found on the way, one line each.
+        notes: findings of the fit, one line each.
     """
 
     estimates: dict[str, FactorEstimate]
@@ -179,7 +179,7 @@ def _solve(
         return free, None, []
     lasts = [min(c + AFTER_CONTACT, float(f.track.t[-1])) for c, f in zip(_contacts(whole, x), films, strict=True)]
     shown = [film.cut(last) for film, last in zip(films, lasts, strict=True)]
-    shown = [cut if len(cut.track.t) >= FEWEST_FREE else film for cut, film in zip(shown, films, strict=True)]
+    shown = [cut if len(cut.track.t) >= MIN_FREE else film for cut, film in zip(shown, films, strict=True)]
     lost = sum(len(film.track.t) - len(short.track.t) for film, short in zip(films, shown, strict=True))
     notes = [f"{lost} points more than {AFTER_CONTACT:g} s after the first contact left out"] if lost else []
     noise = list(free.problem.noise) if free is not None else noise
@@ -195,7 +195,7 @@ def _solve(
 
 
 def _measure_noise(film: Filmed) -> float:
-    return max(estimate_noise(film.track), LEAST_NOISE * film.track.span)
+    return max(estimate_noise(film.track), MIN_NOISE * film.track.span)
 
 
 def _find_misfit(solution: Solution) -> str:
@@ -216,7 +216,7 @@ def _find_misfit(solution: Solution) -> str:
             if p.owner >= 0 and np.isfinite(p.prior)
         ]
         deviations, owner, name = max(away, default=(0.0, 0, ""))
-        if deviations < FARTHEST:
+        if deviations < MAX_DEVIATIONS:
             return ""
         track = solution.problem.films[owner].track.name
         return f"{track} fits only with '{name}' of its release or camera {deviations:.0f} standard deviations off"
@@ -260,7 +260,7 @@ def _solve_free_flight(whole: Problem, x: FloatArray) -> tuple[Solution | None, 
             else film
             for k, (film, path) in enumerate(zip(whole.films, whole.paths(x), strict=True))
         ]
-        if min(len(film.track.t) for film in films) < FEWEST_FREE:
+        if min(len(film.track.t) for film in films) < MIN_FREE:
             return None, x
         if found is not None and [len(f.track.t) for f in films] == [len(f.track.t) for f in found.problem.films]:
             break
@@ -310,9 +310,9 @@ def _list_ends(solution: Solution) -> list[FloatArray]:
     found = []
     for j, name in enumerate(problem.names):
         half = Calibration.quantile * float(np.sqrt(covariance[j, j]))
-        if name in CONTACT and half < WIDEST:
+        if name in CONTACT and half < MAX_WIDTH:
             away = half * covariance[:, j] / covariance[j, j]
-            found += [np.clip(solution.x + way * away, problem.low, problem.high) for way in (-1.0, 1.0)]
+            found += [np.clip(solution.x + sign * away, problem.low, problem.high) for sign in (-1.0, 1.0)]
     return found
 
 
@@ -377,18 +377,18 @@ def _find_excess(solution: Solution, j: int, x: FloatArray, deviation: FloatArra
     """Return half of the interval of factor ``j`` over the widest that counts as known."""
     low, middle, high = _find_interval(solution, j, x, deviation)
     problem = solution.problem
-    return (high - low) / 2 / find_widest(problem.films[0].bench, problem.names[j], middle)
+    return (high - low) / 2 / find_max_width(problem.films[0].bench, problem.names[j], middle)
 
 
-def find_widest(bench: Bench, name: str, factor: float) -> float:
+def find_max_width(bench: Bench, name: str, factor: float) -> float:
     """Return half of the widest interval of a factor that counts as known.
 
     The density of the hull must be known itself, since other agents are printed with it, and so must the net weight.
     """
     if name != "hull_density":
-        return WIDEST * factor
+        return MAX_WIDTH * factor
     net = abs(bench.net_weight / max(bench.hull_weight, 1e-12) + factor - 1)
-    return max(WIDEST_HULL, WIDEST * min(max(1.0, factor), net))
+    return max(MAX_WIDTH_HULL, MAX_WIDTH * min(max(1.0, factor), net))
 
 
 def _find_interval(solution: Solution, j: int, x: FloatArray, deviation: FloatArray) -> tuple[float, float, float]:
@@ -429,7 +429,7 @@ def _estimate(solution: Solution, names: Sequence[str], reasons: Mapping[str, st
             most = max(left, key=lambda k: abs(correlation[j, k] * solution.x[k] / own[k]), default=j)
             why = f"it would be {middle:.2g}, but depends on {shown_name(problem.names[most])}, which is not known"
         elif others:
-            why = f"the tracks cannot tell it from {' and '.join(shown_name(problem.names[k]) for k in others)}"
+            why = f"the tracks cannot separate it from {' and '.join(shown_name(problem.names[k]) for k in others)}"
         else:
             what = "a hull of" if name == "hull_density" else "anything from"
             why = f"the tracks leave {what} {low:.2g} to {high:.2g} possible"

@@ -10,7 +10,7 @@ from driftform_calibration.tracks import has_even_times
 CLEAR = 4.5
 """Step over its standard error from which frames were lost: of fits of three films of 100 points, one in 1000 has it by chance."""
 
-FEWEST = 2
+MIN_BESIDE = 2
 """Points before the first place of a step, and after the last."""
 
 
@@ -20,7 +20,7 @@ def find_lost_frames(solution: Solution) -> tuple[str, float] | None:
     A step ahead in time at each point of a track is compared with the residuals, after the unknowns of the fit have
     taken their part of both (the score test: Rao 1948, Proc. Camb. Phil. Soc. 44, 50). The residuals that the step
     leaves count as in :func:`driftform_calibration.solution.estimate_covariance`: an error of the model, which makes
-    neighbouring residuals alike, is no step.
+    neighbouring residuals alike, is not a step.
     """
     problem, x = solution.problem, solution.x
     jacobian, residuals = problem.jacobian(x), soften(problem.residuals(x))
@@ -30,11 +30,11 @@ def find_lost_frames(solution: Solution) -> tuple[str, float] | None:
     ends = np.cumsum(problem.counts)
     for number, (film, end, count) in enumerate(zip(problem.films, ends, problem.counts, strict=True)):
         steps = np.diff(film.track.t)
-        if len(steps) < 2 * FEWEST or not has_even_times(film.track):
+        if len(steps) < 2 * MIN_BESIDE or not has_even_times(film.track):
             continue
         [delay] = (j for j, p in enumerate(problem.parameters) if (p.owner, p.name) == (number, "delay"))
         rows = slice(end - count, end)
-        places = np.arange(FEWEST, len(steps) + 1 - FEWEST)
+        places = np.arange(MIN_BESIDE, len(steps) + 1 - MIN_BESIDE)
         # A track that is ahead by a frame fits a flight that began a frame earlier.
         late = jacobian[rows, delay] * float(np.median(steps))
         shifts = np.zeros((len(rest), len(places)))

@@ -42,7 +42,7 @@ NARROWER = float(LOOK_DOWN**2 / 6 - 0.5 * RELEASE_ANGLE**2)
 """Its expected logarithm: heights look shorter from above, an agent that moves towards the camera or away looks slower."""
 
 DISTANCE = 2.5
-"""Distance of a camera of which nobody says it, m."""
+"""Default distance of a camera, m."""
 
 BARREL = 0.01
 """Standard deviation of what a lens bends at the ends of a track: 3 % at the corner of a wide picture that it fills."""
@@ -56,7 +56,7 @@ RELEASE_RISE = 0.005
 ANGLE_ERROR = np.deg2rad(1.5)
 """Standard deviation of an angle that was measured in a film, rad."""
 
-LONGEST_LEAD = 3.0
+MAX_LEAD = 3.0
 """Longest time before the first point at which the release may be, over the duration of the track."""
 
 _STEP = 1e-3
@@ -332,7 +332,7 @@ class Problem:
 
 
 def shown_name(name: str) -> str:
-    """Return the name of a factor as people read it: the density of the hull shows as the net weight that it changes."""
+    """Return the name of a factor as tables show it: the density of the hull shows as the net weight that it changes."""
     return "net_weight" if name == "hull_density" else name
 
 
@@ -365,7 +365,7 @@ def _list_release(number: int, film: Filmed) -> list[Parameter]:
 def _list_camera(number: int, film: Filmed) -> list[Parameter]:
     t = film.track.t
     last = float(t[-1] - t[0])
-    found = [Parameter(number, "delay", float(t[0]), float(t[0]) - LONGEST_LEAD * last, float(t[-1]), np.inf)]
+    found = [Parameter(number, "delay", float(t[0]), float(t[0]) - MAX_LEAD * last, float(t[-1]), np.inf)]
     width, start = film.scale_error, 0.0
     if not film.seen_axes.all():
         # One coordinate of a turned camera looks shorter by the cosine: mean and deviation of its logarithm.

@@ -61,11 +61,12 @@ class DropPlan:
         }
 
     def tabulate(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
-        """Return the drops as a table for people: its header and its rows."""
+        """Return the drops as a table to print: its header and its rows."""
         rows = [
             (
                 f"{number}",
                 f"{drop.pitch_deg:+.0f}",
+                "level" if drop.pitch_deg == 0 else f"fore end {'down' if drop.pitch_deg > 0 else 'up'}",
                 f"{1000 * drop.depth:.0f}",
                 f"{1000 * drop.ballast:.1f}",
                 f"{drop.duration:.2f}",
@@ -74,7 +75,17 @@ class DropPlan:
             )
             for number, drop in enumerate(self.drops, start=1)
         ]
-        return ("drop", "pitch deg", "core below surface mm", "ballast g", "film s", "ends at", "bits"), rows
+        heads = "drop", "pitch deg", "attitude", "core below surface mm", "ballast g", "film s", "ends at", "bits"
+        return heads, rows
+
+    def tabulate_expected(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+        """Return what the films are expected to show as a table to print: its header and its rows."""
+        rows = [
+            (name.replace("_", " "), f"{100 * half:.0f} %", _describe_known(name, known))
+            for name, (half, known) in self._expected().items()
+        ]
+        rows += [(shown_name(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()]
+        return ("factor", "half of the 90 % interval", "known"), rows
 
     def write(self, directory: Path) -> list[Path]:
         """Write the page and a study file for each drop, and return their paths."""
@@ -95,23 +106,6 @@ class DropPlan:
     def html(self) -> str:
         """Return the page to take to the tank, complete in itself."""
         mass = 1000 * self.agent.mass.mass
-        rows = [
-            (
-                str(number),
-                f"{drop.pitch_deg:+.0f} deg ({_describe_attitude(drop.pitch_deg)})",
-                f"{1000 * drop.depth:.0f} mm",
-                f"{1000 * drop.ballast:.1f} g" if drop.ballast else "none",
-                f"{drop.duration:.2f} s, to the {drop.end}",
-                f"{drop.gain:.1f} bits",
-            )
-            for number, drop in enumerate(self.drops, start=1)
-        ]
-        heads = ("drop", "pitch", "core below the surface", "ballast", "film", "tells")
-        expected = [
-            (name.replace("_", " "), f"{100 * half:.0f} %", _describe_known(name, known))
-            for name, (half, known) in self._expected().items()
-        ]
-        expected += [(shown_name(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()]
         pictures = [
             drop_svg(self._picture(numbers), self.agent.body, self.tank.length, self.tank.depth)
             for numbers in self._group_drops()
@@ -125,10 +119,10 @@ class DropPlan:
             density=self.drops[0].scenario.fluid.density,
             distance=CAMERA * self.tank.length,
             ballasts=any(drop.ballast for drop in self.drops),
-            releases=notebook.show_table(heads, rows),
+            releases=notebook.show_table(*self.tabulate()),
             pictures="".join(pictures),
             tracks=" ".join(f"drop-{n}.csv" for n in range(1, len(self.drops) + 1)),
-            expected=notebook.show_table(("factor", "half of the 90 % interval", "known"), expected),
+            expected=notebook.show_table(*self.tabulate_expected()),
             ruler=ruler_svg(),
             section=section_svg(self.agent, self.name),
         )
@@ -160,14 +154,3 @@ def _describe_known(name: str, known: bool) -> str:
     if known:
         return "yes"
     return "only if the print is weighed" if name == "net_weight" else "no, it stays at 1"
-
-
-def _describe_attitude(pitch_deg: float) -> str:
-    if pitch_deg == 0:
-        return "level"
-    return f"fore end {'down' if pitch_deg > 0 else 'up'}"
-
-
-def default_directory(name: str) -> Path:
-    """Return where the files of a plan go if nobody says."""
-    return Path("drops") / name

@@ -20,7 +20,7 @@ from driftform_calibration.interval_figure import intervals_svg
 from driftform_calibration.track_figure import TrackPanel, tracks_svg
 
 SHOWN = ("axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", "friction")
-"""The factors as people read them: the density of the hull shows as the net weight that it changes."""
+"""The factors as tables show them: the density of the hull shows as the net weight that it changes."""
 
 STATIONS = 300
 """Points of a path that is drawn."""
@@ -62,7 +62,7 @@ class CalibrationResult:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was mended in the tracks, and found on the way, one line each."""
+        """Repairs of the tracks and findings of the fit, one line each."""
         read = [f"{film.track.name}: {note}" for film in self.fit.problem.films for note in film.track.notes]
         return (*read, *self.fit.notes)
 
@@ -78,7 +78,7 @@ class CalibrationResult:
         return "\n".join(["# For any study: driftform evolve STUDY --calibration FILE", "[calibration]", *rows, ""])
 
     def tabulate(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
-        """Return the factors as a table for people: its header and its rows."""
+        """Return the factors as a table to print: its header and its rows."""
         rows = []
         for name, found in self.factors.items():
             shown = ("1", "not known", found.reason)
@@ -135,7 +135,7 @@ class CalibrationResult:
         return paths
 
     def html(self) -> str:
-        """Return a page with the factors, the films against the flights, and what was found on the way."""
+        """Return a page with the factors, the films against the flights, and the findings of the fit."""
         return svg.fill_template(
             __package__,
             "result.html",

@@ -140,9 +140,9 @@ def _list_starts(problem: Problem) -> Iterator[FloatArray]:
     for name in ("hull_density", "cross_drag", "axial_drag"):
         if name in problem.names:
             j = problem.names.index(name)
-            for way in (ASIDE, -ASIDE):
+            for aside in (ASIDE, -ASIDE):
                 start = problem.start.copy()
-                start[j] = np.clip(start[j] + way * problem.parameters[j].prior, problem.low[j], problem.high[j])
+                start[j] = np.clip(start[j] + aside * problem.parameters[j].prior, problem.low[j], problem.high[j])
                 yield start
 
 
@@ -160,8 +160,8 @@ def place_releases(
 
     Args:
         tracks: whose releases are placed; by default all.
-        pitches: errors of the pitch of a release (rad) that are tried: an agent that is released level may tip either
-            way.
+        pitches: errors of the pitch of a release (rad) that are tried: an agent that is released level may tip to either
+            side.
     """
     x = x.copy()
     index = {(p.owner, p.name): j for j, p in enumerate(problem.parameters)}

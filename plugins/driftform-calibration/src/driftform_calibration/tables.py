@@ -71,7 +71,7 @@ class TrackTable:
 def read_table(path: Path, target: str | None = None) -> TrackTable:
     """Read the numbers of a file; ``target`` names the tracked object if there are several.
 
-    Raises InputError if it is no such file.
+    Raises InputError if it is not such a file.
     """
     try:
         rows = _split_rows(files.read_text(path))
@@ -90,7 +90,7 @@ def _split_rows(text: str) -> list[list[str]]:
     lines = [line for line in lines if not line.lstrip().startswith(("#", "//")) or line.split()[0] == "#T"]
     sample = lines[:20]
     for delimiter in ("\t", ";", ","):
-        # A decimal comma is no delimiter: tabs and semicolons go first, and spaces between names are spaces below them.
+        # A decimal comma is not a delimiter: tabs and semicolons go first, and spaces between names are spaces below them.
         if lines[:1] == ["#T X Y"]:
             break
         if sum(delimiter in line for line in sample) > len(sample) / 2:

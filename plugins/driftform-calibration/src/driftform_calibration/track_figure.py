@@ -51,17 +51,17 @@ def tracks_svg(panels: Sequence[TrackPanel], title: str, subtitle: str, page: st
         if _is_flat(panel):
             box = _fit_window(panel, top, right).box
         bottom = max(box.bottom, top + LOWEST)
-        beside = layout.Box(MIDDLE + 50, top, edge, bottom)
+        other = layout.Box(MIDDLE + 50, top, edge, bottom)
         if not is_wide:
-            beside = layout.Box(LEFT, bottom + GAP - 20, edge, bottom + GAP - 20 + LOWEST)
-        boxes.append((box, beside))
-        top = beside.bottom + GAP
+            other = layout.Box(LEFT, bottom + GAP - 20, edge, bottom + GAP - 20 + LOWEST)
+        boxes.append((box, other))
+        top = other.bottom + GAP
     root = layout.start_page(top - GAP + 56, title, subtitle, f"{subtitle} A row for each track.", page)
     svg.draw_template(root, __package__, "tracks", legend=True)
-    for panel, (box, beside) in zip(panels, boxes, strict=True):
+    for panel, (box, other) in zip(panels, boxes, strict=True):
         layout.write(root, LEFT, box.top - 26, layout.shorten(panel.name, 12, 300, bold=True), 12, bold=True)
         most = float(np.nanmax([*panel.off_before, *panel.off_after], initial=1e-6)) * 1050
-        chart = _Chart(beside, (panel.t[0], panel.t[-1]), (0.0, most))
+        chart = _Chart(other, (panel.t[0], panel.t[-1]), (0.0, most))
         lines = [
             svg.path_data(chart.place(panel.t[np.isfinite(off)], 1000 * off[np.isfinite(off)]))
             for off in (panel.off_before, panel.off_after)

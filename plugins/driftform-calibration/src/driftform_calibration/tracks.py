@@ -1,4 +1,4 @@
-"""A track: where a film shows points of an agent's axis, and when. What is wrong with one, and what was mended."""
+"""A track: points of an agent's axis in a film, and their times; its faults and repairs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -11,19 +11,19 @@ from driftform.errors import InputError, did_you_mean
 from driftform.types import Body, FloatArray
 from driftform_calibration.tables import TrackTable, read_table
 
-FEWEST = 5
+MIN_POINTS = 5
 """Fewest instants of a track: a fall has a start, a speed and an acceleration, and some must be left to check them."""
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 """Units of length that a track may have, in m."""
 
-SLOWEST_FILM = 2.0
+MAX_INTERVAL = 2.0
 """Longest time between most frames, s; longer ones are frames or milliseconds that were taken for seconds."""
 
 GAP = 5.0
 """Time without a point, over the usual one, that is reported as a gap."""
 
-SMALLEST_JUMP = 0.03
+MIN_JUMP = 0.03
 """Distance beyond that of the neighbours, over the span of a track, that no motion explains."""
 
 SCATTER = 0.05
@@ -69,7 +69,7 @@ class Track:
         t: times of the frames, s, increasing, (n,).
         markers: the points that were followed.
         angle: of the axis in the picture, counterclockwise from the right, rad, (n,); NaN where it is not known.
-        notes: what was mended, one line each.
+        notes: repairs, one line each.
         lost: times (s) before which frames seem to be missing, although the times go on evenly.
     """
 
@@ -104,11 +104,11 @@ class Reading:
 
     Attributes:
         unit: of lengths: a key of :data:`UNITS`; ``None`` for what the file says, or m.
-        scale: m for each pixel, ``None`` if the coordinates are no pixels.
-        fps: frames for each second, ``None`` if the file has times.
+        scale: metres per pixel, ``None`` if the coordinates are not pixels.
+        fps: frames per second, ``None`` if the file has times.
         y_down: whether y grows downward; ``None`` for downward if the coordinates are pixels.
         target: the tracked object among several, ``None`` for the only one.
-        points: where on the axis (m) each named point is, besides those of :data:`AXIS_NAMES`.
+        points: where on the axis (m) each named point is, in addition to :data:`AXIS_NAMES`.
     """
 
     unit: str | None = None
@@ -163,10 +163,10 @@ def check_track(label: str, track: Track) -> Track:
         notes.append(f"times go back {int((steps < 0).sum())} times: rows were put in the order of time")
     track = _pick_rows(track, np.argsort(track.t, kind="stable"))
     track = _merge_doubles(label, track, notes)
-    if len(track.t) < FEWEST:
-        raise InputError(f"{label}: has {len(track.t)} usable points, at least {FEWEST} are needed")
+    if len(track.t) < MIN_POINTS:
+        raise InputError(f"{label}: has {len(track.t)} usable points, at least {MIN_POINTS} are needed")
     usual = float(np.median(np.diff(track.t)))
-    if usual > SLOWEST_FILM:
+    if usual > MAX_INTERVAL:
         raise InputError(f"{label}: its times are {usual:g} apart: t must be in s; give --fps N if they are frames")
     for k in np.flatnonzero(np.diff(track.t) > GAP * usual)[:3]:
         notes.append(f"nothing was seen from t = {track.t[k]:.3f} to {track.t[k + 1]:.3f} s")
@@ -184,7 +184,7 @@ def _find_scale(path: Path, table: TrackTable, reading: Reading) -> float:
     if reading.scale is not None:
         return reading.scale
     if table.unit == "px":
-        raise InputError(f"{path}: its coordinates are pixels; give --scale, the metres of a pixel")
+        raise InputError(f"{path}: its coordinates are pixels; give --scale, the metres per pixel")
     unit = reading.unit or table.unit or "m"
     if unit not in UNITS:
         raise InputError(f"{path}: unit '{unit}' is not known{did_you_mean(unit, UNITS)}; take m, cm or mm")
@@ -217,7 +217,7 @@ def _find_times(path: Path, table: TrackTable, reading: Reading) -> FloatArray:
     if not table.is_frames:
         return table.t
     if reading.fps is None:
-        raise InputError(f"{path}: has frames and no times; give --fps, the frames for each second")
+        raise InputError(f"{path}: has frames and no times; give --fps, the frames per second")
     return np.asarray(table.t / reading.fps)
 
 
@@ -250,7 +250,7 @@ def has_even_times(track: Track) -> bool:
 def _mend_lost_frames(track: Track, notes: list[str]) -> Track:
     """Return a track with the times of frames that were lost in a rhythm and numbered without a gap, if there are such.
 
-    Between the frames beside a lost one the agent moves twice as far as before and after. The steps along the path, over
+    Between the frames next to a lost one the agent moves twice as far as before and after. The steps along the path, over
     their smoothed length (a moving parabola, Savitzky and Golay 1964), are averaged at each phase of each rhythm.
     """
     half, steps = 10, np.diff(track.t)
@@ -340,17 +340,17 @@ def _check_jumps(label: str, track: Track, notes: list[str]) -> None:
     for marker in track.markers:
         known = np.flatnonzero(~np.isnan(marker.points).all(axis=1))
         points, t = np.nan_to_num(marker.points[known]), track.t[known]
-        if len(t) < 2 * FEWEST:
+        if len(t) < 2 * MIN_POINTS:
             continue
         speed = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(t)
         padded = np.pad(speed, 4, constant_values=np.nan)
         around = np.array([np.nanmedian(np.delete(padded[k : k + 9], 4)) for k in range(len(speed))])
         excess = (speed - 3 * around) * np.diff(t)
-        jumps = np.flatnonzero(excess > max(8 * noise, SMALLEST_JUMP * span))
+        jumps = np.flatnonzero(excess > max(8 * noise, MIN_JUMP * span))
         if not len(jumps):
             continue
         first = jumps[0]
-        if len(jumps) % 2 == 1 and min(first, len(speed) - 1 - first) >= FEWEST:
+        if len(jumps) % 2 == 1 and min(first, len(speed) - 1 - first) >= MIN_POINTS:
             raise InputError(
                 f"{label}: jumps {excess[first]:.2g} m between t = {t[first]:.3f} and {t[first + 1]:.3f} s, as if frames were "
                 "lost there, or it followed another object from there; give it the times of its frames, or cut it there"

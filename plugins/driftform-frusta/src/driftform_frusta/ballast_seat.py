@@ -13,10 +13,10 @@ WATER = 1000.0
 """kg/m3: fresh water, in which ballast makes a buoyant body float freely."""
 
 SPARE = 1.5
-"""Most ballast over that which the body floats freely with: the body must be able to sink."""
+"""Maximum ballast, over that with which the body floats freely: the body must be able to sink."""
 
 LESS = (1.2, 1.05, 1.0)
-"""What is tried instead if the kit has no seat for that much."""
+"""Smaller shares that are tried if the kit has no seat for that much."""
 
 _GAP = 0.0003
 """m between ball and wall."""
@@ -47,8 +47,8 @@ def name_ball(ballast: Moments) -> tuple[float, float]:
     return round(ballast.centroid, 5), round(2 * _ball_radius(ballast.volume), 5)
 
 
-def find_most_ballast(body: Body) -> float:
-    """Return the greatest mass of ballast, kg: what has room, at most :data:`SPARE` of what the body floats freely with.
+def find_max_ballast(body: Body) -> float:
+    """Return the maximum mass of ballast, kg: limited by room, and to :data:`SPARE` of that with which the body floats freely.
 
     It is 0 for a body that sinks without ballast.
     """
@@ -57,7 +57,7 @@ def find_most_ballast(body: Body) -> float:
 
 
 def _find_lacking(body: Body) -> float:
-    """Return what a body without ballast is lighter than the water it displaces, kg."""
+    """Return the mass that a body without ballast lacks to float freely, kg."""
     bare = mass_properties(body)
     return WATER * bare.volume - bare.mass
 

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from manifold3d import Error, Manifold, Mesh64
+from manifold3d import Error, Manifold
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
+from driftform_frusta.triangles import Mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +19,8 @@ class Solid:
         vertices: mm, (n, 3).
         triangles: indices of their corners, counterclockwise seen from outside, (m, 3).
         shells: volume inside each closed surface, mm3, (k,): negative for that of a hollow, which faces inward.
-        Raises WorkFailedError if it is empty or inside out.:
+
+    Raises WorkFailedError if it is empty or inside out.
     """
 
     vertices: FloatArray
@@ -67,7 +69,7 @@ class Solid:
 
         Raises WorkFailedError if its surfaces are not closed.
         """
-        solid = Manifold(Mesh64(vert_properties=self.vertices, tri_verts=self.triangles.astype(np.uint64)))
+        solid = Mesh(self.vertices, self.triangles).to_manifold()
         if solid.status() != Error.NoError:
             raise WorkFailedError(f"the solid is not manifold: {solid.status().name}")
         return solid

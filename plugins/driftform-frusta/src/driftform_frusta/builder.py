@@ -14,7 +14,7 @@ from pydantic import field_validator, model_validator
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import PhenotypeBuilder, Table, option
 from driftform.types import Body, Core, Fittings, FloatArray, Module, Morphology
-from driftform_frusta.ballast_seat import LESS, SPARE, find_most_ballast, name_ball, place_ballast
+from driftform_frusta.ballast_seat import LESS, SPARE, find_max_ballast, name_ball, place_ballast
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit_options import LEAD, KitOptions
 from driftform_frusta.materials import MATERIALS
@@ -49,11 +49,11 @@ class FrustaOptions(Table):
     )
     wall: float = option(0.00125, "wall thickness of the hull", "m", ge=1e-5, le=1)
     material: Literal["custom", "ABS", "ASA", "PLA", "PETG", "PA12", "resin"] = option(
-        CUSTOM, "what the hull is printed of, which has a density, or 'custom' for hull_density"
+        CUSTOM, "material of the hull, which sets its density, or 'custom' for hull_density"
     )
     hull_density: float = option(1050.0, "density of the hull's material (ABS)", "kg/m3", ge=1, le=30_000)
     clearance: float = option(0.0002, "gap between core and hull", "m", ge=0, le=1)
-    min_radius: float = option(0.0025, "least radius of the chain, to the middle of its wall", "m", ge=1e-5, le=1)
+    min_radius: float = option(0.0025, "minimum radius of the chain, to the middle of its wall", "m", ge=1e-5, le=1)
     wall_model: Literal["mitred", "paper"] = option(
         "mitred",
         "'mitred': the wall is measured normal to itself and the ends are closed by caps; 'paper': radial "
@@ -64,13 +64,13 @@ class FrustaOptions(Table):
         "what is weighed: 'hull', the sealed hull in one piece; 'kit', the parts of a kit, with their joints, seats and "
         "engraving, as the exporters cut it with the same options",
     )
-    kit: KitOptions | None = option(None, "how that kit is cut; its options are those of the exporters")
+    kit: KitOptions | None = option(None, "options of that kit, the same as those of the exporters")
     tuning: Literal["none", "ballast", "wall"] = option(
         "none",
-        "what a search may adjust of a finished shape: 'ballast', the mass (kg) of a ball of lead beside the core, with its "
+        "what a search adjusts after the shape: 'ballast', the mass (kg) of a ball of lead beside the core, with its "
         "seat; 'wall', by how much (m) the wall is thinner than `wall`, from inside, down to `thinnest`",
     )
-    thinnest: float = option(0.0008, "least thickness of the wall, if tuning = 'wall'", "m", ge=1e-5, le=1)
+    thinnest: float = option(0.0008, "minimum thickness of the wall, if tuning = 'wall'", "m", ge=1e-5, le=1)
 
     @field_validator("core")
     @classmethod
@@ -213,14 +213,14 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         return body
 
     def find_tunings(self, morphology: Morphology) -> tuple[float, float] | None:
-        """Return 0 and the most that the wall may be thinner (m), or the heaviest ballast that has room (kg)."""
+        """Return 0, and the maximum by which the wall may be thinner (m) or the maximum ballast (kg)."""
         o = self.options
         if o.tuning == "wall":
             return (0.0, max(0.0, o.wall - o.thinnest))
         if o.tuning == "ballast":
             untuned = replace(morphology, tuning=0.0)
             body = _build_untuned(o, untuned, 0.0)
-            most = find_most_ballast(body)
+            most = find_max_ballast(body)
 
             def can_hold(mass: float) -> bool:
                 """Return whether the kit of the body, if it is one, has a seat for ballast of some mass, kg."""
@@ -246,7 +246,7 @@ def _build_untuned(o: FrustaOptions, morphology: Morphology, thinner: float) -> 
 
 @lru_cache(maxsize=KEPT_BODIES)
 def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
-    """Return the same without what the kit has beside the wall."""
+    """Return the same without what the kit has in addition to the wall."""
     _check_modules("fore", morphology.fore)
     _check_modules("aft", morphology.aft)
     core, dome, shoulders = Core(o.core_radius, o.core_mass), o.core_radius + o.clearance + o.wall, (0.0, 0.0)
@@ -268,13 +268,14 @@ def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
 
 
 def _measure_fittings(o: FrustaOptions, bare: Body, ballast: tuple[tuple[float, float], ...] = ()) -> Fittings:
-    """Return what the kit of a body has beside the wall, with seats for some balls; nothing for a hull in one piece."""
+    """Return what the kit of a body has in addition to the wall, with seats for some balls; nothing for a hull in one piece."""
     if o.kit is None:
         return Fittings()
     # The sections of parts take a while to import, and most studies weigh the hull in one piece.
     from driftform_frusta.kits import find_maker
 
-    return find_maker().measure_fittings(bare, o.kit.model_copy(update={"ballast": ballast}))
+    fittings: Fittings = find_maker().measure_fittings(bare, o.kit.model_copy(update={"ballast": ballast}))
+    return fittings
 
 
 def _check_modules(side: str, modules: Sequence[Module]) -> None:

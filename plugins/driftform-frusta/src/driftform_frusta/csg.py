@@ -4,11 +4,8 @@ A tree describes a solid; :mod:`driftform_frusta.solid` makes a mesh of it, and
 :mod:`driftform_frusta.scad` prints it as OpenSCAD source. All lengths are millimetres, because a tree
 describes what a printable file holds; angles are degrees, in fields that end in ``_deg``. A tree knows
 nothing of facets: radii are those of true circles, and it is the interpreters that approximate them.
-
-Every value checks itself where it is made and raises ``ValueError`` for numbers that describe no solid.
 """
 
-import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -24,11 +21,6 @@ Vector: TypeAlias = tuple[float, float, float]
 """x, y, z."""
 
 
-def _check(sound: bool, what: str) -> None:
-    if not sound:
-        raise ValueError(what)
-
-
 @dataclass(frozen=True)
 class Revolve:
     """A meridian section revolved about z.
@@ -40,12 +32,6 @@ class Revolve:
 
     outline: tuple[Point, ...]
     holes: tuple[tuple[Point, ...], ...] = ()
-
-    def __post_init__(self) -> None:
-        for polygon in (self.outline, *self.holes):
-            _check(len(polygon) >= 3, f"a polygon needs three points or more, not {len(polygon)}")
-            _check(all(math.isfinite(c) for point in polygon for c in point), "a polygon's points must be finite")
-        _check(any(r > 0 for r, _ in self.outline), "an outline needs a point at r > 0")
 
 
 @dataclass(frozen=True)
@@ -60,11 +46,10 @@ class Text:
     height: float
 
     def __post_init__(self) -> None:
-        _check(0 < self.size < math.inf, f"a text's size must be positive, not {self.size}")
-        _check(0 < self.height < math.inf, f"a text's height must be positive, not {self.height}")
-        _check(bool(self.text.strip()), "a text needs a letter")
-        unknown = missing_letters(self.text)
-        _check(not unknown, f"cannot draw {unknown!r}: no letter is known for it")
+        if not self.text.strip():
+            raise ValueError("a text needs a letter")
+        if unknown := missing_letters(self.text):
+            raise ValueError(f"cannot draw {unknown!r}: no letter is known for it")
 
 
 @dataclass(frozen=True)
@@ -72,9 +57,6 @@ class Union:
     """All points of any of the children."""
 
     children: "tuple[Node, ...]"
-
-    def __post_init__(self) -> None:
-        _check(len(self.children) > 0, "a union needs a child")
 
 
 @dataclass(frozen=True)
@@ -91,9 +73,6 @@ class Intersection:
 
     children: "tuple[Node, ...]"
 
-    def __post_init__(self) -> None:
-        _check(len(self.children) > 0, "an intersection needs a child")
-
 
 @dataclass(frozen=True)
 class Translate:
@@ -102,9 +81,6 @@ class Translate:
     offset: Vector
     child: "Node"
 
-    def __post_init__(self) -> None:
-        _check(all(map(math.isfinite, self.offset)), f"an offset must be finite, not {self.offset}")
-
 
 @dataclass(frozen=True)
 class Rotate:
@@ -112,9 +88,6 @@ class Rotate:
 
     angles_deg: Vector
     child: "Node"
-
-    def __post_init__(self) -> None:
-        _check(all(map(math.isfinite, self.angles_deg)), f"angles must be finite, not {self.angles_deg}")
 
 
 @dataclass(frozen=True)

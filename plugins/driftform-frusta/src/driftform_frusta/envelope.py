@@ -166,7 +166,7 @@ def _trace_envelope(rows: FloatArray, n: int, points: FloatArray) -> int:
         for k in range(first, waiting):
             if rows[k, 2] > x:
                 end = min(end, rows[k, 2])
-        # Segments that meet in one point may miss each other by a rounding error: what shows in between is no part.
+        # Segments that meet in one point may miss each other by a rounding error: what shows in between is not a part.
         if first < waiting and end - x >= RESOLUTION:
             best, height, slope = -1, -math.inf, 0.0
             for k in range(first, waiting):

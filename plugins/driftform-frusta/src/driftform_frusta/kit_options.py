@@ -19,7 +19,7 @@ GROOVE_WIDTH = 1.1
 GROOVE_MARGIN = 0.001
 """m of sleeve on either side of a groove."""
 
-MOST_BALLS = 2
+MAX_BALLS = 2
 """Balls of ballast: two give every mass and moment that one alone has no room for."""
 
 _Length = Annotated[float, Field(gt=0, le=10, strict=True)]
@@ -61,8 +61,8 @@ class KitOptions(Table):
     )
     ballast: tuple[_Ballast, ...] = option(
         (),
-        "one or two balls of ballast that get a seat, as 'driftform trim' computes them: of each x of its centre, from the "
-        "core's, and its diameter",
+        "one or two balls of ballast that get a seat, as 'driftform trim' computes them: x of the centre of each, from that "
+        "of the core, and its diameter",
         "m",
     )
     drain: float = option(
@@ -85,9 +85,9 @@ class KitOptions(Table):
     @field_validator("ballast")
     @classmethod
     def _is_of_two_balls(cls, value: tuple[_Ballast, ...]) -> tuple[_Ballast, ...]:
-        if len(value) > MOST_BALLS:
+        if len(value) > MAX_BALLS:
             raise ValueError(
-                f"a kit holds at most {MOST_BALLS} balls of ballast, not {len(value)}: replace two of them by one of their "
+                f"a kit holds at most {MAX_BALLS} balls of ballast, not {len(value)}: replace two of them by one of their "
                 "mass, at the point where they balance"
             )
         return value
@@ -150,5 +150,5 @@ class PartOptions(KitOptions):
     layer_height: float = option(
         0.0002, "layer height that the assembly sheet and 3MF files recommend", "m", gt=0, le=0.01
     )
-    perimeters: int = option(3, "perimeters that they recommend", ge=1, le=100)
-    infill: float = option(1.0, "share of infill that they recommend: 1 is solid, as simulated", ge=0, le=1)
+    perimeters: int = option(3, "recommended perimeters", ge=1, le=100)
+    infill: float = option(1.0, "recommended share of infill: 1 is solid, as simulated", ge=0, le=1)

@@ -1,52 +1,26 @@
-"""Kits: hulls that are cut into parts, by a distribution that the builder and the exporters find by an entry point."""
+"""Kits: hulls that are cut into parts by driftform-kit, which the builder and the exporters import when they need it."""
 
 from functools import cache
-from importlib import metadata
-from typing import Any, Protocol
+from importlib import import_module
+from types import ModuleType
 
 from driftform.errors import InputError
-from driftform.interfaces import ExportJob
-from driftform.types import Body, Fittings
+from driftform.types import Body
 from driftform_frusta.ballast_seat import name_ball
-from driftform_frusta.kit_options import KitOptions, PartOptions
+from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import Part
 
 KIT_FILE = "kit.json"
 """Name of the attachment of a 3MF file that holds the options of its kit, as JSON."""
 
-GROUP = "driftform_frusta.kits"
-"""The group of entry points."""
-
-
-class KitMaker(Protocol):
-    """What makes kits; each method raises a WorkFailedError if no kit can be made of a body."""
-
-    def make_parts(self, body: Body, options: PartOptions) -> tuple[Part, ...]:
-        """Return the parts of a kit, from aft to fore."""
-
-    def make_coupon(self, body: Body, options: PartOptions) -> Part:
-        """Return the fit coupon, which shows the clearance that suits a printer."""
-
-    def measure_fittings(self, body: Body, options: KitOptions) -> Fittings:
-        """Return what a kit has beside the wall of the hull: joints and seats."""
-
-    def place_ballast(self, body: Body, options: PartOptions) -> tuple[float, float]:
-        """Return x and diameter (m) of the ball that has, with its seat, the mass and the moment of a body's ballast."""
-
-    def list_facts(self, job: ExportJob, options: PartOptions) -> dict[str, Any]:
-        """Return how a kit balances, as facts of its files."""
-
-    def draw_sheet(self, job: ExportJob, options: PartOptions, name: str) -> tuple[str, ...]:
-        """Return the pages of the assembly sheet of a kit in the format ``name``, as SVG."""
-
 
 @cache
-def find_maker() -> KitMaker:
-    """Return the installed maker of kits. Raises InputError if no such plugin is installed."""
-    for point in metadata.entry_points(group=GROUP):
-        maker: KitMaker = point.load()
-        return maker
-    raise InputError("a kit needs a distribution that makes kits; run: pip install driftform-kit")
+def find_maker() -> ModuleType:
+    """Return the module that makes kits, which depends on this distribution. Raises InputError if it is not installed."""
+    try:
+        return import_module("driftform_kit.maker")
+    except ModuleNotFoundError:
+        raise InputError("a kit needs a distribution that makes kits; run: pip install driftform-kit") from None
 
 
 def settle_ballast(body: Body, options: PartOptions) -> PartOptions:
@@ -68,7 +42,8 @@ def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
     if options.coupon:
         return (find_maker().make_coupon(body, options),)
     if options.kit:
-        return find_maker().make_parts(body, options)
+        parts: tuple[Part, ...] = find_maker().make_parts(body, options)
+        return parts
     from driftform_frusta.printable import build_printable_hull
 
     return (Part("hull", *build_printable_hull(body, options.segments)),)

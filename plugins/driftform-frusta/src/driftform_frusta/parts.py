@@ -11,7 +11,7 @@ class Part:
     """One printed piece.
 
     Attributes:
-        name: what people call it, in small letters: ``hull``, ``fore shell``.
+        name: in small letters: ``hull``, ``fore shell``.
         tree: its CSG tree, in the frame of the assembled hull: mm, the axis along z, fore end up, lowest point of the
             hull at z = 0.
         solid: the solid of that tree, mm.

@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import numpy.typing as npt
-from manifold3d import Manifold, Mesh64
+from manifold3d import Manifold
 
 from driftform.figures import svg
 from driftform.types import FloatArray
@@ -92,8 +92,7 @@ class _View:
 def _simplify(mesh: Mesh, tolerance: float) -> Mesh:
     """Return a mesh without its sealed hollows, and without details smaller than ``tolerance`` (mm)."""
     # The closed surface around a hollow faces inward: its volume is negative.
-    whole = Manifold(Mesh64(vert_properties=mesh.vertices, tri_verts=mesh.triangles.astype(np.uint64)))
-    outside = Manifold.compose([shell for shell in whole.decompose() if shell.volume() > 0])
+    outside = Manifold.compose([shell for shell in mesh.to_manifold().decompose() if shell.volume() > 0])
     fewer = outside.simplify(tolerance)
     found = (outside if fewer.is_empty() else fewer).to_mesh64()
     return Mesh(np.asarray(found.vert_properties)[:, :3], np.asarray(found.tri_verts, dtype=np.int64))
@@ -130,7 +129,7 @@ def _add_bed(root: ET.Element, view: _View, bed: tuple[float, float], page: Floa
         cast = mesh.vertices - mesh.vertices[:, 2:] * (_LIGHT / _LIGHT[2])
         shadows.append(_triangles(view.project(cast)[_facing(mesh, _LIGHT)[0]]))
     svg.add(root, "path", d="".join(shadows), fill="#000000", fill_opacity=0.2)
-    # What is cast beside the bed is covered again.
+    # Shadows off the bed are covered again.
     around = svg.path_data(page, closed=True) + svg.path_data(corners, closed=True)
     svg.add(root, "path", d=around, fill=_PAPER, fill_rule="evenodd")
     svg.add(root, "path", d=svg.path_data(corners, closed=True), stroke=_EDGE, stroke_width=0.5, fill="none")

@@ -115,7 +115,7 @@ def _revolve(node: csg.Revolve) -> list[str]:
             [f"square([{format_number(r_max + 1)}, {format_number(z_max - z_min + 2)}]);"],
         )
         section = _block("intersection()", [section, half_plane])
-    # Without convexity the preview draws what is behind a concave section in front of it.
+    # Without convexity the preview draws what a concave section hides in front of it.
     return _put_above(f"rotate_extrude(convexity = {_CONVEXITY})", _put_above("scale([area_factor, 1])", section))
 
 

@@ -25,10 +25,10 @@ def lay_chains(
     ``least_radius`` it stays at that, and the module keeps its axial length.
     """
     ahead, radii = _lay_modules(fore, start_radius, least_radius)
-    behind, radii_behind = _lay_modules(aft, start_radius, least_radius)
+    back, radii_aft = _lay_modules(aft, start_radius, least_radius)
     chains = np.empty((len(aft) + len(fore) + 1, 2))
-    chains[:, 0] = [*[-x for x in behind[:0:-1]], *ahead]
-    chains[:, 1] = [*radii_behind[:0:-1], *radii]
+    chains[:, 0] = [*[-x for x in back[:0:-1]], *ahead]
+    chains[:, 1] = [*radii_aft[:0:-1], *radii]
     if shoulders[0] < shoulders[1]:
         chains = np.insert(chains, len(aft), chains[len(aft)], axis=0)
         chains[: len(aft) + 1, 0] += shoulders[0]

@@ -3,12 +3,15 @@
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from driftform.types import FloatArray
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
 
 IntArray = npt.NDArray[np.int64]
 """Indices of vertices."""
@@ -137,6 +140,12 @@ class Mesh:
     def translate(self, offset: npt.ArrayLike) -> "Mesh":
         """Return the mesh moved by ``offset``, (3,)."""
         return replace(self, vertices=self.vertices + np.asarray(offset))
+
+    def to_manifold(self) -> "Manifold":
+        """Return the solid for manifold3d, whose ``status`` says whether the mesh is closed."""
+        from manifold3d import Manifold, Mesh64
+
+        return Manifold(Mesh64(vert_properties=self.vertices, tri_verts=self.triangles.astype(np.uint64)))
 
     def to_stl(self) -> bytes:
         """Return the mesh, in mm, as a little-endian binary STL file; normals follow from the triangles.

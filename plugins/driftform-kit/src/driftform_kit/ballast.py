@@ -30,15 +30,15 @@ PUTTY = 1800.0
 NEGLIGIBLE = 1e-6
 """kg: ballast below a milligram is not needed."""
 
-THINNEST = 1e-3
+MIN_FILLING = 1e-3
 """m: a filling along the bore that is thinner than this cannot be laid evenly."""
 
-SMALLEST = 1e-3
-"""m: diameter of the smallest ball that is one of two."""
+MIN_DIAMETER = 1e-3
+"""m: minimum diameter of each of two balls."""
 
 _STATIONS = 240
 _SLICES = 2000
-_WAY = 400
+_STEPS = 400
 _ROUNDS = 30
 
 
@@ -83,7 +83,7 @@ def ball_diameter(mass: float, density: float) -> float:
 
 
 def name_material(density: float) -> str:
-    """Return what a density (kg/m3) is called: ``lead``, or the density where no material of :data:`MATERIALS` has it."""
+    """Return the name of a density (kg/m3): ``lead``, or the density where no material of :data:`MATERIALS` has it."""
     named = (name for name, usual in MATERIALS.items() if abs(density - usual) <= _SAME_MATERIAL * usual)
     return next(named, f"{density:g} kg/m3")
 
@@ -123,7 +123,7 @@ def place_two_balls(
     share = (x - aft[:, None]) / (fore[None] - aft[:, None])
     radius = np.cbrt(3 * mass * np.stack((1 - share, share)) / (4 * np.pi * density))
     fits = (radius[0] <= room[stations < x][:, None]) & (radius[1] <= room[stations > x][None])
-    fits &= (radius >= SMALLEST / 2).all(axis=0)
+    fits &= (radius >= MIN_DIAMETER / 2).all(axis=0)
     fits &= fore[None] - aft[:, None] >= radius.sum(axis=0) + between
     if not fits.any():
         return ()
@@ -135,7 +135,7 @@ def place_two_balls(
 def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: bool = False) -> tuple[Piece, ...]:
     """Return a filling of the whole bore, such as shot or putty, of the mass and the moment of ``wanted``; empty if none fits.
 
-    It is at least :data:`THINNEST` long. With ``nearest``, it is the one at one end of the bore whose centre is nearest to
+    It is at least :data:`MIN_FILLING` long. With ``nearest``, it is the one at one end of the bore whose centre is nearest to
     the wanted one.
     """
     # scipy.optimize takes half a second to import, and most prints need no filling.
@@ -159,7 +159,7 @@ def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: 
     else:
         return ()
     pieces = [bore.fill(first, volume, density) for first in firsts]
-    thick = [piece for piece in pieces if piece.end - piece.start >= THINNEST]
+    thick = [piece for piece in pieces if piece.end - piece.start >= MIN_FILLING]
     return tuple(sorted(thick, key=lambda piece: abs(piece.element.x - x))[:1])
 
 
@@ -242,9 +242,9 @@ def embed(body: Body, ball: Piece, density: float) -> Piece | None:
 
     # Bore and ball are wider on one side: the centre of both is moved to where it should be.
     for _ in range(_ROUNDS):
-        if excess(SMALLEST) > 0 or excess(ball.diameter) < 0:
+        if excess(MIN_DIAMETER) > 0 or excess(ball.diameter) < 0:
             return None
-        diameter = float(brentq(excess, SMALLEST, ball.diameter, xtol=1e-12))
+        diameter = float(brentq(excess, MIN_DIAMETER, ball.diameter, xtol=1e-12))
         element = bore.embed(x, diameter, density)
         x += ball.element.x - element.x
     putty = element.mass - ball_mass(diameter, density)
@@ -266,10 +266,10 @@ def max_ball_radius(body: Body, x: FloatArray, in_kit: bool = False) -> FloatArr
     aft, fore = body.core.ends
     free = np.minimum(_distance_to_wall(body, x), np.maximum(aft - x, x - fore))
     for side, end in enumerate(body.cavity[[0, -1], 0]) if not in_kit else ():
-        way = np.linspace(0.0, end, _WAY)
-        narrowest = np.minimum.accumulate(np.minimum(_distance_to_wall(body, way), body.core.radius))
-        # The ball has passed all of the way up to the station before x.
-        passed = narrowest[np.clip((x / end * (_WAY - 1)).astype(int), 0, _WAY - 1)]
+        path = np.linspace(0.0, end, _STEPS)
+        narrowest = np.minimum.accumulate(np.minimum(_distance_to_wall(body, path), body.core.radius))
+        # The ball has passed all of the path up to the station before x.
+        passed = narrowest[np.clip((x / end * (_STEPS - 1)).astype(int), 0, _STEPS - 1)]
         free = np.where((x > 0) == bool(side), np.minimum(free, passed), free)
     return np.asarray(np.maximum(free, 0.0), dtype=np.float64)
 

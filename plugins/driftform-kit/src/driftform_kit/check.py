@@ -16,7 +16,7 @@ from driftform_frusta.hull import hull_volume
 from driftform_frusta.kits import KIT_FILE
 from driftform_kit.settings import list_kit_settings, read_kit_settings
 
-_LARGEST_ATTACHMENT = 1 << 26
+_MAX_ATTACHMENT = 1 << 26
 """Largest file in an archive that is read, bytes."""
 
 
@@ -43,7 +43,7 @@ def extract_attachment(path: Path, ending: str, folder: Path) -> Path | None:
             return None
         with zipfile.ZipFile(path) as archive:
             for member in archive.infolist():
-                if member.filename.endswith(ending) and member.file_size < _LARGEST_ATTACHMENT:
+                if member.filename.endswith(ending) and member.file_size < _MAX_ATTACHMENT:
                     copy = folder / f"attached{ending}"
                     copy.write_bytes(archive.read(member))
                     return copy
@@ -91,7 +91,7 @@ def check_design(
     """Write an agent's files into a temporary folder, and return what the installed checkers find.
 
     Args:
-        format: name of an exporter; an InputError says that there is no such one, or that it holds no kits.
+        format: name of an exporter; InputError if it is unknown or writes no kits.
         printer: nozzle and bed; ``None`` for a common desktop printer.
         kit: check the kit that fits the printer, in place of the hull in one piece.
         programs: whether programs on PATH, such as OpenSCAD and a slicer, are run.
@@ -130,11 +130,10 @@ def check_file(
 
     Args:
         path: of the file.
-        agent: what the file is to be of; ``None`` for the agent.json that is attached to it or lies beside it, if
-            any.
+        agent: agent of the file; ``None`` for the agent.json in the file or in its folder, if any.
         settings: ``key=value`` of the study, as ``--set`` takes them.
-        attached: whether OpenSCAD source that is attached to the file, or lies beside it under its name, is rendered:
-            source may read files, and take all time and memory that OpenSCAD is given.
+        attached: whether OpenSCAD source in the file, or with its name in its folder, is rendered: source may read
+            files, and take all the time and memory that OpenSCAD is given.
         printer, kit, programs, on_program: as for :func:`check_design`. A 3MF file of a kit says itself that it is
             one, for which printer, and with which options it was made; ``settings`` come before these.
 
@@ -146,9 +145,9 @@ def check_file(
     with TemporaryDirectory() as name:
         folder = Path(name)
         known = agent or extract_attachment(path, "agent.json", folder) or path.with_name("agent.json")
-        inside, beside = extract_attachment(path, ".scad", folder), path.with_suffix(".scad")
-        source = inside or (beside if files.is_file(beside) and beside != path else None)
-        where = "attached to it" if inside else f"beside it, {beside.name},"
+        inside, sibling = extract_attachment(path, ".scad", folder), path.with_suffix(".scad")
+        source = inside or (sibling if files.is_file(sibling) and sibling != path else None)
+        where = "attached to it" if inside else f"in its folder, {sibling.name},"
         job = PrintJob(
             (path,),
             printer or Printer(),

@@ -28,10 +28,7 @@ def check(
     ],
     agent: Annotated[
         str | None,
-        typer.Option(
-            metavar="AGENT",
-            help="Agent that a FILE was made of; by default the agent.json attached to it or beside it.",
-        ),
+        typer.Option(metavar="AGENT", help="Agent of a FILE; by default the agent.json in the file or in its folder."),
     ] = None,
     nozzle: Annotated[
         float | None, typer.Option(metavar="MM", help="Diameter of the nozzle, mm; by default 0.4.")
@@ -49,8 +46,8 @@ def check(
         bool,
         typer.Option(
             "--kit",
-            help="Check the kit that fits nozzle and bed, in place of the hull in one piece; a 3MF file of a kit states its "
-            "own options.",
+            help="Check the kit that fits nozzle and bed instead of the hull in one piece; a 3MF file of a kit has its own "
+            "options.",
         ),
     ] = False,
     programs: Annotated[
@@ -60,8 +57,7 @@ def check(
         bool,
         typer.Option(
             "--attached",
-            help="Render the OpenSCAD source that is attached to a FILE or lies beside it, too: only of files that you "
-            "trust.",
+            help="Also render the OpenSCAD source in a FILE or in its folder: only of files that you trust.",
         ),
     ] = False,
     settings: options.Settings = None,

@@ -1,4 +1,4 @@
-"""What a kit weighs with its core, and what holds its ballast."""
+"""The weight of a kit with its core, and the places of its ballast."""
 
 from dataclasses import dataclass
 
@@ -35,7 +35,7 @@ class KitReport:
 
 
 def report_kit(body: Body, options: KitOptions) -> KitReport:
-    """Return what the kit of a body weighs, and what holds its ballast.
+    """Return the weight of the kit of a body, and the places of its ballast.
 
     Raises WorkFailedError if no kit can be made of the body, or it cannot hold the balls of the options; the
     message has the reason.

@@ -1,4 +1,4 @@
-"""What the builder and the exporters of driftform-frusta ask of a kit: its parts, its fittings, its facts and its sheet."""
+"""Functions of kits for the builder and the exporters of driftform-frusta: parts, fittings, facts and sheet."""
 
 from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob

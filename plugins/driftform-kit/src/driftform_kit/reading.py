@@ -11,14 +11,14 @@ import numpy as np
 from driftform.errors import InputError, WorkFailedError
 from driftform_frusta.csg import MM
 from driftform_frusta.triangles import Mesh
-from driftform_kit.checks.rendering import render
+from driftform_kit.checks.programs import render
 from driftform_kit.checks.threemf import check_counts, read_3mf
 
 # glTF is in metres with y up: here z is up, and the axis towards the viewer points along -y.
 _FROM_GLTF = MM * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
-_LONGEST_NAME = 40
+_MAX_NAME = 40
 
 
 def read_meshes(path: Path) -> tuple[Mesh, ...]:
@@ -58,7 +58,7 @@ def _read(path: Path, _changed: int, _size: int) -> tuple[Mesh, ...]:
         if not np.isfinite(part.vertices).all():
             raise InputError(f"{path}: {part.name} has coordinates that are not finite")
     # Names that are safe in a line of a report: without control characters, and not too long.
-    names = ("".join(filter(str.isprintable, part.name))[:_LONGEST_NAME] or "part" for part in parts)
+    names = ("".join(filter(str.isprintable, part.name))[:_MAX_NAME] or "part" for part in parts)
     return tuple(replace(part, name=name) for part, name in zip(parts, names, strict=True))
 
 

@@ -25,7 +25,7 @@ def list_kit_settings(names: Iterable[str], printer: Printer) -> list[str]:
 
 
 def read_kit_settings(path: Path, label: str, format: str) -> list[str]:
-    """Return the settings that make an exporter write the kit whose options a file has, which may be a stranger's.
+    """Return the settings that make an exporter write the kit with the options in a file, which is not trusted.
 
     The label names the file in errors.
 

@@ -1,4 +1,4 @@
-"""Texts of several lines, from templates beside this file: what ``driftform trim`` prints, and the steps of the assembly sheet."""
+"""Texts of several lines, from the templates of this package: what ``driftform trim`` prints, and the steps of the assembly sheet."""
 
 from importlib.resources import files
 from typing import Any

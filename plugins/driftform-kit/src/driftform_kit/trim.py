@@ -27,7 +27,7 @@ _BETWEEN = (0.0, 0.01, 0.02, 0.04)
 """Distances (m) tried between two balls, so that the seat of one has room before the other."""
 
 _ROUNDS = 16
-"""Most times that ballast is placed anew because of the mass of its seats."""
+"""Maximum number of times that ballast is placed, because each place changes the mass of its seats."""
 
 _SETTLED = 2e-4
 """Relative change of the ballast by its seats that is left; 0.05 mm at a quarter of a metre."""
@@ -36,7 +36,7 @@ _SAME_SIZE = 0.1
 """Share of its diameter by which a ball may differ from that of its seat: it then lies within a twentieth of it."""
 
 LEAD = ballast.MATERIALS["lead"]
-"""kg/m3, of the ballast where nothing else is asked for."""
+"""Default density of ballast, kg/m3."""
 
 
 Balls = Sequence[tuple[float, float]]
@@ -48,9 +48,9 @@ MeasureKit = Callable[[Balls | None], KitReport]
 
 @dataclass(frozen=True)
 class PrintWeight:
-    """What a print weighs with its core, kg, and x of the centre of gravity of both, m.
+    """The mass of a print with its core, kg, and x of their centre of gravity, m; ``None`` for that of the hull's material.
 
-    Its source: it is ``"measured"``, that of the ``"hull"`` (and ``None``: where its material has it) or of the ``"kit"``.
+    The ``source`` of x is ``"measured"``, ``"hull"`` or ``"kit"``.
     """
 
     mass: float
@@ -63,7 +63,7 @@ class PrintWeight:
 
 
 def weigh_print(agent: Agent, mass: float | None, cog: float | None, kit: KitReport | None = None) -> PrintWeight:
-    """Return what a print weighs, from what was measured of it (kg, m; ``None`` if it was not) and what its kit weighs.
+    """Return the weight of a print, from its measurements (kg, m; ``None`` if missing) and its kit.
 
     Raises InputError if the mass is missing.
     """
@@ -184,7 +184,7 @@ class _Planner:
         if required.mass < NEGLIGIBLE:
             return _Plan(self.weight, required)
         if density <= water:
-            raise InputError(f"--ballast-density {density:g}: is no more than the water's {water:g} kg/m3")
+            raise InputError(f"--ballast-density {density:g}: must be more than that of the water, {water:g} kg/m3")
         if self.measure is None:
             pieces = ballast.place_by_hand(body, required, density) or ballast.place_nearest_by_hand(
                 body, required, density
@@ -282,7 +282,7 @@ def _fill_seats(held: Sequence[HeldBall], required: RequiredBallast, density: fl
 
 
 def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[str, Any]]:
-    """The agent with its ballast or buoyancy, ``None`` if there is no room for it, and what that is."""
+    """The agent with its ballast or buoyancy, ``None`` without room for it, and what that is."""
     hull, core = plan.weight.elements(agent)
     elements, required = [hull, core, *(piece.element for piece in plan.pieces)], plan.required
     trimmed = buoyancy = residual = None
@@ -342,7 +342,8 @@ def trim_design(
         kit: whether it is printed as a kit: its sleeves and seats weigh too.
         format: name of the exporter whose options the kit has.
         ballast_density: kg/m3; ``None`` for that of the kit's options, or else of lead.
-        Raises InputError if a value cannot be that of this agent. Raises WorkFailedError if a flight fails.:
+
+    Raises InputError if a value cannot be that of this agent, and WorkFailedError if a flight fails.
     """
     if not kit:
         weight = weigh_print(design.agent, printed_mass, printed_cog)

@@ -19,7 +19,7 @@ _NO_MOMENT = 1e-9
 """Moment of ballast that counts as zero, kg m: a thousandth of a gram millimetre."""
 
 _NEAR = 5e-5
-"""m: ballast lies where it should if it is off by less than this; nobody can lay it more accurately."""
+"""m: ballast lies where it should if it is off by less than this; it cannot be laid more accurately."""
 
 
 def trim(
@@ -35,15 +35,15 @@ def trim(
         float | None,
         typer.Option(
             metavar="M",
-            help="x of its centre of gravity from the core's centre, fore positive, m; by default that of the "
-            "hull's material.",
+            help="x of the print's centre of gravity from the core's centre, fore positive, m; by default that of "
+            "the hull's material.",
         ),
     ] = None,
     kit: Annotated[
         bool,
         typer.Option(
             "--kit",
-            help="Count the sleeves and seats of the kit; give --format, --bed and --option as 'driftform export' has them.",
+            help="Count the sleeves and seats of the kit; give --format, --bed and --option as for 'driftform export'.",
         ),
     ] = False,
     format: Annotated[str, typer.Option(metavar="NAME[,NAME...]", help="Formats that the kit is exported to.")] = "stl",
@@ -62,7 +62,7 @@ def trim(
     settings: options.Settings = None,
     json: options.Json = False,
 ) -> None:
-    """Compute the ballast that makes a print fly as simulated, and show its path without it."""
+    """Compute the ballast that makes a print fly as simulated, and show where it flies without it."""
     from driftform.cli import formats, output
     from driftform.errors import InputError
     from driftform_kit.ballast import name_material

@@ -27,7 +27,7 @@ FAR = 3.0
 NEAR = 0.8
 """Distance of a piece's middle, in lengths of the piece, beyond which eight points suffice."""
 
-SHORTEST = 1e-3
+MIN_PIECE = 1e-3
 """Length of the shortest piece, relative to its panel."""
 
 _MAX_PIECES = 48
@@ -150,7 +150,7 @@ def _choose_points_beside(
     while start < 1.0:
         piece = 1.0 - start
         if count + 2 * _EIGHT <= len(points):
-            while piece > SHORTEST:
+            while piece > MIN_PIECE:
                 middle = start + 0.5 * piece
                 if math.hypot(xi - _evaluate(x, middle), ri - _evaluate(r, middle)) >= NEAR * piece * length:
                     break

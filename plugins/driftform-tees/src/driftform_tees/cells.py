@@ -75,7 +75,7 @@ def cut_cell(
         nodes, weights: of Gauss's rule on 0 to 1.
 
     Returns:
-        rows of point and weight, (n, 4), and rows of point, normal and weight, (m, 7).:
+        rows of point and weight, (n, 4), and rows of point, normal and weight, (m, 7).
     """
     count = len(nodes)
     inner = np.empty((parts**3 * count**3 * PIECES, 4))

@@ -20,7 +20,7 @@ COLUMNS = ("timestamp", "x", "y", "z", "u", "v", "w")
 CELLS = 20
 """Cells across the narrowest bore, if no spacing is given and the grid does not become too large."""
 
-FEWEST_CELLS = 4
+MIN_CELLS = 4
 """Least number of cells across the narrowest bore: fewer have no node between its middle and its wall."""
 
 MAX_NODES = 4_000_000
@@ -46,7 +46,7 @@ def usual_spacing(scenario: Scenario) -> float:
 def sample_current(scenario: Scenario, spacing: float | None = None) -> grid_files.VelocityGrid:
     """Return the mean velocity of the water on a regular grid around the pipe of a scenario.
 
-    Nodes in the water have the velocity there, and those in the wall beside them one that is extrapolated from the water,
+    Nodes in the water have the velocity there, and their neighbours in the wall one that is extrapolated from it,
     so that interpolation is good up to the wall. The others have none, NaN. Gusts and the acceleration of a uniform current are
     left out.
 
@@ -62,7 +62,7 @@ def sample_current(scenario: Scenario, spacing: float | None = None) -> grid_fil
             "the scenario has no pipe: its current is the same everywhere, or a grid already; choose a scenario with a pipe"
         )
     spacing = usual_spacing(scenario) if spacing is None else spacing
-    widest = 2 * pipe.layout.narrowest / FEWEST_CELLS
+    widest = 2 * pipe.layout.narrowest / MIN_CELLS
     if not 0 < spacing <= widest * (1 + 1e-9):
         raise InputError(
             f"a spacing of {spacing:g} m is too large for a bore of {2 * pipe.layout.narrowest:g} m: choose at most {widest:g} m"
@@ -113,9 +113,9 @@ def _fill_grid(grid: grid_files.VelocityGrid, scenario: Scenario) -> grid_files.
     known = (field.wall_distance(grid.nodes(), scenario) >= 0).reshape(grid.shape)
     velocity = grid.velocity.copy()
     velocity[known] = field.water_velocity(grid.nodes()[known], 0.0, scenario.model_copy(update={"flow": steady}))
-    beside = binary_dilation(known, np.ones((3, 3, 3), dtype=bool))
+    near = binary_dilation(known, np.ones((3, 3, 3), dtype=bool))
     filled = grid_files.fill_nodes(velocity, known)
-    return grid_files.VelocityGrid(grid.origin, grid.spacing, np.where(beside[..., None], filled, np.nan))
+    return grid_files.VelocityGrid(grid.origin, grid.spacing, np.where(near[..., None], filled, np.nan))
 
 
 def write_current(path: Path, grid: grid_files.VelocityGrid) -> int:

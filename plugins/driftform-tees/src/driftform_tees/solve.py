@@ -17,7 +17,7 @@ from driftform.util import allocating, progress
 from driftform.water.parts import tee_store, tee_wall
 from driftform_tees.cells import cut_stiffness, gradient_rows, value_rows
 from driftform_tees.hierarchy import BoolArray, IntArray, Level, build_levels, coefficient_matrices
-from driftform_tees.region import distance_beyond_ends, distance_from_ball, water_level
+from driftform_tees.region import distance_beyond_ends, distance_from_ball
 
 GRADING = 0.5
 """Largest width of a cell over its distance from the fillet, plus the width of the finest."""
@@ -144,14 +144,6 @@ def make_levels(junction: tee_wall.Junction) -> list[Level]:
 
 
 @allocating
-def _water_levels(points: FloatArray, wall: FloatArray) -> FloatArray:
-    out = np.empty(len(points))
-    for i in range(len(points)):
-        out[i] = water_level(points[i, 0], points[i, 1], points[i, 2], wall)
-    return out
-
-
-@allocating
 def _reach_levels(points: FloatArray, wall: FloatArray, margin: float) -> FloatArray:
     """Return levels of the water with a ``margin`` in the wall and beyond an end that is oblique to the grid."""
     out = np.empty(len(points))
@@ -209,7 +201,7 @@ def _lay_cells(level: Level, wall: FloatArray) -> tuple[IntArray, FloatArray, Bo
     cells = np.argwhere(level.leaves)
     cells = cells[cells[:, 1] + level.low[1] >= 0]
     corners = (cells + level.low) * level.width
-    return cells, corners, _water_levels(corners + level.width / 2, wall) > -1.1 * level.width
+    return cells, corners, _reach_levels(corners + level.width / 2, wall, 0.0) > -1.1 * level.width
 
 
 def _gauss(count: int) -> tuple[FloatArray, FloatArray]:

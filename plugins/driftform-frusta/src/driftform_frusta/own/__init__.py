@@ -1,1 +1,1 @@
-"""Bodies of one's own: a profile from a file, the agent that it makes, and the core that modules grow around."""
+"""Your own bodies: a profile from a file, its agent, and the core that modules grow around."""

@@ -1,4 +1,4 @@
-"""A body of one's own as an agent: a builder whose options are the whole body, and the grammar of its only genome."""
+"""Your own body as an agent: a builder whose options are the whole body, and the grammar of its only genome."""
 
 from typing import Annotated
 

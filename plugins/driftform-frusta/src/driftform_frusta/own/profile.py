@@ -16,10 +16,10 @@ from driftform_frusta.own.third_party import MESHES, read_triangles
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
 """Units of length of a file, m."""
 
-MOST_DEVIATION = 0.02
+MAX_DEVIATION = 0.02
 """Greatest distance from a solid of revolution that is accepted, over the diameter."""
 
-SHORTEST, LONGEST = 1e-3, 100.0
+MIN_LENGTH, MAX_LENGTH = 1e-3, 100.0
 """Bounds of a body's length, m."""
 
 
@@ -51,24 +51,26 @@ def read_profile(path: Path, unit: str | None = None, flip: bool = False) -> Pro
     """
     suffix, limits = path.suffix.lower(), {"seconds": 120, "memory": 1 << 32}
     if unit is not None and unit not in UNITS:
-        raise InputError(f"--unit {unit}: is not one of {', '.join(UNITS)}")
+        raise InputError(f"--unit {unit}: unknown unit; choose from {', '.join(UNITS)}")
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     if suffix != ".csv" and suffix not in MESHES:
         kinds = ", ".join((".csv", *MESHES))
-        raise InputError(f"{path}: '{suffix}' is no format of a profile; there are {kinds}")
+        raise InputError(f"{path}: unknown format '{suffix}' of a profile; choose from {kinds}")
     try:
         if suffix == ".csv":
             profile = Profile(_read_points(path))
         else:
             scale = UNITS[unit or ("m" if suffix == ".glb" else "mm")]
             triangles = scale * foreign.call_apart(read_triangles, path, **limits)
-            profile = Profile(*find_profile(triangles, MOST_DEVIATION))
+            profile = Profile(*find_profile(triangles, MAX_DEVIATION))
     except (ValueError, csv.Error) as error:
         raise InputError(f"{path}: {error}") from None
-    if not SHORTEST <= profile.length <= LONGEST:
+    if not MIN_LENGTH <= profile.length <= MAX_LENGTH:
         advice = "check x_mm and x_m" if suffix == ".csv" else "set --unit"
-        raise InputError(f"{path}: is {profile.length:.4g} m long; a body has {SHORTEST:g} to {LONGEST:g} m: {advice}")
+        raise InputError(
+            f"{path}: is {profile.length:.4g} m long; a body has {MIN_LENGTH:g} to {MAX_LENGTH:g} m: {advice}"
+        )
     points, axis = simplify_contour(profile.points), profile.axis
     if flip:
         points = points[::-1] * [-1.0, 1.0] + [profile.length, 0.0]

@@ -17,10 +17,10 @@ STATIONS = 300
 STEP = 5e-3
 """Radii on both sides of a ring that differ by more than this share of the largest are a step."""
 
-MOST_POINTS = 160
+MAX_POINTS = 160
 """Points of a contour that are kept: added mass by panels takes time in the square of their number."""
 
-FINEST = 2e-5
+TOLERANCE = 2e-5
 """Vertices that lie within this share of the diameter from the edge that replaces them carry no shape."""
 
 
@@ -43,7 +43,7 @@ def find_profile(triangles: FloatArray, limit: float) -> tuple[FloatArray, float
     # Without cavities, and what lies in them.
     outer = max(mesh.split(only_watertight=False), key=lambda shell: abs(shell.volume))
     if np.abs(outer.bounds - mesh.bounds).max() > 0:
-        raise ValueError("holds several solids beside each other; a body is one: join them, or keep one")
+        raise ValueError("holds several separate solids; a body is one: join them, or keep one")
     moments, axes = outer.principal_inertia_components, np.asarray(outer.principal_inertia_vectors)
     order = np.abs(moments - np.median(moments)).argsort()[::-1]
     # The axis last; equal moments, such as those of a ball, leave the axes of the file.
@@ -117,9 +117,9 @@ def _measure_deviation(placed: FloatArray, contour: FloatArray) -> float:
 
 
 def simplify_contour(points: FloatArray) -> FloatArray:
-    """Return the contour without points that carry no shape, at most :data:`MOST_POINTS` (Ramer, Douglas and Peucker)."""
-    tolerance, keep = FINEST * 2 * float(points[:, 1].max()), np.ones(len(points), dtype=bool)
-    while keep.all() or keep.sum() > MOST_POINTS:
+    """Return the contour without points that carry no shape, at most :data:`MAX_POINTS` (Ramer, Douglas and Peucker)."""
+    tolerance, keep = TOLERANCE * 2 * float(points[:, 1].max()), np.ones(len(points), dtype=bool)
+    while keep.all() or keep.sum() > MAX_POINTS:
         keep[1:-1] = False
         waiting = [(0, len(points) - 1)]
         while waiting:

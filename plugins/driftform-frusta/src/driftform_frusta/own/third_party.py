@@ -12,7 +12,7 @@ from driftform.types import FloatArray
 MESHES = (".stl", ".obj", ".ply", ".glb", ".step", ".stp")
 """Formats that can be read."""
 
-MOST_TRIANGLES = 2_000_000
+MAX_TRIANGLES = 2_000_000
 
 
 def read_triangles(name: str) -> FloatArray:
@@ -29,8 +29,8 @@ def read_triangles(name: str) -> FloatArray:
         # Readers of broken files raise whatever they stumble over.
         text = " ".join(str(error).split())[:120] or type(error).__name__
         raise ValueError(f"cannot be read as {path.suffix[1:].upper()}: {text}") from None
-    if not 0 < len(triangles) <= MOST_TRIANGLES:
-        raise ValueError(f"has {len(triangles)} triangles; a mesh has 1 to {MOST_TRIANGLES}")
+    if not 0 < len(triangles) <= MAX_TRIANGLES:
+        raise ValueError(f"has {len(triangles)} triangles; a mesh has 1 to {MAX_TRIANGLES}")
     if not np.isfinite(triangles).all():
         raise ValueError("has coordinates that are not finite")
     return triangles

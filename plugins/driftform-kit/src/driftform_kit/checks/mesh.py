@@ -22,7 +22,7 @@ from driftform_kit.checks.walls import REACH, Wall, find_thinnest_wall
 from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.reading import read_meshes
 
-_SMALLEST, _LARGEST = 1.0, 10_000.0
+_MIN_SIZE, _MAX_SIZE = 1.0, 10_000.0
 """mm: a smaller part was written in metres, a larger one in micrometres."""
 
 _SHARES = (1.0, 0.75, 0.6, 0.5, 0.4, 0.3, 0.2)
@@ -42,18 +42,18 @@ class MeshOptions(Table):
     tolerance: float = option(
         1e-4, "largest relative difference of volume from the closed form that passes", gt=0, lt=1
     )
-    coarse: float = option(1e-2, "largest such difference that is only a warning", gt=0, lt=1)
+    coarse: float = option(1e-2, "largest relative difference of volume that is only a warning", gt=0, lt=1)
     overhang: float = option(1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0, le=1)
     push: float = option(
         PUSH, "force with which a nozzle pushes at the top of a part (PrusaSlicer's 10 gram-force)", "N", gt=0, le=100
     )
     catch: float = option(
-        0.735, "force with which it catches on material that has curled up (75 gram-force)", "N", gt=0, le=100
+        0.735, "force with which a nozzle catches on material that has curled up (75 gram-force)", "N", gt=0, le=100
     )
     stiffness: float = option(2e9, "modulus of elasticity of the material (ABS)", "Pa", ge=1e5, le=1e12)
-    strength: float = option(33e6, "its yield strength (ABS)", "Pa", ge=1e4, le=1e10)
+    strength: float = option(33e6, "yield strength of the material (ABS)", "Pa", ge=1e4, le=1e10)
     adhesion: float = option(
-        ADHESION, "stress at which it comes off the bed (ABS; PLA 2e4, PETG 3e5)", "Pa", gt=0, le=1e9
+        ADHESION, "stress at which the material comes off the bed (ABS; PLA 2e4, PETG 3e5)", "Pa", gt=0, le=1e9
     )
 
 
@@ -126,7 +126,7 @@ class MeshChecker(Checker[MeshOptions]):
         turned = replace(mesh, vertices=mesh.vertices @ TURNS[best.name].T)
         beam = measure_slenderness(turned, o.stiffness, o.strength, o.adhesion)
         if beam is None:
-            return State.SKIPPED, "it is no taller than its first layer"
+            return State.SKIPPED, "it is not taller than its first layer"
         bent, half_line = o.push * beam.bending, MM * job.printer.nozzle / 2
         message = (
             f"{best.name}: {beam.height:.1f} mm high on {beam.base:.1f} mm ({beam.height / beam.base:.1f} : 1), weakest "
@@ -194,13 +194,13 @@ class MeshChecker(Checker[MeshOptions]):
             return State.SKIPPED, "a mesh that is not closed has no underside"
         hollow = sum(len(shell.triangles) for shell in one.shells if shell.hollow)
         bed = _bed_size(job)
-        ways = list_orientations(one.outward, hollow)
-        best, now = choose_orientation(ways, bed), ways[0]
+        found = list_orientations(one.outward, hollow)
+        best, now = choose_orientation(found, bed), found[0]
         # The file of an agent in one piece has its aft end on the bed.
         upright = job.export is not None and count == 1
         words = {"as placed": "fore end up", "upside down": "fore end down"} if upright else {}
-        shown = [way for way in ways if way is not ways[-1] or not np.isclose(way.overhang, ways[-2].overhang)]
-        message = f"contact and overhang in cm2: {', '.join(_describe_orientation(way, words) for way in shown)}"
+        shown = found[:-1] if np.isclose(found[-1].overhang, found[-2].overhang) else found
+        message = f"contact and overhang in cm2: {', '.join(_describe_orientation(each, words) for each in shown)}"
         if best.name != now.name:
             return State.WARN, f"{message}; better {words.get(best.name, best.name)}"
         if not now.steady:
@@ -219,16 +219,16 @@ def _bed_size(job: PrintJob) -> FloatArray:
     return MM * np.array(job.printer.bed)
 
 
-def _describe_orientation(way: Orientation, words: Mapping[str, str]) -> str:
-    inside = f" ({way.enclosed / 100:.1f} of it enclosed)" if way.enclosed >= 5 else ""
-    return f"{words.get(way.name, way.name)} {way.contact / 100:.1f} and {way.overhang / 100:.1f}{inside}"
+def _describe_orientation(each: Orientation, words: Mapping[str, str]) -> str:
+    inside = f" ({each.enclosed / 100:.1f} of it enclosed)" if each.enclosed >= 5 else ""
+    return f"{words.get(each.name, each.name)} {each.contact / 100:.1f} and {each.overhang / 100:.1f}{inside}"
 
 
 def _check_unit(parts: Sequence[Mesh]) -> Verdict:
     largest = max(float(np.ptp(part.bounds, axis=0).max()) for part in parts)
-    if largest < _SMALLEST:
+    if largest < _MIN_SIZE:
         return State.FAIL, f"{largest:.4g} mm at its largest: in metres? scale it by 1000, printers take mm"
-    if largest > _LARGEST:
+    if largest > _MAX_SIZE:
         where = f"{largest / 1000:.4g} m at its largest"
         return State.FAIL, f"{where}: in micrometres, or a GLB in mm? scale it by 0.001"
     return State.PASS, f"mm: {largest:.2f} mm at its largest"
@@ -331,14 +331,14 @@ def _check_bed(parts: Sequence[Mesh], job: PrintJob) -> Verdict:
     room = " x ".join(f"{side:g}" for side in bed)
     faults = []
     for part in parts:
-        ways = list_orientations(part)
-        if ways[0].fits(bed):
+        placed, *others = list_orientations(part)
+        if placed.fits(bed):
             continue
-        size = " x ".join(f"{side:.1f}" for side in ways[0].size)
+        size = " x ".join(f"{side:.1f}" for side in placed.size)
         name = f"{part.name}: " if len(parts) > 1 else ""
-        other = next((way.name for way in ways if way.fits(bed)), None)
+        other = next((each.name for each in others if each.fits(bed)), None)
         step = f"it would fit {other}" if other else "split it: export it with --kit"
-        faults.append(f"{name}{size} mm is too {'tall' if ways[0].size[2] > bed[2] else 'wide'} for {room} mm; {step}")
+        faults.append(f"{name}{size} mm is too {'tall' if placed.size[2] > bed[2] else 'wide'} for {room} mm; {step}")
     if faults:
         return State.FAIL, "; ".join(faults)
     lowest = np.min([part.bounds[0] for part in parts], axis=0)

@@ -9,8 +9,7 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, State
 from driftform_frusta.printable import MM3_PER_M3
-from driftform_kit.checks.programs import explain_missing
-from driftform_kit.checks.rendering import TIMEOUT, render
+from driftform_kit.checks.programs import TIMEOUT, explain_missing, render
 from driftform_kit.reading import read_meshes
 
 

@@ -8,7 +8,7 @@ from driftform.types import FloatArray
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.slenderness import FOOT, STEADY
 
-STEEPEST = np.radians(45)
+MAX_OVERHANG = np.radians(45)
 """Overhang, from the vertical, that prints without support."""
 
 _FIRST_LAYER = 0.05
@@ -27,7 +27,7 @@ TURNS: dict[str, FloatArray] = {
 class Orientation:
     """One orientation of :data:`TURNS`: width, depth and height of the part (mm, (3,)), and areas, mm2.
 
-    They are in ``contact`` with the bed, or ``overhang`` by more than :data:`STEEPEST`; of these some are ``enclosed`` in
+    They are in ``contact`` with the bed, or ``overhang`` by more than :data:`MAX_OVERHANG`; of these some are ``enclosed`` in
     hollows, from which support cannot be removed.
     """
 
@@ -63,7 +63,7 @@ def list_orientations(mesh: Mesh, hollow: int = 0) -> tuple[Orientation, ...]:
         down = -(normals @ turn.T)[:, 2]
         on_bed = (turned[corners, 2] <= lowest[2] + _FIRST_LAYER).all(axis=1)
         # A hundredth of a degree more, so that rounding does not make a slope of exactly 45 degrees an overhang.
-        hanging = (down > np.sin(STEEPEST + 2e-4)) & ~on_bed
+        hanging = (down > np.sin(MAX_OVERHANG + 2e-4)) & ~on_bed
         found.append(
             Orientation(
                 name=name,
@@ -76,12 +76,12 @@ def list_orientations(mesh: Mesh, hollow: int = 0) -> tuple[Orientation, ...]:
     return tuple(found)
 
 
-def choose_orientation(ways: tuple[Orientation, ...], bed: FloatArray) -> Orientation:
+def choose_orientation(found: tuple[Orientation, ...], bed: FloatArray) -> Orientation:
     """Return the orientation that fits the bed, is steady, and overhangs least; the first of those equal within 1 %."""
-    least = min(way.overhang for way in ways)
+    least = min(each.overhang for each in found)
 
-    def rank(way: Orientation) -> tuple[bool, bool, float]:
+    def rank(each: Orientation) -> tuple[bool, bool, float]:
         slack = 0.01 * max(least, 10.0)
-        return (not way.fits(bed), not way.steady, round((way.overhang - least) / slack))
+        return (not each.fits(bed), not each.steady, round((each.overhang - least) / slack))
 
-    return min(ways, key=rank)
+    return min(found, key=rank)

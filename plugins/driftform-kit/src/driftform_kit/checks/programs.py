@@ -1,4 +1,4 @@
-"""Other programs: whether they are there, and what they say. Their exit codes prove little.
+"""Other programs: whether they are installed, and their output. Their exit codes prove little.
 
 admesh always returns 0, OpenSCAD 0 with an ERROR line, PrusaSlicer nearly always 0.
 """
@@ -7,10 +7,14 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
+from driftform.errors import InputError, WorkFailedError
 from driftform.util import foreign
 
 MEMORY = 8 << 30
-"""Most memory of a program, bytes."""
+"""Maximum memory of a program, bytes."""
+
+TIMEOUT = 300.0
+"""Time limit of OpenSCAD, s."""
 
 
 def explain_missing(program: str) -> str:
@@ -26,3 +30,20 @@ def run_program(command: Sequence[str], folder: Path, timeout: float, memory: in
 def last_line(output: str) -> str:
     """Return the last line that is not empty: programs print the reason of a failure there."""
     return next((line.strip() for line in reversed(output.splitlines()) if line.strip()), "it printed nothing")
+
+
+def render(source: Path, folder: Path, timeout: float = TIMEOUT) -> Path:
+    """Render OpenSCAD source to a mesh within ``folder``, and return its path.
+
+    Raises WorkFailedError if OpenSCAD is not installed or does not end in time, and InputError with its reason if the
+    source has no solid, or a part of it is left out.
+    """
+    if reason := explain_missing("openscad"):
+        raise WorkFailedError(f"{source}: only OpenSCAD can read it: {reason}")
+    mesh = folder / "rendered.stl"
+    said = run_program(["openscad", "-o", str(mesh), str(source.resolve())], folder, timeout)
+    # OpenSCAD leaves out a part that it cannot make, and prints such a line only.
+    faults = [line.strip() for line in said.splitlines() if "ERROR" in line or "WARNING" in line]
+    if faults or not mesh.is_file():
+        raise InputError(f"{source}: OpenSCAD: {faults[0] if faults else 'no solid in the source'}")
+    return mesh

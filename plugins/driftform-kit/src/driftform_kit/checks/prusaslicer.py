@@ -28,10 +28,10 @@ class PrusaSlicerOptions(Table):
     """Print settings for PrusaSlicer, and the limits that pass."""
 
     layer_height: float = option(0.0002, "height of a layer", "m", gt=0, le=0.01)
-    perimeters: int = option(3, "most perimeters of a wall", ge=1, le=100)
+    perimeters: int = option(3, "maximum number of perimeters of a wall", ge=1, le=100)
     infill: float = option(0.15, "filled share of the room between the perimeters", ge=0, le=1)
-    least: float = option(0.95, "least ratio of filament to mesh volume that passes", ge=0, le=10)
-    most: float = option(1.03, "largest ratio of filament to mesh volume that passes", ge=0, le=10)
+    least: float = option(0.95, "minimum ratio of filament to mesh volume that passes", ge=0, le=10)
+    most: float = option(1.03, "maximum ratio of filament to mesh volume that passes", ge=0, le=10)
     timeout: float = option(300.0, "time limit for each part", "s", ge=1e-3, le=86_400)
 
 

@@ -7,7 +7,7 @@ push F bends a part of height H by
 
 (Euler and Bernoulli), stresses the section at z by F (H - z) / W(z), and its adhesion to the bed by F H / W(0), with the
 second moment of area I and the section modulus W = I / c, in whichever direction is weakest. A layer that lands half a
-line beside the one below holds on by half its width.
+line off the one below holds on by half its width.
 
 The push, the strength and the adhesion are those by which PrusaSlicer decides where a part needs support
 (``SupportSpotsGenerator.hpp``): 10 gram-force, and 65 more where material has curled; 33 MPa, the yield strength of ABS;
@@ -17,7 +17,7 @@ an adhesion to the bed of 0.1 MPa for ABS, 0.02 MPa for PLA and 0.3 MPa for PETG
 from dataclasses import dataclass
 
 import numpy as np
-from manifold3d import CrossSection, Error, JoinType, Manifold, Mesh64
+from manifold3d import CrossSection, Error, JoinType
 
 from driftform_frusta.triangles import Mesh
 
@@ -37,7 +37,7 @@ BRIMS = (0.0, 3.0, 5.0, 8.0, 12.0, 16.0)
 """Widths of brims, mm."""
 
 _TIP = 0.05
-"""Share of the height below the top that is no neck: pointed tips are thin, but have no lever."""
+"""Share of the height below the top that does not count as a neck: pointed tips are thin, but have no lever."""
 
 
 @dataclass(frozen=True)
@@ -58,12 +58,12 @@ class Slenderness:
 
 
 def measure_slenderness(mesh: Mesh, stiffness: float, strength: float, adhesion: float) -> Slenderness | None:
-    """Return how slender a part is as placed, mm, with z up; ``None`` if it is no solid, or no higher than its first layer.
+    """Return how slender a part is as placed, mm, with z up; ``None`` if it is not a solid, or not higher than its first layer.
 
     The mesh faces outward, and into its hollows. Stiffness and yield strength are those of the material, and the adhesion
     is the stress at which it comes off the bed; Pa.
     """
-    solid = _make_manifold(mesh)
+    solid = mesh.to_manifold()
     low, high = mesh.bounds[:, 2].tolist()
     height = high - low
     if solid.status() != Error.NoError or height <= 2 * _FIRST:
@@ -96,7 +96,7 @@ def find_brim(mesh: Mesh, push: float = PUSH, adhesion: float = ADHESION) -> flo
     It is the least of :data:`BRIMS` that does, 0 if the part needs none, and the widest if none is enough.
     """
     low, high = mesh.bounds[:, 2].tolist()
-    solid = _make_manifold(mesh)
+    solid = mesh.to_manifold()
     foot = solid.slice(low + _FIRST)
     # A rounded foot touches the bed with less than it has in the middle of the first layer.
     lacks = max(FOOT, (STEADY * (high - low)) ** 2) - solid.slice(low + _FIRST / 2).area()
@@ -107,10 +107,6 @@ def find_brim(mesh: Mesh, push: float = PUSH, adhesion: float = ADHESION) -> flo
         if not lifted and around.area() - foot.area() >= lacks:
             break
     return width
-
-
-def _make_manifold(mesh: Mesh) -> Manifold:
-    return Manifold(Mesh64(vert_properties=mesh.vertices, tri_verts=mesh.triangles.astype(np.uint64)))
 
 
 def measure_section(section: CrossSection) -> tuple[float, float]:

@@ -17,29 +17,29 @@ _UNITS = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "
 
 _RELATIONSHIP = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 
-_LARGEST = 1 << 27
+_MAX_BYTES = 1 << 27
 """Bytes of all files that are read from the archive, unpacked."""
 
-_DEEPEST = 32
+_MAX_DEPTH = 32
 """Components within components."""
 
 
-MOST_PIECES = 10_000
+MAX_PIECES = 10_000
 """Largest number of meshes in a file, each counted as often as it is placed."""
 
-MOST_ELEMENTS = 5_000_000
+MAX_ELEMENTS = 5_000_000
 """Largest number of triangles, and of vertices, in a file, with those of all placed copies."""
 
 
 def check_counts(pieces: int, elements: int) -> None:
     """Refuse a file that a few bytes could make larger than any memory, by placing copies of copies.
 
-    Raises ValueError if it has more than :data:`MOST_PIECES` meshes or :data:`MOST_ELEMENTS` triangles or vertices.
+    Raises ValueError if it has more than :data:`MAX_PIECES` meshes or :data:`MAX_ELEMENTS` triangles or vertices.
     """
-    if pieces > MOST_PIECES:
-        raise ValueError(f"places more than {MOST_PIECES} meshes")
-    if elements > MOST_ELEMENTS:
-        raise ValueError(f"has more than {MOST_ELEMENTS} triangles or vertices")
+    if pieces > MAX_PIECES:
+        raise ValueError(f"places more than {MAX_PIECES} meshes")
+    if elements > MAX_ELEMENTS:
+        raise ValueError(f"has more than {MAX_ELEMENTS} triangles or vertices")
 
 
 def read_3mf(path: Path) -> tuple[Mesh, ...]:
@@ -95,8 +95,8 @@ class _Package:
 
     def _pieces(self, path: str, identifier: str, transform: FloatArray, depth: int) -> Iterator[Mesh]:
         """Meshes of an object and of its components, placed, in the unit of the model."""
-        if depth > _DEEPEST:
-            raise ValueError(f"has components within components, more than {_DEEPEST} deep")
+        if depth > _MAX_DEPTH:
+            raise ValueError(f"has components within components, more than {_MAX_DEPTH} deep")
         self._visited += 1
         check_counts(self._visited, 0)
         item = self._object(path, identifier)
@@ -136,8 +136,8 @@ class _Package:
 
     def _read(self, name: str) -> bytes:
         self._unpacked += self._archive.getinfo(name).file_size
-        if self._unpacked > _LARGEST:
-            raise ValueError(f"unpacks to more than {_LARGEST >> 20} MB")
+        if self._unpacked > _MAX_BYTES:
+            raise ValueError(f"unpacks to more than {_MAX_BYTES >> 20} MB")
         content = self._archive.read(name)
         # A tree of elements takes a hundred times the memory of the shortest text of one.
         check_counts(0, content.count(b"<") // 2)

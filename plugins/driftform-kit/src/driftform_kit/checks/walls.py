@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from manifold3d import Error, Manifold, Mesh64
+from manifold3d import Error
 
 from driftform_frusta.triangles import Mesh
 
@@ -38,7 +38,7 @@ def find_thinnest_wall(mesh: Mesh) -> Wall | None:
     The mesh is in mm and closed; it faces outward, and into its hollows.
     """
     vertices, normals = mesh.vertices, mesh.area_vectors
-    solid = Manifold(Mesh64(vert_properties=vertices, tri_verts=mesh.triangles.astype(np.uint64)))
+    solid = mesh.to_manifold()
     if solid.status() != Error.NoError:
         return None
     corners = vertices[mesh.triangles]

@@ -1,4 +1,4 @@
-"""Mass and volume of a kit beside those that were simulated: sleeves, seats and fillings add mass."""
+"""Mass and volume of a kit, compared with those that were simulated: sleeves, seats and fillings add mass."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,7 +18,7 @@ from driftform_kit.cutting.meridian import MM, moments
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
 
 _ROUNDS = 20
-"""Most times that a ball is made anew because of the mass of its seat."""
+"""Maximum number of balls that are tried, because each changes the mass of its seat."""
 
 _LIGHTER = 0.95
 """Mass of the parts, over that which gives the simulated mass, at which ballast is to make up for the rest."""
@@ -73,14 +73,14 @@ def _settle_ball(body: Body, options: PartOptions, balanced: bool) -> tuple[floa
         if abs(lacking - before) < NEGLIGIBLE:
             return ball
     raise WorkFailedError(
-        f"no kit can be made: ballast of {1000 * mass:.4g} g is too little for a ball beside its seat, which weighs "
+        f"no kit can be made: ballast of {1000 * mass:.4g} g is too little for a ball with its seat, which weighs "
         f"{1000 * seat:.2g} g"
     )
 
 
 @dataclass(frozen=True)
 class KitWeight:
-    """What the parts of a kit weigh at full flow, and core and ballast, which are bought; kg and kg m.
+    """Weights of the parts of a kit at full flow, and of core and ballast, which are bought; kg and kg m.
 
     The parts may weigh the ``most``, so that the closed kit is not heavier than simulated; it is ``loaded`` with ballast.
     """
@@ -94,7 +94,7 @@ class KitWeight:
 
     @property
     def flow(self) -> float:
-        """That gives the simulated mass with the ballast, and less where ballast is to be added; at most the full flow."""
+        """Flow with which the kit and its ballast have the simulated mass, less if ballast is to be added; at most 1."""
         aim = self.most if self.loaded else _LIGHTER * self.most
         return min(1.0, aim / self.mass) if aim > 0 else 1.0
 
@@ -104,7 +104,7 @@ class KitWeight:
 
 
 def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
-    """Return what the parts of an agent's kit weigh, and what they should weigh with its ballast."""
+    """Return the weights of the parts of an agent's kit, of its core and of its ballast."""
     core, empty = agent.body.core, kit_mass(agent.body, options)
     balls = [(held_mass(held, options), held.ball.z / MM) for held in kit.ballast]
     bought = core.mass + sum(mass for mass, _ in balls)
@@ -119,7 +119,7 @@ def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
 
 
 def measure_fittings(body: Body, options: KitOptions) -> Fittings:
-    """Return what a kit has beside the wall of a body: joints, seats and fillings, less holes and engravings.
+    """Return what a kit has in addition to the wall of a body: joints, seats and fillings, less holes and engravings.
 
     With these fittings :func:`driftform.agent.mass_properties` of the body are :func:`kit_mass`, but for the distance
     of the centre of gravity from the axis: an engraving on one side moves it by micrometres, and a body of revolution
@@ -166,7 +166,7 @@ def _point_inertia(at: FloatArray) -> FloatArray:
 
 
 def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
-    """Return the facts of a job's kit, under the key ``kit``; an empty dictionary without a kit.
+    """Return the facts of a job's kit, under the key ``kit``.
 
     ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``parts``: of each its ``name``, ``mass_kg``,
     ``height_mm`` and ``bed_end``. ``ballast``: of each ball of the options its ``x_mm`` and ``diameter_mm``, the ``part`` that
@@ -179,8 +179,6 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     body = job.agent.body
     if options.coupon:
         return {"coupon": describe_coupon(body, options)}
-    if not options.kit:
-        return {}
     kit = make_kit(body, options)
     first = kit.core_joint.joint
     facts: dict[str, Any] = {

@@ -22,7 +22,7 @@ from driftform_kit.cutting.meridian import Hull
 SEAT = 1.2
 """mm, thickness of a seat: three lines of the usual nozzle."""
 
-LEAST_TUBE = 1.0
+MIN_TUBE = 1.0
 """mm: least radius inside a tube that holds a ball."""
 
 PLAY = 0.5
@@ -195,7 +195,7 @@ def draw_tube(
 
     In a wide bore, near its end, it is lighter than a cone. The ball lies in its mouth, at a latitude of 45 degrees.
     """
-    inner = max(math.sqrt(0.5) * (ball.radius + gap), LEAST_TUBE)
+    inner = max(math.sqrt(0.5) * (ball.radius + gap), MIN_TUBE)
     far = 2 * float(np.abs(hull.skin).max())
     corners = np.array([(inner, 0.0), (inner, side * far), (inner + SEAT, side * far), (inner + SEAT, 0.0)])
     section = _cut_nearest(hull, ball, corners, gap, ball.z)

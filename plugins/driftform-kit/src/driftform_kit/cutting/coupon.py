@@ -1,6 +1,6 @@
 """The fit coupon: plugs at several clearances in a frame and a loose socket, drawn by the functions that draw kits.
 
-Each plug has the sleeve of a kit, a groove for an O-ring and a seat for the core, and its clearance beside it. They are
+Each plug has the sleeve of a kit, a groove for an O-ring and a seat for the core, and its clearance next to it. They are
 printed to find the clearance of a printer: the least at which the socket slides on and the core drops to its seat.
 """
 
@@ -71,7 +71,7 @@ def make_coupon(body: Body, options: PartOptions) -> Part:
 
 
 def describe_coupon(body: Body, options: PartOptions) -> dict[str, Any]:
-    """Return what a coupon is for: its ``core_mm`` and ``o_ring_mm``, and what is ``next``."""
+    """Return the ``core_mm`` and the ``o_ring_mm`` of a coupon, and the ``next`` step."""
     return {
         "core_mm": 2 * MM * body.core.radius,
         "o_ring_mm": MM * options.o_ring or CORD,

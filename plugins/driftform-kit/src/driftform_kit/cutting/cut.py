@@ -18,11 +18,11 @@ from driftform_kit.cutting.meridian import MM, Hull
 STEP = 0.25
 """mm between the places that are tried for the joint beside the core."""
 
-LEAST_BORE = 0.35
+MIN_BORE = 0.35
 """mm: least radius of the bore of a plug."""
 
 SLIM_BORE = 4.0
-"""mm: a plug with a narrower bore is a weak joint, made only if there is no other."""
+"""mm: a plug with a narrower bore is a weak joint, made only if all joints are slim."""
 
 _TINY = 1e-9
 """mm: rounding of sums of lengths is less than this."""
@@ -118,8 +118,8 @@ def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
     passage = joint.side * joint.z
     s = np.linspace(-joint.lap, 0.0, 2 + math.ceil(joint.lap / STEP))
     inside = radii_along(line, -s) - _slant_factor(line) * (joint.gap + joint.plug)
-    beside = hull.beside_core(inside, joint.side * (passage + s))
-    return bool(beside.min() >= hull.core + joint.gap - _ROUNDING)
+    clear = hull.beside_core(inside, joint.side * (passage + s))
+    return bool(clear.min() >= hull.core + joint.gap - _ROUNDING)
 
 
 def _slant_factor(line: Line) -> float:
@@ -129,10 +129,10 @@ def _slant_factor(line: Line) -> float:
 
 
 def _is_rooted(hull: Hull, joint: Joint, line: Line) -> bool:
-    """Return whether the cavity continues behind the plug, and whether the plug, in its mouth ``line``, has a bore."""
+    """Return whether the cavity continues past the plug, and whether the plug, in its mouth ``line``, has a bore."""
     if any(hull.bore_at(joint.z + joint.side * joint.plug * step) <= 0 for step in range(4)):
         return False
-    return line[-1][1] - _slant_factor(line) * (joint.gap + joint.plug) >= LEAST_BORE
+    return line[-1][1] - _slant_factor(line) * (joint.gap + joint.plug) >= MIN_BORE
 
 
 def _make_rabbet(hull: Hull, options: KitOptions) -> Joint:
@@ -156,7 +156,7 @@ def _fill_depth(hull: Hull, joint: Joint) -> float:
 
 
 def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Joint, ...]:
-    """Return the fewest joints beside that of the core that leave parts which fit the bed, from aft to fore.
+    """Return the fewest joints in addition to that of the core that leave parts which fit the bed, from aft to fore.
 
     Fails if a part is wider than the bed, or too high even if every joint of modules that takes a sleeve is cut.
     """
@@ -198,7 +198,7 @@ def _cut_side(hull: Hull, first: Joint, side: int, height: float, options: KitOp
         joints = [joint for joint in joints if joint not in loose]
 
 
-class _Way(NamedTuple):
+class _Cuts(NamedTuple):
     """Cuts from the core outward: how many of them are slim, the highest part that they leave, and where the next begins."""
 
     slim: int
@@ -210,10 +210,10 @@ class _Way(NamedTuple):
         """Return whether a joint can follow: the part before it is not too high, and has room for both its joints."""
         return z - self.begin <= height and (not self.joints or z - abs(self.joints[-1].z) >= margin)
 
-    def add(self, z: float, joints: tuple[Joint, ...] = (), slim: bool = False) -> "_Way":
-        """Return this way with a part more, which ends at ``z``; the next begins with its plug."""
+    def add(self, z: float, joints: tuple[Joint, ...] = (), slim: bool = False) -> "_Cuts":
+        """Return these cuts with a part more, which ends at ``z``; the next begins with its plug."""
         lap = sum(joint.lap for joint in joints)
-        return _Way(self.slim + slim, max(self.highest, z - self.begin), (*self.joints, *joints), z - lap)
+        return _Cuts(self.slim + slim, max(self.highest, z - self.begin), (*self.joints, *joints), z - lap)
 
 
 def _choose_fewest(
@@ -221,20 +221,20 @@ def _choose_fewest(
 ) -> tuple[Joint, ...]:
     """The fewest cuts that leave no part higher than the bed; of those the sturdiest, then the most even.
 
-    Heights are counted outward. Ways of one cut are made first, then those of two, until one leaves no part too high.
+    Heights are counted outward. Plans of one cut are made first, then those of two, until one leaves no part too high.
     """
-    ways, left, best = [_Way(0, 0.0, (), start)], list(joints), itemgetter(0, 1)
-    while ways:
-        reached, beyond = list[_Way](), list[Joint]()
+    plans, left, best = [_Cuts(0, 0.0, (), start)], list(joints), itemgetter(0, 1)
+    while plans:
+        reached, beyond = list[_Cuts](), list[Joint]()
         for joint in left:
             z, slim = abs(joint.z), plug_bore(hull, joint) < SLIM_BORE
-            if found := [way.add(z, (joint,), slim) for way in ways if way.takes(z, height, margin)]:
+            if found := [plan.add(z, (joint,), slim) for plan in plans if plan.takes(z, height, margin)]:
                 reached.append(min(found, key=best))
             else:
                 beyond.append(joint)
-        if last := [way.add(end) for way in reached if end - way.begin <= height]:
+        if last := [plan.add(end) for plan in reached if end - plan.begin <= height]:
             return min(last, key=best).joints
-        ways, left = reached, beyond
+        plans, left = reached, beyond
     raise WorkFailedError(
         f"no kit can be made: the {what} side is {end - start:.1f} mm long, the bed takes {height:g} mm, and too "
         "few joints of modules have room for a sleeve to cut it into parts that fit"

@@ -8,7 +8,7 @@ from driftform_kit.cutting.meridian import FAR, Hull, make_polygon
 RIM = 1.0
 """mm of material that must stay around a hole."""
 
-DEEPEST = 10.0
+MAX_DEPTH = 10.0
 """mm of solid end that a hole goes through."""
 
 
@@ -22,9 +22,9 @@ def add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) -> 
     end = float(skin[0, 0])
     what = f"no hole of {diameter:g} mm can be made in the {'fore' if side > 0 else 'aft'} end"
     wide = bore[bore[:, 1] >= r]
-    if not len(wide) or abs(float(wide[0, 0]) - end) > DEEPEST:
+    if not len(wide) or abs(float(wide[0, 0]) - end) > MAX_DEPTH:
         raise WorkFailedError(
-            f"{what}: the cavity is not wider than that within {DEEPEST:g} mm of the end; make drain smaller"
+            f"{what}: the cavity is not wider than that within {MAX_DEPTH:g} mm of the end; make drain smaller"
         )
     inner = float(wide[0, 0])
     through = skin[(skin[:, 0] - inner) * side >= 0][1:, 1]

@@ -22,7 +22,7 @@ from driftform_kit.cutting.upright import prints_fore_down
 _AREA = 1e-3
 """mm2: sections that share less than this do not meet."""
 
-_LEAST = 0.05
+_MIN_SEAT = 0.05
 """mm2: section of the least material that is a seat."""
 
 _ROUNDING = 0.01
@@ -81,8 +81,8 @@ def hold_ballast(
 def _draw_path(hull: Hull, joint: Joint) -> CrossSection:
     """Return where the core passes in the shell that takes it, from the joint to the origin; the other shell is put over it."""
     core, held = hull.core - _ROUNDING, hull.draw_core(-_ROUNDING)
-    way = CrossSection.square((2 * core, abs(joint.z))).translate((-core, min(0.0, joint.z)))
-    return held + held.translate((0.0, joint.z)) + way
+    passage = CrossSection.square((2 * core, abs(joint.z))).translate((-core, min(0.0, joint.z)))
+    return held + held.translate((0.0, joint.z)) + passage
 
 
 def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float:
@@ -94,7 +94,7 @@ def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float
     narrowest = hull.bore[(hull.bore[:, 0] > low) & (hull.bore[:, 0] < high), 1].min(initial=np.inf)
     if min(narrowest, *hull.bore_radius([low, high]).tolist()) <= 0:
         return 0.0
-    # The nearest point of a polygon is a vertex, except where an end of the way is nearest to an edge.
+    # The nearest point of a polygon is a vertex, except where an end of the passage is nearest to an edge.
     corners = np.concatenate(meridian.list_rings(part))
     beyond = corners[:, 1] - np.clip(corners[:, 1], low, high)
     return min(float(np.hypot(corners[:, 0], beyond).min()), float(distance_along([part], np.array([low, high])).min()))
@@ -134,7 +134,7 @@ class _Bay:
                 if held and _fore_down(printed) == (side > 0):
                     return HeldBall(ball, part, None, side, seat)
         raise _refuse(
-            ball, hull, "it is wider than the way to it, or a seat has no room beside joint, core and other balls"
+            ball, hull, "it is wider than the passage to it, or a seat has no room beside joint, core and other balls"
         )
 
     def support(self, part: int, ball: Ball, side: int, taken: CrossSection) -> tuple[bool, Seat | None]:
@@ -145,7 +145,7 @@ class _Bay:
         found = []
         for draw in (draw_seat, draw_tube):
             section = draw(self.hull, ball, own, taken, side, self.gap)
-            if section is not None and (added := section - own).area() > _LEAST:
+            if section is not None and (added := section - own).area() > _MIN_SEAT:
                 volume = meridian.moments(meridian.list_rings(meridian.take_right(added))).volume
                 found.append((volume, section))
         return (True, Seat(min(found, key=itemgetter(0))[1], part)) if found else (False, None)

@@ -1,6 +1,6 @@
 """The parts of a kit, drawn in the meridian plane as they are joined, and which way up each is printed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -97,17 +97,6 @@ class Kit:
         return tuple(piece.engraved for piece in self.pieces if piece.engraved is not None)
 
 
-@dataclass(frozen=True, eq=False)
-class _Cut:
-    """A hull cut at its joints, with the seats of the core, before ballast, drains and text."""
-
-    hull: Hull
-    core_joint: CoreJoint
-    joints: tuple[Joint, ...]
-    sections: tuple[CrossSection, ...]
-    seats: tuple[Seat, ...]
-
-
 @lru_cache(maxsize=4)
 def make_kit(body: Body, options: KitOptions) -> Kit:
     """Cut a hull into the parts of a kit.
@@ -115,24 +104,24 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     Raises WorkFailedError if it cannot be cut; the message has the reason.
     """
     # The search asks for the kits of one hull with several balls.
-    cut = _cut_hull(body, options.model_copy(update={"ballast": ()}))
-    hull, joints, sections, gap = cut.hull, cut.joints, list(cut.sections), MM * options.clearance
-    inner = joints.index(cut.core_joint.joint)
+    bare, drawn = _cut_hull(body, options.model_copy(update={"ballast": ()}))
+    hull, joints, core_joint, sections = bare.hull, bare.joints, bare.core_joint.joint, list(drawn)
     balls = [Ball(MM * x, MM * diameter / 2) for x, diameter in options.ballast]
-    ballast = hold_ballast(hull, sections, joints, cut.core_joint.joint, gap, balls)
-    found = cut.seats + tuple(held.seat for held in ballast if held.seat is not None)
+    ballast = hold_ballast(hull, sections, joints, core_joint, MM * options.clearance, balls)
+    found = bare.seats + tuple(held.seat for held in ballast if held.seat is not None)
     if options.drain:
         for end, side in ((0, -1), (-1, 1)):
             sections[end] = add_drain(hull, sections[end], side, MM * options.drain)
-    names = [_name_part(index, inner) for index in range(len(sections))]
+    names = [_name_part(index, joints.index(core_joint)) for index in range(len(sections))]
     polygons = [_take_rings(section, name) for section, name in zip(sections, names, strict=True)]
     engraved = _engrave_parts(hull, joints, found, options)
-    pieces = [Piece(name, drawn, text) for name, drawn, text in zip(names, polygons, engraved, strict=True)]
-    return Kit(hull, tuple(pieces), joints, cut.core_joint, found, ballast)
+    pieces = tuple(map(Piece, names, polygons, engraved))
+    return replace(bare, pieces=pieces, seats=found, ballast=ballast)
 
 
 @lru_cache(maxsize=4)
-def _cut_hull(body: Body, options: KitOptions) -> _Cut:
+def _cut_hull(body: Body, options: KitOptions) -> tuple[Kit, tuple[CrossSection, ...]]:
+    """Return the kit of a hull without pieces and ballast, and the sections of its parts, with the seats of the core."""
     # A hull that cannot be printed whole cannot be cut either.
     check_printable_section(body)
     hull, gap = meridian.draw_hull(body), MM * options.clearance
@@ -154,7 +143,7 @@ def _cut_hull(body: Body, options: KitOptions) -> _Cut:
     seats = tuple(place_seats(hull, sections, gap, (inner, inner + 1)))
     for seat in seats:
         sections[seat.part] += seat.section
-    return _Cut(hull, chosen, joints, tuple(sections), seats)
+    return Kit(hull, (), joints, chosen, seats, ()), tuple(sections)
 
 
 def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:

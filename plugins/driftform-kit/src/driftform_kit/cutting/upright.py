@@ -9,7 +9,7 @@ from driftform.types import FloatArray
 from driftform_kit.checks.slenderness import FOOT
 from driftform_kit.cutting.meridian import Ring
 
-STEEPEST = math.radians(45.0) + 1e-3
+MAX_OVERHANG = math.radians(45.0) + 1e-3
 """A surface that leans out of the vertical by more than this needs support."""
 
 _LINE = 1.2
@@ -54,7 +54,7 @@ def _areas(ring: Ring, up: int, lowest: float) -> FloatArray:
     area = np.pi * (2 * r + dr) * size
     flat = (z < lowest + _LEVEL) & (after[1] < lowest + _LEVEL)
     # Counterclockwise round the material, an edge's outward normal is (dz, -dr).
-    hangs = (dr > math.sin(STEEPEST) * size) & ~flat
+    hangs = (dr > math.sin(MAX_OVERHANG) * size) & ~flat
     convex = dr * dz_before - dz * dr_before < 0
     begins = (z < before[1] - 1e-9) & (dz > 1e-9) & (z > lowest + _LEVEL) & convex
     return np.array([area[flat].sum(), area[hangs].sum() + 2 * np.pi * _LINE * r[begins].sum()])

@@ -1,4 +1,4 @@
-"""Kit -> what its assembly sheet says: parts in the order of assembly, weights, steps."""
+"""Kit -> contents of its assembly sheet: parts in the order of assembly, weights, steps."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ from driftform_kit.cutting.upright import overhang_area
 from driftform_kit.settings import list_arguments
 from driftform_kit.templates import fill_template
 
-_LEAST_OVERHANG = 10.0
+_MIN_OVERHANG = 10.0
 """mm2 of overhang that need no mention: a printer bridges them."""
 
 _NBSP = "\u00a0"
 """A space at which no line is broken."""
 
 _STRETCH = 0.01, 0.05
-"""Least and most by which an O-ring is stretched round its groove (Apple Rubber, Seal Design Guide, "Dimensional considerations")."""
+"""Minimum and maximum stretch of an O-ring round its groove (Apple Rubber, Seal Design Guide, "Dimensional considerations")."""
 
 _NEGLIGIBLE = 5e-6
 """kg: half of the last digit of a weight on the sheet."""
@@ -56,7 +56,7 @@ class SheetPart:
     @property
     def hangs(self) -> bool:
         """Whether its overhang is worth mentioning."""
-        return self.overhang > _LEAST_OVERHANG
+        return self.overhang > _MIN_OVERHANG
 
     @property
     def size(self) -> tuple[float, float]:
@@ -67,7 +67,7 @@ class SheetPart:
 
 @dataclass(frozen=True, eq=False)
 class SheetBall:
-    """A ball of ballast: the letter that marks it, from aft to fore, the number of its part, its mass (kg), and its way in.
+    """A ball of ballast: the letter that marks it, from aft to fore, the number of its part, its mass (kg), and how it goes in.
 
     It goes in by a ``mouth``, or by a pause of the printer at a height of ``pause``, mm.
     """
@@ -87,10 +87,10 @@ class SheetBall:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """What an assembly sheet says, with the parts in the order of assembly.
+    """Contents of an assembly sheet, with the parts in the order of assembly.
 
-    ``steps`` has a paragraph for each, and ``scenes`` what is drawn beside it, such as ``join 2``. Positions are counted from the ``aft`` end, which is given in mm from the core's centre. The parts are to be printed with
-    the ``flow``, a share of the full one, with which they weigh what volume and density give; the rows of ``weights`` have a
+    ``steps`` has a paragraph for each, and ``scenes`` the key of its drawing, such as ``join 2``. Positions are counted from
+    the ``aft`` end, which is given in mm from the core's centre. The parts are to be printed with the ``flow``, a share of the full one, with which they weigh what volume and density give; the rows of ``weights`` have a
     mass with either, kg. ``target`` is what was simulated, and the ``remedy`` makes the closed kit weigh and balance like it.
     """
 
@@ -180,7 +180,7 @@ def _mark_balls(kit: Kit, parts: tuple[SheetPart, ...], options: PartOptions) ->
 
 
 def name_filament(density: float) -> str:
-    """Return what a hull's material of a density (kg/m3) is called: ``ABS, 1.05 g/cm³``, or the density of others."""
+    """Return the name of a hull's material by its density (kg/m3): ``ABS, 1.05 g/cm³``, or the density of others."""
     name = find_material(density)
     return f"{name + ', ' if name else ''}{density / 1000:.4g}{_NBSP}g/cm³"
 

@@ -1,4 +1,4 @@
-"""The drawing of each step of an assembly: what is in place, what comes to it, and which way."""
+"""The drawing of each step of an assembly: what is in place, and what is added from which side."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
