@@ -23,10 +23,10 @@ SURFACE = -0.02
 
 @dataclass(frozen=True)
 class Filming:
-    """How a film is made: frames for each second, noise of a point (m), and standard deviations of what else is wrong.
+    """How a film is made: frames per second, noise of a point (m), and standard deviations of what else is wrong.
 
     Attributes:
-        fps: frames for each second; the release is at any time within the first frame.
+        fps: frames per second; the release is at any time within the first frame.
         noise: of each coordinate, m.
         longest: time that is filmed, s.
         scale: relative.
@@ -50,6 +50,10 @@ class Filming:
     distance: tuple[float, float] = (2.0, 5.0)
     barrel: float = 0.0
     lost: float = 0.0
+
+
+EXACT = Filming(noise=1e-5, scale=0.0, tilt=0.0, release=0.0)
+"""Films without errors but those of rounding."""
 
 
 def place_drop(pipeline: Pipeline, morphology: Morphology, pitch_deg: float, depth: float = 1.0) -> Bench:

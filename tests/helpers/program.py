@@ -1,5 +1,6 @@
-"""Fixtures of the tests of driftform and of its plugins: the program, called in this process."""
+"""Fixtures of the tests of driftform and of its plugins: the program, called in this process, and other programs."""
 
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -73,3 +74,16 @@ def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Monkey
     for module in modules:
         sys.modules.pop(module, None)
     load_added.cache_clear()
+
+
+@pytest.fixture(scope="session")
+def requires_program() -> Callable[[str], str]:
+    """Path of a program; without it the test is skipped."""
+
+    def find(name: str) -> str:
+        path = shutil.which(name)
+        if path is None:
+            pytest.skip(f"{name} is not installed")
+        return path
+
+    return find

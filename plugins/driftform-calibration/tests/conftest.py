@@ -13,8 +13,6 @@ from driftform.water import Factors
 from driftform_calibration.problem import Filmed
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
-EXACT = Filming(noise=1e-5, scale=0.0, tilt=0.0, release=0.0)
-"""Films without errors but those of rounding."""
 
 
 @pytest.fixture(scope="session")

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_films import Filming, draw_world, film_flight, place_drop
+from made_films import EXACT, Filming, draw_world, film_flight, place_drop
 
 from driftform.design.design import Design
 from driftform.study import load_study
@@ -20,7 +20,6 @@ pytestmark = pytest.mark.long
 Film = Callable[..., list[Filmed]]
 
 WORLD = Factors(axial_drag=1.2, cross_drag=1.3, added_mass=0.9, hull_density=1.1, restitution=1.2)
-EXACT = Filming(noise=1e-5, scale=0.0, tilt=0.0, release=0.0)
 FALLING = ("axial_drag", "cross_drag", "added_mass", "hull_density")
 
 

@@ -54,7 +54,7 @@ def test_a_bounce_of_a_tenth_of_a_second_does_not_tell_drag_from_restitution() -
     assert_near_1(found)
     assert found.factors["net_weight"].known
     assert found.factors["net_weight"].value == pytest.approx(1, abs=0.01)
-    assert "cannot tell it from" in found.factors["cross_drag"].reason
+    assert "cannot separate it from" in found.factors["cross_drag"].reason
     assert "restitution" in found.factors["cross_drag"].reason
     assert "depends on cross_drag" in found.factors["restitution"].reason
 

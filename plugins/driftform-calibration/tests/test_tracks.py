@@ -178,7 +178,7 @@ def test_lengths_are_read_in_the_unit_that_is_named(tmp_path):
 def test_pixels_need_a_scale_and_point_down(tmp_path):
     t, points = fall()
     path = write_csv(tmp_path / "film.csv", t, points * [500.0, -500.0], "t,x_px,y_px")
-    with pytest.raises(InputError, match="give --scale, the metres of a pixel"):
+    with pytest.raises(InputError, match="give --scale, the metres per pixel"):
         read_track(path, BODY, Reading())
     found = read_track(path, BODY, Reading(scale=0.002))
     assert found.markers[0].points == pytest.approx(points)

@@ -1,6 +1,5 @@
 """Bodies made directly of contours, and the programs that read what we write."""
 
-import shutil
 import subprocess
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -8,11 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from prints import job_of
 
-from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
-from driftform.types import Agent, Body, Coefficients, Core
-from driftform.water import Scenario
+from driftform.types import Body, Core
 
 WALL = 1.25e-3
 DENSITY = 1050.0
@@ -89,24 +87,7 @@ def wavy_body() -> Body:
 def specimen_of() -> Callable[[Body], ExportJob]:
     """A body as exporters receive it, in open water, with coefficients that no exporter of meshes reads."""
 
-    def make(body: Body) -> ExportJob:
-        agent = Agent(body=body, mass=mass_properties(body), coefficients=Coefficients(np.eye(6)))
-        return ExportJob("hull", agent, Scenario())
-
-    return make
-
-
-@pytest.fixture(scope="session")
-def requires_program() -> Callable[[str], str]:
-    """Path of a program; without it the test is skipped."""
-
-    def find(name: str) -> str:
-        path = shutil.which(name)
-        if path is None:
-            pytest.skip(f"{name} is not installed")
-        return path
-
-    return find
+    return lambda body: job_of(body, "hull")
 
 
 @pytest.fixture

@@ -7,13 +7,13 @@ import pytest
 
 from driftform.agent import mass_properties
 from driftform.testing.builder import random_morphology
-from driftform_frusta.ballast_seat import SPARE, WATER, find_most_ballast, place_ballast
+from driftform_frusta.ballast_seat import SPARE, WATER, find_max_ballast, place_ballast
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit_options import LEAD
 
 BUILDER = FrustaBuilder(FrustaOptions(tuning="ballast", core_mass=0.02))
 BODIES = [BUILDER.build(random_morphology(seed, 12)) for seed in range(30)]
-BUOYANT = [body for body in BODIES if find_most_ballast(body) > 0]
+BUOYANT = [body for body in BODIES if find_max_ballast(body) > 0]
 
 
 def test_ballast_makes_a_buoyant_body_float_freely_with_some_to_spare() -> None:
@@ -21,19 +21,19 @@ def test_ballast_makes_a_buoyant_body_float_freely_with_some_to_spare() -> None:
     for body in BUOYANT:
         bare = mass_properties(body)
         lacking = WATER * bare.volume - bare.mass
-        assert 0 < find_most_ballast(body) <= SPARE * lacking * (1 + 1e-12)
+        assert 0 < find_max_ballast(body) <= SPARE * lacking * (1 + 1e-12)
 
 
 def test_a_body_that_sinks_needs_no_ballast() -> None:
     heavy = replace(BUOYANT[0], hull_density=20_000.0)
-    assert find_most_ballast(heavy) == 0.0
+    assert find_max_ballast(heavy) == 0.0
     assert BUILDER.find_tunings(random_morphology(0, 0)) is None
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 1.0])
 def test_the_ball_is_inside_the_cavity_and_beside_the_core(share: float) -> None:
     for body in BUOYANT:
-        ball = place_ballast(body, share * find_most_ballast(body))
+        ball = place_ballast(body, share * find_max_ballast(body))
         radius = (0.75 * ball.volume / np.pi) ** (1 / 3)
         assert abs(ball.centroid) >= body.core.radius + radius
         around = np.linspace(0, np.pi, 50)

@@ -1,6 +1,5 @@
 """The tree's values, and the hull as a tree."""
 
-import dataclasses
 import math
 from itertools import pairwise
 
@@ -11,40 +10,11 @@ from hypothesis import strategies as st
 from manifold3d import Manifold, OpType
 
 from driftform.errors import WorkFailedError
-from driftform_frusta.csg import Difference, Intersection, Named, Revolve, Rotate, Translate, Union
 from driftform_frusta.hull import build_hull
 from driftform_frusta.solid import to_manifold
 from driftform_frusta.triangles import area_factor
 
 TRIANGLE = ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
-
-
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda: Revolve(TRIANGLE[:2]),
-        lambda: Revolve(TRIANGLE, (TRIANGLE[:2],)),
-        lambda: Revolve(((0, 0), (-1, 0), (0, 1))),
-        lambda: Revolve(((0, 0), (math.inf, 0), (0, 1))),
-        lambda: Union(()),
-        lambda: Intersection(()),
-        lambda: Translate((0, 0, math.nan), Revolve(TRIANGLE)),
-        lambda: Rotate((math.inf, 0, 0), Revolve(TRIANGLE)),
-    ],
-)
-def test_numbers_that_describe_no_solid_are_refused(make):
-    with pytest.raises(ValueError, match=r"must|needs"):
-        make()
-
-
-def test_trees_are_plain_values_that_compare_and_hash():
-    def tree():
-        return Named("a dent", Difference(Revolve(TRIANGLE), (Translate((2, 2, 2), Revolve(TRIANGLE)),)))
-
-    assert tree() == tree()
-    assert len({tree(), tree()}) == 1
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        tree().label = "other"
 
 
 def test_the_printed_frame_is_in_mm_with_the_fore_end_up_and_the_lowest_point_at_zero(make_body):

@@ -1,4 +1,4 @@
-"""Bodies of one's own: read from profiles and meshes of other programs, they are agents like any other."""
+"""Your own bodies: read from profiles and meshes of other programs, they are agents like any other."""
 
 import json
 from dataclasses import replace
@@ -178,7 +178,7 @@ def test_cavities_are_inside_and_two_solids_are_refused(tmp_path):
     hollow.export(tmp_path / "hollow.stl")
     assert read_profile(tmp_path / "hollow.stl").points[:, 1].max() == pytest.approx(0.01, rel=1e-2)
     trimesh.util.concatenate([ball, ball.copy().apply_translation([30, 0, 0])]).export(tmp_path / "two.stl")
-    with pytest.raises(InputError, match="several solids"):
+    with pytest.raises(InputError, match="several separate solids"):
         read_profile(tmp_path / "two.stl")
 
 
@@ -222,9 +222,9 @@ def test_wrong_options_and_files_are_refused_in_one_line(refused):
     assert "'cog' is 3 m from the nose, and the body 1 m long" in refused(*given, "--cog", 3)
     assert "mass" in refused("body", "p.csv", "--mass", -1, "--cog", 0.1)
     assert "is not possible: about the axis at most 0.01" in refused(*given, "--cog", 0.1, "--inertia", 5, 5)
-    assert "--unit ft: is not one of mm, cm, m, in" in refused(*given, "--cog", 0.1, "--unit", "ft")
+    assert "--unit ft: unknown unit; choose from mm, cm, m, in" in refused(*given, "--cog", 0.1, "--unit", "ft")
     assert "p.stl: cannot be read as STL" in refused("body", "p.stl", "--mass", 1, "--cog", 0.1)
-    assert "p.doc: '.doc' is no format of a profile" in refused("body", "p.doc", "--mass", 1, "--cog", 0.1)
+    assert "p.doc: unknown format '.doc' of a profile" in refused("body", "p.doc", "--mass", 1, "--cog", 0.1)
     assert "none.stl: no such file" in refused("body", "none.stl", "--mass", 1, "--cog", 0.1)
     assert "has one genome, without symbols" in refused("evolve", "--set", "grammar.use=fixed")
 

@@ -45,11 +45,6 @@ def test_rows_are_centred_on_the_bed(sizes):
         assert front + back == pytest.approx(0, abs=1e-6)
 
 
-def test_a_single_part_stands_in_the_middle():
-    [spot] = arrange([(30, 40)], BED)
-    assert (spot.plate, spot.x, spot.y) == (0, 0, 0)
-
-
 def test_small_parts_share_a_row_and_large_ones_take_another():
     spots = arrange([(60, 60)] * 4, BED)
     assert {spot.plate for spot in spots} == {0}

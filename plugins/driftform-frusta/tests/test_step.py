@@ -74,13 +74,6 @@ def test_faces_are_cones_cylinders_and_planes_and_no_facets(wavy_body, write):
     assert "AP242" in text
 
 
-def test_facts_tell_what_the_file_holds(wavy_body, write):
-    facts = write(wavy_body).facts
-    assert facts["volume_mm3"] == pytest.approx(1e9 * hull_volume(wavy_body), rel=1e-9)
-    assert facts["size_mm"] == pytest.approx([1e3 * wavy_body.max_diameter] * 2 + [1e3 * wavy_body.length], abs=1e-4)
-    assert facts["shells"] == 2
-
-
 def test_a_kit_is_written_as_its_parts_by_name_where_they_are_joined(write, make_chain):
     body = make_chain([0.03, 0.03, 0.03], [0.012, 0.016, 0.016, 0.012])
     parts = make_parts(body, PartOptions(kit=True, segments=512))
@@ -124,15 +117,6 @@ def test_letters_are_those_of_the_mesh():
     tree = Text("A8-", 5, 1)
     # The mesh's outlines lie on the grid of the clipping, 1e-8 mm.
     assert volume_of(to_brep(tree)) == pytest.approx(to_manifold(tree).volume(), rel=1e-7)
-
-
-def test_the_same_body_gives_the_same_bytes(wavy_body, specimen_of, tmp_path):
-    texts = []
-    for name in ("one", "two"):
-        path = tmp_path / name / "hull.step"
-        StepExporter(PartOptions()).write(specimen_of(wavy_body), path)
-        texts.append(path.read_text(encoding="utf-8"))
-    assert texts[0] == texts[1]
 
 
 def test_nothing_is_printed_on_the_way(wavy_body, write, capfd):

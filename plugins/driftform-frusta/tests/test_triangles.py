@@ -44,13 +44,6 @@ def test_a_revolved_line_has_the_volume_and_the_centroid_of_the_closed_form(step
     assert first == pytest.approx(expected.first, rel=1e-9)
 
 
-def test_a_closed_line_sweeps_a_ring_and_its_first_corner_is_on_the_x_axis():
-    mesh = Mesh.revolve(np.array([(2.0, 0.0), (5.0, 0.0), (5.0, 7.0), (2.0, 7.0)]), 12, closed=True)
-    assert mesh.is_closed
-    assert mesh.volume == pytest.approx(np.pi * (25 - 4) * 7, rel=1e-12)
-    assert mesh.vertices[0].tolist() == [2 * area_factor(12), 0, 0]
-
-
 def test_area_vectors_point_outward_and_close():
     box = box_mesh()
     vectors = box.area_vectors
@@ -81,14 +74,6 @@ def test_normals_of_vertices_have_unit_length_and_point_outward():
 def test_a_vertex_around_which_nothing_has_an_area_has_a_normal_too():
     mesh = Mesh(np.array([(0.0, 0, 0), (1, 0, 0), (1, 0, 0), (9, 9, 9)]), np.array([(0, 1, 2)]))
     assert mesh.vertex_normals.tolist() == [[0, 0, 1]] * 4
-
-
-def test_merging_keeps_double_precision_and_drops_what_collapsed_before():
-    vertices = np.array([(0, 0, 0), (1, 0, 0), (1, 1e-12, 0), (0, 1, 0)], dtype=float)
-    merged = Mesh(vertices, np.array([(0, 1, 3), (0, 2, 2)])).merge_vertices()
-    assert merged.vertices.dtype == np.float64
-    assert (merged.vertices == vertices).all()
-    assert merged.triangles.tolist() == [[0, 1, 3]]
 
 
 def test_an_stl_file_is_laid_out_as_the_format_says():

@@ -1,6 +1,5 @@
 """A sound export of a real agent, and ways to break it."""
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -80,18 +79,11 @@ def check_mesh() -> Callable[..., dict[str, Finding]]:
 
 
 @pytest.fixture
-def requires_program() -> Callable[[str], str]:
-    """Name of a program; without it the test is skipped."""
-
-    def find(name: str) -> str:
-        if shutil.which(name) is None:
-            pytest.skip(f"{name} is not installed")
-        return name
-
-    return find
-
-
-@pytest.fixture
 def ask(requires_program: Callable[[str], str]) -> Callable[..., dict[str, Finding]]:
     """Ask a checker that runs a program of its own name."""
-    return lambda checker, job, **options: findings(requires_program(checker), job, **options)
+
+    def asked(checker: str, job: PrintJob, **options: object) -> dict[str, Finding]:
+        requires_program(checker)
+        return findings(checker, job, **options)
+
+    return asked

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold
+from prints import chain_body
 
 from driftform.agent import mass_properties
 from driftform.errors import WorkFailedError
@@ -21,13 +22,6 @@ from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.cutting.upright import overhang_area
 
 NOTHING = 1e-3  # mm3
-
-
-def agent(fore="", aft=""):
-    """Modules of 10 mm: u widens by 20 degrees, n narrows, s goes straight on."""
-    tilts = {"u": math.radians(20), "n": -math.radians(20), "s": 0.0}
-    sides = [tuple(Module(0.01, tilts[letter]) for letter in side) for side in (fore, aft)]
-    return FrustaBuilder(FrustaOptions()).build(Morphology(*sides))
 
 
 class Held:
@@ -49,8 +43,6 @@ class Held:
         """The space that the ball passes on its way, a little less than its radius."""
         radius = 0.995 * self.held.ball.radius
         low, high = sorted((start, end))
-        from manifold3d import Manifold
-
         tube = Manifold.cylinder(high - low, radius, radius, 96).translate((0.0, 0.0, low))
         return tube + self.ball_at(start, 0.995) + self.ball_at(end, 0.995)
 
@@ -89,7 +81,7 @@ LETTERS = st.text("uns", min_size=2, max_size=9)
 @given(LETTERS, LETTERS, PLACES, st.floats(0.003, 0.012))
 def test_wherever_a_kit_takes_ballast_the_ball_gets_there_lies_there_and_stays(fore, aft, x, diameter):
     try:
-        made = Held(agent(fore, aft), x, diameter)
+        made = Held(chain_body(fore, aft), x, diameter)
     except WorkFailedError as error:
         assert "no kit can be made" in str(error)
         return
@@ -97,7 +89,7 @@ def test_wherever_a_kit_takes_ballast_the_ball_gets_there_lies_there_and_stays(f
 
 
 def test_most_places_that_a_ball_fits_into_can_hold_it():
-    body = agent("ssssnuss", "usssn")
+    body = chain_body("ssssnuss", "usssn")
     fits = [x for x in np.linspace(-0.045, 0.075, 25) if abs(x) > 0.03]
     taken = 0
     for x in fits:
@@ -110,7 +102,7 @@ def test_most_places_that_a_ball_fits_into_can_hold_it():
 
 
 def test_a_ball_in_a_tube_goes_in_by_the_joint_and_rests_on_a_cone():
-    made = Held(agent("ssssss", "ss"), 0.045, 0.008)
+    made = Held(chain_body("ssssss", "ss"), 0.045, 0.008)
     assert made.kit.joints[made.held.mouth] == made.kit.core_joint.joint
     assert made.held.seat is not None
     check_held(made)
@@ -118,7 +110,7 @@ def test_a_ball_in_a_tube_goes_in_by_the_joint_and_rests_on_a_cone():
 
 def test_where_the_hull_narrows_the_wall_holds_it():
     # In a cone of 20 degrees a ball of 8 mm touches the wall where the bore has a radius of 4 / cos(20 deg).
-    body = agent("sssnnn")
+    body = chain_body("sssnnn")
     made = None
     for x in np.linspace(0.035, 0.056, 211):
         try:
@@ -136,7 +128,7 @@ def test_where_the_hull_narrows_the_wall_holds_it():
 
 @pytest.mark.parametrize("lift", [0.0, 0.2, 0.4])
 def test_a_ball_on_a_flat_end_gets_a_seat_that_keeps_it_from_rolling_aside(lift):
-    body = agent("sssssuu", "ss")
+    body = chain_body("sssssuu", "ss")
     end = body.cavity[-1, 0]
     assert np.interp(end - 1e-6, *body.cavity.T) > 0.012  # wide and flat
     made = Held(body, end - 0.003 - 1e-3 * lift, 0.006)
@@ -145,7 +137,7 @@ def test_a_ball_on_a_flat_end_gets_a_seat_that_keeps_it_from_rolling_aside(lift)
 
 
 def test_a_ball_beyond_a_neck_is_put_in_while_its_part_is_printed():
-    body = agent("nnnuuuss", "ss")
+    body = chain_body("nnnuuuss", "ss")
     neck = np.interp(0.03, *body.cavity.T)
     assert 2e3 * neck < 8
     made = Held(body, 0.065, 0.010)
@@ -154,7 +146,7 @@ def test_a_ball_beyond_a_neck_is_put_in_while_its_part_is_printed():
 
 
 def test_in_a_wide_hull_near_its_end_a_tube_is_lighter_than_a_cone():
-    body = agent("uuuuuuuss")
+    body = chain_body("uuuuuuuss")
     made = Held(body, 0.075, 0.008)
     low, high = made.held.seat.section.bounds()[0], made.held.seat.section.bounds()[2]
     assert high - low < 0.5 * 2e3 * np.interp(0.075, *body.cavity.T)
@@ -162,7 +154,7 @@ def test_in_a_wide_hull_near_its_end_a_tube_is_lighter_than_a_cone():
 
 
 def test_a_seat_of_ballast_needs_no_support():
-    body = agent("ssssss", "ss")
+    body = chain_body("ssssss", "ss")
     plain, made = make_kit(body, PartOptions(kit=True)), Held(body, 0.045, 0.008)
     for before, after in zip(plain.pieces, made.kit.pieces, strict=True):
         assert after.fore_down == before.fore_down
@@ -172,7 +164,7 @@ def test_a_seat_of_ballast_needs_no_support():
 
 
 def test_the_seat_counts_in_what_the_kit_weighs():
-    body = agent("ssssss", "ss")
+    body = chain_body("ssssss", "ss")
     made = Held(body, 0.045, 0.008)
     volume = sum(solid.volume() for solid in made.solids)
     plain = sum(part.solid.volume for part in make_parts(body, PartOptions(kit=True)))
@@ -192,19 +184,14 @@ def test_the_seat_counts_in_what_the_kit_weighs():
 )
 def test_ballast_that_cannot_be_held_is_refused_with_the_reason(x, diameter, why):
     with pytest.raises(WorkFailedError, match=why):
-        Held(agent("ssssss", "ss"), x, diameter)
+        Held(chain_body("ssssss", "ss"), x, diameter)
 
 
 def test_two_balls_are_kept_apart():
     with pytest.raises(WorkFailedError, match="another ball is there"):
-        make_kit(agent("ssssss", "ss"), PartOptions(kit=True, ballast=[[0.045, 0.008], [0.048, 0.004]]))
-    kit = make_kit(agent("ssssss", "sssss"), PartOptions(kit=True, ballast=[[-0.04, 0.006], [0.045, 0.008]]))
+        make_kit(chain_body("ssssss", "ss"), PartOptions(kit=True, ballast=[[0.045, 0.008], [0.048, 0.004]]))
+    kit = make_kit(chain_body("ssssss", "sssss"), PartOptions(kit=True, ballast=[[-0.04, 0.006], [0.045, 0.008]]))
     assert [held.part for held in kit.ballast] == [0, 1]
-
-
-def test_a_builder_takes_no_ballast():
-    with pytest.raises(ValueError, match="set it for the exporter"):
-        FrustaOptions(made_as="kit", kit={"ballast": [[0.04, 0.006]]})
 
 
 def test_the_kit_of_a_tuned_body_weighs_and_balances_as_simulated():

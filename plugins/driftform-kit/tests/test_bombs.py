@@ -2,39 +2,17 @@
 
 import sys
 import time
-import zipfile
 from pathlib import Path
 
 import pytest
+from prints import mesh_xml, write_3mf
 
 from driftform.errors import InputError
 from driftform_kit.checks.programs import run_program
 from driftform_kit.reading import read_meshes
 
-RELATIONSHIPS = (
-    '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship '
-    'Id="r" Target="/3D/3dmodel.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>'
-    "</Relationships>"
-)
-MESH = (
-    '<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/>'
-    '<vertex x="0" y="0" z="1"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/>'
-    '<triangle v1="0" v2="1" v3="3"/><triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3"/>'
-    "</triangles></mesh>"
-)
-
+MESH = mesh_xml()
 CROWDED = MESH.replace("<vertices>", "<vertices>" + 2000 * '<vertex x="0" y="0" z="0"/>')
-
-
-def write_3mf(path: Path, objects: str, items: str) -> Path:
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("_rels/.rels", RELATIONSHIPS)
-        archive.writestr(
-            "3D/3dmodel.model",
-            '<model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">'
-            f"<resources>{objects}</resources><build>{items}</build></model>",
-        )
-    return path
 
 
 def nested(levels: int, copies: int) -> str:

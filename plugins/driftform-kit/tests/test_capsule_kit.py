@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 import trimesh
 from manifold3d import Manifold, Mesh64
+from prints import job_of
 
-from driftform.agent import mass_properties
 from driftform.errors import WorkFailedError
-from driftform.interfaces import ExportJob, PrintJob
+from driftform.interfaces import PrintJob
 from driftform.plugins.registry import registry
 from driftform.testing.builder import MORPHOLOGIES
-from driftform.types import Agent, Coefficients, State
-from driftform.water import Scenario
+from driftform.types import State
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
@@ -37,10 +36,6 @@ KINDS = ["no module", "all narrowing", "all widening", "zigzag", "39 random modu
 def build(capsule: str, kind: str):
     options = {"core_profile": CAPSULES[capsule], "core_radius": 0.0125, "core_mass": 0.025, "core_cog": 0.034}
     return FrustaBuilder(FrustaOptions(**options)).build(MORPHOLOGIES[kind]())
-
-
-def job_of(body) -> ExportJob:
-    return ExportJob("r1-TP5", Agent(body, mass_properties(body), Coefficients(np.eye(6))), Scenario())
 
 
 def solid_core(body, capsule: str) -> Manifold:

@@ -3,12 +3,13 @@
 import json
 import shutil
 import sys
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+import trimesh
+from prints import edit_archive, mesh_xml, write_3mf
 
 Call = Callable[..., Any]
 Refused = Callable[..., str]
@@ -45,12 +46,8 @@ def test_a_sound_agent_is_printable(call: Call, tmp_path: Path) -> None:
     found = lines(result)
     assert found["mass"]["state"] == found["shells"]["state"] == found["wall"]["state"] == "pass"
     assert "3.1 lines of 0.4 mm" in found["wall"]["detail"]
-    assert found["prusa-slicer"] == {
-        "check": "prusa-slicer",
-        "part": "",
-        "state": "skipped",
-        "detail": "not run, by --no-programs",
-    }
+    slicer = {"check": "prusa-slicer", "part": "", "state": "skipped", "detail": "not run, by --no-programs"}
+    assert found["prusa-slicer"] == slicer
     assert list(tmp_path.iterdir()) == []
 
 
@@ -85,62 +82,26 @@ def test_the_agent_beside_a_file_is_its_own(call: Call) -> None:
 
 
 def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call: Call, tmp_path: Path) -> None:
-    import trimesh
-
+    own = {"Metadata/agent.json": agent_file(call, WORD, tmp_path / "own.json").read_text()}
     mesh = trimesh.load_mesh(exported(call))
-    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*v) for v in mesh.vertices)
-    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*f) for f in mesh.faces)
-    model = (
-        '<model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1"><mesh>'
-        f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources>"
-        '<build><item objectid="1"/></build></model>'
+    path = write_3mf(
+        tmp_path / "hull.3mf", f'<object id="1">{mesh_xml(mesh.vertices, mesh.faces)}</object>', attached=own
     )
-    start = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
-    path = tmp_path / "hull.3mf"
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("3D/3dmodel.model", model)
-        archive.writestr(
-            "_rels/.rels", f'<Relationships><Relationship Target="/3D/3dmodel.model" Type="{start}"/></Relationships>'
-        )
-        archive.writestr("Metadata/agent.json", agent_file(call, WORD, tmp_path / "own.json").read_text())
     agent_file(call, OTHER, tmp_path / "agent.json")
     assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "pass"
-
-
-def write_archive(path: Path, attached: str) -> Path:
-    """A 3MF of a tetrahedron with one more file in it."""
-    corners = ("0 0 0", "10 0 0", "0 10 0", "0 0 10")
-    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*c.split()) for c in corners)
-    triangles = "".join(
-        '<triangle v1="{}" v2="{}" v3="{}"/>'.format(*t) for t in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
-    )
-    start = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr(
-            "_rels/.rels", f'<Relationships><Relationship Target="/3D/3dmodel.model" Type="{start}"/></Relationships>'
-        )
-        archive.writestr(
-            "3D/3dmodel.model",
-            '<model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1">'
-            f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources>"
-            '<build><item objectid="1"/></build></model>',
-        )
-        archive.writestr(attached, "cube(10);" * 100)
-    return path
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="runs a script as a program")
 @pytest.mark.parametrize(
     ("place", "text"),
-    [("attached", "the OpenSCAD source attached to it"), ("beside", "the OpenSCAD source beside it, stranger.scad,")],
+    [("attached", "the OpenSCAD source attached to it"), ("near", "the OpenSCAD source in its folder, stranger.scad,")],
 )
 def test_source_of_a_stranger_is_rendered_only_when_asked_for(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, text: str
 ) -> None:
-    path = write_archive(
-        tmp_path / "stranger.3mf", "Metadata/agent.scad" if place == "attached" else "Metadata/notes.txt"
-    )
-    if place == "beside":
+    name = "Metadata/agent.scad" if place == "attached" else "Metadata/notes.txt"
+    path = write_3mf(tmp_path / "stranger.3mf", attached={name: "cube(10);"})
+    if place == "near":
         (tmp_path / "stranger.scad").write_text("cube(10);")
     programs = tmp_path / "programs"
     programs.mkdir()
@@ -160,16 +121,14 @@ def test_source_of_a_stranger_is_rendered_only_when_asked_for(
 def test_an_archive_that_cannot_be_read_is_refused_in_one_line(
     refused: Callable[..., str], tmp_path: Path, harm: str
 ) -> None:
-    path = write_archive(tmp_path / "broken.3mf", "Metadata/agent.json")
+    path = write_3mf(tmp_path / "broken.3mf", attached={"Metadata/agent.json": "cube(10);"})
     data = bytearray(path.read_bytes())
-    central = data.rindex(b"Metadata/agent.json") - 46
+    central, local = data.rindex(b"Metadata/agent.json") - 46, data.index(b"Metadata/agent.json") - 30
     if harm == "content":
         data[data.index(b"cube(10);") + 3] ^= 0xFF
     elif harm == "method":
-        local = data.index(b"Metadata/agent.json") - 30
         data[central + 10] = data[local + 8] = 99
     else:
-        local = data.index(b"Metadata/agent.json") - 30
         data[central + 8] |= 1
         data[local + 6] |= 1
     path.write_bytes(bytes(data))
@@ -233,44 +192,18 @@ def exported_kit(call: Call, *options: str) -> Path:
     return Path(json.loads(result.stdout)["files"][0]["path"])
 
 
-def attach(path: Path, name: str, data: bytes) -> None:
-    """Replace a file of an archive, or add it."""
-    with zipfile.ZipFile(path) as archive:
-        held = {entry: archive.read(entry) for entry in archive.namelist()}
-    with zipfile.ZipFile(path, "w") as archive:
-        for entry, content in {**held, name: data}.items():
-            archive.writestr(entry, content)
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        ("ballast=[[0.04,0.006]]", "engrave=TP5", "engrave_depth=0.0005"),
-        ("bed=[0.2,0.2,0.06]", "drain=0.002", "joint=rabbet"),
-    ],
-)
-def test_a_3mf_of_a_kit_is_checked_with_the_options_that_it_was_made_with(call: Call, options: tuple[str, ...]) -> None:
-    path = exported_kit(call, *options)
+def test_a_3mf_of_a_kit_is_checked_with_the_options_and_for_the_printer_that_it_was_made_for(call: Call) -> None:
+    made = ("ballast=[[0.04,0.006]]", "engrave=TP5", "engrave_depth=0.0005", "bed=[0.2,0.2,0.26]", "nozzle=0.0005")
+    path = exported_kit(call, *made)
     result = call("check", path, "--no-programs", "--json")
     assert result.exit_code == 0, result.stdout + result.stderr
-    assert lines(result)["mass"]["state"] == "pass"
-    # An option of the command line comes before that of the file.
-    other = call("check", path, "--no-programs", "--json", "--set", "exporter.3mf.sleeve=0.003")
-    assert lines(other)["mass"]["state"] == "fail"
-
-
-def test_a_3mf_of_a_kit_is_checked_for_the_printer_that_it_was_made_for(call: Call) -> None:
-    path = exported_kit(call, "bed=[0.2,0.2,0.26]", "nozzle=0.0006")
-    found = lines(call("check", path, "--no-programs", "--json"))
-    assert "fits 200 x 200 x 260 mm" in found["bed"]["detail"] and "0.6 mm" in found["wall"]["detail"]
-    other = lines(call("check", path, "--no-programs", "--json", "--bed", "90,90,30"))
-    assert other["bed"]["state"] == "fail" and other["mass"]["state"] == "pass"
-
-
-def test_a_kit_that_is_not_that_of_its_options_has_another_mass(call: Call) -> None:
-    path = exported_kit(call, "joint=rabbet")
-    attach(path, "Metadata/kit.json", b'{"kit": true, "joint": "sleeve", "lap": 0.02, "sleeve": 0.005}')
-    assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "fail"
+    found = lines(result)
+    assert found["mass"]["state"] == "pass"
+    assert "fits 200 x 200 x 260 mm" in found["bed"]["detail"] and "0.5 mm" in found["wall"]["detail"]
+    # Options of the command line come before those of the file.
+    given = ("--bed", "90,90,30", "--set", "exporter.3mf.sleeve=0.003")
+    other = lines(call("check", path, "--no-programs", "--json", *given))
+    assert other["bed"]["state"] == other["mass"]["state"] == "fail"
 
 
 @pytest.mark.parametrize(
@@ -293,16 +226,10 @@ def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(
     call: Call, refused: Refused, data: bytes, message: str
 ) -> None:
     path = exported_kit(call)
-    attach(path, "Metadata/kit.json", data)
+    edit_archive(path, {"Metadata/kit.json": data})
     line = refused("check", path, "--no-programs")
     assert line.startswith(f"error: {path}: its kit.json: ") and message in line
     assert line.isprintable() and len(line) < 300
-
-
-def test_options_of_a_kit_in_a_file_of_a_format_without_kits_are_refused(call: Call, refused: Refused) -> None:
-    path = exported_kit(call).rename("kit.svg")
-    attach(path, "Metadata/kit.json", b"{}")
-    assert "exporter 'svg' has no option 'kit'" in refused("check", path, "--no-programs")
 
 
 def test_a_file_of_a_kit_that_is_checked_as_a_hull_is_told_to_be_one(call: Call) -> None:
@@ -310,13 +237,8 @@ def test_a_file_of_a_kit_that_is_checked_as_a_hull_is_told_to_be_one(call: Call)
     # A lap of 2 mm adds so little that it could be mistaken for the chords of a coarse mesh.
     little = ("--option", "lap=0.002", "--option", "sleeve=0.0004")
     result = call("export", word, "--kit", "--format", "3mf", *little, "--json")
-    path = json.loads(result.stdout)["files"][0]["path"]
-    with zipfile.ZipFile(path) as archive:
-        held = {entry: archive.read(entry) for entry in archive.namelist()}
-    del held["Metadata/kit.json"]  # as other programs save it
-    with zipfile.ZipFile(path, "w") as archive:
-        for entry, content in held.items():
-            archive.writestr(entry, content)
+    path = Path(json.loads(result.stdout)["files"][0]["path"])
+    edit_archive(path, removed=["Metadata/kit.json"])  # as other programs save it
     coarse = ("--set", "checker.mesh.coarse=0.2")
     found = lines(call("check", path, "--no-programs", "--json", *coarse))["mass"]
     assert found["state"] == "warn" and "check it with --kit" in found["detail"]

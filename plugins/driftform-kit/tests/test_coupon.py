@@ -17,7 +17,6 @@ from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.kits import make_parts
 from driftform_kit.cutting.coupon import CLEARANCES
-from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.reading import read_meshes
 
 Call = Callable[..., Any]
@@ -81,11 +80,6 @@ def test_the_core_comes_to_rest_on_each_seat():
         inside = around[np.hypot(around[:, 0], around[:, 1]) < 9.0]
         # The nearest of the cone is a clearance from a core whose middle is at the rim.
         assert 0.0 < np.linalg.norm(inside, axis=1).min() - 10.0 < 0.35
-
-
-def test_kits_have_the_clearance_that_is_chosen():
-    kits = [make_kit(body_of(), PartOptions(kit=True, clearance=c)) for c in (0.00015, 0.0003)]
-    assert [kit.joints[0].gap for kit in kits] == pytest.approx([0.15, 0.3])
 
 
 def test_the_command_writes_one_small_file_without_an_agent(call: Call, tmp_path: Path) -> None:

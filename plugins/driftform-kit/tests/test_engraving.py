@@ -67,6 +67,8 @@ def test_small_letters_are_drawn_as_capitals():
 def test_a_letter_that_is_not_there_is_refused():
     with pytest.raises(ValueError, match="cannot draw 'é'"):
         Text("é", 5.0, 1.0)
+    with pytest.raises(ValueError, match="a text needs a letter"):
+        Text(" ", 5.0, 1.0)
     with pytest.raises(ValidationError, match="cannot engrave '!é'"):
         PartOptions(engrave="a!é")
 

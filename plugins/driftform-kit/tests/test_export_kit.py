@@ -35,22 +35,6 @@ def test_each_part_gets_a_file_and_each_file_tells_of_the_kit(call: Call, tmp_pa
         assert 1e-9 * mesh.volume * 1050 == pytest.approx(part["mass_kg"], rel=1e-5)
 
 
-def test_the_balance_of_what_is_printed_is_told_beside_what_was_simulated(call: Call, tmp_path: Path) -> None:
-    kit = files(call, "--kit", "--out", str(tmp_path))[0]["kit"]
-    inspected = json.loads(call("inspect", LONG, "--json").stdout)
-    simulated, printed = kit["balance"]
-    assert simulated["mass_kg"] == pytest.approx(inspected["mass"])
-    assert simulated["net_buoyancy_n"] == pytest.approx(inspected["net_buoyancy"])
-    assert printed["mass_kg"] > simulated["mass_kg"]
-    assert printed["net_buoyancy_n"] < simulated["net_buoyancy_n"]
-
-
-def test_the_table_is_printed_once_for_all_files(call: Call, tmp_path: Path) -> None:
-    out = call("export", LONG, "--kit", "--format", "stl,3mf,glb", "--out", str(tmp_path)).stdout
-    assert out.count("\n    simulated ") == out.count("\n    printed ") == 1
-    assert "aft shell" in out and "net_buoyancy_n" in out and "fore of the core's equator" in out
-
-
 def test_the_assembly_sheet_is_written_once_for_all_formats(call: Call, tmp_path: Path) -> None:
     out = call("export", LONG, "--kit", "--format", "stl,3mf,glb", "--out", str(tmp_path)).stdout
     pages = sorted(page.name for page in tmp_path.glob("*.svg"))
@@ -58,28 +42,6 @@ def test_the_assembly_sheet_is_written_once_for_all_formats(call: Call, tmp_path
     assert [out.count(page) for page in pages] == [1, 1]
     call("export", LONG, "--format", "stl", "--out", str(tmp_path / "whole"))
     assert not list((tmp_path / "whole").glob("*.svg"))
-
-
-def test_the_sheet_is_no_part_to_be_checked(call: Call, tmp_path: Path) -> None:
-    lines = json.loads(call("check", LONG, "--kit", "--no-programs", "--json").stdout)["lines"]
-    assert {line["part"] for line in lines if line["check"] == "standing"} and all(
-        "assembly" not in line["part"] for line in lines
-    )
-
-
-def test_a_small_bed_makes_more_parts(call: Call, tmp_path: Path) -> None:
-    few = files(call, "--kit", "--bed", "220,220,250", "--out", str(tmp_path / "a"))
-    assert len(few) == 2
-    word = LONG + "-addB-tiltn-0-L-moveB" * 6
-    parts = files(call, "--kit", "--bed", "220,220,60", "--out", str(tmp_path / "b"), agent=word)
-    assert len(parts) == 3
-    assert all(part["size_mm"][2] <= 60 for part in parts)
-
-
-def test_an_option_is_given_to_every_format(call: Call, tmp_path: Path) -> None:
-    told = files(call, "--kit", "--format", "stl,ply", "--option", "joint=rabbet", "--out", str(tmp_path))
-    assert len(told) == 4
-    assert {file["kit"]["joint"]["kind"] for file in told} == {"rabbet"}
 
 
 @pytest.mark.parametrize(
@@ -105,15 +67,6 @@ def test_a_kit_that_cannot_be_made_leaves_no_file(call: Call, tmp_path: Path) ->
     assert not list(tmp_path.iterdir())
 
 
-def test_what_is_told_of_the_kit_is_read_without_knowing_its_keys(call: Call, tmp_path: Path) -> None:
-    out = call("export", LONG, "--kit", "--out", str(tmp_path)).stdout
-    assert "joint: sleeve at x +" in out and "kind" not in out and "why" not in out
-    # Without ballast nothing is said of it.
-    assert "ballast" not in out
-    loaded = call("export", LONG, "--kit", "--option", "ballast=[[0.03,0.008]]", "--out", str(tmp_path)).stdout
-    assert "lead" in loaded and "with ballast" in loaded and "None" not in loaded
-
-
 def test_ballast_is_weighed_in_the_balance_of_the_kit(call: Call, tmp_path: Path) -> None:
     ballast = ("--option", "ballast=[[0.03,0.008]]", "--option", "ballast_density=7850")
     kit = files(call, "--kit", *ballast, "--out", str(tmp_path))[0]["kit"]
@@ -128,13 +81,6 @@ def test_ballast_is_weighed_in_the_balance_of_the_kit(call: Call, tmp_path: Path
     moment = flow * printed["mass_kg"] * printed["cog_mm"] + ball["mass_kg"] * 30.0
     assert loaded["mass_kg"] * loaded["cog_mm"] == pytest.approx(moment)
     assert loaded["net_buoyancy_n"] == pytest.approx(simulated["net_buoyancy_n"])
-
-
-def test_the_sheet_names_the_agent_as_it_was_opened(call: Call, tmp_path: Path) -> None:
-    call("export", LONG[:20], "--kit", "--out", str(tmp_path))
-    [sheet] = tmp_path.glob("*-assembly-2.svg")
-    text = sheet.read_text(encoding="utf-8")
-    assert f"driftform trim {LONG[:20]} --kit" in text and "AGENT" not in text
 
 
 def test_the_note_on_kits_is_for_formats_that_have_them(call: Call, tmp_path: Path) -> None:

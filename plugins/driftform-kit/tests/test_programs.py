@@ -6,32 +6,10 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, PrintJob
 from driftform.types import State
 from driftform_kit.checks.admesh import AdmeshChecker, AdmeshOptions
-from driftform_kit.checks.programs import explain_missing, last_line, run_program
 from driftform_kit.reading import provide_stl, read_meshes
-
-
-def prints(data: bytes) -> list[str]:
-    """A command that prints bytes to both of its streams."""
-    code = f"import sys; sys.stdout.buffer.write({data!r}); sys.stdout.flush(); sys.stderr.buffer.write({data!r})"
-    return [sys.executable, "-c", code]
-
-
-def test_output_that_is_not_utf_8_is_read_all_the_same(tmp_path: Path) -> None:
-    printed = run_program(prints(b"Header : \xd0\xff\x80 end\n"), tmp_path, 60)
-    assert printed.count("end\n") == 2
-    assert last_line(printed).startswith("Header : ")
-
-
-def test_a_program_that_takes_too_long_or_does_not_exist_is_a_failure(tmp_path: Path) -> None:
-    with pytest.raises(WorkFailedError, match="did not end within"):
-        run_program([sys.executable, "-c", "import time; time.sleep(60)"], tmp_path, 0.1)
-    with pytest.raises(WorkFailedError, match="cannot be run"):
-        run_program([str(tmp_path / "no-program")], tmp_path, 60)
-    assert explain_missing("no-such-program") == "no-such-program is not on PATH"
 
 
 def test_admesh_is_understood_whatever_bytes_it_prints(

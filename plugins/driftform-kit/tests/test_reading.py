@@ -2,22 +2,18 @@
 
 import json
 import shutil
-import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from prints import CORNERS, TRIANGLES, mesh_xml, write_3mf
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.util import foreign
 from driftform_frusta.triangles import Mesh
 from driftform_kit.reading import read_meshes
-
-MODEL = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
-RELATIONSHIPS = "http://schemas.openxmlformats.org/package/2006/relationships"
-START = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -28,53 +24,34 @@ def in_this_process() -> Iterator[None]:
         yield
 
 
-@pytest.fixture
-def block() -> trimesh.Trimesh:
-    """A wedge-like block that no rotation takes to itself, 10 x 20 x 30 mm on the bed."""
-    corners = np.array([[0, 0, 0], [10, 0, 0], [0, 20, 0], [0, 0, 30]], dtype=float)
-    return trimesh.Trimesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], process=False)
+BLOCK = trimesh.Trimesh(CORNERS, TRIANGLES, process=False)
 
 
-def write_3mf(path: Path, resources: str, build: str, unit: str = "millimeter") -> Path:
-    model = f'<model unit="{unit}" xmlns="{MODEL}"><resources>{resources}</resources><build>{build}</build></model>'
-    relationship = f'<Relationship Id="r" Target="/3D/parts.model" Type="{START}"/>'
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("3D/parts.model", model)
-        archive.writestr("_rels/.rels", f'<Relationships xmlns="{RELATIONSHIPS}">{relationship}</Relationships>')
-    return path
-
-
-def mesh_of(block: trimesh.Trimesh, scale: float = 1.0) -> str:
-    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*v) for v in scale * block.vertices)
-    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*f) for f in block.faces)
-    return f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh>"
-
-
-def same(part: Mesh, block: trimesh.Trimesh, offset: tuple[float, float, float] = (0, 0, 0)) -> bool:
+def same(part: Mesh, offset: tuple[float, float, float] = (0, 0, 0)) -> bool:
     found = {tuple(np.round(v, 4)) for v in part.vertices}
     volume = part.volume
-    return found == {tuple(np.round(v + offset, 4)) for v in block.vertices} and np.isclose(volume, block.volume)
+    return found == {tuple(np.round(v + offset, 4)) for v in BLOCK.vertices} and np.isclose(volume, BLOCK.volume)
 
 
 @pytest.mark.parametrize("name", ["block.stl", "text.stl", "block.obj", "block.ply", "BLOCK.STL"])
-def test_formats_without_a_unit_are_in_millimetres(block: trimesh.Trimesh, tmp_path: Path, name: str) -> None:
+def test_formats_without_a_unit_are_in_millimetres(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     kind = "stl_ascii" if name == "text.stl" else path.suffix[1:].lower()
-    block.export(path, file_type=kind)
+    BLOCK.export(path, file_type=kind)
     [part] = read_meshes(path)
     assert part.name == path.stem
-    assert same(part, block)
+    assert same(part)
 
 
-def test_glb_is_in_metres_with_y_up(block: trimesh.Trimesh, tmp_path: Path) -> None:
+def test_glb_is_in_metres_with_y_up(tmp_path: Path) -> None:
     # What points up here points along y there, and what comes towards the viewer there is -y here.
-    x, y, z = 0.001 * block.vertices.T
-    trimesh.Trimesh(np.column_stack((x, z, -y)), block.faces, process=False).export(tmp_path / "block.glb")
+    x, y, z = 0.001 * BLOCK.vertices.T
+    trimesh.Trimesh(np.column_stack((x, z, -y)), BLOCK.faces, process=False).export(tmp_path / "block.glb")
     [part] = read_meshes(tmp_path / "block.glb")
-    assert same(part, block)
+    assert same(part)
 
 
-def test_a_scene_s_parts_are_where_their_nodes_put_them(block: trimesh.Trimesh, tmp_path: Path) -> None:
+def test_a_scene_s_parts_are_where_their_nodes_put_them(tmp_path: Path) -> None:
     scene = trimesh.Scene()
     for number, shift in enumerate((0.0, 0.05)):
         place = trimesh.transformations.translation_matrix((shift, 0, 0))
@@ -85,16 +62,16 @@ def test_a_scene_s_parts_are_where_their_nodes_put_them(block: trimesh.Trimesh, 
     assert sorted(round(float(part.bounds[0, 0]), 3) for part in parts) == [-5, 45]
 
 
-def test_3mf_places_each_item_of_the_build(block: trimesh.Trimesh, tmp_path: Path) -> None:
-    resources = f'<object id="1" name="fore shell">{mesh_of(block)}</object><object id="2">{mesh_of(block)}</object>'
+def test_3mf_places_each_item_of_the_build(tmp_path: Path) -> None:
+    resources = f'<object id="1" name="fore shell">{mesh_xml()}</object><object id="2">{mesh_xml()}</object>'
     build = '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 40 50 0"/><item objectid="2" partnumber="aft"/>'
     fore, aft = read_meshes(write_3mf(tmp_path / "two.3mf", resources, build))
     assert (fore.name, aft.name) == ("fore shell", "aft")
-    assert same(fore, block, (40, 50, 0)) and same(aft, block)
+    assert same(fore, (40, 50, 0)) and same(aft)
 
 
-def test_an_object_that_is_not_built_is_no_part(block: trimesh.Trimesh, tmp_path: Path) -> None:
-    resources = f'<object id="1">{mesh_of(block)}</object><object id="2">{mesh_of(block)}</object>'
+def test_an_object_that_is_not_built_is_no_part(tmp_path: Path) -> None:
+    resources = f'<object id="1">{mesh_xml()}</object><object id="2">{mesh_xml()}</object>'
     assert len(read_meshes(write_3mf(tmp_path / "one.3mf", resources, '<item objectid="2"/>'))) == 1
 
 
@@ -102,22 +79,22 @@ def test_an_object_that_is_not_built_is_no_part(block: trimesh.Trimesh, tmp_path
     ("unit", "millimetres"),
     [("micron", 1e-3), ("millimeter", 1), ("centimeter", 10), ("inch", 25.4), ("foot", 304.8), ("meter", 1e3)],
 )
-def test_3mf_tells_its_unit(block: trimesh.Trimesh, tmp_path: Path, unit: str, millimetres: float) -> None:
-    resources = f'<object id="1">{mesh_of(block, 1 / millimetres)}</object>'
-    [part] = read_meshes(write_3mf(tmp_path / "block.3mf", resources, '<item objectid="1"/>', unit))
-    assert same(part, block)
+def test_3mf_tells_its_unit(tmp_path: Path, unit: str, millimetres: float) -> None:
+    resources = f'<object id="1">{mesh_xml(CORNERS / millimetres)}</object>'
+    [part] = read_meshes(write_3mf(tmp_path / "block.3mf", resources, unit=unit))
+    assert same(part)
 
 
-def test_components_are_placed_within_their_object(block: trimesh.Trimesh, tmp_path: Path) -> None:
+def test_components_are_placed_within_their_object(tmp_path: Path) -> None:
     # First mirrored in x and moved up by 5, then turned by a right angle about z and moved along x.
-    resources = f"""<object id="1">{mesh_of(block)}</object><object id="2" name="whole"><components>
+    resources = f"""<object id="1">{mesh_xml()}</object><object id="2" name="whole"><components>
         <component objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 5"/></components></object>"""
     build = '<item objectid="2" transform="0 1 0 -1 0 0 0 0 1 100 0 0"/>'
     [part] = read_meshes(write_3mf(tmp_path / "whole.3mf", resources, build))
-    x, y, z = block.vertices.T
+    x, y, z = BLOCK.vertices.T
     assert {tuple(v) for v in part.vertices} == {tuple(v) for v in np.column_stack((100 - y, -x, z + 5))}
     # A mirror does not turn a part inside out.
-    assert part.volume == pytest.approx(block.volume)
+    assert part.volume == pytest.approx(BLOCK.volume)
 
 
 @pytest.mark.parametrize(
@@ -164,18 +141,18 @@ def test_an_unknown_suffix_names_those_that_are_known(tmp_path: Path) -> None:
         read_meshes(path)
 
 
-def test_a_file_that_changes_is_read_anew(block: trimesh.Trimesh, tmp_path: Path) -> None:
+def test_a_file_that_changes_is_read_anew(tmp_path: Path) -> None:
     path = tmp_path / "block.stl"
-    block.export(path)
+    BLOCK.export(path)
     assert len(read_meshes(path)[0].triangles) == 4
     trimesh.creation.box((5, 5, 5)).export(path)
     assert len(read_meshes(path)[0].triangles) == 12
 
 
-def test_names_from_files_cannot_steer_a_terminal(block: trimesh.Trimesh, tmp_path: Path) -> None:
+def test_names_from_files_cannot_steer_a_terminal(tmp_path: Path) -> None:
     name = json.dumps("evil\x9b2J" + 100 * "x")[1:-1].replace("\\u009b", "&#155;")
-    resources = f'<object id="1" name="{name}">{mesh_of(block)}</object>'
-    [part] = read_meshes(write_3mf(tmp_path / "evil.3mf", resources, '<item objectid="1"/>'))
+    resources = f'<object id="1" name="{name}">{mesh_xml()}</object>'
+    [part] = read_meshes(write_3mf(tmp_path / "evil.3mf", resources))
     assert part.name.isprintable() and len(part.name) <= 40 and part.name.startswith("evil")
 
 

@@ -12,7 +12,7 @@ from driftform.types import FloatArray
 from driftform.util import progress
 from driftform.water.parts.tee_wall import INLET, Junction
 from driftform_tees import solve
-from driftform_tees.cells import cut_cell, gradient_rows, spline_values, value_rows
+from driftform_tees.cells import cut_cell, cut_stiffness, gradient_rows, spline_values, value_rows
 from driftform_tees.hierarchy import build_levels, coefficient_matrices
 
 CENTRES = np.arange(-1.0, 3.0)
@@ -143,3 +143,18 @@ def test_progress_of_a_tee_grows_to_the_whole_and_changes_nothing(monkeypatch):
             found.append(solve.solve_tee(tee))
     assert shown == [("% of the flow in the tee", done, 100) for done in range(1, 101)] * 2
     np.testing.assert_array_equal(found[0].through, found[1].through)
+
+
+@pytest.mark.long
+def test_the_matrices_of_cut_cells_have_no_energy_for_water_at_rest() -> None:
+    junction = Junction(0.5, math.pi / 2, 0.1)
+    level, wall = solve.make_levels(junction)[0], junction.array()
+    corners = (np.argwhere(level.leaves) + level.low) * level.width
+    cut = abs(solve._reach_levels(corners + level.width / 2, wall, 0.0)) < 0.3 * level.width
+    cells = corners[cut][:20]
+    matrices, volumes, points = cut_stiffness(cells, level.width, wall, 1, *solve._gauss(4), solve.PENALTY)
+    # The functions of a cell add up to one: a constant potential, of which the water is at rest.
+    assert np.allclose(matrices.sum(axis=2), 0.0, atol=1e-12 * matrices.max())
+    assert np.allclose(matrices, matrices.transpose(0, 2, 1), atol=1e-12 * matrices.max())
+    assert np.all((volumes > 0.0) & (volumes < level.width**3))
+    assert len(points) > len(cells)

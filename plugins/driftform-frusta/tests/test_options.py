@@ -1,0 +1,156 @@
+"""Options of bodies and kits: cores and materials by name, and what contradicts itself."""
+
+import re
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from driftform.agent import mass_properties
+from driftform.errors import InputError
+from driftform.study import Document, load_study
+from driftform.types import Core, Morphology
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.cores import CORES, DENSITIES, name_core
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.materials import MATERIALS, find_material
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"o_ring": 0.0015}, "needs a sleeve of 0.0014 m or more, not 0.0012"),
+        # A groove of 1.5 mm, in 1.9 mm of sleeve.
+        ({"o_ring": 0.002125, "sleeve": 0.00185}, "needs a sleeve of 0.0019 m or more"),
+        ({"o_ring": 0.0015, "sleeve": 0.0019, "lap": 0.004}, "needs a lap of"),
+        ({"o_ring": 0.0015, "sleeve": 0.0019, "joint": "rabbet"}, "rabbet has no room for an O-ring"),
+        ({"clearance": 0.0}, "clearance"),
+        ({"joint": "screw"}, "joint"),
+        ({"bed": (0.2, 0.2)}, "bed"),
+        ({"bed": (0.2, 0.2, 0.0)}, "bed"),
+        ({"engrave": "x" * 41}, "engrave"),
+    ],
+)
+def test_what_contradicts_itself_is_refused(options, why):
+    with pytest.raises(ValidationError, match=why):
+        PartOptions(**options)
+
+
+def test_a_bed_may_be_a_list_as_in_a_study_file():
+    assert PartOptions(bed=[0.2, 0.2, 0.25]).bed == (0.2, 0.2, 0.25)
+
+
+def test_an_o_ring_that_fits_its_sleeve_is_taken():
+    assert PartOptions(o_ring=0.0015, sleeve=0.0014).groove == pytest.approx(0.001)
+
+
+def test_a_third_ball_of_ballast_is_refused_with_what_to_do():
+    two = [[-0.04, 0.006], [0.045, 0.008]]
+    assert len(PartOptions(kit=True, ballast=two).ballast) == 2
+    with pytest.raises(ValueError, match="a kit holds at most 2 balls of ballast, not 3: replace two of them"):
+        PartOptions(kit=True, ballast=[*two, [0.05, 0.004]])
+
+
+BALLS_PER_KG = {"steel-10mm": 244, "steel-12mm": 141, "steel-15mm": 72.2, "steel-16mm": 59.5, "steel-20mm": 30.5}
+"""Number of bearing balls of 100Cr6 to the kilogram, from the catalogue of a maker (Technoball, ISO 3290)."""
+
+SHEETS = {
+    "steel": (7810, 7850),
+    "stainless": (7950, 8030),
+    "brass": (8400, 8560),
+    "tungsten-carbide": (14_850, 15_020),
+    "glass": (2400, 2600),
+}
+"""Range of densities in data sheets, kg/m3."""
+
+
+@pytest.mark.parametrize("name", BALLS_PER_KG)
+def test_a_steel_ball_weighs_what_its_maker_counts(name):
+    # The catalogue has three digits.
+    assert CORES[name].mass == pytest.approx(1 / BALLS_PER_KG[name], rel=4e-3)
+
+
+def test_densities_are_those_of_data_sheets():
+    assert DENSITIES.keys() == SHEETS.keys()
+    assert all(low <= DENSITIES[name] <= high for name, (low, high) in SHEETS.items())
+
+
+def test_the_core_of_the_paper_is_the_default():
+    assert FrustaBuilder(FrustaOptions()).build(Morphology()).core == Core(0.01, 0.05)
+
+
+def test_a_body_has_the_core_that_was_named():
+    body = FrustaBuilder(FrustaOptions(core="tungsten-carbide-15mm")).build(Morphology())
+    assert body.core == CORES["tungsten-carbide-15mm"]
+    assert body.outer[-1, 0] == pytest.approx(0.0075 + 0.0002 + 0.00125)
+    assert mass_properties(body).mass > 14_950 * np.pi / 6 * 0.015**3
+    assert name_core(body.core) == "tungsten-carbide-15mm" and name_core(Core(0.01, 0.05)) == "custom"
+
+
+def test_an_unknown_core_is_refused_with_the_names():
+    with pytest.raises(ValidationError, match=r"did you mean 'steel-20mm'.*'custom'.*tungsten-carbide.*20, 25, 30 mm"):
+        FrustaOptions(core="steal-20mm")
+
+
+@pytest.mark.parametrize("key, value", [("core_mass", 0.04), ("core_radius", 0.012)])
+def test_a_mass_or_a_radius_beside_a_name_is_refused(key, value):
+    with pytest.raises(
+        ValidationError, match=r"0.032798 kg: leave out core_radius and core_mass, or set core to 'custom'"
+    ):
+        FrustaOptions(core="steel-20mm", **{key: value})
+    assert getattr(FrustaOptions(core="custom", **{key: value}), key) == value
+
+
+def test_the_core_of_a_resolved_study_can_be_replaced_by_another():
+    steel = load_study("paper", settings=['builder.core="steel-20mm"'], run={"seed": 0}).document
+    assert steel["builder"]["core_mass"] == CORES["steel-20mm"].mass
+    brass = load_study(Document("stored", steel), ['builder.core="brass-16mm"']).document
+    assert brass["builder"]["core_radius"] == 0.008
+    with pytest.raises(InputError, match=r"--set builder.core_mass=0.1: core 'steel-20mm' has a radius of 0.01 m"):
+        load_study(Document("stored", steel), ["builder.core_mass=0.1"])
+
+
+PROFILES = {
+    "ABS": ("Generic ABS", "Filament PM ABS"),
+    "ASA": ("Prusament ASA", "Fillamentum ASA"),
+    "PLA": ("Generic PLA", "Prusament PLA"),
+    "PETG": ("Generic PETG", "Prusament PETG"),
+    "PA12": ("Fiberlogy Nylon PA12",),
+}
+"""Filaments of PrusaSlicer's profiles that are of each material."""
+
+
+def test_every_material_can_be_named_in_a_study_and_found_by_its_density():
+    options = get_args(FrustaOptions.model_fields["material"].annotation)
+    assert options == ("custom", *MATERIALS)
+    for name, material in MATERIALS.items():
+        assert FrustaOptions(material=name).hull_density == material.density
+        assert find_material(material.density) == name and material.source
+    assert find_material(1127.5) is None
+
+
+def test_a_material_replaces_that_of_a_resolved_study_but_no_density_of_ones_own():
+    first = load_study("paper", settings=["builder.material=PETG"], run={"seed": 0})
+    assert first.document["builder"]["hull_density"] == 1270.0
+    assert FrustaOptions(**{**FrustaOptions(material="PETG").model_dump(), "material": "PLA"}).hull_density == 1240.0
+    assert FrustaOptions(hull_density=1111.0).material == "custom"
+    with pytest.raises(
+        ValidationError, match=r"PETG' has 1270 kg/m3: leave out hull_density, or set material to 'custom'"
+    ):
+        FrustaOptions(material="PETG", hull_density=1111.0)
+    with pytest.raises(InputError, match=r"builder\.material = 'petg': should be 'custom', 'ABS'"):
+        load_study("paper", settings=["builder.material=petg"], run={"seed": 0})
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize("name", PROFILES)
+def test_densities_are_those_of_the_slicers_profiles(name: str, requires_program) -> None:
+    requires_program("prusa-slicer")
+    text = Path("/usr/share/PrusaSlicer/profiles/PrusaResearch.ini").read_text(encoding="utf-8")
+    found = [
+        float(re.search(rf"^\[filament:{re.escape(kind)}\]$[^\[]*?^filament_density = (\S+)", text, re.MULTILINE)[1])
+        for kind in PROFILES[name]
+    ]
+    assert 1000 * min(found) <= MATERIALS[name].density <= 1000 * max(found)
