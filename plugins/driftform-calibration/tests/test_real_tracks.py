@@ -49,14 +49,14 @@ def test_a_sphere_that_bounces_has_nearly_the_restitution_of_steel_on_glass() ->
     assert found.fit.residual < 0.5 * found.fit.before
 
 
-def test_a_bounce_of_a_tenth_of_a_second_does_not_tell_drag_from_restitution() -> None:
-    found = calibrate(BOUNCING)
-    assert_near_1(found)
+def test_a_bounce_of_a_tenth_of_a_second_trades_drag_for_restitution() -> None:
+    """With a free drag the fit is nearer to the film: more drag, for the history force that is left out, and less loss."""
+    found, at_the_models_drag = calibrate(BOUNCING), calibrate(BOUNCING, "restitution")
+    assert found.fit.residual < at_the_models_drag.fit.residual
     assert found.factors["net_weight"].known
     assert found.factors["net_weight"].value == pytest.approx(1, abs=0.01)
-    assert "cannot separate it from" in found.factors["cross_drag"].reason
-    assert "restitution" in found.factors["cross_drag"].reason
-    assert "depends on cross_drag" in found.factors["restitution"].reason
+    assert 1.1 < found.factors["cross_drag"].value < 1.8
+    assert found.factors["restitution"].value > at_the_models_drag.factors["restitution"].value
 
 
 def test_the_tracks_have_the_apexes_and_speeds_of_the_papers() -> None:

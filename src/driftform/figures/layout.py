@@ -93,8 +93,9 @@ def write_title(parent: ET.Element, x: float, base: float, title: str, size: flo
 def fit_title(title: str, size: float, width: float) -> tuple[float, list[str]]:
     """Return the font size of a title, at most ``size`` px, and its lines, one or two, at most ``width`` px wide."""
     lines: list[str] = []
-    for count, smallest in ((1, 0.75 * size), (2, 0.6 * size)):
-        for smaller in np.arange(size, smallest - 0.5, -1.0).tolist():
+    # Two lines need the room above the base of one.
+    for count, largest, smallest in ((1, size, 0.75 * size), (2, 0.8 * size, 0.6 * size)):
+        for smaller in np.arange(largest, smallest - 0.5, -1.0).tolist():
             lines = _fold(title, smaller, width)
             if len(lines) <= count:
                 return smaller, lines

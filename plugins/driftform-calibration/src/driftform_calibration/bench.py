@@ -12,7 +12,7 @@ from driftform.types import Agent, Body, Coefficients, FloatArray, Morphology
 from driftform.util import rotations
 from driftform.water import Calibration, Factors, Scenario
 
-ACCURACY = solver.Accuracy(tolerance=1e-6, max_step=0.03, step_limit=20_000)
+ACCURACY = solver.Accuracy(tolerance=1e-7, max_step=0.03, step_limit=20_000)
 """Of the flights of a fit: smooth enough for finite differences, far finer than any track."""
 
 
