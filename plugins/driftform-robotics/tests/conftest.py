@@ -1,6 +1,5 @@
 """Specimens of many kinds, their exported folders, and the motion that their files must reproduce."""
 
-import shutil
 import subprocess
 from collections.abc import Callable
 from dataclasses import replace
@@ -118,19 +117,6 @@ def export(tmp_path_factory: pytest.TempPathFactory, make_exporter: Callable[...
         return done[key][1]
 
     return make
-
-
-@pytest.fixture(scope="session")
-def requires_program() -> Callable[[str], str]:
-    """Path of a program; without it the test is skipped."""
-
-    def find(name: str) -> str:
-        path = shutil.which(name)
-        if path is None:
-            pytest.skip(f"{name} is not installed")
-        return path
-
-    return find
 
 
 @pytest.fixture(scope="session")
