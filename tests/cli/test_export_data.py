@@ -204,7 +204,7 @@ def test_a_genome_that_has_no_body_is_a_row_without_one(run_copy: Path, monkeypa
 def test_tables_are_written_in_batches_that_fit_into_memory(
     run_copy: Path, call: Callable[..., Any], exported: Path, monkeypatch: pytest.MonkeyPatch, format: str
 ) -> None:
-    monkeypatch.setattr(tables, "ROWS", 6)
+    monkeypatch.setattr(tables, "MAX_ROWS", 6)
     monkeypatch.setattr(tables, "SAMPLES", 2000)
     sizes: list[int] = []
     write = table_files.FORMATS[format]
