@@ -11,14 +11,13 @@ import pytest
 
 from driftform.interfaces import ExportJob
 from driftform.study import load_study
-from driftform_frusta.exporters.stl import StlExporter
+from driftform_frusta.exporters.meshes import StlExporter
 from driftform_frusta.exporters.svg import SvgExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.hull import build_hull
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
-from driftform_frusta.mesh import make_mesh
-from driftform_frusta.solid import to_solid
+from driftform_frusta.parts import make_parts
+from driftform_frusta.solid import make_mesh, to_solid
 
 pytestmark = pytest.mark.slow
 

@@ -2,12 +2,9 @@ import pytest
 
 from driftform.testing import BuilderContract, ExporterContract
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.exporters.glb import GlbExporter
-from driftform_frusta.exporters.obj import ObjExporter
-from driftform_frusta.exporters.ply import PlyExporter
+from driftform_frusta.exporters.meshes import GlbExporter, ObjExporter, PlyExporter, StlExporter
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.step import StepExporter
-from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.svg import SvgExporter, SvgOptions
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.kit_options import PartOptions

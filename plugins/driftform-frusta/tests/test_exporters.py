@@ -10,16 +10,12 @@ import trimesh
 
 from driftform.agent import hull_mass
 from driftform.errors import WorkFailedError
-from driftform_frusta import printable
-from driftform_frusta.boundary import Solid
-from driftform_frusta.exporters.glb import GlbExporter
-from driftform_frusta.exporters.obj import ObjExporter
-from driftform_frusta.exporters.ply import PlyExporter
+from driftform_frusta import hull
+from driftform_frusta.exporters.meshes import GlbExporter, ObjExporter, PlyExporter, StlExporter
 from driftform_frusta.exporters.scad import ScadExporter
-from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.hull import hull_volume
-from driftform_frusta.solid import to_manifold
+from driftform_frusta.solid import Solid, to_manifold
 from driftform_frusta.triangles import Mesh
 
 EACH = pytest.mark.parametrize(
@@ -135,7 +131,7 @@ def test_a_body_without_a_closed_solid_is_refused_and_nothing_written(
 
 @EACH
 def test_a_solid_that_is_not_what_was_simulated_is_refused(exporter, wavy_body, specimen_of, tmp_path, monkeypatch):
-    monkeypatch.setattr(printable, "hull_volume", lambda body: hull_volume(body) * (1 + 1e-5))
+    monkeypatch.setattr(hull, "hull_volume", lambda body: hull_volume(body) * (1 + 1e-5))
     with pytest.raises(WorkFailedError, match="mm3, its section"):
         exporter_of(exporter).write(specimen_of(wavy_body), tmp_path / "hull")
     assert list(tmp_path.iterdir()) == []
@@ -149,7 +145,7 @@ def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(
         upper, lower = to_manifold(tree, segments).split_by_plane((0, 0, 1), 100)
         return Solid.from_manifold(upper.translate((0, 0, 1)) + lower)
 
-    monkeypatch.setattr(printable, "to_solid", cut)
+    monkeypatch.setattr(hull, "to_solid", cut)
     with pytest.raises(WorkFailedError, match="falls into 2 pieces"):
         exporter_of(exporter).write(specimen_of(wavy_body), tmp_path / "hull")
 

@@ -14,14 +14,11 @@ from manifold3d import Error, Manifold, Mesh64
 
 from driftform.interfaces import ExportJob
 from driftform.study import load_study
-from driftform_frusta.exporters.glb import GlbExporter
-from driftform_frusta.exporters.obj import ObjExporter
-from driftform_frusta.exporters.ply import PlyExporter
+from driftform_frusta.exporters.meshes import GlbExporter, ObjExporter, PlyExporter, StlExporter
 from driftform_frusta.exporters.scad import ScadExporter
-from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.hull import hull_volume
-from driftform_frusta.kits import make_parts
+from driftform_frusta.parts import make_parts
 from driftform_frusta.triangles import Mesh
 
 MESHES = (StlExporter, ThreeMfExporter, GlbExporter, ObjExporter, PlyExporter)

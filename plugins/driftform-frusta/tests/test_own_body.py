@@ -17,8 +17,8 @@ from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Morphology
 from driftform.water import Fluid
+from driftform_frusta.exporters.meshes import StlExporter
 from driftform_frusta.exporters.step import StepExporter
-from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.own.builder import ProfileBuilder, ProfileOptions, place_profile
 from driftform_frusta.own.profile import read_profile

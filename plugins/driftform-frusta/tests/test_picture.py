@@ -8,10 +8,8 @@ from manifold3d import Manifold
 from PIL import Image
 
 from driftform.figures.files import ZOOM, rasterise
-from driftform_frusta.boundary import Solid
-from driftform_frusta.mesh import make_mesh
 from driftform_frusta.picture import plate_svg
-from driftform_frusta.revolution import revolve_profiles
+from driftform_frusta.solid import Solid, make_mesh, revolve_profiles
 from driftform_frusta.triangles import Mesh
 
 RED, BLUE = "#ff0000", "#0000ff"

@@ -10,8 +10,7 @@ from manifold3d import CrossSection, FillRule
 
 from driftform.errors import WorkFailedError
 from driftform_frusta.hull import build_hull
-from driftform_frusta.revolution import revolve_profiles
-from driftform_frusta.solid import to_solid
+from driftform_frusta.solid import revolve_profiles, to_solid
 from driftform_frusta.triangles import Mesh, area_factor
 
 CYLINDER = [(0, 0), (5, 0), (5, 7), (0, 7)]

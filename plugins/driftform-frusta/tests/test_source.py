@@ -14,8 +14,8 @@ from driftform.water import Scenario
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
 from driftform_frusta.parametric import hull_source
+from driftform_frusta.parts import make_parts
 from driftform_frusta.source import write_source
 
 

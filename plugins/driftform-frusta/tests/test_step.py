@@ -14,7 +14,7 @@ from driftform_frusta.csg import Difference, Intersection, Named, Revolve, Rotat
 from driftform_frusta.exporters.step import StepExporter
 from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
+from driftform_frusta.parts import make_parts
 from driftform_frusta.solid import to_manifold
 
 pytestmark = pytest.mark.peers

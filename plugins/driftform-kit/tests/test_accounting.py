@@ -13,7 +13,7 @@ from driftform.study import Document, load_study
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
+from driftform_frusta.parts import make_parts
 from driftform_kit.cutting.accounting import kit_mass, list_facts
 
 TILTS = st.sampled_from([-0.3, 0.0, 0.3])

@@ -16,7 +16,7 @@ from driftform.testing.builder import random_morphology
 from driftform.types import Module, Moments, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit_options import LEAD, PartOptions
-from driftform_frusta.kits import make_parts, settle_ballast
+from driftform_frusta.parts import make_parts, settle_ballast
 from driftform_kit.cutting.accounting import kit_mass, place_ballast
 from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.cutting.upright import overhang_area

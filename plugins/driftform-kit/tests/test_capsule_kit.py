@@ -18,7 +18,7 @@ from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
+from driftform_frusta.parts import make_parts
 from driftform_kit.cutting.accounting import kit_mass, weigh_kit
 from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.sheet.contents import plan_sheet

@@ -15,7 +15,7 @@ from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, Module, Morphology, State
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
+from driftform_frusta.parts import make_parts
 from driftform_kit.cutting.coupon import CLEARANCES
 from driftform_kit.reading import read_meshes
 

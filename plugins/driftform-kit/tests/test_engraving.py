@@ -10,8 +10,8 @@ from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.csg import Revolve, Text
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
 from driftform_frusta.lettering import STROKE, draw_strokes, text_length
+from driftform_frusta.parts import make_parts
 from driftform_frusta.solid import to_manifold
 from driftform_kit.cutting.meridian import split_rings
 from driftform_kit.cutting.pieces import make_kit

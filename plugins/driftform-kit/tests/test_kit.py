@@ -20,7 +20,7 @@ from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.csg import Revolve
 from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
+from driftform_frusta.parts import make_parts
 from driftform_frusta.solid import to_manifold
 from driftform_frusta.triangles import Mesh, area_factor
 from driftform_kit.cutting.joint import Joint, draw_joint

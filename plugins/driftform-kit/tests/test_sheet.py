@@ -16,12 +16,11 @@ from driftform.figures.layout import text_width
 from driftform.interfaces import ExportJob
 from driftform.types import Agent, Coefficients, Core, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.exporters.obj import ObjExporter
+from driftform_frusta.exporters.meshes import ObjExporter, StlExporter
 from driftform_frusta.exporters.scad import ScadExporter
-from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
+from driftform_frusta.parts import make_parts
 from driftform_kit.sheet.contents import plan_sheet
 from driftform_kit.sheet.drawing import draw_pages
 

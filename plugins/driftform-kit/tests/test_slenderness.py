@@ -15,9 +15,9 @@ from prints import job_of
 from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, Module, Morphology, State
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.exporters.stl import StlExporter
+from driftform_frusta.exporters.meshes import StlExporter
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import make_parts
+from driftform_frusta.parts import make_parts
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.mesh import MeshChecker, MeshOptions
 from driftform_kit.checks.slenderness import Slenderness, find_brim, measure_section, measure_slenderness

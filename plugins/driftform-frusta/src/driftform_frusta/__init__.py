@@ -38,12 +38,9 @@ def driftform_commands(app: "typer.Typer") -> None:
 @hookimpl
 def driftform_exporter() -> "list[type[Exporter[Any]]]":
     """Files for printers, viewers, modelling programs and OpenSCAD."""
-    from driftform_frusta.exporters.glb import GlbExporter
-    from driftform_frusta.exporters.obj import ObjExporter
-    from driftform_frusta.exporters.ply import PlyExporter
+    from driftform_frusta.exporters.meshes import GlbExporter, ObjExporter, PlyExporter, StlExporter
     from driftform_frusta.exporters.scad import ScadExporter
     from driftform_frusta.exporters.step import StepExporter
-    from driftform_frusta.exporters.stl import StlExporter
     from driftform_frusta.exporters.svg import SvgExporter
     from driftform_frusta.exporters.threemf import ThreeMfExporter
 

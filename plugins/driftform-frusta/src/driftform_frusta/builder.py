@@ -272,7 +272,7 @@ def _measure_fittings(o: FrustaOptions, bare: Body, ballast: tuple[tuple[float, 
     if o.kit is None:
         return Fittings()
     # The sections of parts take a while to import, and most studies weigh the hull in one piece.
-    from driftform_frusta.kits import find_maker
+    from driftform_frusta.parts import find_maker
 
     fittings: Fittings = find_maker().measure_fittings(bare, o.kit.model_copy(update={"ballast": ballast}))
     return fittings

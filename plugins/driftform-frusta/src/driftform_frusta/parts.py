@@ -1,9 +1,20 @@
-"""Agent -> the parts that are printed for it, each closed and ready for the bed."""
+"""The parts that are printed for an agent: its sealed hull, or a kit, which driftform-kit makes when it is asked for."""
 
 from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from types import ModuleType
 
-from driftform_frusta.boundary import Solid
+from driftform.errors import InputError
+from driftform.types import Body
+from driftform_frusta.ballast_seat import name_ball
 from driftform_frusta.csg import Node
+from driftform_frusta.hull import build_printable_hull
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.solid import Solid
+
+KIT_FILE = "kit.json"
+"""Name of the attachment of a 3MF file that holds the options of its kit, as JSON."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,3 +38,36 @@ class Part:
         """The solid as it is printed: upright, its lowest point at z = 0, mm."""
         turned = self.solid.turn_over() if self.fore_down else self.solid
         return turned.translate((0.0, 0.0, -turned.bounds[0, 2]))
+
+
+@cache
+def find_maker() -> ModuleType:
+    """Return the module that makes kits, which depends on this distribution. Raises InputError if it is not installed."""
+    try:
+        return import_module("driftform_kit.maker")
+    except ModuleNotFoundError:
+        raise InputError("a kit needs a distribution that makes kits; run: pip install driftform-kit") from None
+
+
+def settle_ballast(body: Body, options: PartOptions) -> PartOptions:
+    """Return options with the ballast of a body; the same ones if it has none, or if the options have ballast.
+
+    Raises WorkFailedError if a kit cannot hold it; the message has the reason.
+    """
+    if not body.ballast.volume or options.ballast:
+        return options
+    ball = find_maker().place_ballast(body, options) if options.kit else name_ball(body.ballast)
+    return options.model_copy(update={"ballast": (ball,)})
+
+
+def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
+    """Return the parts of a body: its sealed hull, or those of its kit, from aft to fore, or the fit coupon.
+
+    Raises WorkFailedError if it cannot be printed this way; the message has the reason.
+    """
+    if options.coupon:
+        return (find_maker().make_coupon(body, options),)
+    if options.kit:
+        parts: tuple[Part, ...] = find_maker().make_parts(body, options)
+        return parts
+    return (Part("hull", *build_printable_hull(body, options.segments)),)

@@ -1,22 +1,94 @@
-"""CSG tree -> solid: what is revolved is swept by :mod:`driftform_frusta.revolution`, and manifold3d does the rest."""
+"""Solids as triangles in mm: what a CSG tree describes, and the mesh of it that files hold.
 
-from collections.abc import Iterable
+A surface of revolution takes no modelling: each point of its profile sweeps a ring of vertices, or is a pole on the
+axis, and two neighbours are joined by a band of triangles. So the mesh is closed by the way it is numbered, each
+vertex is where the profile has it to the last bit, and two profiles that share a point share its ring. manifold3d does
+the rest.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import assert_never
 
 import numpy as np
+import numpy.typing as npt
 from manifold3d import CrossSection, Error, FillRule, Manifold, OpType
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
 from driftform_frusta import csg
-from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import Node
 from driftform_frusta.lettering import STROKE, draw_strokes
-from driftform_frusta.revolution import revolve_profiles
+from driftform_frusta.triangles import Mesh
 
 # mm. Clipping leaves vertices some 1e-8 mm apart, which must go. With much more than this, vertices between
 # almost aligned frustums go too, and the volume of a 1.25 mm wall shifts by more than 1e-6 of itself.
 _SIMPLIFY = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A solid of positive volume.
+
+    Attributes:
+        vertices: mm, (n, 3).
+        triangles: indices of their corners, counterclockwise seen from outside, (m, 3).
+        shells: volume inside each closed surface, mm3, (k,): negative for that of a hollow, which faces inward.
+
+    Raises WorkFailedError if it is empty or inside out.
+    """
+
+    vertices: FloatArray
+    triangles: npt.NDArray[np.int64]
+    shells: FloatArray
+
+    def __post_init__(self) -> None:
+        if not self.volume > 0:
+            raise WorkFailedError(f"the solid is empty or inside out: its volume is {self.volume:g} mm3")
+
+    @classmethod
+    def from_manifold(cls, solid: Manifold) -> "Solid":
+        """Return the boundary of a solid of manifold3d."""
+        mesh = solid.to_mesh64()
+        return cls(
+            np.asarray(mesh.vert_properties)[:, :3],
+            np.asarray(mesh.tri_verts, dtype=np.int64),
+            np.array([shell.volume() for shell in solid.decompose()]),
+        )
+
+    @property
+    def volume(self) -> float:
+        """Volume of the material, mm3."""
+        return float(self.shells.sum())
+
+    @property
+    def pieces(self) -> int:
+        """Number of disconnected solids: each has an outside, and any number of hollows."""
+        return int((self.shells > 0).sum())
+
+    @property
+    def bounds(self) -> FloatArray:
+        """Lowest and highest coordinates, (2, 3)."""
+        return np.stack((self.vertices.min(axis=0), self.vertices.max(axis=0)))
+
+    def translate(self, offset: npt.ArrayLike) -> "Solid":
+        """Return the solid moved by ``offset``, mm."""
+        return Solid(self.vertices + np.asarray(offset), self.triangles, self.shells)
+
+    def turn_over(self) -> "Solid":
+        """Return the solid turned by half a turn about the x axis."""
+        return Solid(self.vertices * np.array([1.0, -1.0, -1.0]), self.triangles, self.shells)
+
+    def to_manifold(self) -> Manifold:
+        """Return the solid for manifold3d, which unites, cuts and measures solids.
+
+        Raises WorkFailedError if its surfaces are not closed.
+        """
+        solid = Mesh(self.vertices, self.triangles).to_manifold()
+        if solid.status() != Error.NoError:
+            raise WorkFailedError(f"the solid is not manifold: {solid.status().name}")
+        return solid
 
 
 def to_solid(node: Node, segments: int = 64) -> Solid:
@@ -116,3 +188,66 @@ def half_section(node: csg.Revolve) -> list[FloatArray]:
     for profile in profiles:
         profile[profile[:, 0] < _SIMPLIFY, 0] = 0
     return profiles
+
+
+def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
+    """Return the solid that closed profiles sweep about the z axis.
+
+    Args:
+        profiles: each a polygon (n, 2) of (r, z) in mm with r >= 0, the last point joined to the first;
+            counterclockwise around matter, clockwise around a hollow. They neither cross each other nor themselves.
+        segments: corners of every circle.
+
+    Raises WorkFailedError if the solid is empty or inside out.
+    """
+    vertices, triangles, shells, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], [], 0
+    for profile in profiles:
+        for line, closed in _split_at_axis(profile):
+            mesh = Mesh.revolve(line, segments, closed)
+            vertices.append(mesh.vertices)
+            triangles.append(mesh.triangles + count)
+            shells.append(mesh.volume)
+            count += len(mesh.vertices)
+    return Solid(np.concatenate(vertices), np.concatenate(triangles), np.array(shells))
+
+
+def _split_at_axis(profile: FloatArray) -> Iterator[tuple[FloatArray, bool]]:
+    """Split a profile where it is on the axis: lines from pole to pole, or itself, a ring, where it never is."""
+    poles = np.flatnonzero(profile[:, 0] == 0)
+    if not len(poles):
+        yield profile, True
+        return
+    turned = np.roll(profile, -poles[0], axis=0)
+    ends = np.append(poles - poles[0], len(profile))
+    turned = np.append(turned, turned[:1], axis=0)
+    for start, end in pairwise(ends):
+        if end - start > 1:
+            yield turned[start : end + 1], False
+
+
+def make_mesh(solid: Solid, name: str = "hull", frame: FloatArray | None = None) -> Mesh:
+    """Return the mesh of a solid, rounded to single precision and checked after that.
+
+    Args:
+        solid: in mm.
+        name: of the mesh.
+        frame: matrix from its points to those of the mesh, (3, 3); the identity by default.
+
+    Raises WorkFailedError if the rounded mesh is not closed, or its volume differs from the solid's by more than
+    rounding explains.
+    """
+    points, expected = solid.vertices, solid.volume
+    if frame is not None:
+        points = points @ frame.T
+        expected *= float(np.linalg.det(frame))
+    mesh = Mesh(points.astype(np.float32), solid.triangles, name).merge_vertices()
+    if not mesh.is_closed:
+        raise WorkFailedError(f"the mesh of the {name} does not stay closed in single precision")
+    # Rounding moves a vertex by half a unit in the last place at most, in each of three directions, and so the
+    # volume by no more than the surface times that.
+    spacing = float(np.spacing(np.abs(mesh.vertices).max()))
+    if abs(mesh.volume - expected) > np.sqrt(3) / 2 * spacing * mesh.area:
+        raise WorkFailedError(
+            f"the mesh of the {name} has a volume of {mesh.volume:.6g} in single precision, its solid {expected:.6g}"
+        )
+    return mesh

@@ -13,7 +13,7 @@ from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, State, WrittenFile
 from driftform.util import files
 from driftform_frusta.hull import hull_volume
-from driftform_frusta.kits import KIT_FILE
+from driftform_frusta.parts import KIT_FILE
 from driftform_kit.settings import list_kit_settings, read_kit_settings
 
 _MAX_ATTACHMENT = 1 << 26

@@ -3,12 +3,11 @@
 from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform.types import Body
-from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import MM, Difference, Named, Node, Revolve, Translate
+from driftform_frusta.hull import refuse_other_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import Part
-from driftform_frusta.printable import refuse_other_volume
-from driftform_frusta.solid import to_manifold, to_solid
+from driftform_frusta.solid import Solid, to_manifold, to_solid
 from driftform_kit.cutting.accounting import list_facts, measure_fittings, place_ballast
 from driftform_kit.cutting.coupon import make_coupon
 from driftform_kit.cutting.meridian import moments, split_rings

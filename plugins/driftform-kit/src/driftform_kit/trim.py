@@ -15,7 +15,7 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.motion import path
 from driftform.types import Agent, FloatArray
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.kits import settle_ballast
+from driftform_frusta.parts import settle_ballast
 from driftform_kit import ballast
 from driftform_kit.ballast import NEGLIGIBLE, Piece, RequiredBallast
 from driftform_kit.kit import HeldBall, KitReport, report_kit

@@ -40,7 +40,7 @@ class PartExporter(Exporter[PartOptions]):
 
         Raises WorkFailedError if the body has no closed printable solid, or a file cannot be written.
         """
-        from driftform_frusta.kits import find_maker, make_parts, settle_ballast
+        from driftform_frusta.parts import find_maker, make_parts, settle_ballast
 
         settled = self.options if self.options.coupon else settle_ballast(job.agent.body, self.options)
         if settled != self.options:
@@ -71,7 +71,7 @@ class PartFiles(PartExporter):
 
     def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
         """Yield a file of each part: ``agent-fore-shell.stl`` for ``agent.stl``."""
-        from driftform_frusta.mesh import make_mesh
+        from driftform_frusta.solid import make_mesh
 
         for part in parts:
             mesh = make_mesh(part.on_bed(), part.name)
@@ -95,7 +95,7 @@ class JoinedFile(PartExporter):
 
     def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
         """Yield the file."""
-        from driftform_frusta.mesh import make_mesh
+        from driftform_frusta.solid import make_mesh
 
         meshes = {part.name: make_mesh(part.solid, part.name, self.frame) for part in parts}
         triangles = sum(len(mesh.triangles) for mesh in meshes.values())
@@ -114,7 +114,7 @@ def save(path: Path, content: bytes | str) -> None:
 
 def list_facts(parts: "Sequence[Part]", body: Body) -> dict[str, Any]:
     """Return the facts of parts in one file: of the only one, or the sums and the ``parts`` by name."""
-    from driftform_frusta.printable import MM3_PER_M3
+    from driftform_frusta.hull import MM3_PER_M3
 
     volume = sum(part.solid.volume for part in parts)
     facts = {"volume_mm3": volume, "mass_kg": volume / MM3_PER_M3 * body.hull_density}

@@ -31,7 +31,7 @@ class StepExporter(PartExporter):
     def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
         """Yield the solids; facts: those of parts, and the number of ``faces``."""
         from driftform_frusta.brep import require_opencascade, to_brep, volume_of
-        from driftform_frusta.printable import MM3_PER_M3
+        from driftform_frusta.hull import MM3_PER_M3
 
         require_opencascade()
         shapes = [to_brep(part.tree) for part in parts]

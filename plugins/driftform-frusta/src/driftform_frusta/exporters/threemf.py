@@ -13,9 +13,9 @@ from driftform.interfaces import ExportJob
 from driftform_frusta.colours import colour_of
 from driftform_frusta.csg import MM
 from driftform_frusta.exporters.base import File, PartExporter, list_facts
-from driftform_frusta.mesh import make_mesh
 from driftform_frusta.picture import plate_svg
 from driftform_frusta.plate import arrange, fits
+from driftform_frusta.solid import make_mesh
 from driftform_frusta.triangles import Mesh
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class ThreeMfExporter(PartExporter):
 
     def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
         """Yield the plates; facts: those of parts, the number of ``triangles``, and whether all parts of a plate ``fits_bed``."""
-        from driftform_frusta.kits import KIT_FILE
+        from driftform_frusta.parts import KIT_FILE
         from driftform_frusta.source import write_source
 
         placed = self._placed(parts)
@@ -72,7 +72,7 @@ class ThreeMfExporter(PartExporter):
 
     def plate_picture(self, job: ExportJob) -> bytes:
         """Return a larger picture of the first plate than the file has, a PNG file."""
-        from driftform_frusta.kits import make_parts, settle_ballast
+        from driftform_frusta.parts import make_parts, settle_ballast
 
         body = job.agent.body
         placed = self._placed(make_parts(body, settle_ballast(body, self.options)))

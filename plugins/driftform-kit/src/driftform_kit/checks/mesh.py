@@ -10,9 +10,8 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, FloatArray, State
 from driftform_frusta.csg import MM
-from driftform_frusta.hull import hull_volume
+from driftform_frusta.hull import MM3_PER_M3, hull_volume
 from driftform_frusta.kit_options import KitOptions
-from driftform_frusta.printable import MM3_PER_M3
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_kit.checks.shells import Shell, find_shells, orient_outward

@@ -8,7 +8,7 @@ from typing import ClassVar
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, State
-from driftform_frusta.printable import MM3_PER_M3
+from driftform_frusta.hull import MM3_PER_M3
 from driftform_kit.checks.programs import TIMEOUT, explain_missing, render
 from driftform_kit.reading import read_meshes
 

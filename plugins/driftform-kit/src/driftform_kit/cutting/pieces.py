@@ -9,9 +9,8 @@ from manifold3d import CrossSection
 from driftform.errors import WorkFailedError
 from driftform.types import Body
 from driftform_frusta.csg import Revolve
-from driftform_frusta.hull import hull_volume
+from driftform_frusta.hull import check_printable_section, hull_volume, refuse_other_volume
 from driftform_frusta.kit_options import KitOptions
-from driftform_frusta.printable import check_printable_section, refuse_other_volume
 from driftform_frusta.solid import to_solid
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.slenderness import find_brim
