@@ -25,6 +25,19 @@ def test_a_sphere_is_one_dome_however_finely_it_is_divided(edges):
     )
 
 
+@pytest.mark.parametrize("decimals", [3, 4])
+def test_a_sphere_from_a_table_of_few_digits_is_one_dome(decimals):
+    x = np.linspace(0.0, 60.0, 41)
+    table = np.column_stack([x, np.sqrt(x * (60.0 - x))]).round(decimals) * 1e-3
+    [dome] = touching_surfaces(make_body(table - [0.03, 0.0]))
+    assert dome == pytest.approx([0.0, 0.0, 0.03, -1.0, 1.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(("length", "edges"), [(0.0101, 72), (0.0101, 2000), (0.01, 10)])
+def test_what_is_nearly_a_sphere_or_divided_coarsely_has_more_than_one_surface(length, edges):
+    assert len(touching_surfaces(spheroid_body(length, 0.01, edges))) > 1
+
+
 def test_a_half_sphere_is_a_dome_that_ends_in_a_rim():
     assert touching_surfaces(dome_body(0.02)) == pytest.approx(np.array([[0.0, 0.0, 0.02, -1.0, 0.0]]), abs=1e-12)
 

@@ -15,11 +15,14 @@ MIN_EDGES = 3
 Two edges lie on such a circle by chance: of a cone with a bevelled end, for example.
 """
 
-LONGEST_STEP = 0.3
-"""Largest angle (rad) between neighbouring vertices of a dome; a coarser polygon has real rims."""
+LONGEST_STEP, MEAN_STEP = 0.5, 0.3
+"""Largest angle (rad) between neighbouring vertices of a dome, and the largest mean; a coarser polygon has real rims.
 
-ROUNDNESS = 1e-5
-"""Largest difference between the circles of a dome's edges, relative to their radius."""
+Vertices at equal distances along the axis are far apart near the pole.
+"""
+
+ROUNDNESS = 5e-5
+"""Largest distance of a dome's vertices from their circle, relative to its radius: coordinates are written with few digits."""
 
 SURFACE = 6
 """Numbers of a surface."""
@@ -109,27 +112,28 @@ def _find_surfaces(points: FloatArray) -> FloatArray:
 
 @allocating
 def _find_arcs(vertices: FloatArray) -> npt.NDArray[np.int64]:
-    """Return for each vertex (x, r) the last one on the circle through it and the next; itself without such a circle, (n,)."""
+    """Return for each vertex (x, r) the last one on the circle that starts there; itself without such a circle, (n,).
+
+    On a circle about a point of the axis, x^2 + r^2 is linear in x, with twice the centre as its slope. The circle through the
+    first vertex and another passes all between them within the tolerance if its centre lies in all of their ranges.
+    """
     count = vertices.shape[0]
     ends = np.empty(count, np.int64)
-    ends[count - 1] = count - 1
-    # Of the edge that follows; an edge across the axis has no such circle.
-    is_curved, centre, radius = False, 0.0, 0.0
-    for k in range(count - 2, -1, -1):
-        x, r, dx, dr = (
-            vertices[k, 0],
-            vertices[k, 1],
-            vertices[k + 1, 0] - vertices[k, 0],
-            vertices[k + 1, 1] - vertices[k, 1],
-        )
-        next_centre, next_radius, continues = centre, radius, is_curved
-        centre = _centre_circle(x, r, vertices[k + 1, 0], vertices[k + 1, 1])
-        radius = math.hypot(x - centre, r)
-        is_curved = dx > 0.0 and math.hypot(dx, dr) <= LONGEST_STEP * radius
-        ends[k] = k
-        if is_curved:
-            change = max(abs(next_centre - centre), abs(next_radius - radius))
-            ends[k] = ends[k + 1] if continues and change <= ROUNDNESS * radius else k + 1
+    for k in range(count):
+        x, r = vertices[k, 0], vertices[k, 1]
+        least, most, length, ends[k] = -math.inf, math.inf, 0.0, k
+        for j in range(k + 1, count):
+            dx, dr = vertices[j, 0] - vertices[j - 1, 0], vertices[j, 1] - vertices[j - 1, 1]
+            if not dx > 0.0:
+                break
+            centre = _centre_circle(x, r, vertices[j, 0], vertices[j, 1])
+            radius, step = math.hypot(x - centre, r), math.hypot(dx, dr)
+            if centre < least or centre > most or step > LONGEST_STEP * radius:
+                break
+            slack, length = ROUNDNESS * radius * radius / (vertices[j, 0] - x), length + step
+            least, most = max(least, centre - slack), min(most, centre + slack)
+            if length <= MEAN_STEP * radius * (j - k):
+                ends[k] = j
     return ends
 
 
