@@ -1,6 +1,5 @@
 """Bodies from modules: the section, its wall, and the mesh of the same body."""
 
-import manifold3d
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,8 +9,7 @@ from pydantic import ValidationError
 from driftform.agent import hull_mass, solid_of_revolution
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.hull import build_hull, hull_volume
-from driftform_frusta.solid import to_solid
+from driftform_frusta.hull import hull_volume
 
 WALL, DOME = 0.00125, 0.01145
 modules = st.builds(
@@ -64,13 +62,6 @@ def test_a_one_sided_agent_is_closed_by_the_dome():
     assert body.outer[0] == pytest.approx([-DOME, 0], abs=1e-9)
 
 
-def test_radii_follow_the_tilt_along_the_slant():
-    body = build(Morphology(fore=(Module(0.01, np.deg2rad(20)), Module(0.01, np.deg2rad(20)))))
-    x, r = body.outer[-2]
-    assert x == pytest.approx(0.02 * np.cos(np.deg2rad(20)), abs=1e-8)
-    assert r == pytest.approx(DOME + 0.02 * np.sin(np.deg2rad(20)), abs=1e-8)
-
-
 def test_the_paper_s_figure_2_word_narrows_twice_and_widens_once():
     aft = (Module(0.005, np.deg2rad(-10)), Module(0.0025, np.deg2rad(-20)), Module(0.01, np.deg2rad(10)))
     body = build(Morphology(aft=aft))
@@ -110,38 +101,6 @@ def test_away_from_the_mitres_the_wall_is_just_as_thick_as_asked(morphology):
     assert np.quantile(thickness, 0.9) <= 1.07 * WALL
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        {},
-        {"core_radius": 0.001, "wall": 0.005, "min_radius": 0.0076},
-        {"core_radius": 0.001, "wall": 0.005, "min_radius": 0.02},
-    ],
-    ids=["thin", "thick", "wide"],
-)
-@settings(max_examples=60, deadline=None)
-@given(morphology=morphologies)
-def test_the_cavity_is_that_of_the_section_on_both_sides_of_the_axis(options, morphology):
-    """A wall much thicker than the core may cut the cavity into parts: the one around the core is meant."""
-    body = build(morphology, **options)
-    wall = body.wall * 1e3
-    dome = (body.core.radius + 0.0002) * 1e3 + wall
-    angles = np.deg2rad(np.arange(0, 360, 2.5))
-    room = (dome - wall / np.cos(np.deg2rad(1.25))) * np.column_stack([np.cos(angles), np.sin(angles)])
-    whole = manifold3d.CrossSection(
-        [1e3 * np.vstack([body.outer[::-1] * (1, -1), body.outer])], manifold3d.FillRule.NonZero
-    )
-    hollow = whole.offset(-wall, manifold3d.JoinType.Miter, 2.0) + manifold3d.CrossSection([room])
-    upper = hollow ^ manifold3d.CrossSection.square((2e4, 1e4)).translate((-1e4, 0))
-    [area] = [part.area() for part in upper.decompose() if part.bounds()[0] < 0 < part.bounds()[2]]
-    assert area_below(body.cavity) == pytest.approx(area * 1e-6, rel=1e-4)
-
-
-def area_below(contour):
-    x, r = contour.T
-    return np.sum(np.diff(x) * (r[:-1] + r[1:]) / 2)
-
-
 def test_a_body_of_many_metres_is_whole():
     body = build(Morphology(fore=(Module(1.0, 0.0),) * 30))
     assert body.outer[-1] == pytest.approx([30.0, 0.0], abs=1e-9)
@@ -157,44 +116,6 @@ def test_the_core_fits_into_one_cavity_with_its_clearance(morphology):
     assert clearance >= 0.0002 - 3e-6
     assert (np.diff(body.cavity[:, 0]) >= -1e-9).all()
     assert body.cavity[0, 1] == body.cavity[-1, 1] == 0.0
-
-
-@settings(max_examples=25, deadline=None)
-@given(morphologies)
-def test_the_mesh_has_the_volume_centroid_and_inertia_of_the_closed_forms(morphology):
-    body = build(morphology)
-    vertices, triangles = mesh(body)
-    closed = solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
-    volume, centroid, polar, transverse = mesh_moments(vertices, triangles)
-    lowest = body.outer[0, 0]
-    assert volume == pytest.approx(closed.volume, rel=1e-6)
-    assert centroid[2] + lowest == pytest.approx(closed.centroid, abs=1e-6 * body.length)
-    assert centroid[:2] == pytest.approx([0, 0], abs=1e-6 * body.length)
-    assert polar == pytest.approx(closed.polar, rel=1e-5)
-    about_centroid = closed.transverse - closed.volume * closed.centroid**2
-    assert transverse == pytest.approx(about_centroid, rel=1e-5)
-
-
-def mesh(body):
-    """The mesh in m."""
-    solid = to_solid(build_hull(body), 64)
-    return solid.vertices / 1000, solid.triangles
-
-
-def mesh_moments(vertices, triangles):
-    """Volume, centroid, polar and transverse inertia about the centroid, by tetrahedra to the origin.
-
-    For a tetrahedron of the origin and a, b, c: V = a . (b x c) / 6, and the integral of x x^T is
-    V / 20 ((a + b + c)(a + b + c)^T + a a^T + b b^T + c c^T).
-    """
-    a, b, c = (vertices[triangles[:, i]] for i in range(3))
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
-    s = a + b + c
-    volume = volumes.sum()
-    centroid = (volumes[:, None] * s / 4).sum(axis=0) / volume
-    second = sum(np.einsum("i,ij,ik->jk", volumes / 20, v, v) for v in (s, a, b, c))
-    second -= volume * np.outer(centroid, centroid)
-    return volume, centroid, second[0, 0] + second[1, 1], second[1, 1] + second[2, 2]
 
 
 def test_the_paper_s_wall_has_the_mass_of_eq_18s_frusta_and_weightless_ends():

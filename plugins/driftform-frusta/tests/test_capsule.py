@@ -140,20 +140,10 @@ def test_a_capsule_without_mass_or_balance_is_one_line(extra, message, tmp_path)
     assert len(refusal.value.args) == 1
 
 
-@pytest.mark.parametrize(
-    "text, message",
-    [
-        (None, r"core.csv: no such file"),
-        ("x_mm,r_mm\n0,1\n5,2\n4,2\n", r"line 4: x falls to 4"),
-        ("a,b\n0,1\n", r"must name the columns x_mm,r_mm"),
-    ],
-)
-def test_a_file_that_is_no_profile_is_one_line(text, message, tmp_path):
-    path = tmp_path / "core.csv"
-    if text is not None:
-        path.write_text(text)
-    with pytest.raises(InputError, match=message):
-        load_study("pipe-inspection", [f'builder.core="{path}"', "builder.core_mass=1", "builder.core_cog=0"])
+def test_a_file_that_is_not_there_is_one_line(tmp_path):
+    settings = [f'builder.core="{tmp_path}/core.csv"', "builder.core_mass=1", "builder.core_cog=0"]
+    with pytest.raises(InputError, match=r"core.csv: no such file"):
+        load_study("pipe-inspection", settings)
 
 
 @pytest.mark.parametrize(
@@ -168,10 +158,3 @@ def test_a_file_that_is_no_profile_is_one_line(text, message, tmp_path):
 def test_options_of_a_capsule_that_contradict_each_other_are_refused(options, message):
     with pytest.raises(ValidationError, match=message):
         FrustaOptions(**options)
-
-
-def test_a_capsule_that_is_wider_than_the_pipe_is_refused(tmp_path):
-    wide = write_csv(tmp_path / "wide.csv", capsule() * 80)
-    settings = [f'builder.core="{wide}"', "builder.core_mass=0.02", "builder.core_cog=0.9", "builder.made_as=hull"]
-    with pytest.raises(InputError, match="pipe"):
-        load_study("pipe-inspection", settings).list_warnings()

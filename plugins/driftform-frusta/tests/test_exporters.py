@@ -35,12 +35,6 @@ def write_stl(specimen_of, tmp_path):
     return write
 
 
-def shell_volumes(mesh):
-    """Signed volume of each connected surface, without the repairs of trimesh's split."""
-    labels = trimesh.graph.connected_component_labels(mesh.face_adjacency, node_count=len(mesh.faces))
-    return [Mesh(mesh.vertices, mesh.faces[labels == i]).volume for i in range(labels.max() + 1)]
-
-
 def test_a_mesh_read_back_in_single_precision_is_watertight_and_has_the_volume(body, write_stl):
     written = write_stl(body)
     mesh = trimesh.load_mesh(written.path)
@@ -241,13 +235,3 @@ def test_admesh_reads_the_mesh_closed_and_has_nothing_to_mend(body, write_stl, r
         assert counts[mended][0] == "0", mended
     assert counts["Backwards edges"] == ["0"]
     assert counts["Normals fixed"] == ["0"]
-
-
-def test_openscad_renders_the_exported_source_to_what_the_facts_say(wavy_body, specimen_of, render, tmp_path):
-    [written] = exporter_of(ScadExporter).write(specimen_of(wavy_body), tmp_path / "hull.scad")
-    mesh = render(Path(written.path).read_text())
-    assert written.format == "scad"
-    assert "// hull" in Path(written.path).read_text()
-    assert mesh.volume == pytest.approx(written.facts["volume_mm3"], rel=1e-4)
-    assert np.allclose(mesh.extents, written.facts["size_mm"], atol=2e-3)
-    assert len(shell_volumes(mesh)) == written.facts["shells"] == 2

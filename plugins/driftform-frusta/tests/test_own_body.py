@@ -80,16 +80,6 @@ def test_remus_has_the_added_mass_that_panels_find(unit, tmp_path):
     assert added_mass_of(place_profile(profile.points)) == pytest.approx(added_mass_of(outer), rel=1e-3)
 
 
-def test_suboff_has_the_added_mass_that_panels_find(tmp_path):
-    station = np.array([0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 1, 2, 3, 4, 7.7143, 15.1429, 16, 17, 18, 19, 20, 20.4167])
-    radius = np.ones(len(station))
-    radius[:12] = [0, 0.29058, 0.39396, 0.466, 0.52147, 0.56627, 0.60352, 0.63514, 0.70744, 0.84713, 0.94066, 0.99282]
-    radius[14:] = [0.97598, 0.8191, 0.55025, 0.26835, 0.11724, 0]
-    outer = np.column_stack([-station * 0.21336, radius * 0.254])[::-1]
-    profile = read_profile(write_csv(tmp_path / "suboff.csv", outer, "mm"))
-    assert added_mass_of(place_profile(profile.points)) == pytest.approx(added_mass_of(outer), rel=1e-3)
-
-
 def test_a_tilted_and_scaled_stl_has_the_coefficients_of_its_agent(agents, specimen_of, tmp_path):
     for number, agent in enumerate(agents):
         path = tmp_path / f"{number}.stl"

@@ -46,13 +46,6 @@ def test_openscad_renders_the_table_of_modules_to_the_volume_that_was_simulated(
     assert_renders(agent, render)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("settings", [[], ["grammar.occupied=skip"]], ids=["insert", "skip"])
-def test_openscad_renders_twenty_agents_to_their_volumes(settings, render):
-    for agent in agents(settings, 10, seed=11):
-        assert_renders(agent, render)
-
-
 def test_almost_every_agent_has_a_table_of_modules():
     for settings in ([], ["grammar.occupied=skip"]):
         found = ["modules = [" in hull_source(agent, 64, "") for agent in agents(settings, 60)]

@@ -133,15 +133,6 @@ def test_what_lies_outside_the_hull_has_no_pieces_and_a_nearest_one() -> None:
     assert piece.end == pytest.approx(0.078, abs=1e-3)
 
 
-def test_too_heavy_a_print_needs_buoyancy_where_its_excess_is() -> None:
-    heavier = MassElement.reweigh(AGENT, MassElement.of_print(BODY, SIMULATED.mass + 0.004))
-    wanted = required_ballast(SIMULATED, heavier.mass)
-    assert wanted.mass == pytest.approx(-0.004)
-    # The excess is spread as the hull's material: at its middle.
-    assert wanted.x == pytest.approx(0.015, abs=1e-9)
-    assert place_ballast(BODY, wanted, LEAD) == ()
-
-
 def test_foam_moves_the_centre_of_buoyancy_towards_it() -> None:
     required = RequiredBallast(-0.01, -0.01 * 0.03)
     lifted, foam = _lift(AGENT, [MassElement(SIMULATED.mass + 0.01, SIMULATED.cog[0])], required, 1000.0)

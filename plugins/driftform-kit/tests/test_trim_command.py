@@ -216,17 +216,6 @@ def test_a_kit_is_trimmed_by_what_its_parts_should_weigh(call: Call) -> None:
     assert facts["ballast_mass"] == pytest.approx(facts["simulated_mass"] - 0.034)
 
 
-def test_the_parts_of_a_real_kit_are_accounted_for(call: Call) -> None:
-    facts = told(call, "--kit")
-    files = json.loads(
-        call("export", WORD, *NEUTRAL, "--set", "exporter.stl.kit=true", "--out", "kit", "--json").stdout
-    )["files"]
-    parts = [file for file in files if file["path"].endswith(".stl")]
-    assert len(parts) == 2
-    assert facts["printed_mass"] == pytest.approx(0.02507 + sum(part["mass_kg"] for part in parts), rel=1e-5)
-    assert facts["ballast_mass"] < 0
-
-
 @pytest.mark.usefixtures("kit_of_34_grams")
 def test_a_kit_that_holds_no_ballast_is_trimmed_with_putty(call: Call) -> None:
     facts = told(call, "--kit", "--printed-mass", 0.0292)

@@ -192,14 +192,6 @@ def test_with_every_panel_cut_in_two_random_bodies_stay_as_they_are(random_bodie
     assert (worst < [5e-4, 2e-4, 5e-4, 5e-4]).all(), worst
 
 
-def test_with_finer_options_random_bodies_stay_as_they_are(random_bodies):
-    fine = PanelOptions(panels=60, corner=0.02)
-    worst = np.zeros(4)
-    for body in random_bodies(20, 2):
-        worst = np.maximum(worst, change(solve(body.outer), solve(body.outer, fine)))
-    assert (worst < [1e-3, 3e-4, 5e-4, 5e-4]).all(), worst
-
-
 @pytest.mark.parametrize(
     ("contour", "most"),
     [

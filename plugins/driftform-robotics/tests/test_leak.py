@@ -128,14 +128,6 @@ def test_leak_search_finds_an_agent_that_is_in_the_plume_twice_as_long_as_others
     assert evolved > 2 * np.median(random)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_leak_search_does_so_whatever_the_seed(seed: int) -> None:
-    evolved, random = searched(seed, 300)
-    assert np.median(random) > 0.5
-    assert evolved > 4 * np.median(random)
-
-
 def test_a_search_for_a_leak_speaks_of_the_plume_and_not_of_distances(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -170,13 +170,6 @@ def test_the_agent_stays_in_the_pipe(jobs: dict[str, ExportJob], export: Callabl
     assert np.hypot(*data.site("core").xpos[1:]) < 1.0
 
 
-def test_a_spheroid_gets_its_own_ellipsoid(export: Callable) -> None:
-    """The fit gives back the body where that is an ellipsoid already."""
-    agent = Spheroid(0.06, 0.01).agent()
-    model, _ = load(export("mjcf", ExportJob("spheroid", agent, Scenario())) / "agent.xml")
-    np.testing.assert_allclose(model.geom("water").size, [0.06, 0.01, 0.01], rtol=1e-6)
-
-
 @pytest.mark.parametrize("ratio", [0.02, 0.3, 1.0, 3.0, 50.0])
 def test_the_fit_gives_back_any_spheroid_flat_ones_too(ratio: float, export: Callable) -> None:
     k1, k2 = added_mass_factors(ratio)
