@@ -94,12 +94,6 @@ def test_a_tree_without_a_solid_is_refused(nothing):
         to_solid(nothing)
 
 
-@pytest.mark.parametrize("interpret", [to_solid, to_manifold, print_source])
-def test_a_circle_of_fewer_than_three_segments_is_refused(interpret):
-    with pytest.raises(ValueError, match="three segments"):
-        interpret(BALL, segments=2)
-
-
 def test_source_is_readable():
     peg, bore = frustum(10, 4, 2.5), frustum(1 / 3, 1, 0)
     tree = Named("a peg", Difference(peg, (Translate((0, 0, -1e-9), Named("bore", bore)),)))

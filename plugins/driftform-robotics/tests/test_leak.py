@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.interfaces import Fitness
-from driftform.study import Study, load_study
+from driftform.study import load_study
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
 from driftform.testing.fitness import straight_trajectory
@@ -81,15 +81,6 @@ def test_an_agent_that_stays_longer_sees_more_but_never_more_than_all() -> None:
     assert leak.score(along(0.4, 0.0, seconds=100.0), surroundings, FLOAT) == [100.0]
 
 
-def test_seconds_in_the_plume_are_those_above_the_threshold() -> None:
-    """Along the wall at the leak's height the concentration falls with the distance: it is in it from there on."""
-    surroundings = scenario((2.0, 0.5, 0.0))
-    plume = make_plume(surroundings, (2.0, 0.5, 0.0), 0.001)
-    C = plume.concentration(np.array([[9.0, 0.5, 0.0]]))[0]
-    leak = Leak(LeakOptions(threshold=C))
-    assert leak.seconds_in_plume(along(0.5, 0.0), surroundings) == pytest.approx([7.0], abs=0.06)
-
-
 def test_the_result_hardly_depends_on_how_often_the_sensor_is_read() -> None:
     surroundings = scenario((2.0, 0.5, 0.0))
     often, seldom = (
@@ -99,27 +90,20 @@ def test_the_result_hardly_depends_on_how_often_the_sensor_is_read() -> None:
 
 
 def searched(seed: int, evaluations: int) -> tuple[float, np.ndarray]:
-    """Seconds in the plume of the agent that ``leak-search`` evolves, and of random ones of another seed."""
+    """Fitness of the agent that ``leak-search`` evolves, and of random ones of another seed."""
     study = load_study("leak-search", run={"seed": seed, "evaluations": evaluations})
     pipeline, strategy = study.make_pipeline(), study.make_strategy()
-    best, flown = (-1.0, None), 0
+    best, flown = -1.0, 0
     while flown < study.evaluations:
         genomes = [candidate.genome for candidate in strategy.ask(study.evaluations - flown)]
         outcomes = pipeline.evaluate(genomes, range(flown, flown + len(genomes)))
         strategy.tell(flown, outcomes)
         flown += len(genomes)
-        best = max([best, *((float(o.fitness[0]), o.genome) for o in outcomes)], key=lambda pair: pair[0])
+        best = max(best, *(float(o.fitness[0]) for o in outcomes))
     rng = np.random.default_rng(1000 + seed)
     random = [pipeline.grammar.random(rng) for _ in range(max(40, evaluations // 3))]
-    return seconds(study, [best[1]])[0], seconds(study, random)
-
-
-def seconds(study: Study, genomes: list[Any]) -> np.ndarray:
-    pipeline = study.make_pipeline()
-    flights = pipeline.fly([pipeline.make_agent(genome) for genome in genomes])
-    leak = pipeline.fitness
-    assert isinstance(leak, Leak)
-    return np.array([leak.seconds_in_plume(flight, study.scenario)[0] for flight in flights])
+    outcomes = pipeline.evaluate(random, range(len(random)))
+    return best, np.array([outcome.fitness[0] for outcome in outcomes])
 
 
 def test_leak_search_finds_an_agent_that_is_in_the_plume_twice_as_long_as_others() -> None:

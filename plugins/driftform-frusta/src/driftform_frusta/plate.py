@@ -33,14 +33,14 @@ class _Plate:
     rows: list[_Row] = field(default_factory=list)
 
 
-def arrange(sizes: Sequence[tuple[float, float]], bed: tuple[float, float], gap: float = GAP) -> tuple[Spot, ...]:
+def arrange(sizes: Sequence[tuple[float, float]], bed: tuple[float, float]) -> tuple[Spot, ...]:
     """Return the places of rectangles on plates of the size of ``bed``, in the order of ``sizes``; all in mm.
 
     Rows, and the parts in them, are centred. A part that is larger than the bed has a plate to itself.
     """
     plates: list[_Plate] = []
     for part in sorted(range(len(sizes)), key=lambda i: (-sizes[i][1], -sizes[i][0], i)):
-        _place(part, sizes[part], plates, bed, gap)
+        _place(part, sizes[part], plates, bed)
     spots: dict[int, Spot] = {}
     for number, plate in enumerate(plates):
         y = -plate.depth / 2
@@ -48,8 +48,8 @@ def arrange(sizes: Sequence[tuple[float, float]], bed: tuple[float, float], gap:
             x = -row.width / 2
             for part in row.parts:
                 spots[part] = Spot(number, x + sizes[part][0] / 2, y + row.depth / 2)
-                x += sizes[part][0] + gap
-            y += row.depth + gap
+                x += sizes[part][0] + GAP
+            y += row.depth + GAP
     return tuple(spots[part] for part in range(len(sizes)))
 
 
@@ -58,16 +58,16 @@ def fits(size: tuple[float, float, float], bed: tuple[float, float, float]) -> b
     return all(s <= b + 1e-6 for s, b in zip(size, bed, strict=True))
 
 
-def _place(part: int, size: tuple[float, float], plates: list[_Plate], bed: tuple[float, float], gap: float) -> None:
+def _place(part: int, size: tuple[float, float], plates: list[_Plate], bed: tuple[float, float]) -> None:
     width, depth = size
     for plate in plates:
         for row in plate.rows:
-            if depth <= row.depth and row.width + gap + width <= bed[0]:
-                row.width += gap + width
+            if depth <= row.depth and row.width + GAP + width <= bed[0]:
+                row.width += GAP + width
                 row.parts.append(part)
                 return
-        if plate.depth + gap + depth <= bed[1] and width <= bed[0]:
-            plate.depth += gap + depth
+        if plate.depth + GAP + depth <= bed[1] and width <= bed[0]:
+            plate.depth += GAP + depth
             plate.rows.append(_Row(depth, width, [part]))
             return
     plates.append(_Plate(depth, [_Row(depth, width, [part])]))

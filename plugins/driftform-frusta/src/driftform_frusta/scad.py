@@ -45,8 +45,6 @@ def fill_source(name: str, **values: object) -> str:
 
 def write_definitions(nodes: Sequence[Node], segments: int) -> str:
     """Return the definitions that the source of trees uses: the number of corners, factors on radii, and modules."""
-    if segments < 3:
-        raise ValueError(f"a circle needs three segments or more, not {segments}")
     kinds = {type(n) for node in nodes for n in _walk(node)}
     parts = [f"$fn = {segments};\n"]
     if csg.Revolve in kinds:

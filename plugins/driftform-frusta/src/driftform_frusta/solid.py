@@ -101,7 +101,6 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
 
     Raises WorkFailedError if the tree has no solid: the result is empty, inside out, or not manifold.
     """
-    _refuse_too_few(segments)
     match node:
         case csg.Named():
             return to_solid(node.child, segments)
@@ -115,18 +114,12 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
 
 def to_manifold(node: Node, segments: int = 64) -> Manifold:
     """Return the same for manifold3d, which unites, cuts and measures solids; slower where all is revolved, mm."""
-    _refuse_too_few(segments)
     solid = _interpret(node, segments)
     if solid.status() != Error.NoError:
         raise WorkFailedError(f"the solid is not manifold: {solid.status().name}")
     if not solid.volume() > 0:
         raise WorkFailedError(f"the solid is empty or inside out: its volume is {solid.volume():g} mm3")
     return solid
-
-
-def _refuse_too_few(segments: int) -> None:
-    if segments < 3:
-        raise ValueError(f"a circle needs three segments or more, not {segments}")
 
 
 def _interpret(node: Node, segments: int) -> Manifold:

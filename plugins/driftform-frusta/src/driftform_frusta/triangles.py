@@ -151,12 +151,8 @@ class Mesh:
         """Return the mesh, in mm, as a little-endian binary STL file; normals follow from the triangles.
 
         Format: 3D Systems, "StereoLithography Interface Specification" (1989), in single precision.
-
-        Raises ValueError if a coordinate is not finite.
         """
         corners = self._corners(np.asarray(self.vertices, dtype=np.float32))
-        if not np.isfinite(corners).all():
-            raise ValueError("an STL file cannot hold coordinates that are not finite")
         normals = _area_vectors(corners)
         area = _lengths(normals)
         facets = np.zeros(corners.shape[-1], dtype=_FACET)

@@ -1,16 +1,11 @@
 """Fitness: how long a chemical sensor on the agent is in the plume of each leak."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from driftform.interfaces import Fitness, option
 from driftform.types import Agent, FloatArray, Trajectory, Verdict
 from driftform.water import Scenario
 from driftform_robotics.options import SensorOptions
-
-if TYPE_CHECKING:
-    from driftform_robotics.plume import Plume
 
 
 class LeakOptions(SensorOptions):
@@ -48,32 +43,15 @@ class Leak(Fitness[LeakOptions]):
 
         Raises ValueError if the scenario has no pipe, or if its water is at rest.
         """
-        t, readings = self._read_sensor(trajectory, scenario)
-        seen = [
-            np.trapezoid(C / (C + self.options.threshold), t) * plume.speed / max(plume.length, 1e-9)
-            for plume, C in readings
-        ]
-        return np.clip(100 * np.array(seen, dtype=np.float64), 0.0, 100.0)
-
-    def seconds_in_plume(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
-        """Return the time during which the sensor reads more than the threshold, s, for each leak, (targets,)."""
-        t, readings = self._read_sensor(trajectory, scenario)
-        threshold = self.options.threshold
-        inside = [np.trapezoid(np.where(threshold < C, 1.0, 0.0), t) for _, C in readings]
-        return np.array(inside, dtype=np.float64)
-
-    def _read_sensor(
-        self, trajectory: Trajectory, scenario: Scenario
-    ) -> tuple[FloatArray, list[tuple["Plume", FloatArray]]]:
-        """Return the times of the readings, s, and for each leak its plume and the readings, kg/m3."""
         from driftform.motion import path
         from driftform_robotics.plume import make_plume
         from driftform_robotics.sensors import point_positions
 
-        flight = path.resample(trajectory, 1 / self.options.interval)
+        flight, seen = path.resample(trajectory, 1 / self.options.interval), []
         where = point_positions(flight, np.array(self.options.sensor))
-        plumes = [
-            make_plume(scenario, point, self.options.rate, self.options.diffusivity)
-            for point in scenario.target_points().values()
-        ]
-        return flight.t, [(plume, plume.concentration(where)) for plume in plumes]
+        for point in scenario.target_points().values():
+            plume = make_plume(scenario, point, self.options.rate, self.options.diffusivity)
+            C = plume.concentration(where)
+            detected = np.trapezoid(C / (C + self.options.threshold), flight.t)
+            seen.append(detected * plume.speed / max(plume.length, 1e-9))
+        return np.clip(100 * np.array(seen, dtype=np.float64), 0.0, 100.0)

@@ -3,7 +3,6 @@
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import ClassVar
@@ -33,14 +32,6 @@ class PrusaSlicerOptions(Table):
     least: float = option(0.95, "minimum ratio of filament to mesh volume that passes", ge=0, le=10)
     most: float = option(1.03, "maximum ratio of filament to mesh volume that passes", ge=0, le=10)
     timeout: float = option(300.0, "time limit for each part", "s", ge=1e-3, le=86_400)
-
-
-@dataclass(frozen=True)
-class Sliced:
-    """Filament (mm3) and time (s) to print a part."""
-
-    filament: float
-    seconds: float
 
 
 class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
@@ -91,8 +82,8 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
             if isinstance(sliced, str):
                 return Finding(check, State.FAIL, f"{path.name}: {sliced}")
             volume += sum(part.volume for part in read_meshes(path))
-            filament += sliced.filament
-            seconds += sliced.seconds
+            filament += sliced[0]
+            seconds += sliced[1]
         ratio = filament / volume if volume > 0 else float("nan")
         sound = self.options.least <= ratio <= self.options.most
         hours, minutes = divmod(round(seconds / 60), 60)
@@ -104,8 +95,8 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
             + ("; thick walls are not filled: raise infill" if ratio < self.options.least else ""),
         )
 
-    def _slice(self, path: Path, folder: Path, printer: Printer) -> Sliced | str:
-        """Return the filament and the time of a part by its g-code, or the reason why there is no g-code."""
+    def _slice(self, path: Path, folder: Path, printer: Printer) -> tuple[float, float] | str:
+        """Return the filament (mm3) and the time (s) of a part by its g-code, or the reason why there is no g-code."""
         o = self.options
         width, depth, height = (MM * side for side in printer.bed)
         gcode = folder / "part.gcode"
@@ -135,4 +126,4 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
             return last_line(said)
         section = math.pi / 4 * _FILAMENT**2
         spent = sum(int(count) * _SECONDS[mark] for count, mark in re.findall(r"(\d+)([dhms])", time[1]))
-        return Sliced(float(used[1]) * section, float(spent))
+        return float(used[1]) * section, float(spent)

@@ -17,12 +17,17 @@ from driftform_kit.checks.slenderness import find_brim
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, place_seats
 from driftform_kit.cutting.cut import CoreJoint, choose_bed_joints, choose_core_joint
-from driftform_kit.cutting.drain import add_drain
 from driftform_kit.cutting.engraving import Engraving, engrave, list_occupied
 from driftform_kit.cutting.held_ballast import HeldBall, hold_ballast, pause_height
 from driftform_kit.cutting.joint import Joint, draw_joint
 from driftform_kit.cutting.meridian import MM, Hull, Ring
 from driftform_kit.cutting.upright import prints_fore_down
+
+_RIM = 1.0
+"""mm of material that must stay around a hole."""
+
+_MAX_DEPTH = 10.0
+"""mm of solid end that a hole goes through."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +115,7 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     found = bare.seats + tuple(held.seat for held in ballast if held.seat is not None)
     if options.drain:
         for end, side in ((0, -1), (-1, 1)):
-            sections[end] = add_drain(hull, sections[end], side, MM * options.drain)
+            sections[end] = _add_drain(hull, sections[end], side, MM * options.drain)
     names = [_name_part(index, joints.index(core_joint)) for index in range(len(sections))]
     polygons = [_take_rings(section, name) for section, name in zip(sections, names, strict=True)]
     engraved = _engrave_parts(hull, joints, found, options)
@@ -157,6 +162,30 @@ def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[Cross
         sections[socket] += meridian.subtract_near(made.pad, core)
         sections[socket] -= made.pocket
     return sections
+
+
+def _add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) -> CrossSection:
+    """Return the section of an end part with a hole through its end.
+
+    Fails if the end is too slim, or too thick, for the hole.
+    """
+    r = diameter / 2
+    skin, bore = (hull.skin, hull.bore) if side < 0 else (hull.skin[::-1], hull.bore[::-1])
+    end = float(skin[0, 0])
+    what = f"no hole of {diameter:g} mm can be made in the {'fore' if side > 0 else 'aft'} end"
+    wide = bore[bore[:, 1] >= r]
+    if not len(wide) or abs(float(wide[0, 0]) - end) > _MAX_DEPTH:
+        raise WorkFailedError(
+            f"{what}: the cavity is not wider than that within {_MAX_DEPTH:g} mm of the end; make drain smaller"
+        )
+    inner = float(wide[0, 0])
+    through = skin[(skin[:, 0] - inner) * side >= 0][1:, 1]
+    if len(through) and float(through.max()) < r + _RIM:
+        raise WorkFailedError(f"{what}: it is {2 * float(through.max()):.1f} mm wide; make drain smaller")
+    hole = meridian.make_polygon(
+        [(-r, end + side * meridian.FAR), (r, end + side * meridian.FAR), (r, inner), (-r, inner)]
+    )
+    return section - hole
 
 
 def _name_part(index: int, inner: int) -> str:
