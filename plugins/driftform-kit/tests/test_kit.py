@@ -12,13 +12,10 @@ from hypothesis import strategies as st
 from manifold3d import Error, Manifold, Mesh64
 from prints import chain_body
 
-from driftform.agent import solid_of_revolution
 from driftform.errors import WorkFailedError
-from driftform.study import load_study
 from driftform.types import Body, Core, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.csg import Revolve
-from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import make_parts
 from driftform_frusta.solid import to_manifold
@@ -283,15 +280,6 @@ def test_parts_that_are_too_high_are_cut_at_joints_of_modules_and_fit_the_bed_th
         assert np.abs(1e3 * body.joints - z).min() < 1e-9
 
 
-@pytest.mark.parametrize("height", [49, 52, 57, 61, 68, 75])
-def test_the_plug_of_a_part_counts_among_its_height(height):
-    body = chain_body("s" * 14, "s" * 14)
-    parts = make_parts(body, PartOptions(kit=True, bed=(0.2, 0.2, 1e-3 * height)))
-    heights = [np.ptp(part.on_bed().bounds[:, 2]) for part in parts]
-    assert max(heights) <= height + 1e-6
-    assert len(parts) >= 280 / height
-
-
 def test_a_part_is_cut_no_oftener_than_the_bed_asks_for():
     body = cylinder(0.02, 0.1)
     assert len(make_parts(body, PartOptions(kit=True, bed=(0.2, 0.2, 0.12)))) == 2
@@ -380,29 +368,6 @@ def test_holes_on_the_axis_go_through_both_ends():
     assert sum((solid ^ needle).volume() for solid in made.solids) < NOTHING
     for part, drained in zip(closed, made.solids, strict=True):
         assert part.solid.volume - drained.volume() == pytest.approx(math.pi * 1.5**2 * 1.25, rel=1e-3)
-
-
-def test_a_kit_weighs_what_its_closed_form_says_whatever_the_segments():
-    body = chain_body("us", "sn")
-    kit = make_kit(body, PartOptions(kit=True))
-    exact = sum(
-        solid_of_revolution(np.concatenate((ring, ring[:1]))[:, ::-1]).volume
-        for piece in kit.pieces
-        for ring in piece.rings
-    )
-    for segments in (16, 64, 96):
-        parts = make_parts(body, PartOptions(kit=True, segments=segments))
-        assert sum(part.solid.volume for part in parts) == pytest.approx(exact, rel=1e-6)
-    assert exact > 1e9 * hull_volume(body)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("occupied", ["insert", "skip"])
-def test_kits_of_a_hundred_random_agents(occupied):
-    pipeline = load_study("paper", settings=[f"grammar.occupied={occupied}"], run={"seed": 0}).make_pipeline()
-    rng = np.random.default_rng(20)
-    for _ in range(100):
-        check(pipeline.make_agent(pipeline.grammar.random(rng)).body)
 
 
 @pytest.mark.parametrize("side", [1, -1])

@@ -11,7 +11,6 @@ from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import cylinder_body, make_body, spheroid_body
 from driftform.types import Body
 from driftform.water import Fluid
-from driftform_striptheory import driftform_hydrodynamics
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
 from driftform_striptheory.ellipsoid import axial_coefficient
 
@@ -34,10 +33,6 @@ def strips(body: Body, power: int) -> float:
         quad(lambda s: s**power * np.interp(s, x, r) ** 2, a, b, epsabs=0, epsrel=1e-12)[0] for a, b in pairwise(x)
     ]
     return FLUID.density * np.pi * sum(parts)
-
-
-def test_the_hook_returns_the_model():
-    assert driftform_hydrodynamics() is StripTheory
 
 
 @pytest.mark.parametrize("seed", range(5))
