@@ -12,11 +12,11 @@ from driftform.study import load_study
 from driftform.types import Agent, Coefficients, Module, Morphology
 from driftform.water import Scenario
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.exporters.scad import write_source
 from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parametric import hull_source
 from driftform_frusta.parts import make_parts
-from driftform_frusta.source import write_source
 
 
 def agents(settings, count, seed=3):

@@ -336,19 +336,6 @@ def test_a_warning_appears_if_and_only_if_lagged_added_mass_diverges(
     assert ("UNSTABLE" in (folder / "urdf/agent.xacro").read_text(encoding="utf-8")) == diverges
 
 
-def test_every_file_that_the_package_names_is_there(jobs: dict[str, ExportJob], export: Callable) -> None:
-    folder = export("uuv", jobs["another"])
-    name = ET.parse(folder / "package.xml").getroot().findtext("name")
-    assert re.fullmatch(r"[a-z][a-z0-9_]*", name)
-    named = set()
-    for path in folder.rglob("*"):
-        if path.suffix in (".launch", ".xacro", ".world"):
-            named |= set(re.findall(r"\$\(find an_other_2\)/([\w/.]+)", path.read_text(encoding="utf-8")))
-    assert {"worlds/pipe.world", "urdf/agent.xacro", "meshes/hull.obj"} <= named
-    assert [path for path in sorted(named) if not (folder / path).is_file()] == []
-    assert f"project({name})" in (folder / "CMakeLists.txt").read_text(encoding="utf-8")
-
-
 def test_the_release_launch_sets_the_speed_of_the_release(jobs: dict[str, ExportJob], export: Callable) -> None:
     node = ET.parse(export("uuv", jobs["skewed"]) / "launch/release.launch").getroot().find("node")
     assert "twist: {linear: {x: 0.2, y: 0.1, z: -0.3}}" in node.get("args")

@@ -117,21 +117,6 @@ def test_every_topic_has_its_messages_at_the_times_of_the_samples(
                 assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == stamp
 
 
-def test_the_summary_of_the_file_agrees(mcap: Path, flight: Trajectory) -> None:
-    with mcap.open("rb") as file:
-        summary = make_reader(file).get_summary()
-    assert summary is not None and summary.statistics is not None
-    schemas, channels = summary.schemas, summary.channels
-    assert {c.topic: schemas[c.schema_id].name for c in channels.values()} == KINDS
-    assert {schema.encoding for schema in schemas.values()} == {"ros2msg"}
-    assert {channel.message_encoding for channel in channels.values()} == {"cdr"}
-    counts = {channels[i].topic: n for i, n in summary.statistics.channel_message_counts.items()}
-    assert counts == {topic: 1 if topic in ONCE else len(flight.t) for topic in KINDS}
-    assert summary.statistics.message_count == sum(counts.values())
-    assert summary.statistics.message_start_time == times(flight)[0]
-    assert abs(summary.statistics.message_end_time - times(flight)[-1]) <= 1
-
-
 def test_poses_and_velocities_are_those_of_the_flight(
     read: dict[str, list[tuple[int, Any]]], flight: Trajectory
 ) -> None:

@@ -86,56 +86,11 @@ class FrustaOptions(Table):
 
     @model_validator(mode="before")
     @classmethod
-    def _take_default_kit(cls, values: Any) -> Any:
-        """Fill in the options of the kit that is weighed, so that a resolved study states them, and drop them for a hull."""
-        if not isinstance(values, Mapping):
-            return values
-        kit, made_as = values.get("kit"), values.get("made_as")
-        if made_as == "kit" and kit is None:
-            return {**values, "kit": {}}
-        if made_as == "hull" and kit == KitOptions().model_dump(mode="json"):
-            return {**values, "kit": None}
+    def _fill_in(cls, values: Any) -> Any:
+        if isinstance(values, Mapping):
+            for fill_in in (_take_density_of_material, _take_capsule, _take_size_of_core, _take_default_kit):
+                values = fill_in(dict(values))
         return values
-
-    @model_validator(mode="before")
-    @classmethod
-    def _take_size_of_core(cls, values: Any) -> Any:
-        """Fill in radius and mass of a core by name, so that a resolved study states them."""
-        core = CORES.get(values.get("core", CUSTOM)) if isinstance(values, Mapping) else None
-        if core is None:
-            return values
-        given = Core(values.get("core_radius", core.radius), values.get("core_mass", core.mass))
-        # A resolved study, whose core is replaced by this one, has the size of the other core.
-        if given not in (_PAPERS, *CORES.values()):
-            raise ValueError(
-                f"core '{values['core']}' has a radius of {core.radius:g} m and a mass of {core.mass:.5g} kg: leave out "
-                f"core_radius and core_mass, or set core to '{CUSTOM}'"
-            )
-        return {**values, "core_radius": core.radius, "core_mass": core.mass}
-
-    @model_validator(mode="before")
-    @classmethod
-    def _take_capsule(cls, values: Any) -> Any:
-        """Read the profile of a capsule and fill in its radius, so that a resolved study needs no file."""
-        if not isinstance(values, Mapping):
-            return values
-        name, taken = values.get("core", CUSTOM), dict(values)
-        if isinstance(name, str) and Path(name).suffix[1:].isalpha():
-            from driftform_frusta.own.profile import read_profile
-
-            for key in ("core_mass", "core_cog"):
-                if taken.get(key) is None:
-                    raise ValueError(f"'core' is the file of a capsule, whose {key} is missing: add it")
-            try:
-                points = read_profile(Path(name)).points.round(9).tolist()
-            except InputError as error:
-                raise ValueError(f"'core' is the file of a capsule: {error}") from None
-            taken |= {"core": CUSTOM, "core_profile": points, "core_radius": max(r for _, r in points)}
-        elif name in CORES and taken.get("core_profile"):
-            # A resolved study, whose capsule is replaced by a ball.
-            for key in ("core_profile", "core_cog", "core_radius", "core_mass"):
-                taken.pop(key, None)
-        return taken
 
     @model_validator(mode="after")
     def _has_a_capsule(self) -> "FrustaOptions":
@@ -149,21 +104,6 @@ class FrustaOptions(Table):
         if self.core_radius != (widest := max(r for _, r in self.core_profile)):
             raise ValueError(f"'core_radius' of this capsule is {widest:g} m, from its profile: leave it out")
         return self
-
-    @model_validator(mode="before")
-    @classmethod
-    def _take_density_of_material(cls, values: Any) -> Any:
-        """Fill in the density of a material by name, so that a resolved study states it."""
-        material = MATERIALS.get(str(values.get("material"))) if isinstance(values, Mapping) else None
-        if material is None:
-            return values
-        # A resolved study, whose material is replaced by this one, has the density of the other.
-        if values.get("hull_density", material.density) not in (m.density for m in MATERIALS.values()):
-            raise ValueError(
-                f"material '{values['material']}' has {material.density:g} kg/m3: leave out hull_density, or set material to "
-                f"'{CUSTOM}'"
-            )
-        return {**values, "hull_density": material.density}
 
     @model_validator(mode="after")
     def _can_be_a_kit(self) -> "FrustaOptions":
@@ -187,6 +127,66 @@ class FrustaOptions(Table):
                 "or the cavity pinches"
             )
         return self
+
+
+def _take_default_kit(values: dict[str, Any]) -> dict[str, Any]:
+    """Fill in the options of the kit that is weighed, so that a resolved study states them, and drop them for a hull."""
+    kit, made_as = values.get("kit"), values.get("made_as")
+    if made_as == "kit" and kit is None:
+        return {**values, "kit": {}}
+    if made_as == "hull" and kit == KitOptions().model_dump(mode="json"):
+        return {**values, "kit": None}
+    return values
+
+
+def _take_size_of_core(values: dict[str, Any]) -> dict[str, Any]:
+    """Fill in radius and mass of a core by name, so that a resolved study states them."""
+    core = CORES.get(values.get("core", CUSTOM))
+    if core is None:
+        return values
+    given = Core(values.get("core_radius", core.radius), values.get("core_mass", core.mass))
+    # A resolved study, whose core is replaced by this one, has the size of the other core.
+    if given not in (_PAPERS, *CORES.values()):
+        raise ValueError(
+            f"core '{values['core']}' has a radius of {core.radius:g} m and a mass of {core.mass:.5g} kg: leave out "
+            f"core_radius and core_mass, or set core to '{CUSTOM}'"
+        )
+    return {**values, "core_radius": core.radius, "core_mass": core.mass}
+
+
+def _take_capsule(values: dict[str, Any]) -> dict[str, Any]:
+    """Read the profile of a capsule and fill in its radius, so that a resolved study needs no file."""
+    name, taken = values.get("core", CUSTOM), dict(values)
+    if isinstance(name, str) and Path(name).suffix[1:].isalpha():
+        from driftform_frusta.own.profile import read_profile
+
+        for key in ("core_mass", "core_cog"):
+            if taken.get(key) is None:
+                raise ValueError(f"'core' is the file of a capsule, whose {key} is missing: add it")
+        try:
+            points = read_profile(Path(name)).points.round(9).tolist()
+        except InputError as error:
+            raise ValueError(f"'core' is the file of a capsule: {error}") from None
+        taken |= {"core": CUSTOM, "core_profile": points, "core_radius": max(r for _, r in points)}
+    elif name in CORES and taken.get("core_profile"):
+        # A resolved study, whose capsule is replaced by a ball.
+        for key in ("core_profile", "core_cog", "core_radius", "core_mass"):
+            taken.pop(key, None)
+    return taken
+
+
+def _take_density_of_material(values: dict[str, Any]) -> dict[str, Any]:
+    """Fill in the density of a material by name, so that a resolved study states it."""
+    material = MATERIALS.get(str(values.get("material")))
+    if material is None:
+        return values
+    # A resolved study, whose material is replaced by this one, has the density of the other.
+    if values.get("hull_density", material.density) not in (m.density for m in MATERIALS.values()):
+        raise ValueError(
+            f"material '{values['material']}' has {material.density:g} kg/m3: leave out hull_density, or set material to "
+            f"'{CUSTOM}'"
+        )
+    return {**values, "hull_density": material.density}
 
 
 class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):

@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -12,11 +12,11 @@ from driftform.figures import files as picture_files
 from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import Body, FloatArray, WrittenFile
 from driftform.util import files
+from driftform_frusta.hull import MM3_PER_M3
 from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.parts import Part, find_maker, make_parts, settle_ballast
+from driftform_frusta.solid import make_mesh
 from driftform_frusta.triangles import Mesh
-
-if TYPE_CHECKING:
-    from driftform_frusta.parts import Part
 
 File: TypeAlias = tuple[Path, bytes | str, dict[str, Any]]
 """A file to be written: its path, its content, and facts about it."""
@@ -28,7 +28,7 @@ class PartExporter(Exporter[PartOptions]):
     Options: ClassVar[type[Table]] = PartOptions
 
     @abstractmethod
-    def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
+    def make_files(self, job: ExportJob, parts: Sequence[Part], path: Path) -> Iterator[File]:
         """Yield the files of the parts; ``path`` is that of the first."""
 
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
@@ -40,8 +40,6 @@ class PartExporter(Exporter[PartOptions]):
 
         Raises WorkFailedError if the body has no closed printable solid, or a file cannot be written.
         """
-        from driftform_frusta.parts import find_maker, make_parts, settle_ballast
-
         settled = self.options if self.options.coupon else settle_ballast(job.agent.body, self.options)
         if settled != self.options:
             return type(self)(settled).write(job, path)
@@ -69,10 +67,8 @@ class PartFiles(PartExporter):
     def encode(self, mesh: Mesh) -> bytes:
         """Return a mesh in mm as a file."""
 
-    def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
+    def make_files(self, job: ExportJob, parts: Sequence[Part], path: Path) -> Iterator[File]:
         """Yield a file of each part: ``agent-fore-shell.stl`` for ``agent.stl``."""
-        from driftform_frusta.solid import make_mesh
-
         for part in parts:
             mesh = make_mesh(part.on_bed(), part.name)
             facts = list_facts([part], job.agent.body)
@@ -93,10 +89,8 @@ class JoinedFile(PartExporter):
     def encode(self, title: str, meshes: Mapping[str, Mesh]) -> bytes | str:
         """Return meshes by the names of their parts as a file."""
 
-    def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
+    def make_files(self, job: ExportJob, parts: Sequence[Part], path: Path) -> Iterator[File]:
         """Yield the file."""
-        from driftform_frusta.solid import make_mesh
-
         meshes = {part.name: make_mesh(part.solid, part.name, self.frame) for part in parts}
         triangles = sum(len(mesh.triangles) for mesh in meshes.values())
         facts = {"triangles": triangles, "watertight": True} | list_facts(parts, job.agent.body)
@@ -112,10 +106,8 @@ def save(path: Path, content: bytes | str) -> None:
         raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
 
 
-def list_facts(parts: "Sequence[Part]", body: Body) -> dict[str, Any]:
+def list_facts(parts: Sequence[Part], body: Body) -> dict[str, Any]:
     """Return the facts of parts in one file: of the only one, or the sums and the ``parts`` by name."""
-    from driftform_frusta.hull import MM3_PER_M3
-
     volume = sum(part.solid.volume for part in parts)
     facts = {"volume_mm3": volume, "mass_kg": volume / MM3_PER_M3 * body.hull_density}
     shells = {"shells": sum(len(part.solid.shells) for part in parts)}

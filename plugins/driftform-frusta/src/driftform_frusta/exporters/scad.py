@@ -1,14 +1,19 @@
-"""OpenSCAD source, to edit."""
+"""OpenSCAD source, to edit: of the sealed hull, or of the parts of a kit side by side as they are printed."""
 
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from driftform.figures import style
 from driftform.interfaces import ExportJob
+from driftform.types import Body
+from driftform_frusta.colours import colour_of
+from driftform_frusta.csg import MM
 from driftform_frusta.exporters.base import File, PartExporter, list_facts
-
-if TYPE_CHECKING:
-    from driftform_frusta.parts import Part
+from driftform_frusta.parametric import draw_core, hull_source
+from driftform_frusta.parts import Part
+from driftform_frusta.plate import GAP
+from driftform_frusta.scad import fill_source, write_definitions, write_module
 
 
 class ScadExporter(PartExporter):
@@ -17,9 +22,61 @@ class ScadExporter(PartExporter):
     name = "scad"
     suffix = ".scad"
 
-    def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
+    def make_files(self, job: ExportJob, parts: Sequence[Part], path: Path) -> Iterator[File]:
         """Yield the source; its facts are those of what it renders to."""
-        from driftform_frusta.source import write_source
-
         source = write_source(job, parts, self.options.segments, self.options.ballast)
         yield path, source, list_facts(parts, job.agent.body)
+
+
+def write_source(
+    job: ExportJob, parts: Sequence[Part], segments: int, ballast: Sequence[tuple[float, float]] = ()
+) -> str:
+    """Return source that renders to the sealed hull, or to the parts of a kit side by side as they are printed.
+
+    ``ballast`` has x and diameter of each ball of ballast of the kit, m.
+    """
+    if [part.name for part in parts] == ["hull"]:
+        return hull_source(job.agent, segments, job.name)
+    body = job.agent.body
+    modules = {part.name: part.name.replace(" ", "_") for part in parts}
+    rows = []
+    x = 0.0
+    for index, part in enumerate(parts):
+        low, high = part.solid.bounds
+        radius = max(abs(low[0]), abs(high[0]))
+        x += radius
+        turned = str(part.fore_down).lower()
+        rows.append(
+            f'    ["{part.name}", {low[2]:.6f}, {high[2] - low[2]:.6f}, {turned}, {x:.3f}, "{colour_of(index)}"],'
+        )
+        x += radius + GAP
+    return fill_source(
+        "kit",
+        title=" ".join(job.name.split()),
+        count=len(parts),
+        names=", ".join(modules),
+        definitions=write_definitions([part.tree for part in parts], segments),
+        modules="\n".join(write_module(modules[part.name], part.tree) for part in parts),
+        choices="\n".join(f'    if (name == "{name}") {module}();' for name, module in modules.items()),
+        table="\n".join(rows),
+        core=f"{MM * body.core.radius:.6g}",
+        shape=draw_core(body),
+        height=f"{-MM * float(body.outer[0, 0]):.6f}",
+        core_colour=style.ORANGE,
+        balls=", ".join(_list_balls(body, ballast)),
+        ballast_colour=style.INK,
+        gap=f"{GAP:g}",
+        reach=math.ceil(500 * body.max_diameter) + 1,
+        wide=math.ceil(x) + 1,
+        tall=math.ceil(MM * body.length) + 2,
+    )
+
+
+def _list_balls(body: Body, ballast: Sequence[tuple[float, float]]) -> Iterator[str]:
+    """Height, radius and place on the bed of each ball of ballast, mm: beside the core, which lies left of the parts."""
+    place = -2 * MM * body.core.radius - GAP
+    for x, diameter in ballast:
+        radius = MM * diameter / 2
+        place -= GAP + radius
+        yield f"[{MM * (x - float(body.outer[0, 0])):.6f}, {radius:.6g}, {place:.3f}]"
+        place -= radius

@@ -4,15 +4,15 @@ import re
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob
+from driftform_frusta.brep import require_opencascade, to_brep, volume_of
 from driftform_frusta.colours import channels, colour_of
 from driftform_frusta.exporters.base import File, PartExporter, list_facts
-
-if TYPE_CHECKING:
-    from driftform_frusta.parts import Part
+from driftform_frusta.hull import MM3_PER_M3
+from driftform_frusta.parts import Part
 
 _TOLERANCE = 1e-3
 """Between the exact solid and its mesh, relative, if letters are engraved: they are cut out of true circles here."""
@@ -28,11 +28,8 @@ class StepExporter(PartExporter):
     name = "step"
     suffix = ".step"
 
-    def make_files(self, job: ExportJob, parts: "Sequence[Part]", path: Path) -> Iterator[File]:
+    def make_files(self, job: ExportJob, parts: Sequence[Part], path: Path) -> Iterator[File]:
         """Yield the solids; facts: those of parts, and the number of ``faces``."""
-        from driftform_frusta.brep import require_opencascade, to_brep, volume_of
-        from driftform_frusta.hull import MM3_PER_M3
-
         require_opencascade()
         shapes = [to_brep(part.tree) for part in parts]
         for part, shape in zip(parts, shapes, strict=True):
@@ -52,7 +49,7 @@ class StepExporter(PartExporter):
         yield path, step_text(job.name, parts, shapes), facts
 
 
-def step_text(title: str, parts: "Sequence[Part]", shapes: Sequence[Any]) -> str:
+def step_text(title: str, parts: Sequence[Part], shapes: Sequence[Any]) -> str:
     """Return shapes, with the names and colours of their parts, as the text of a STEP file."""
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.Interface import Interface_Static

@@ -18,8 +18,6 @@ def linear_damping(agent: Agent) -> FloatArray:
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:
     """Return the speed, m/s, at which an agent with drag by strips rises or sinks across its axis."""
-    from driftform.motion import forces
-
     drag = agent.coefficients.drag
     if drag is None:
         return MIN_SPEED
@@ -50,8 +48,6 @@ def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
     ``nu`` holds the velocity of the centre of gravity relative to the water, m/s, and the angular velocity, rad/s, both
     in body axes, (6,).
     """
-    from driftform.motion import forces
-
     coefficients, cog = agent.coefficients, agent.mass.cog
     velocity, omega = nu[:3], nu[3:]
     wrench = np.zeros(6)

@@ -6,10 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from driftform.errors import WorkFailedError
 from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import WrittenFile
-from driftform.util import files
+from driftform_frusta.exporters.base import save
 from driftform_robotics.models.exporter import WaterOptions
 from driftform_robotics.models.link import describe_link, make_link
 from driftform_robotics.models.text import render
@@ -28,11 +27,7 @@ class FossenExporter(Exporter[WaterOptions]):
 
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file."""
-        text = self.describe_water(job)
-        try:
-            files.write_text(path, text)
-        except OSError as error:
-            raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
+        save(path, self.describe_water(job))
         return (WrittenFile(self.name, str(path), {}),)
 
     def describe_water(self, job: ExportJob) -> str:
