@@ -10,9 +10,11 @@ import numpy.typing as npt
 
 from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
-from driftform.types import Agent, Body, Coefficients, Module, Morphology
+from driftform.types import Agent, Body, Coefficients, FloatArray, Module, Morphology
 from driftform.water import Scenario
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.parts import make_parts
 
 _TILTS = {"u": math.radians(20), "n": -math.radians(20), "s": 0.0}
 _MODEL = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
@@ -33,6 +35,24 @@ def job_of(body: Body, name: str = "agent", gravity: float = 9.81) -> ExportJob:
     """Return a body as exporters receive it, in open water, with coefficients that no exporter of meshes reads."""
     agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
     return ExportJob(name, agent, Scenario.model_validate({"fluid": {"density": 1000.0, "gravity": gravity}}))
+
+
+def weigh_meshes(body: Body, options: PartOptions) -> tuple[float, FloatArray, FloatArray]:
+    """Return mass (kg), centre of gravity (m) and inertia about it (kg m2) of the meshes of the parts and the core."""
+    mass, first, second = body.core.mass, np.zeros(3), 0.2 * body.core.mass * body.core.radius**2 * np.eye(3)
+    for part in make_parts(body, options):
+        corners = 1e-3 * part.solid.vertices[part.solid.triangles]
+        corners = corners[:, :, [2, 0, 1]] + (body.outer[0, 0], 0.0, 0.0)
+        sixth = np.linalg.det(corners) / 6
+        total = corners.sum(axis=1)
+        mass += body.hull_density * sixth.sum()
+        first += body.hull_density * (sixth[:, None] * total).sum(axis=0) / 4
+        # Integral of x x^T over a tetrahedron with one corner at the origin.
+        outer = np.einsum("ni,nj->nij", total, total) + np.einsum("nki,nkj->nij", corners, corners)
+        second += body.hull_density * (sixth[:, None, None] * outer).sum(axis=0) / 20
+    cog = first / mass
+    second -= mass * np.outer(cog, cog)
+    return mass, cog, np.trace(second) * np.eye(3) - second
 
 
 def mesh_xml(vertices: npt.ArrayLike = CORNERS, triangles: npt.ArrayLike = TRIANGLES) -> str:

@@ -131,7 +131,7 @@ def test_every_material_can_be_named_in_a_study_and_found_by_its_density():
     assert find_material(1127.5) is None
 
 
-def test_a_material_replaces_that_of_a_resolved_study_but_no_density_of_ones_own():
+def test_a_material_replaces_that_of_a_resolved_study_but_not_your_own_density():
     first = load_study("paper", settings=["builder.material=PETG"], run={"seed": 0})
     assert first.document["builder"]["hull_density"] == 1270.0
     assert FrustaOptions(**{**FrustaOptions(material="PETG").model_dump(), "material": "PLA"}).hull_density == 1240.0

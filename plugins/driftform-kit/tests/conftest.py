@@ -50,7 +50,7 @@ def shells(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.fixture
 def written(tmp_path: Path) -> Callable[..., Path]:
-    """Write a mesh as it is, mended by nobody."""
+    """Write a mesh as it is, without mending it."""
 
     def write(vertices: np.ndarray, faces: np.ndarray, name: str = "broken.stl") -> Path:
         path = tmp_path / name

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from prints import chain_body, job_of
+from prints import chain_body, job_of, weigh_meshes
 from pydantic import ValidationError
 
 from driftform.agent import MassElement, mass_properties
@@ -13,7 +13,6 @@ from driftform.study import Document, load_study
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.parts import make_parts
 from driftform_kit.cutting.accounting import kit_mass, list_facts
 
 TILTS = st.sampled_from([-0.3, 0.0, 0.3])
@@ -22,29 +21,11 @@ BODIES = st.builds(lambda fore, aft: FrustaBuilder(FrustaOptions()).build(Morpho
 STRAIGHT = chain_body("ssss", "sss")
 
 
-def of_meshes(body, options):
-    """Mass (kg), centre of gravity (m) and inertia about it (kg m2) of the parts' meshes and the core."""
-    mass, first, second = body.core.mass, np.zeros(3), 0.2 * body.core.mass * body.core.radius**2 * np.eye(3)
-    for part in make_parts(body, options):
-        corners = 1e-3 * part.solid.vertices[part.solid.triangles]
-        corners = corners[:, :, [2, 0, 1]] + (body.outer[0, 0], 0.0, 0.0)
-        sixth = np.linalg.det(corners) / 6
-        total = corners.sum(axis=1)
-        mass += body.hull_density * sixth.sum()
-        first += body.hull_density * (sixth[:, None] * total).sum(axis=0) / 4
-        # Integral of x x^T over a tetrahedron with one corner at the origin.
-        outer = np.einsum("ni,nj->nij", total, total) + np.einsum("nki,nkj->nij", corners, corners)
-        second += body.hull_density * (sixth[:, None, None] * outer).sum(axis=0) / 20
-    cog = first / mass
-    second -= mass * np.outer(cog, cog)
-    return mass, cog, np.trace(second) * np.eye(3) - second
-
-
 @settings(max_examples=10, deadline=None)
 @given(BODIES, st.sampled_from(["auto", "rabbet"]), st.sampled_from([0.0, 0.002]))
 def test_the_accounts_are_those_of_the_meshes(body, joint, drain):
     options = PartOptions(kit=True, joint=joint, drain=drain, segments=96)
-    mass, cog, inertia = of_meshes(body, options)
+    mass, cog, inertia = weigh_meshes(body, options)
     stated = kit_mass(body, options)
     assert stated.mass == pytest.approx(mass, rel=1e-6)
     assert stated.cog == pytest.approx(cog, abs=1e-8)
@@ -55,7 +36,7 @@ def test_the_accounts_are_those_of_the_meshes(body, joint, drain):
 @pytest.mark.parametrize("side", ["outside", "inside"])
 def test_an_engraving_is_accounted_for_off_the_axis_too(side):
     options = PartOptions(kit=True, engrave="#8", engrave_depth=0.0006, engrave_side=side)
-    mass, cog, inertia = of_meshes(STRAIGHT, options)
+    mass, cog, inertia = weigh_meshes(STRAIGHT, options)
     stated = kit_mass(STRAIGHT, options)
     assert stated.mass == pytest.approx(mass, rel=1e-6)
     assert stated.cog == pytest.approx(cog, abs=2e-8)
@@ -117,7 +98,7 @@ def test_an_agent_made_as_a_kit_is_simulated_with_the_mass_of_the_meshes_of_its_
     )
     body = FrustaBuilder(FrustaOptions(made_as="kit", kit=options)).build(morphology)
     simulated = mass_properties(body)
-    mass, cog, inertia = of_meshes(body, PartOptions(kit=True, segments=128, **options))
+    mass, cog, inertia = weigh_meshes(body, PartOptions(kit=True, segments=128, **options))
     plain = mass_properties(FrustaBuilder(FrustaOptions()).build(morphology))
     assert simulated.mass == pytest.approx(mass, rel=1e-6)
     assert simulated.cog[0] == pytest.approx(cog[0], abs=1e-8)

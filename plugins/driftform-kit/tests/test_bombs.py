@@ -1,4 +1,4 @@
-"""Small files that ask for more memory or time than anybody has: refused in one line, quickly."""
+"""Small files that ask for more memory or time than there is: refused in one line, quickly."""
 
 import sys
 import time

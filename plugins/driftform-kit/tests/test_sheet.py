@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from prints import chain_body, job_of
+from prints import chain_body, job_of, weigh_meshes
 
 from driftform.agent import mass_properties
 from driftform.errors import WorkFailedError
@@ -125,18 +125,12 @@ def test_nothing_is_drawn_beside_the_page(body, options):
             assert low >= 0 and low + long <= width and size <= y <= height, text.text
 
 
-def weigh_meshes(body, **options):
+def weigh_kit(body, **options):
     """Mass (kg) and moment (kg m) of the printed parts and the balls of a kit, from meshes and balls alone."""
     o = PartOptions(kit=True, **options)
-    parts = [part.solid.to_manifold() for part in make_parts(body, o)]
-    meshes = [part.to_mesh() for part in parts]
-    corners = [mesh.vert_properties[mesh.tri_verts] for mesh in meshes]
-    volumes = [np.linalg.det(c.astype(float)) / 6 for c in corners]
-    printed = 1e-9 * body.hull_density * sum(float(v.sum()) for v in volumes)
-    heights = [float(v @ c[:, :, 2].mean(axis=1) * 0.75) for v, c in zip(volumes, corners, strict=True)]
-    lifted = 1e-12 * body.hull_density * sum(heights) + printed * body.outer[0, 0]
+    mass, cog, _ = weigh_meshes(body, o)
     balls = [(math.pi / 6 * o.ballast_density * d**3, x) for x, d in o.ballast]
-    return printed, lifted, sum(m for m, _ in balls), sum(m * x for m, x in balls)
+    return mass - body.core.mass, mass * cog[0], sum(m for m, _ in balls), sum(m * x for m, x in balls)
 
 
 def read_flow(text):
@@ -148,7 +142,7 @@ def read_flow(text):
 def test_the_parts_are_printed_a_twentieth_lighter_than_the_simulated_agent_needs_them(made_as):
     body = straight(6, 4, made_as=made_as)
     sheet = sheet_of(body)
-    printed, moment, _, _ = weigh_meshes(body)
+    printed, moment, _, _ = weigh_kit(body)
     wanted = mass_properties(body)
     flow = read_flow(sheet.remedy)
     assert flow == pytest.approx(0.95 * (wanted.mass - 0.05) / printed, abs=1e-3)
@@ -198,7 +192,7 @@ def test_a_kit_that_is_too_light_states_the_ballast_that_gives_mass_and_balance(
     assert sheet.flow == 1 and "flow" not in sheet.remedy + sheet.steps[0]
     grams = float(re.search(r"lacks ([\d.]+)\u00a0g", sheet.remedy).group(1))
     x = float(re.search(r"centred at (-?[\d.]+)\u00a0mm", sheet.remedy).group(1)) + 1e3 * body.outer[0, 0]
-    printed, printed_moment, _, _ = weigh_meshes(body)
+    printed, printed_moment, _, _ = weigh_kit(body)
     target = sheet.target
     assert 1e3 * (printed + 0.05) + grams == pytest.approx(1e3 * target.mass, abs=0.01)
     moment = 1e6 * printed_moment + grams * x
@@ -264,7 +258,7 @@ def test_the_sheet_weighs_each_ball_and_names_its_size_and_material(density, mat
         name = f"{material} ball of {1e3 * diameter:.2f}\u00a0mm"
         assert table[f"ball {letter}"] == pytest.approx(mass)
         assert f"ball {letter}, a {name}, {1e3 * mass:.2f}\u00a0g" in text
-    printed = weigh_meshes(body, ballast=balls)[0]
+    printed = weigh_kit(body, ballast=balls)[0]
     assert table["closed kit"] == pytest.approx(printed + 0.05 + sum(masses), rel=1e-6)
 
 
@@ -276,7 +270,7 @@ def test_with_their_ballast_the_parts_of_the_sheet_weigh_and_balance_as_simulate
     body = straight(8, 7, made_as="kit")
     options = {"ballast": balls, "engrave": engrave}
     sheet = sheet_of(body, **options)
-    printed, moment, ballast, ballast_moment = weigh_meshes(body, **options)
+    printed, moment, ballast, ballast_moment = weigh_kit(body, **options)
     wanted = mass_properties(body)
     # The ballast makes up for parts that were printed and weighed lighter: they are to be printed so again.
     assert sheet.flow * printed + 0.05 + ballast == pytest.approx(wanted.mass, rel=1e-6)

@@ -16,16 +16,16 @@ def lay_chains(
     fore: Sequence[Module],
     aft: Sequence[Module],
     start_radius: float,
-    least_radius: float,
+    min_radius: float,
     shoulders: tuple[float, float] = (0.0, 0.0),
 ) -> FloatArray:
     """Return the contour of the modules on both sides of the core, from aft to fore, (n, 2), m.
 
     On each side they lie end to end outward from the equator, or from ``shoulders``, x of the aft and of the fore one. Lengths run along the slant. If the radius would fall below
-    ``least_radius`` it stays at that, and the module keeps its axial length.
+    ``min_radius`` it stays at that, and the module keeps its axial length.
     """
-    ahead, radii = _lay_modules(fore, start_radius, least_radius)
-    back, radii_aft = _lay_modules(aft, start_radius, least_radius)
+    ahead, radii = _lay_modules(fore, start_radius, min_radius)
+    back, radii_aft = _lay_modules(aft, start_radius, min_radius)
     chains = np.empty((len(aft) + len(fore) + 1, 2))
     chains[:, 0] = [*[-x for x in back[:0:-1]], *ahead]
     chains[:, 1] = [*radii_aft[:0:-1], *radii]
@@ -36,15 +36,13 @@ def lay_chains(
     return chains
 
 
-def _lay_modules(
-    modules: Sequence[Module], start_radius: float, least_radius: float
-) -> tuple[list[float], list[float]]:
+def _lay_modules(modules: Sequence[Module], start_radius: float, min_radius: float) -> tuple[list[float], list[float]]:
     """Distance of each end of a module from the core's equator, and outer radius there, from the core outward; m."""
     x, r = [0.0], [start_radius]
     for module in modules:
         x.append(x[-1] + module.length * math.cos(module.tilt))
         radius = r[-1] + module.length * math.sin(module.tilt)
-        r.append(radius if radius > least_radius else least_radius)
+        r.append(radius if radius > min_radius else min_radius)
     return x, r
 
 
