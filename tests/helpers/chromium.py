@@ -2,14 +2,14 @@
 
 import shutil
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 
-@pytest.fixture(scope="session")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """Headless Chromium without a network."""
+def start_chromium(profile: Path, *arguments: str, **preferences: str) -> Any:
+    """Return headless Chromium with its logs, or skip the test if it is not installed."""
     for program in ("chromium", "chromedriver"):
         if shutil.which(program) is None:
             pytest.skip(f"{program} is not installed")
@@ -21,12 +21,20 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         *("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars"),
         *("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"),
         *("--disable-component-update", "--disable-sync", "--no-first-run", "--disable-quic"),
-        f"--user-data-dir={tmp_path_factory.mktemp('profile')}",
+        f"--user-data-dir={profile}",
+        *arguments,
     ):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    options.add_experimental_option("prefs", preferences)
     service = webdriver.ChromeService(executable_path=shutil.which("chromedriver"))
-    driver = webdriver.Chrome(options=options, service=service)
+    return webdriver.Chrome(options=options, service=service)
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """Headless Chromium without a network."""
+    driver = start_chromium(tmp_path_factory.mktemp("profile"))
     driver.execute_cdp_cmd("Network.enable", {})
     driver.execute_cdp_cmd(
         "Network.emulateNetworkConditions",

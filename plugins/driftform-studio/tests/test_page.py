@@ -90,6 +90,18 @@ class Page:
         self.browser.get(address)
         self.wait_for(lambda: self.run("return document.getElementById('views')?.dataset.drawn !== undefined"))
 
+    def open_agent(self, server, run, name):
+        self.open(f"{server.address}#run={run}&agent={name}")
+        self.until("!document.getElementById('agent-shown').hidden")
+
+    def show_agent(self, name):
+        self.press(f"[aria-label='Show the agent for {name}']")
+        self.until("!document.getElementById('agent-shown').hidden")
+
+    def show_reach(self):
+        self.press("#reach")
+        self.wait_for(lambda: "Click any point" in self.text("hint"))
+
     def run(self, script, *arguments):
         return self.browser.execute_script(script, *arguments)
 
@@ -282,8 +294,7 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     whole, printed = agent.mass.mass, hull_mass(agent.agent.body) + agent.agent.body.core.mass
     assert row[0] == "leak" and float(row[1]) == pytest.approx(100 * best["robust"]["hit"], abs=0.6)
     assert float(row[3]) == pytest.approx(1000 * best["p90"], rel=0.06, abs=0.6)
-    page.press("[aria-label='Show the agent for leak']")
-    page.until("!document.getElementById('agent-shown').hidden")
+    page.show_agent("leak")
     seen = [page.pixels("agent-view")]
     assert 0.005 < seen[0][0] < 0.6
     page.find("#agent-view").send_keys("\ue012")  # arrow left
@@ -329,8 +340,7 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     )
     assert not re.search(NOT_OF_A_PAGE, words), re.search(NOT_OF_A_PAGE, words)
     # Any point of the map.
-    page.press("#reach")
-    page.wait_for(lambda: "Click any point" in page.text("hint"))
+    page.show_reach()
     page.click(4.0, 0.2)
     page.wait_for(lambda: "Agent that passes 4.0" in page.text("h-agent"))
     page.picture("reach", "#transport")
@@ -340,8 +350,7 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     page.picture("space", "#transport")
     page.press("#show-side")
     page.look(390, "dark")
-    page.open(f"{server.address}#run=pump-house-1&agent=leak")
-    page.until("!document.getElementById('agent-shown').hidden")
+    page.open_agent(server, "pump-house-1", "leak")
     time.sleep(0.5)
     page.picture("phone", "#promise")
     assert page.messages() == []
@@ -349,8 +358,7 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
 
 def test_nothing_is_loaded_from_elsewhere(page, finished, browser):
     browser.get_log("performance")
-    page.open(f"{finished.address}#run=small&agent=near")
-    page.until("!document.getElementById('agent-shown').hidden")
+    page.open_agent(finished, "small", "near")
     asked = [
         json.loads(entry["message"])["message"]["params"]["request"]["url"]
         for entry in browser.get_log("performance")
@@ -463,8 +471,7 @@ def test_html_in_names_is_text(page, serve, folder, finished_folder, browser):
     assert evil in page.text("place") and "<script>" in page.text("place")
     page.wait_for(lambda: f"<b>bold</b> {evil}" in page.find("#problems").text)
     assert "</code><script>" in page.text("study") and evil in page.text("command").replace("'\"'\"'", "'")
-    page.press("[aria-label='Show the agent for near']")
-    page.until("!document.getElementById('agent-shown').hidden")
+    page.show_agent("near")
     assert (
         page.run("return document.querySelectorAll('main img[src=x], main script, #problems b, dialog img').length")
         == 0
@@ -531,13 +538,11 @@ def test_axe_finds_no_barrier_in_any_state(page, finished, width, scheme):
     page.wait_until("Finished")
     page.wait_for(lambda: page.find_all("#promises button"))
     check("a run")
-    page.press("[aria-label='Show the agent for near']")
-    page.until("!document.getElementById('agent-shown').hidden")
+    page.show_agent("near")
     page.press("#trim")
     page.wait_for(lambda: page.find_all("#trimmed table"))
     check("an agent that is trimmed")
-    page.press("#reach")
-    page.wait_for(lambda: "Click any point" in page.text("hint"))
+    page.show_reach()
     check("the reach map")
     page.press("#open-runs")
     page.wait_for(lambda: page.find_all("#run-list button"))
@@ -850,8 +855,7 @@ def test_a_search_in_a_pipe_of_parts_is_shown_as_one_in_a_straight_pipe(page, se
     page.open(f"{server.address}#run={name}")
     page.wait_for(lambda: page.flights() == 10)
     page.wait_for(lambda: len(page.find_all("#side .flight")) == 2)
-    page.press("[aria-label='Show the agent for end']")
-    page.until("!document.getElementById('agent-shown').hidden")
+    page.show_agent("end")
     assert "from end" in page.text("moment")
     page.press("#show-space")
     page.wait_for(lambda: page.pixels("space")[0] > 0.002)
@@ -871,8 +875,7 @@ def test_a_search_in_a_pipe_of_parts_is_shown_as_one_in_a_straight_pipe(page, se
     assert moved[in_straight].max() / 0.1 == pytest.approx(max(scene["profile"]), rel=0.1)
     # The reach map lies in the pipe, around the bend too.
     page.press("#show-side")
-    page.press("#reach")
-    page.wait_for(lambda: "Click any point" in page.text("hint"))
+    page.show_reach()
     assert page.run("return document.querySelectorAll('#side .reached').length") > 0
     bore, cells = (
         page.run(
@@ -904,8 +907,7 @@ def test_a_page_that_waits_for_the_server_shows_it(page, serve):
 def test_the_promise_of_a_picked_agent_is_flown_on_demand(page, finished):
     page.open(f"{finished.address}#run=small")
     page.wait_until("Finished")
-    page.press("#reach")
-    page.wait_for(lambda: "Click any point" in page.text("hint"))
+    page.show_reach()
     page.click(5.5, 0.3)
     page.wait_for(lambda: "Agent that passes 5.5" in page.text("h-agent"))
     page.wait_for(lambda: page.find("#disturb").is_displayed())
@@ -930,8 +932,7 @@ def test_the_first_picture_comes_within_three_seconds_of_the_command(page, serve
 @pytest.mark.parametrize("view", ["side", "space"])
 @pytest.mark.parametrize("follow", [False, True])
 def test_a_flight_plays_at_thirty_frames_a_second(page, finished, view, follow):
-    page.open(f"{finished.address}#run=small&agent=far")
-    page.until("!document.getElementById('agent-shown').hidden")
+    page.open_agent(finished, "small", "far")
     page.press(f"#show-{view}")
     if follow:
         page.press("#follow")

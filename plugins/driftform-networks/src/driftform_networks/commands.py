@@ -106,7 +106,7 @@ def show(given: Given) -> None:
 def tracers(given: Given) -> None:
     """Compute where point tracers go, which divide like the water: probability and age at each node.
 
-    The result is that of EPANET's own quality engine; bodies go other ways (driftform network route).
+    The result is that of EPANET's own quality engine; bodies take other routes (driftform network route).
     """
     from driftform_networks.output.results import present_passage
     from driftform_networks.planning.following import trace
@@ -240,7 +240,9 @@ def _travel(given: Given, network: "Network") -> dict[str, Any]:
     from driftform_networks.flights.travelling import Travel
 
     travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
-    return {"travel": travel, "workers": given.workers or os.cpu_count() or 1, "cache": given.cache}
+    # A batch system or taskset may allow less than all cores.
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return {"travel": travel, "workers": given.workers or cores, "cache": given.cache}
 
 
 def _collect(given: Given, agents: Sequence[str], buoyancies: Sequence[float]) -> "list[Traveller]":

@@ -17,7 +17,7 @@ _UNITS = {"s": 1 / 3600, "min": 1 / 60, "h": 1.0, "d": 24.0}
 def parse_time(option: str, text: str) -> float:
     """Return a duration in hours.
 
-    Raises InputError if it is no duration, or not positive.
+    Raises InputError if it is not a duration, or not positive.
 
     >>> parse_time("--within", "90min"), parse_time("--within", "8h"), parse_time("--within", "8")
     (1.5, 8.0, 8.0)

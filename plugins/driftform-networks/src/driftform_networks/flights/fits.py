@@ -74,7 +74,7 @@ def find_obstacle(body: Body, first: float, second: float, turn: float) -> str:
 
 @dataclass(frozen=True)
 class Gate:
-    """What is in links of a kind: its name, opening over bore, turn of the way through it, and the source of these."""
+    """What is in links of a kind: its name, opening over bore, turn of the path through it, and the source of these."""
 
     name: str
     share: float
@@ -90,7 +90,7 @@ def read_gates() -> dict[str, Gate]:
 
 
 def find_gate(clearance: Mapping[str, float], body: Body | None, network: Network, link: int) -> tuple[str, str]:
-    """Return why a body cannot pass what is in a link, or what it passes; both are empty where nothing narrows the way.
+    """Return why a body cannot pass what is in a link, or what it passes; both are empty where nothing narrows the bore.
 
     ``clearance`` has openings that replace the usual ones, by the name of a link or a kind; ``body`` is ``None`` for a point.
     """

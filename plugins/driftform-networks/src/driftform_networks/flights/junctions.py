@@ -49,7 +49,7 @@ class Junction:
 
 
 def find_bends(network: Network, link: int) -> tuple[FloatArray, FloatArray]:
-    """Return how a link turns at its vertices on the way from its start, and where; nothing if the map is not to scale.
+    """Return how a link turns at its vertices, from its start on, and where; nothing if the map is not to scale.
 
     Returns:
         turns, places: angles, rad, positive to the right; and the share of the length before each, (bends,) each.

@@ -38,7 +38,7 @@ _SEED, _ATTITUDES = 20260, 60
 
 @dataclass(frozen=True, eq=False)
 class StraightFlights:
-    """What flights through a straight pipe say.
+    """What flights through a straight pipe show.
 
     Attributes:
         cell: length of a cell, m.
@@ -81,7 +81,7 @@ class StraightTask:
 
 
 def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) -> StraightFlights:
-    """Return what flights of a body through a straight pipe say.
+    """Return what flights of a body through a straight pipe show.
 
     Raises WorkFailedError if the simulator can fly none of them.
     """

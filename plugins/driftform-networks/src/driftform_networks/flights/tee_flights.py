@@ -1,4 +1,4 @@
-"""Flights of a body through a fitting, and what they say about its way: the outlet, the band there, and where it is held."""
+"""Flights of a body through a fitting, and what they show: its outlet, the band there, and where it is held."""
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -51,7 +51,7 @@ _SEED = 20261
 
 @dataclass(frozen=True, eq=False)
 class TeeFlights:
-    """What flights through a tee say.
+    """What flights through a tee show.
 
     Attributes:
         onward: probability of each outlet, :data:`~driftform_networks.flights.tees.RUN` and ``BRANCH``, and of the band in
@@ -93,7 +93,7 @@ class TeeTask:
 
 
 def fly_tee(traveller: Traveller, tee: Tee, states: FloatArray | None, slope: float = 0.0) -> TeeFlights:
-    """Return what flights of a body through a tee say.
+    """Return what flights of a body through a tee show.
 
     Args:
         states: of :class:`~driftform_networks.flights.straight.StraightFlights`, at the ends of flights through the main;

@@ -39,8 +39,8 @@ SLOPES = (-0.5, -0.15, -0.05, 0.0, 0.05, 0.15, 0.5)
 SERVICE_BORE = 0.02
 """Default bore of the service pipes through which demand leaves, m: a narrower body leaves with it."""
 
-_Way: TypeAlias = tuple[int, list[tuple[TeeTask, float]]]
-"""An outlet, and the flights that stand for the way into it, with weights of the sum 1."""
+_Outlet: TypeAlias = tuple[int, list[tuple[TeeTask, float]]]
+"""An outlet, and the flights that stand for the path into it, with weights of the sum 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class Travel:
     def parse(cls, network: Network, branch: str, service_bore: float, clearance: Sequence[str] | None) -> "Travel":
         """Return the parsed options.
 
-        Raises InputError if there is no such side, kind or link, or a clearance is no number from 0 to 1.
+        Raises InputError if there is no such side, kind or link, or a clearance is not a number from 0 to 1.
         """
         if branch not in SIDES:
             raise InputError(f"--branch {branch}: no such side{did_you_mean(branch, SIDES)}")
@@ -113,8 +113,8 @@ class Traveling:
         """Yield the flights through fittings that a snapshot needs."""
         for link in range(len(snapshot.links)):
             yield from (task for _, task, _ in self._list_bends(snapshot, link))
-            ways, _ = self._find_ways(snapshot, link, self._describe(snapshot, link))
-            yield from (task for _, tasks in ways for task, _ in tasks if not _is_whole(task))
+            outlets, _ = self._find_outlets(snapshot, link, self._describe(snapshot, link))
+            yield from (task for _, tasks in outlets for task, _ in tasks if not _is_whole(task))
 
     def route(self, snapshot: Snapshot) -> Routing:
         """Return the tables of the body in a snapshot; flights that were not made are made."""
@@ -201,11 +201,11 @@ class Traveling:
         junction, points = self._describe(snapshot, link), None
         if self._needs_flights(snapshot, link):
             points = self._read_straight(self._find_straight(snapshot, link)).states[:, :3]
-        ways, passing = self._find_ways(snapshot, link, junction)
-        onward = self._fly_on(junction, ways)
+        outlets, passing = self._find_outlets(snapshot, link, junction)
+        onward = self._fly_on(junction, outlets)
         return divide_bodies(self._traveller, junction, points, self._travel.service_bore, onward, passing)
 
-    def _find_ways(self, snapshot: Snapshot, link: int, junction: Junction) -> tuple[list[_Way], str]:
+    def _find_outlets(self, snapshot: Snapshot, link: int, junction: Junction) -> tuple[list[_Outlet], str]:
         """Return the flights that stand for the end of a link, and how bodies pass it; none where streamtubes divide them.
 
         A cross is two tees in a row, that of the larger branch first.
@@ -227,7 +227,7 @@ class Traveling:
             reason = reason or "narrow body"
         if reason or not is_pipe or size >= 1:
             return [], reason or "valve upstream"
-        ways, left = [], 1.0
+        outlets, left = [], 1.0
         for branch in branches:
             straight = self._find_straight(snapshot, link, left)
             right, up = junction.directions[branch]
@@ -244,16 +244,16 @@ class Traveling:
             for share, weight in shares:
                 tee = Tee(straight.bore, speed, ratio, angle, round(float(clock)), share)
                 tasks.append((TeeTask(self._traveller, self._folder, tee, main), weight))
-            ways.append((branch, tasks))
+            outlets.append((branch, tasks))
             left -= float(junction.shares[branch])
-        return ways, TEE
+        return outlets, TEE
 
-    def _fly_on(self, junction: Junction, ways: list[_Way]) -> FloatArray | None:
+    def _fly_on(self, junction: Junction, outlets: list[_Outlet]) -> FloatArray | None:
         """Return the probability of each outlet and band by flights, (bands, outlets, bands); ``None`` without flights."""
-        if not ways:
+        if not outlets:
             return None
         onward, here = np.zeros((BANDS, len(junction.bores), BANDS)), np.eye(BANDS)
-        for branch, tasks in ways:
+        for branch, tasks in outlets:
             table = np.zeros((BANDS, 2, BANDS))
             for task, weight in tasks:
                 table += weight * (
@@ -262,7 +262,7 @@ class Traveling:
             table = _mirror(table, junction.directions[branch, 0] < -1e-6)
             onward[:, branch] = here @ table[:, tees.BRANCH]
             here = here @ table[:, tees.RUN]
-        ahead = set(range(len(junction.bores))) - {branch for branch, _ in ways}
+        ahead = set(range(len(junction.bores))) - {branch for branch, _ in outlets}
         onward[:, min(ahead, default=0)] = here
         return onward
 

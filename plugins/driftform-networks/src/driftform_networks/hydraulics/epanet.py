@@ -40,7 +40,7 @@ class Changes:
     def parse(cls, close: Sequence[str], open: Sequence[str], valves: Sequence[str]) -> "Changes":
         """Return what ``--close PIPE``, ``--open NODE=LPS`` and ``--set-valve V=SETTING`` say.
 
-        Raises InputError if a value is missing or no number.
+        Raises InputError if a value is missing or not a number.
         """
         settings = dict(split_option("--set-valve", text, ("open", "closed")) for text in valves)
         drawn = {name: float(value) for name, value in (split_option("--open", text) for text in open)}

@@ -14,7 +14,7 @@ STILL = 1.114e-5 * 0.3048**3
 """Flow below which the water of a link does not move, m3/s: EPANET's Q_STAGNANT of 1.114e-5 ft3/s (its types.h)."""
 
 MAX_SUCTION = 1e4
-"""Pressure below that of the air, m, from which on a solution is meaningless: EPANET's way to say that water is lacking."""
+"""Pressure below that of the air, m, from which on a solution is meaningless: so EPANET shows that water is lacking."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,9 +55,9 @@ class Passage:
         ends: how it ends, most probable first.
         quantiles: arrival times of :data:`QUANTILES` of those that arrive at each node, s, (nodes, 3); NaN where none
             arrives, empty if no walks were made.
-        unsteady: whether the flows changed on the way.
+        unsteady: whether the flows changed on its route.
         gates: valves and the like that it passes: name of the link, what it is, and the probability of passing it.
-        passings: how it passes the fittings on its ways, by node: :data:`~driftform_networks.passages.routing.TEE` or ``JOINT``
+        passings: how it passes the fittings on its routes, by node: :data:`~driftform_networks.passages.routing.TEE` or ``JOINT``
             where it was flown, else why streamtubes divide it.
         branches: the passages where branches leave the pipes at each side; empty if they were not asked for.
     """
@@ -173,7 +173,7 @@ def make_passage(
     """Return the passage of a body by its tables: what they say of junctions, and of the water, is the same for all.
 
     Args:
-        routings: tables of the hydraulic steps on its way.
+        routings: tables of the hydraulic steps on its route.
         release, hour, seen, ends, more: attributes of :class:`Passage`; ends at the same place may be several.
         arrivals: ``visits``, ``probability`` and ``age``.
     """
@@ -203,7 +203,7 @@ def make_passage(
 def find_reachable(network: Network, release: int, steps: Sequence[int]) -> BoolArray:
     """Return whether water of a node may reach each link by the flows of some hydraulic steps, (links,).
 
-    Other sources and tanks end its way: what comes out of them is their water.
+    Other sources and tanks end its route: what comes out of them is their water.
     """
     flow = network.hydraulics.flow[list(steps)]
     forward, backward = (flow > STILL).any(axis=0), (flow < -STILL).any(axis=0)

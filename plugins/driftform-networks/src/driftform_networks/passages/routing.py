@@ -45,7 +45,7 @@ class TransferTable:
         transfer: probability of each band in which it arrives at the end, (bands, bands).
         slowness: mean time that it takes, relative to that of the water, (bands,).
         obstacle: what holds bodies there, in a few words.
-        gate: what narrows the way and lets bodies pass, such as a valve, in a few words.
+        gate: what narrows the bore and lets bodies pass, such as a valve, in a few words.
     """
 
     transfer: FloatArray
@@ -60,7 +60,7 @@ class Routing:
 
     They are a Markov chain. A state is a link and the band of its bore in which the body enters it; its number is
     ``link * bands + band``. :func:`driftform_networks.passages.chain.follow` solves the chain, and
-    :func:`driftform_networks.passages.walkers.walk` draws ways from it, also where the tables change with time.
+    :func:`driftform_networks.passages.walkers.walk` draws routes from it, also where the tables change with time.
 
     Attributes:
         snapshot: the flow.

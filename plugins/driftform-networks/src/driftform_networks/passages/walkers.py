@@ -20,7 +20,7 @@ _LEAVES, _WAITS = -1, -2
 
 @dataclass(frozen=True, eq=False)
 class Walks:
-    """The ways of bodies through a network.
+    """The routes of bodies through a network.
 
     Attributes:
         network: the network.
@@ -94,7 +94,7 @@ class Walks:
 def walk(
     routings: Sequence[Routing], times: Sequence[float], release: int, began: FloatArray, rng: np.random.Generator
 ) -> Walks:
-    """Return ways of bodies that are drawn from their tables.
+    """Return routes of bodies that are drawn from their tables.
 
     Args:
         routings: tables of each hydraulic step.
@@ -227,9 +227,9 @@ class _Walkers:
         flow, stop = self._flow[step, link], self._times[step + 1]
         still, onward = flow == 0, flow > 0
         volume = self._volume[link] * self._pace[moving]
-        way = np.where(onward, 1.0 - x, x)
+        distance = np.where(onward, 1.0 - x, x)
         with np.errstate(divide="ignore", invalid="ignore"):
-            left = np.where(still, np.inf, way * volume / np.abs(flow))
+            left = np.where(still, np.inf, distance * volume / np.abs(flow))
             part = np.where(still, 0.0, flow * (stop - t) / volume)
         arrives = t + left <= stop
         x = np.where(arrives, onward.astype(float), x + np.where(arrives, 0.0, part))

@@ -71,11 +71,11 @@ def bound_steering(
     size: int,
     blocked: Sequence[int] = (),
 ) -> float:
-    """Return an upper bound on the share of the reachable length that bodies see that choose their way at every node.
+    """Return an upper bound on the share of the reachable length that bodies see that choose their route at every node.
 
     A linear program: bodies are a flow of ``size`` from the releases along the water, which may end anywhere. Of those that
     pass a link in all hours, one sees it, and the others pass unseeing. Whole bodies, and chance, see less. Tanks and
-    reservoirs end a way, and none leads through ``blocked`` links. Each body travels by one of the ``flows``; one of several
+    reservoirs end a route, and none leads through ``blocked`` links. Each body travels by one of the ``flows``; one of several
     snapshots, which follow each other, allows every direction that any of them has.
 
     Raises WorkFailedError if the solver finds no solution.
@@ -96,7 +96,7 @@ def bound_steering(
     conserved = sparse.hstack([along, along, sparse.block_diag([source] * len(flows))])
     links = np.concatenate([rows[:, 0] for rows in arcs])
     moves, starts = len(links), len(flows) * len(releases)
-    # A link that is passed in one way at one time has no row of its own: a bound is enough, and far faster.
+    # A link that is passed in one direction at one time has no row of its own: a bound is enough, and far faster.
     again = np.flatnonzero(np.bincount(links) > 1)
     seen = sparse.csr_array((np.ones(moves), (links, np.arange(moves))))[again]
     found = linprog(

@@ -54,7 +54,7 @@ class Fleet:
         tracers: of point tracers, which divide like the water, at the best releases.
         retained: of bodies that divide like the water but stay in the pipes where demand leaves them, at the best
             releases.
-        bound: of bodies that choose their way at every node, an upper bound.
+        bound: of bodies that choose their route at every node, an upper bound.
     """
 
     network: Network
@@ -74,8 +74,9 @@ class Fleet:
 
     @property
     def gap_closed(self) -> float:
-        """Share of the way from point tracers to perfect steering; 0 if there is no way between them."""
-        return close_gap(self.curve[-1], self.tracers[-1], self.bound[-1])
+        """Share of the distance from point tracers to perfect steering; 0 without a distance between them."""
+        gap = float(self.bound[-1] - self.tracers[-1])
+        return round(float(self.curve[-1] - self.tracers[-1]) / gap, 12) if gap > 1e-9 else 0.0
 
     @property
     def stuck(self) -> tuple[Ending, ...]:
@@ -130,15 +131,6 @@ class Fleet:
     def link_table(self) -> dict[str, list[Any]]:
         """Return the reachable links as columns."""
         return self.network.tabulate_links(self.reachable, seen=self.seen)
-
-
-def close_gap(coverage: float, split: float, bound: float) -> float:
-    """Return which share of the way from ``split`` to ``bound`` a coverage is, 0 if both are equal.
-
-    >>> close_gap(0.7, 0.5, 0.9)
-    0.5
-    """
-    return round(float((coverage - split) / (bound - split)), 12) if bound - split > 1e-9 else 0.0
 
 
 def plan_fleet(

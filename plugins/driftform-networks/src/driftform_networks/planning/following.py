@@ -95,7 +95,7 @@ class Case:
         return find_reachable(self.network, self.node, [snapshot.step for snapshot in self.snapshots])
 
     def walk(self, routings: Sequence[Routing]) -> Walks:
-        """Return ways of bodies, by their tables in each snapshot."""
+        """Return routes of bodies, by their tables in each snapshot."""
         hydraulics, began = self.network.hydraulics, self.hour * 3600
         end = np.inf if len(self.snapshots) == 1 else hydraulics.end
         end = end if self.how.within is None else began + self.how.within * 3600
@@ -107,7 +107,7 @@ class Case:
         """Return the passage of bodies whose tables ``route`` makes.
 
         Where the flows remain, the chain of the tables is solved; walks only add the distribution of arrival times. Where
-        they change, a body may come back, and what it has seen depends on its whole way: all of it is read from walks.
+        they change, a body may come back, and what it has seen depends on its whole route: all of it is read from walks.
         """
         how, routings = self.how, [route(snapshot) for snapshot in self.snapshots]
         if how.unsteady or how.within is not None:

@@ -96,7 +96,7 @@ class Plan:
 
 
 def choose_nets(times: FloatArray, worth: FloatArray, size: int) -> tuple[IntArray, float, float]:
-    """Choose places of nets one after the other, then exchange them while that helps; the first net on its way catches a body.
+    """Choose places of nets one after the other, then exchange them while that helps; the first net on its route catches a body.
 
     Args:
         times: when each walk comes to each place, infinite where it does not, (places, walks).
@@ -106,7 +106,7 @@ def choose_nets(times: FloatArray, worth: FloatArray, size: int) -> tuple[IntArr
     Returns:
         chosen, value, bound: rows of the places; what they are worth; and an upper bound on what any choice of so many
             places is worth. A net upstream takes from one downstream, so that the value is not submodular where the
-            worth grows along the way. What is bounded is the worth at the best net that a walk passes, which is
+            worth grows along the path. What is bounded is the worth at the best net that a walk passes, which is
             submodular and never less: so many nets add to any set at most the sum of the largest gains (Nemhauser,
             Wolsey and Fisher 1978, doi:10.1007/BF01588971).
     """
@@ -187,9 +187,9 @@ def plan_inspection(
     sight = np.array([walks.until(life).measure_sight() for *_, walks in followed])
     picked, _, _ = choose_fleet(sight, np.where(reachable, network.worth, 0.0), size)
     members = [followed[row] for row in picked.tolist()]
-    ways = [walks for *_, walks in members]
+    paths = [walks for *_, walks in members]
     allowed = [network.find_node(name) for name in places] or np.flatnonzero(~network.stores).tolist()
-    times, worth, nodes = _tabulate(ways, life, allowed, aim)
+    times, worth, nodes = _tabulate(paths, life, allowed, aim)
     chosen, value, bound = choose_nets(times, worth, nets)
     rng, total = np.random.default_rng(asked.seed), max(float(worth.max(axis=0, initial=0.0).sum()), 1e-300)
     draws = [rng.choice(len(nodes), len(chosen), replace=False) for _ in range(_DRAWS)]
@@ -197,7 +197,7 @@ def plan_inspection(
     _, first, when = catch(times[chosen], worth[chosen])
     caught = [when[np.isfinite(when) & (first == net)] for net in range(len(chosen))]
     until = (np.full(len(when), np.inf), when, np.where(np.isfinite(when), when, -1.0))
-    alone, seen, recorded = (_see_any(ways, life, ends) for ends in until)
+    alone, seen, recorded = (_see_any(paths, life, ends) for ends in until)
     return Plan(
         network,
         tuple((name, case.release, case.hour) for name, case, _ in members),
@@ -216,7 +216,7 @@ def plan_inspection(
 
 
 def _tabulate(
-    ways: Sequence[Walks], life: FloatArray, allowed: Sequence[int], aim: str
+    paths: Sequence[Walks], life: FloatArray, allowed: Sequence[int], aim: str
 ) -> tuple[FloatArray, FloatArray, IntArray]:
     """Return when each body comes first to each place, what that is worth, and the nodes of these places.
 
@@ -224,29 +224,29 @@ def _tabulate(
         times, worth, nodes: since the release, s, (places, bodies); length that it has seen, or 1, (places, bodies);
             and (places,).
     """
-    count, network = len(life), ways[0].network
+    count, network = len(life), paths[0].network
     marks = np.zeros(len(network.nodes), bool)
     marks[list(allowed)] = True
     rows, columns, times, records = [], [], [], []
-    for number, way in enumerate(ways):
-        record = np.where(way.reached - way.began[way.walk] <= life[way.walk], way.measure_records(), -1.0)
+    for number, path in enumerate(paths):
+        record = np.where(path.reached - path.began[path.walk] <= life[path.walk], path.measure_records(), -1.0)
         # A body that outlives its battery keeps what it has seen until then.
         best = np.zeros(count)
-        np.maximum.at(best, way.walk, record)
-        arrived = np.flatnonzero((way.node >= 0) & marks[way.node] & (way.node != way.release))
-        key = way.walk[arrived] * len(network.nodes) + way.node[arrived]
+        np.maximum.at(best, path.walk, record)
+        arrived = np.flatnonzero((path.node >= 0) & marks[path.node] & (path.node != path.release))
+        key = path.walk[arrived] * len(network.nodes) + path.node[arrived]
         arrived = arrived[np.unique(key, return_index=True)[1]]
-        rows.append(way.node[arrived])
-        columns.append(number * count + way.walk[arrived])
-        times.append(way.reached[arrived] - way.began[way.walk[arrived]])
-        records.append(np.where(record[arrived] >= 0, record[arrived], best[way.walk[arrived]]))
+        rows.append(path.node[arrived])
+        columns.append(number * count + path.walk[arrived])
+        times.append(path.reached[arrived] - path.began[path.walk[arrived]])
+        records.append(np.where(record[arrived] >= 0, record[arrived], best[path.walk[arrived]]))
     row, column = np.concatenate(rows), np.concatenate(columns)
     passed = np.bincount(row, minlength=len(marks))
     nodes = np.sort(np.argsort(-passed, kind="stable")[: min(MAX_PLACES, int((passed > 0).sum()))])
     place = np.full(len(marks), -1)
     place[nodes] = np.arange(len(nodes))
     kept = place[row] >= 0
-    shape, where = (len(nodes), len(ways) * count), (place[row[kept]], column[kept])
+    shape, where = (len(nodes), len(paths) * count), (place[row[kept]], column[kept])
     table, worth = np.full(shape, np.inf), np.zeros(shape)
     table[where] = np.concatenate(times)[kept]
     worth[where] = np.concatenate(records)[kept] if aim == "records" else 1.0
@@ -262,8 +262,8 @@ def catch(times: FloatArray, worth: FloatArray) -> tuple[FloatArray, IntArray, F
     return np.where(np.isfinite(when), worth[first, columns], 0.0), first, when
 
 
-def _see_any(ways: Sequence[Walks], life: FloatArray, ends: FloatArray) -> FloatArray:
+def _see_any(paths: Sequence[Walks], life: FloatArray, ends: FloatArray) -> FloatArray:
     """Return the probability that any body sees each link, if each walk ends at its time, s, or with its battery."""
-    parts = zip(ways, np.split(ends, len(ways)), strict=True)
+    parts = zip(paths, np.split(ends, len(paths)), strict=True)
     seen = [walks.until(np.minimum(life, end)).measure_sight() for walks, end in parts]
     return np.asarray(1 - np.prod(1 - np.array(seen), axis=0))

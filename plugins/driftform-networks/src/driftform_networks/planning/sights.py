@@ -52,7 +52,7 @@ def pick_column(columns: Mapping[str, Sequence[str]], option: str, name: str) ->
 def read_weights(columns: Mapping[str, Sequence[str]], name: str) -> FloatArray:
     """Return how much each link counts, (links,): the numbers of a column, 0 where it is empty.
 
-    Raises InputError if there is no such column, or a value is no number of at least 0.
+    Raises InputError if there is no such column, or a value is not a number of at least 0.
     """
     values = [_to_number(value or "0") for value in pick_column(columns, "--weight", name)]
     for value, text in zip(values, columns[name], strict=True):
