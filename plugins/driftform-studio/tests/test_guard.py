@@ -143,14 +143,11 @@ def test_a_link_that_leads_out_of_the_folder_is_not_followed(serve, folder, fini
     assert (outside / "note.txt").read_text() == "precious"
 
 
-def test_a_draft_cannot_read_files_by_its_base(finished, tmp_path):
+def test_a_draft_cannot_read_files_by_its_base_nor_set_tables_that_name_files_or_programs(finished, tmp_path):
     (tmp_path / "mine.toml").write_text("title = 'precious'")
     for base in (str(tmp_path / "mine.toml"), "/etc/passwd", "../pyproject.toml", None, 3, ["pipe-inspection"]):
         [line] = finished.ask("api/check", {"base": base}, status=422)["errors"]
         assert "is not a built-in scenario" in line and "precious" not in line
-
-
-def test_a_draft_sets_no_table_that_names_files_or_programs(finished):
     for key in ("exporter", "recorder", "renderer", "checker", "nonsense"):
         [line] = finished.ask("api/check", {"base": "pipe-inspection", key: {}}, status=422)["errors"]
         assert f"cannot set '{key}'" in line

@@ -57,21 +57,7 @@ def test_a_search_that_the_command_line_began_can_be_watched_but_not_paused(serv
     assert server.wait_until("mine", "paused")["canResume"]
 
 
-def test_a_search_pauses_and_goes_on(serve, folder, long_draft, wait_for):
-    server = serve()
-    name = server.ask("api/runs", {"draft": long_draft, "name": "long"})["run"]
-    wait_for(lambda: server.ask(f"api/runs/{name}/status")["done"] > 3)
-    server.ask(f"api/runs/{name}/pause", {})
-    paused = server.wait_until(name, "paused")
-    assert paused["failure"] == "" and paused["canResume"] and not paused["canPause"]
-    assert not is_worked_on(folder / name)
-    server.ask(f"api/runs/{name}/resume", {})
-    wait_for(lambda: server.ask(f"api/runs/{name}/status")["done"] > paused["done"])
-    server.ask(f"api/runs/{name}/pause", {})
-    server.wait_until(name, "paused")
-
-
-def test_a_search_outlives_its_server_and_the_next_server_can_pause_it(
+def test_a_search_outlives_its_server_and_the_next_server_can_pause_and_continue_it(
     serve, folder, long_draft, wait_for, count_evaluations
 ):
     first = serve()
@@ -84,7 +70,11 @@ def test_a_search_outlives_its_server_and_the_next_server_can_pause_it(
     status = second.ask(f"api/runs/{name}/status")
     assert status["state"] == "running" and status["canPause"] and status["done"] > before
     second.ask(f"api/runs/{name}/pause", {})
-    assert second.wait_until(name, "paused")["done"] >= status["done"]
+    paused = second.wait_until(name, "paused")
+    assert paused["done"] >= status["done"] and paused["failure"] == ""
+    assert paused["canResume"] and not paused["canPause"] and not is_worked_on(folder / name)
+    second.ask(f"api/runs/{name}/resume", {})
+    wait_for(lambda: second.ask(f"api/runs/{name}/status")["done"] > paused["done"])
 
 
 def test_a_search_that_is_killed_is_a_paused_run(serve, folder, long_draft, wait_for):
