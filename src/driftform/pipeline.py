@@ -117,7 +117,7 @@ class Pipeline:
     ) -> Agent:
         scenario, options = self.scenario, self.hydrodynamics.options
         fluid, calibration = scenario.fluid, scenario.calibration
-        if condition is not None and condition.specimen is Specimen.IDLE:
+        if condition is not None and condition.specimen is Specimen.BASELINE:
             from driftform.motion.forces.spheres import make_sphere
 
             volume = solid_of_revolution(body.outer).volume

@@ -66,8 +66,8 @@ def promise(hit, p90):
     return {"hit": hit, "flights": 40, "failed": 0, "median": p90 / 2, "p90": p90}
 
 
-def result_of(printed, weighed, idle, p90=(0.073, 0.07, 0.5)):
-    one, other, nothing = (promise(hit, miss) for hit, miss in zip((printed, weighed, idle), p90, strict=True))
+def result_of(printed, weighed, baseline, p90=(0.073, 0.07, 0.5)):
+    one, other, nothing = (promise(hit, miss) for hit, miss in zip((printed, weighed, baseline), p90, strict=True))
     return {"fitness": 99.9, "within": 0.4, "robust": {**one, "weighed": other, "baseline": nothing}}
 
 
@@ -90,7 +90,7 @@ def test_a_promise_is_said_with_the_number_of_flights():
 def test_a_summary_counts_who_keeps_the_targets():
     results = {"A": result_of(0.95, 0.95, 0.0), "B": result_of(0.5, 0.95, 0.95), "C": result_of(0.5, 0.5, 0.0)}
     found = summarise(ClosestApproach(Table()), results)
-    assert found == ("2 of 3 targets are kept if the print is weighed, 1 as printed, 1 by the passive baseline")
+    assert found == ("2 of 3 targets are kept if the print is weighed, 1 as printed, 1 by the baseline")
 
 
 def test_a_shape_that_is_hardly_better_than_nothing_is_said_to_matter_little():
@@ -103,5 +103,5 @@ def test_a_shape_that_is_hardly_better_than_nothing_is_said_to_matter_little():
 def test_a_fitness_of_shares_is_compared_by_shares():
     alike = {"A": result_of(1, 0.88, 0.88, (0.3, 0.2, 0.5)), "B": result_of(1, 1, 0.85, (0.3, 0.3, 0.3))}
     assert describe_worth(OutletFitness(Table()), alike).startswith(
-        "the shape matters little for A: the passive baseline does nearly as well"
+        "the shape matters little for A: the baseline does nearly as well"
     )

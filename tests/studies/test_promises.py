@@ -220,10 +220,10 @@ def test_flights_keep_what_a_run_promises(
     p90 = {s: np.median(reached(runs, s), axis=0) for s in Specimen}
     promised = {s: np.median([o.promised[s] for o in runs], axis=0) for s in Specimen}
     lines = [
-        f"{len(runs)} runs with `native` flights; {FRESH} fresh disturbed flights of each agent, as printed, weighed and idle. "
+        f"{len(runs)} runs with `native` flights; {FRESH} fresh disturbed flights of each agent, as printed, weighed and baseline. "
         "Lengths in mm, medians over runs; hits as the least share of any run.",
         "",
-        "| target | within | point of the water | weight alone | printed: promised | fresh | keep it | hit | weighed: promised | fresh | keep it | hit | idle | hit |",
+        "| target | within | point of the water | weight alone | printed: promised | fresh | keep it | hit | weighed: promised | fresh | keep it | hit | baseline | hit |",
         "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for n, name in enumerate(study.scenario.target_names):

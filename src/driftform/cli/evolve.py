@@ -66,7 +66,7 @@ def evolve(
 
     The best agents of the search are flown again under disturbed conditions. The agent that is chosen for a target is
     then flown under new disturbed conditions: the result is the share of flights that hit the target, and the miss that
-    9 of 10 flights stay within, as printed, weighed and trimmed, and for a passive baseline. --robust 0 omits this.
+    9 of 10 flights stay within, as printed, weighed and trimmed, and for the baseline. --robust 0 omits this.
     """
     from driftform.study import load_study
 

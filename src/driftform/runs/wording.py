@@ -12,10 +12,10 @@ from driftform.interfaces import Fitness
 from driftform.types import Verdict
 
 KEPT = 0.9
-"""Least share of the flights that hit a target that is kept."""
+"""Minimum share of flights that hit, for a target to be kept."""
 
 WORTH = 0.1
-"""Part by which the 90 % miss must be below that of the passive baseline, for the shape to matter."""
+"""Part by which the 90 % miss must be below that of the baseline, for the shape to matter."""
 
 Result = Mapping[str, Any]
 """``result`` of an agent file: fitness (%), nominal miss (m), and what was promised as ``robust``."""
@@ -27,7 +27,7 @@ def is_promised(result: Result) -> bool:
 
 
 def is_kept(promise: Mapping[str, Any]) -> bool:
-    """Return whether a target is kept by what a promise is of."""
+    """Return whether enough flights of a promise hit the target."""
     return (promise.get("hit") or 0.0) >= KEPT
 
 
@@ -41,7 +41,7 @@ def name_verdict(fitness: Fitness[Any], result: Result) -> str:
 
 
 def describe_result(fitness: Fitness[Any], result: Result) -> str:
-    """Return how well a target is kept, in one line; without promises what people read of the fitness."""
+    """Return how well a target is kept, in one line; without promises the measure of the fitness."""
     if not is_promised(result):
         return fitness.describe(result["fitness"])
     robust = result["robust"]
@@ -55,12 +55,12 @@ def list_headings(fitness: Fitness[Any], promised: bool = False) -> tuple[str, .
     if not promised:
         return plain
     if fitness.share:
-        return (*plain, fitness.share, "weighed %", "idle %")
-    return ("within mm", "hit %", "90 % mm", "weighed %", "90 % mm", "idle %", "90 % mm")
+        return (*plain, fitness.share, "weighed %", "baseline %")
+    return ("within mm", "hit %", "90 % mm", "weighed %", "90 % mm", "baseline %", "90 % mm")
 
 
 def list_cells(fitness: Fitness[Any], result: Result, promised: bool = False) -> tuple[str, ...]:
-    """Return the cells of a result: its fitness (%) and what people read of it, or how well it keeps the target."""
+    """Return the cells of a result: its fitness (%) and its measure, or how well it keeps the target."""
     value = result["fitness"]
     plain = (f"{value:.3f}", f"{fitness.measure(value):.3f}")[: len(list_headings(fitness))]
     if not promised:
@@ -74,7 +74,7 @@ def list_cells(fitness: Fitness[Any], result: Result, promised: bool = False) ->
 
 
 def summarise(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
-    """Return how many targets are kept, by print, weighed print and passive baseline; without promises how many are reached, and the worst one."""
+    """Return how many targets are kept, by print, weighed print and baseline; without promises how many are reached, and the worst one."""
     promises = [result["robust"] for result in results.values() if is_promised(result)]
     count = len(results)
     if len(promises) < count:
@@ -84,13 +84,15 @@ def summarise(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
             subject = "The target is" if reached else "The target is not"
         return f"{subject} reached: {fitness.goal}; {describe_worst(fitness, results)}"
     weighed = sum(is_kept(promise["weighed"]) for promise in promises)
-    printed, idle = sum(map(is_kept, promises)), sum(is_kept(promise["baseline"]) for promise in promises)
+    printed, baseline = sum(map(is_kept, promises)), sum(is_kept(promise["baseline"]) for promise in promises)
     targets = "target is" if count == 1 else "targets are"
-    return f"{weighed} of {count} {targets} kept if the print is weighed, {printed} as printed, {idle} by the passive baseline"
+    return (
+        f"{weighed} of {count} {targets} kept if the print is weighed, {printed} as printed, {baseline} by the baseline"
+    )
 
 
 def describe_worst(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
-    """Return the target with the least fitness, and what people read of it."""
+    """Return the target with the least fitness, and its measure."""
     worst = min(results, key=lambda target: results[target]["fitness"])
     return f"{fitness.heading} at worst {fitness.measure(results[worst]['fitness']):.2f} ({worst})"
 
@@ -98,19 +100,19 @@ def describe_worst(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
 def describe_worth(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
     """Return for which targets the shape matters little, and why; an empty text for none.
 
-    What is compared is the 90 % miss, or the share of flights that do not hit, by what the fitness promises.
+    Compares the 90 % miss, or the share of flights that do not hit if the fitness promises a share.
     """
-    idle = []
+    unmoved = []
     for name, result in results.items():
         if is_promised(result):
-            mine, nothing = (_find_loss(fitness, result["robust"][each]) for each in ("weighed", "baseline"))
-            if None not in (mine, nothing) and mine >= (1 - WORTH) * nothing:
-                idle.append(name)
-    if not idle:
+            weighed, baseline = (_find_loss(fitness, result["robust"][each]) for each in ("weighed", "baseline"))
+            if None not in (weighed, baseline) and weighed >= (1 - WORTH) * baseline:
+                unmoved.append(name)
+    if not unmoved:
         return ""
     does = "does nearly as well" if fitness.share else "keeps nearly the same 90 % miss"
     return (
-        f"the shape matters little for {', '.join(idle)}: the passive baseline {does}, because the "
+        f"the shape matters little for {', '.join(unmoved)}: the baseline {does}, because the "
         "water carries it there, and gusts decide the rest"
     )
 
@@ -127,7 +129,7 @@ def explain_columns(fitness: Fitness[Any], flights: int) -> str:
     rest = "" if fitness.share else "; 90 %: the miss that 9 of 10 of them stay within"
     return (
         f"kept: {100 * KEPT:.0f} % hit, or more; hit: the share of {flights} flights under fresh disturbed conditions that {hit}{rest}; as printed, weighed and trimmed, "
-        "and idle: a neutral sphere of the same volume"
+        "and the baseline: a neutral sphere of the same volume"
     )
 
 

@@ -19,7 +19,7 @@ from driftform.water.scenario import evaluation_seed
 def draw_rounds(study: Study) -> tuple[Condition, ...]:
     """Return the conditions of the choice, and after them those of the promise, for a run of a study.
 
-    The latter are the same for each of :class:`Specimen`: print, weighed print and idle body, in this order.
+    The latter are the same for each of :class:`Specimen`: print, weighed print and baseline, in this order.
     """
     robustness, calibration = study.scenario.robustness, study.scenario.calibration
     choice = draw_conditions(robustness, robustness.conditions, (study.seed, 0), calibration)

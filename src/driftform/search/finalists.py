@@ -193,7 +193,7 @@ class Winner:
             "score": self.score,
             **documents[Specimen.PRINT],
             "weighed": documents[Specimen.WEIGHED],
-            "baseline": documents[Specimen.IDLE],
+            "baseline": documents[Specimen.BASELINE],
         }
 
 

@@ -42,7 +42,7 @@ class Specimen(StrEnum):
     """The print, neither weighed nor trimmed."""
     WEIGHED = "weighed"
     """The print, weighed to the nearest :data:`SCALE` and trimmed with ballast to the nearest :data:`SCALE`."""
-    IDLE = "idle"
+    BASELINE = "baseline"
     """A neutral sphere of the agent's volume, in its place."""
 
 

@@ -334,7 +334,7 @@ function showPromises({ state, targets }) {
   });
   const focused = document.activeElement?.closest?.("#promises button")?.getAttribute("aria-label");
   find("promises").replaceChildren(
-    make("thead", {}, make("tr", {}, ...["target", ...promised ? ["hit", "90 %", "weighed", "90 %", "idle"] : ["nominal"]].map((text) => make("th", { scope: "col", class: text === "90 %" ? "wide" : "" }, text)), make("th", { scope: "col", class: "at" }, "verdict"), make("th", { scope: "col" }, make("span", { class: "seen-by-none" }, "agent")))),
+    make("thead", {}, make("tr", {}, ...["target", ...promised ? ["hit", "90 %", "weighed", "90 %", "baseline"] : ["nominal"]].map((text) => make("th", { scope: "col", class: text === "90 %" ? "wide" : "" }, text)), make("th", { scope: "col", class: "at" }, "verdict"), make("th", { scope: "col" }, make("span", { class: "seen-by-none" }, "agent")))),
     make("tbody", {}, ...rows),
   );
   if (focused) for (const button of find("promises").querySelectorAll("button")) if (button.getAttribute("aria-label") === focused) button.focus();
@@ -482,7 +482,7 @@ function showPromise({ promise, effects, limits, target }) {
     ...(hit === undefined ? [number("median", flights ? length(promise.median) : "–")] : [number("of flights hit", percent(hit))]),
     number("9 of 10 within", flights ? length(p90) : "–", true),
     ...(weighed ? [number("if weighed: hit", percent(weighed.hit)), number("if weighed: 9 of 10", length(weighed.p90), true)] : []),
-    ...(baseline ? [number("a plain ball: hit", percent(baseline.hit))] : []),
+    ...(baseline ? [number("baseline: hit", percent(baseline.hit))] : []),
   );
   find("agent-limits").replaceChildren(...[...limits, ...(failed ? [`${failed} of ${flights} disturbed flights failed`] : [])].map((line) => make("li", {}, line)));
   for (const line of find("agent-limits").children) line.replaceChildren(...sayLine(line.textContent));
