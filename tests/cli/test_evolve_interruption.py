@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from processes import count_evaluations, is_alive, wait_until
+from processes import count_evaluations, is_alive, make_arguments, wait_until
 
 Start = Callable[..., subprocess.Popen[str]]
 Program = Callable[..., subprocess.CompletedProcess[str]]
@@ -22,19 +22,7 @@ Rows = Callable[[Path], list[tuple[Any, ...]]]
 pytestmark = [pytest.mark.long, pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")]
 
 EVALUATIONS = 60
-STUDY = (
-    "paper",
-    "--target",
-    "TP1",
-    "--target",
-    "TP8",
-    "--evaluations",
-    EVALUATIONS,
-    "--seed",
-    5,
-    "--simulator",
-    "fake",
-)
+STUDY = make_arguments(EVALUATIONS)
 # Long enough that a run is not at its end when a busy machine comes to interrupt it.
 PAUSE = 0.15
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from processes import count_evaluations, look, wait_until
+from processes import count_evaluations, look, make_arguments, wait_until
 
 from driftform.errors import InputError
 from driftform.runs.directory import is_worked_on, lock_run
@@ -25,19 +25,7 @@ Start = Callable[..., subprocess.Popen[str]]
 Program = Callable[..., subprocess.CompletedProcess[str]]
 
 EVALUATIONS = 36
-STUDY = (
-    "paper",
-    "--target",
-    "TP1",
-    "--target",
-    "TP8",
-    "--evaluations",
-    EVALUATIONS,
-    "--seed",
-    5,
-    "--simulator",
-    "fake",
-)
+STUDY = make_arguments(EVALUATIONS)
 
 
 def add(store: Store, *indices: int) -> None:

@@ -8,6 +8,12 @@ from driftform.errors import InputError
 from driftform.runs.monitor import RunMonitor
 
 
+def make_arguments(evaluations: int) -> tuple[str | int, ...]:
+    """Return the arguments of a run for two targets with the fake simulator."""
+    targets = ("--target", "TP1", "--target", "TP8")
+    return ("paper", *targets, "--evaluations", evaluations, "--seed", 5, "--simulator", "fake")
+
+
 def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
     """Wait for a condition; fail if it does not hold in time."""
     end = time.monotonic() + seconds
