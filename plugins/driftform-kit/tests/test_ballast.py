@@ -203,6 +203,7 @@ def test_where_putty_would_weigh_more_than_its_ball_a_ring_of_putty_lies_on_the_
     assert volume * PUTTY == pytest.approx(0.0005) and piece.end - piece.start == pytest.approx(piece.ring)
     # A thin ring: m r^2 about the axis.
     assert piece.element.axial == pytest.approx(0.0005 * (0.012 - piece.ring / 2) ** 2, rel=1e-2)
+    assert piece.element.transverse == pytest.approx(piece.element.axial / 2 + 0.0005 * piece.ring**2 / 12, rel=1e-12)
 
 
 def test_by_hand_too_ballast_comes_as_near_as_it_can() -> None:
