@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -101,5 +102,22 @@ def up_to_date() -> Callable[[Path, str], None]:
             path.write_text(expected, encoding="utf-8")
             return
         assert found == expected, f"{path.name} is out of date: run UPDATE_DOCS=1 pytest tests/docs"
+
+    return check
+
+
+@pytest.fixture
+def same_picture() -> Callable[[Path, str], None]:
+    """Compare a picture with the one that a page shows; with UPDATE_DOCS=1 replace that."""
+
+    def check(path: Path, drawn: str) -> None:
+        if os.environ.get("UPDATE_DOCS") == "1":
+            path.write_text(drawn, encoding="utf-8")
+        kept = path.read_text(encoding="utf-8")
+        number = re.compile(r"-?\d+(?:\.\d+)?")
+        assert number.sub("#", kept) == number.sub("#", drawn)
+        # Other machines round other digits.
+        values = [np.array([float(v) for v in number.findall(text)]) for text in (kept, drawn)]
+        assert np.abs(values[0] - values[1]).max() < 0.02
 
     return check

@@ -111,15 +111,6 @@ def test_every_end_has_its_words(read, fly, pipe, end):
     assert any("Ends after 9.00 s: " in text for text in picture.texts)
 
 
-def test_the_same_flight_gives_the_same_bytes(fly, pipe, make_agent):
-    pictures = {flight_svg(fly(rise=0.05), pipe, "twice", make_agent(0.1, 0.1, [0.02, 0.03]).body) for _ in range(2)}
-    assert len(pictures) == 1
-
-
-def test_titles_are_escaped(read, fly, pipe):
-    assert "<TP1> & 'co'" in read(flight_svg(fly(), pipe, "<TP1> & 'co'")).texts
-
-
 @pytest.mark.parametrize("metres", [1.0, 2.0, 3.0, 6.0, 30.0, 1000.0])
 def test_an_agent_of_any_length_is_drawn_and_keeps_to_the_page(read, fly, pipe, make_agent, metres):
     small = make_agent(0.1, 0.1, [0.01, 0.02, 0.01]).body

@@ -98,10 +98,3 @@ def test_open_water_has_no_targets_to_cut_at(read, points, fly, make_agent):
     picture = read(overview_svg([flight], Scenario(), "One"))
     assert picture.outside() == []
     assert points(picture.one("firm"))[-1] == pytest.approx(points(picture.one("faint"))[-1])
-
-
-def test_titles_and_names_are_escaped_and_the_bytes_repeat(read, pipe, fly, make_agent):
-    flights = [GalleryEntry("<a> & b", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)]
-    texts = [overview_svg(flights, pipe, "one < two & three") for _ in range(2)]
-    assert texts[0] == texts[1]
-    assert {"<a> & b", "one < two & three"} <= set(read(texts[0]).texts)

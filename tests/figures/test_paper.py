@@ -21,7 +21,7 @@ from driftform.figures.trend import Trend, trend_svg
 from driftform.runs.coverage import PipeGrid, map_coverage
 from driftform.runs.dependence import Effect
 
-TITLE = "What stays out of the picture"
+TITLE = "<What> stays out & of the 'picture'"
 
 # Machado, Oliveira and Fernandes (2009), IEEE TVCG 15(6), table 1, severity 1.0: linear RGB as others see it.
 SEEN = {
@@ -80,8 +80,11 @@ def test_a_figure_has_its_width_text_of_8_pt_and_no_title(read, draw, name: str,
     assert picture.overlapping_texts() == []
 
 
-def test_a_screen_shows_the_title(read, draw) -> None:
-    assert all(TITLE in read(draw[name](Page())).texts for name in PICTURES)
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_screen_shows_the_title_escaped_and_the_bytes_repeat(read, draw, name: str) -> None:
+    text = draw[name](Page())
+    assert TITLE in read(text).texts
+    assert draw[name](Page()) == text
 
 
 def see(colour: str, matrix) -> np.ndarray:

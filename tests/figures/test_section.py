@@ -141,13 +141,6 @@ def test_hatching_covers_the_wall_and_not_the_hole():
     assert not ((middles > 20.5) & (middles < 79.5)).all(axis=1).any()
 
 
-def test_titles_are_escaped(read, bare):
-    title = "best of <run> & 'more'"
-    picture = read(section_svg(bare, title))
-    assert title in picture.texts
-    assert picture.root[0].text == title
-
-
 def test_no_text_is_too_small_to_read(read, bare):
     picture = read(section_svg(bare))
     assert all(float(e.get("font-size")) >= 10 for e in picture.root.iter() if e.tag.endswith("text"))

@@ -133,11 +133,6 @@ def test_driftform_without_plugins_says_in_one_line_what_to_install(call, monkey
     )
 
 
-def test_a_name_of_another_seam_is_not_found():
-    with pytest.raises(InputError, match="no fitness is named 'exudyn'"):
-        registry().find("fitness", "exudyn")
-
-
 def test_two_plugins_that_claim_one_name_are_both_named(install):
     found = install(ext_one=SOUND.format(name="mine"), ext_two=SOUND.format(name="mine"))
     with pytest.raises(InputError) as caught:

@@ -70,15 +70,6 @@ class Counting:
             yield [outcome]
 
 
-@pytest.mark.parametrize("strategy", ["paper", "random"])
-def test_the_budget_is_spent_exactly(store: Store, strategy: str) -> None:
-    study = study_of(strategy=strategy)
-    seen: list[int] = []
-    run_search(study, store, Counting(study), lambda r: seen.append(r.index))
-    assert store.count() == 25
-    assert sorted(seen) == list(range(25))
-
-
 @pytest.mark.parametrize("strategy", ["paper", "random", "evolution"])
 @pytest.mark.parametrize("stop", [0, 1, 7, 20, 24])
 def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(

@@ -1,6 +1,7 @@
 """The contract of recorders is of use only if it refuses recorders that are wrong: each of these has one fault."""
 
 import itertools
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -27,63 +28,54 @@ class Plain(Recorder[Table]):
         return (WrittenFile(self.name, str(path)),)
 
 
-class LeavesAnotherFile(Plain):
-    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        path.parent.mkdir(exist_ok=True, parents=True)
-        path.with_suffix(".tmp").write_text("left over")
-        return super().write(job, trajectory, path)
+Write = Callable[[Plain, ExportJob, Trajectory, Path], tuple[WrittenFile, ...]]
 
 
-class ReportsNothing(Plain):
-    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        super().write(job, trajectory, path)
-        return ()
+def leave_another_file(plain: Plain, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    write_text(path.with_suffix(".tmp"), "left over")
+    return plain.write(job, trajectory, path)
 
 
-class WritesTheClock(Plain):
-    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        write_text(path, f"{next(TICKS)} {trajectory.quaternion.tolist()}")
-        return (WrittenFile(self.name, str(path)),)
+def report_nothing(plain: Plain, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    plain.write(job, trajectory, path)
+    return ()
 
 
-class NeedsTwoSamples(Plain):
-    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        trajectory.t[1]
-        return super().write(job, trajectory, path)
+def write_only(text: Callable[[ExportJob, Trajectory], str]) -> Write:
+    def write(plain: Plain, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        write_text(path, text(job, trajectory))
+        return (WrittenFile(plain.name, str(path)),)
+
+    return write
 
 
-class RefusesFailures(Plain):
-    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        if trajectory.end.failed:
+def refuse_unless(accepts: Callable[[ExportJob, Trajectory], object]) -> Write:
+    def write(plain: Plain, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        if not accepts(job, trajectory):
             raise ValueError(trajectory.end)
-        return super().write(job, trajectory, path)
+        return plain.write(job, trajectory, path)
+
+    return write
 
 
-class NeedsAPipe(Plain):
-    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        job.scenario.pipe.segments[0]
-        return super().write(job, trajectory, path)
+def leave_half_a_file(plain: Plain, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    part = path.with_suffix(".part")
+    write_text(part, str(trajectory.quaternion.tolist()))
+    part.replace(path)
+    return (WrittenFile(plain.name, str(path)),)
 
 
-class ForgetsTheFlight(Plain):
-    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        write_text(path, job.name)
-        return (WrittenFile(self.name, str(path)),)
+def contract(write: Write = Plain.write) -> RecorderContract:
+    class Mine(Plain):
+        def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+            return write(Plain(Table()), job, trajectory, path)
 
-
-class LeavesHalfAFile(Plain):
-    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        path.parent.mkdir(exist_ok=True, parents=True)
-        part = path.with_suffix(".part")
-        part.write_text(str(trajectory.quaternion.tolist()))
-        part.replace(path)
-        return (WrittenFile(self.name, str(path)),)
-
-
-def contract(cls: type[Plain]) -> RecorderContract:
     class Contract(RecorderContract):
         def plugin(self) -> Plain:
-            return cls(Table())
+            return Mine(Table())
+
+        def copy(self) -> Plain:
+            return Mine(Table())
 
     return Contract()
 
@@ -100,27 +92,29 @@ FILES, SAME, SINGLE, OPEN, OTHER, BLOCKED = CHECKS = (
 
 @pytest.mark.parametrize("check", CHECKS)
 def test_a_sound_recorder_passes(check: str, tmp_path: Path) -> None:
-    getattr(contract(Plain), check)(tmp_path)
+    getattr(contract(), check)(tmp_path)
 
 
 @pytest.mark.parametrize(
-    ("cls", "check"),
+    ("write", "check"),
     [
-        (LeavesAnotherFile, FILES),
-        (ReportsNothing, FILES),
-        (WritesTheClock, SAME),
-        (NeedsTwoSamples, SINGLE),
-        (NeedsAPipe, OPEN),
-        (ForgetsTheFlight, OTHER),
-        (LeavesHalfAFile, BLOCKED),
+        (leave_another_file, FILES),
+        (report_nothing, FILES),
+        (write_only(lambda job, flight: f"{next(TICKS)} {flight.quaternion.tolist()}"), SAME),
+        (refuse_unless(lambda job, flight: len(flight.t) > 1), SINGLE),
+        (refuse_unless(lambda job, flight: job.scenario.pipe.segments), OPEN),
+        (write_only(lambda job, flight: job.name), OTHER),
+        (leave_half_a_file, BLOCKED),
     ],
 )
-def test_a_faulty_recorder_is_refused(cls: type[Plain], check: str, tmp_path: Path) -> None:
-    with pytest.raises((AssertionError, IndexError)):
-        getattr(contract(cls), check)(tmp_path)
+def test_a_faulty_recorder_is_refused(write: Write, check: str, tmp_path: Path) -> None:
+    with pytest.raises((AssertionError, ValueError)):
+        getattr(contract(write), check)(tmp_path)
 
 
 def test_a_recorder_that_refuses_failed_flights_is_refused(tmp_path: Path) -> None:
-    contract(Plain).test_a_flight_that_failed_is_recorded_too(End.NON_FINITE, tmp_path)
+    contract().test_a_flight_that_failed_is_recorded_too(End.NON_FINITE, tmp_path)
     with pytest.raises(ValueError, match="non-finite"):
-        contract(RefusesFailures).test_a_flight_that_failed_is_recorded_too(End.NON_FINITE, tmp_path)
+        contract(refuse_unless(lambda job, flight: not flight.end.failed)).test_a_flight_that_failed_is_recorded_too(
+            End.NON_FINITE, tmp_path
+        )

@@ -100,19 +100,6 @@ def test_the_bare_core_has_no_modules():
     assert LSystemGrammar(LSystemOptions()).express(Genome("lsystem", ("C",))) == Morphology()
 
 
-def test_one_iteration_puts_the_core_s_rule_after_the_core():
-    genome = random_genome(0)
-    assert rewrite(genome.symbols, 1) == ["C", *genome.symbols[:15]]
-
-
-def test_a_consumed_letter_leaves_what_stood_around_it_around_its_children():
-    core_rule = ["addF", "tiltp", "0", "S", "moveF"]
-    s_rule = ["addB", "tiltn", "1", "M", "moveB"]
-    genotype = core_rule * 3 + s_rule * 3 + ["addF", "tiltp", "2", "L", "moveN"] * 6
-    by_hand = ["C"] + core_rule * 3 + (["addF", "tiltp", "0"] + s_rule * 3 + ["moveF"]) * 3
-    assert rewrite(genotype, 2) == by_hand
-
-
 def test_two_iterations_build_what_the_rules_say():
     # The word is, with what has no effect in brackets: C, three of "addF tiltp 0 S moveF", then three of
     # "addF tiltp 0 [addB tiltn 1] M moveB, addB tiltn 1 M moveB, addB tiltn 1 M moveB [moveF]".

@@ -102,7 +102,9 @@ def _write_captions(
     captions = [f"Ends after {trajectory.t[-1]:.2f} s: {_ENDS[trajectory.end.value]}."]
     if nearest is not None:
         number, approach = nearest
-        closest = f"Closest to {scenario.target_names[number]}: {_format_distance(approach.distance)} away"
+        metres = approach.distance
+        away = f"{1000 * metres:.1f} mm" if metres < 0.0995 else f"{metres:.2f} m"
+        closest = f"Closest to {scenario.target_names[number]}: {away} away"
         captions.insert(0, f"{closest} after {approach.t:.2f} s.")
     if body is not None:
         scale = "to scale" if magnification == 1 else f"magnified {magnification} times about the core"
@@ -121,10 +123,6 @@ _ENDS = {
     "step limit": "the simulation reached its step limit",
     "not converged": "the simulation did not reach its accuracy, so the flight counts as failed",
 }
-
-
-def _format_distance(metres: float) -> str:
-    return f"{1000 * metres:.1f} mm" if metres < 0.0995 else f"{metres:.2f} m"
 
 
 def _draw_view(

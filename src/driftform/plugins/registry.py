@@ -89,15 +89,14 @@ class Registry:
             rows: list[Contribution] = []
             for implementation in hook.get_hookimpls():
                 origin = self._origin[implementation.plugin_name]
-                distribution, version, short = origin.distribution, origin.version, origin.name
+                where = origin.distribution, origin.version
                 try:
                     classes = _check_classes(implementation.function(), SEAMS[seam])
                 except (Exception, SystemExit) as error:
-                    rows.append(
-                        Contribution(seam, short, distribution, version, f"unavailable: {describe_error(error)}")
-                    )
-                    continue
-                rows.extend(Contribution(seam, c.name, distribution, version, "ok", c) for c in classes)
+                    state = f"unavailable: {describe_error(error)}"
+                    rows.append(Contribution(seam, origin.name, *where, state))
+                else:
+                    rows.extend(Contribution(seam, cls.name, *where, "ok", cls) for cls in classes)
             self._seams[seam] = sorted(rows, key=lambda row: (row.name, row.distribution))
         return self._seams[seam]
 

@@ -100,7 +100,7 @@ def find_ended(run: StoredRun) -> list[Best] | None:
                 return None
             found.append(Best(target, result, files[0], files))
     except (InputError, AttributeError, LookupError, TypeError):
-        # An agent was changed, or somebody else wrote these facts.
+        # An agent was changed, or another program wrote these facts.
         return None
     return found
 

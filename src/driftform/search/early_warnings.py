@@ -53,7 +53,7 @@ def _describe_ends(flights: list[Trajectory], scenario: Scenario) -> Iterator[st
 
 def _describe_targets(flights: list[Trajectory], scenario: Scenario) -> Iterator[str]:
     missed = {
-        name: min(_distance_at_end(flight, np.array(point)) for flight in flights)
+        name: min(float(np.linalg.norm(flight.position[-1] - point)) for flight in flights)
         for name, point in scenario.target_points().items()
         if not any(_passes(flight, np.array(point), scenario) for flight in flights)
     }
@@ -69,7 +69,3 @@ def _passes(flight: Trajectory, target: FloatArray, scenario: Scenario) -> bool:
     distances = np.linalg.norm(flight.position - target, axis=1)
     leaves = flight.end == End.OUTLET and distances[-1] <= scenario.pipe.layout.inlet.radius
     return bool(leaves or np.argmin(distances) < len(distances) - 1)
-
-
-def _distance_at_end(flight: Trajectory, target: FloatArray) -> float:
-    return float(np.linalg.norm(flight.position[-1] - target))

@@ -2,7 +2,7 @@
 
 import logging
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import Any
@@ -42,9 +42,10 @@ class _Batch:
     seeds: Sequence[int]
     outcomes: dict[int, Evaluation] = field(default_factory=dict)
 
-    def record(self, index: int, evaluation: Evaluation) -> Record:
-        """Return what is stored of the outcome of one of the candidates."""
+    def add(self, index: int, evaluation: Evaluation) -> Record:
+        """Take the outcome of one of the candidates; return what is stored of it."""
         number = index - self.first
+        self.outcomes[index] = evaluation
         return Record(index, self.candidates[number], evaluation, self.seeds[number])
 
     @property
@@ -79,7 +80,7 @@ def run_search(
     arrivals = _evaluate_forever(executor, waiting)
     batches: deque[_Batch] = deque()
     asked = told = 0
-    # Nobody else writes meanwhile: beyond what is stored now there is nothing to read.
+    # No other process writes meanwhile: beyond what is stored now there is nothing to read.
     stored = store.last_index() + 1
     journal = _Journal(store, targets, on_record)
     with ExitStack() as at_end:
@@ -99,9 +100,8 @@ def run_search(
                 asked += len(batch.candidates)
             while not batches[0].is_complete:
                 for index, evaluation in next(arrivals):
-                    batch = _find_batch(batches, index)
-                    batch.outcomes[index] = evaluation
-                    journal.add(batch.record(index, evaluation))
+                    batch = next(batch for batch in reversed(batches) if batch.first <= index)
+                    journal.add(batch.add(index, evaluation))
             batch = batches[0]
             if len(batches) == 1 or count_survey(study.scenario.robustness):
                 # Nothing is flown meanwhile, or the survey reads them.
@@ -122,9 +122,7 @@ class _Journal:
     """
 
     def __init__(self, store: Store, targets: Sequence[str], on_record: Callable[[Record], None]) -> None:
-        self._store = store
-        self._targets = targets
-        self._on_record = on_record
+        self._store, self._targets, self._on_record = store, targets, on_record
         self._unwritten: list[Record] = []
 
     def add(self, record: Record) -> None:
@@ -170,10 +168,6 @@ def _list_jobs(batch: _Batch, best: "BestFitness") -> Iterator[Job]:
     for index, (candidate, seed) in enumerate(zip(batch.candidates, batch.seeds, strict=True), batch.first):
         if index not in batch.outcomes:
             yield Job(index, candidate.genome, seed, threshold=best.lower_threshold(candidate.threshold))
-
-
-def _find_batch(batches: Iterable[_Batch], index: int) -> _Batch:
-    return next(batch for batch in batches if 0 <= index - batch.first < len(batch.candidates))
 
 
 class BestFitness:

@@ -9,7 +9,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib import resources, util
 from string import Template
 from typing import Any
@@ -128,17 +128,8 @@ def list_uses(parts: Sequence[Names]) -> list[str]:
 def _list_words(names: Names) -> dict[str, str]:
     """Return what the templates of a seam are filled with."""
     seam = names.seam
-    return {
-        "distribution": names.distribution,
-        "package": names.package,
-        "plugin": names.plugin,
-        "class_name": names.class_name,
-        "options_name": names.options_name,
-        "seam": seam,
-        "summary": _read_about(seam)["summary"],
-        "table": f"{seam}.{names.plugin}" if seam in NAMED else seam,
-        "word": WORD,
-    }
+    table = f"{seam}.{names.plugin}" if seam in NAMED else seam
+    return {**asdict(names), "summary": _read_about(seam)["summary"], "table": table, "word": WORD}
 
 
 def _merge_studies(texts: Sequence[str]) -> str:

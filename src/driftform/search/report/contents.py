@@ -89,29 +89,22 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
     """
     study, scenario = run.study, run.study.scenario
     grammar, targets = study.make_plugin("grammar"), scenario.target_names
+    strategy = str(study.document.get("strategy", {}).get("use", "search"))
     with run.read() as store:
         if not store.count_sound():
             raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
         best, entries = read_best(run, store), []
         for number, (target, one) in enumerate(zip(targets, best, strict=True)):
             distances, times = approach_targets(one.trajectory, scenario)
-            entries.append(
-                Entry(
-                    target,
-                    one.stored.result["evaluation"],
-                    one.stored.result["fitness"],
-                    float(distances[number]),
-                    float(times[number]),
-                    one.stored,
-                    write_genome(grammar, one.stored.genome),
-                    one.agent,
-                    one.trajectory,
-                )
-            )
+            closest = float(distances[number]), float(times[number])
+            stored, result = one.stored, one.stored.result
+            genome = write_genome(grammar, stored.genome)
+            found = result["evaluation"], result["fitness"]
+            entries.append(Entry(target, *found, *closest, stored, genome, one.agent, one.trajectory))
         promises = {target: one.misses for target, one in zip(targets, best, strict=True) if one.misses is not None}
         figures = {
             "Flights and bodies": draw_overview(study, best, page),
-            "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study), page=page),
+            "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", strategy, page=page),
             "Reach": reach_svg(map_run(study, store), scenario, study.title, page),
         }
         strips = [
@@ -161,10 +154,6 @@ def _draw_causes(promises: Mapping[str, Misses], page: Page) -> dict[str, str]:
         for target, misses in promises.items()
         if (effects := misses.list_effects(0)) is not None
     }
-
-
-def _strategy_name(study: Study) -> str:
-    return str(study.document.get("strategy", {}).get("use", "search"))
 
 
 def _read_trends(store: Store, targets: Sequence[str]) -> list[Trend]:

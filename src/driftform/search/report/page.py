@@ -67,7 +67,7 @@ def page_html(contents: Contents) -> str:
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"fixed": _format_fixed, "general": _format_general, "metres": _format_length}
+    environment.filters |= {"fixed": "{:.{}f}".format, "general": "{:g}".format, "metres": _format_length}
     # The viewer reads tens of thousands of numbers; spaces between them would make the page larger.
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
     study, fitness = contents.study.document, contents.study.make_plugin("fitness")
@@ -172,11 +172,3 @@ def _format_length(metres: float | None) -> str:
     if metres is None:
         return "unknown"
     return f"{1000 * metres:.0f} mm" if metres < 1 else f"{metres:.2f} m"
-
-
-def _format_fixed(value: float, digits: int) -> str:
-    return f"{value:.{digits}f}"
-
-
-def _format_general(value: float) -> str:
-    return f"{value:g}"
