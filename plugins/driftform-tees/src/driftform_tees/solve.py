@@ -44,12 +44,20 @@ ShowShare: TypeAlias = Callable[[float], None]
 def solve_tee(junction: tee_wall.Junction) -> tee_store.TeePotentials:
     """Compute the two flows in a tee, as driftform stores them, in some minutes; progress is shown in percent."""
     with progress.count_progress("% of the flow in the tee") as show:
-        solved = _solve(junction, lambda share: show(int(100 * share), 100))
-        show(100, 100)
+        done = 0
+
+        def show_share(share: float) -> None:
+            nonlocal done
+            while done < min(100, int(100 * share)):
+                done += 1
+                show(done, 100)
+
+        solved = _solve_tee(junction, show_share)
+        show_share(1.0)
     return solved
 
 
-def _solve(junction: tee_wall.Junction, show: ShowShare) -> tee_store.TeePotentials:
+def _solve_tee(junction: tee_wall.Junction, show: ShowShare) -> tee_store.TeePotentials:
     wall = junction.array()
     levels = make_levels(junction)
     matrices, starts = coefficient_matrices(levels)
