@@ -266,8 +266,10 @@ def _viscous(
         Re = p * n[5] ** 2 / 4 / viscosity
         C = (3.507 * np.log10(max(Re, 40.0)) - 2.565) ** -2 * max(Re, 40.0) / Re
         other[3] -= 0.5 * rho * C * n[11] * omega[0] * p
-    # Auton: rho V C_L (u - v) x curl u at the centre of buoyancy.
-    force = rho * n[12] * _cross(-(v + _cross(omega, cob)), curl)
+    # Auton: rho V C_L (u - v) x curl u at the centre of buoyancy, for a shear that is weak beside the slip.
+    slip = -(v + _cross(omega, cob))
+    speed, difference = np.sqrt(np.sum(slip**2)), n[5] * np.sqrt(np.sum(curl**2))
+    force = rho * n[12] * _cross(slip, curl) / (1 + (difference / max(speed, 1e-30)) ** 4)
     other[:3] += force
     other[3:] += _cross(cob, force)
     return tau + other

@@ -14,9 +14,9 @@ KNOTS = 65_536
 """Steps of a walk, which many tracers share."""
 
 
-def straight_pipe(radius: float, speed: float, **tables: object) -> Scenario:
-    """Return a straight pipe with gusts in the logarithmic law of water."""
-    segment = {"start": [0, 0, 0], "end": [100 * radius, 0, 0], "radius": radius}
+def straight_pipe(radius: float, speed: float, length: float | None = None, **tables: object) -> Scenario:
+    """Return a straight pipe, 100 radii long unless said otherwise, with gusts in the logarithmic law of water."""
+    segment = {"start": [0, 0, 0], "end": [length or 100 * radius, 0, 0], "radius": radius}
     flow, fluid = {"kind": "turbulent", "speed": speed}, {"viscosity": 1.1e-6}
     return Scenario.model_validate({"pipe": {"segments": [segment]}, "flow": flow, "fluid": fluid, **tables})
 

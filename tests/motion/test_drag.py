@@ -311,8 +311,14 @@ def test_a_spin_about_the_axis_is_slowed_by_friction_on_the_side():
 
 def test_a_body_that_lags_behind_the_water_is_lifted_to_where_it_is_faster():
     # u = S z along x, and the body is slower: (u - v) x curl u / 2 = (U, 0, 0) x (0, S, 0) / 2.
-    lift = shear_lift((-0.3, 0.0, 0.0), (0.0, 4.0, 0.0), 0.5 * RHO * 1e-4)
-    assert lift == pytest.approx((0.0, 0.0, 0.5 * RHO * 1e-4 * 0.3 * 4.0))
+    lift = shear_lift((-0.3, 0.0, 0.0), (0.0, 4.0, 0.0), 0.5 * RHO * 1e-4, 0.01)
+    assert lift == pytest.approx((0.0, 0.0, 0.5 * RHO * 1e-4 * 0.3 * 4.0), rel=1e-3)
+
+
+def test_a_slip_that_is_smaller_than_the_difference_over_the_body_does_not_lift_it():
+    curl, mass = (0.0, 10.0, 0.0), 0.5 * RHO * 1e-4
+    for slip in (1e-2, 1e-3, 0.0):
+        assert abs(shear_lift((-slip, 0.0, 0.0), curl, mass, 0.05)[2]) <= 2e-3 * mass * slip * 10.0
 
 
 @given(speeds, rates)

@@ -25,6 +25,9 @@ from driftform.cli.options import (
 BAR = 20
 """Width of the longest bar, columns."""
 
+CHAOTIC = 0.01
+"""Estimated error (m) above which a path is one of many."""
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -245,5 +248,6 @@ def _describe_accuracy(trajectory: "Trajectory") -> str:
     if trajectory.energy_drift is not None:
         facts.append(f"energy drifts by {trajectory.energy_drift:.1e} until then")
     if trajectory.error is not None:
-        facts.append(f"estimated error of the position {1000 * trajectory.error:.2g} mm")
+        chaotic = "; the path is chaotic, and others are as likely" if trajectory.error > CHAOTIC else ""
+        facts.append(f"estimated error of the position {1000 * trajectory.error:.2g} mm{chaotic}")
     return "; ".join(facts)

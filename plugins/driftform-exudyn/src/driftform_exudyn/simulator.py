@@ -37,7 +37,7 @@ class ExudynOptions(Table):
         ge=1e-15,
         le=1e-2,
     )
-    tightest: float = option(1e-12, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2)
+    tightest: float = option(1e-12, "tolerance below which it is not reduced", "SI", ge=1e-15, le=1e-2)
     max_step: float = option(
         0.05,
         "longest time step and time between samples; RK67 and RK44 take all steps of this length",

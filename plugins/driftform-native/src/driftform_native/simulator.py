@@ -26,7 +26,7 @@ class NativeOptions(Table):
         ge=1e-15,
         le=1e-2,
     )
-    tightest: float = option(1e-12, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2)
+    tightest: float = option(1e-12, "tolerance below which it is not reduced", "SI", ge=1e-15, le=1e-2)
     max_step: float = option(0.05, "longest time step and time between samples", "s", ge=1e-5, le=10)
     step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0, le=100_000_000)
     threads: int = option(

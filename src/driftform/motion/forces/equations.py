@@ -199,7 +199,7 @@ def wrench_in_water(
         if n.is_steady == 0.0 and n.shear_volume > 0.0:
             there = add(moving, cross(omega, centre))
             mass = n.density * n.shear_volume * displaced / n.displaced_mass
-            wrench = add_wrenches(wrench, force_wrench(centre, shear_lift(there, curl, mass)))
+            wrench = add_wrenches(wrench, force_wrench(centre, shear_lift(there, curl, mass, n.diameter)))
     return add_wrenches(wrench, wall_wrench(position, R, velocity, omega, model)), moving, change
 
 

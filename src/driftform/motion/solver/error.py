@@ -3,7 +3,7 @@
 The errors of the steps (:mod:`driftform.motion.solver.loop`) do not give the error of the whole flight: it is estimated as
 twice the distance from a second integration with ten times the tolerance. The tolerance is tightened until this error is
 small enough, or, in gusts, until that no longer helps: then the path is chaotic, and any other that the same gusts allow is
-as likely. Any integrator whose error falls with a tolerance can be checked so.
+as likely. The same holds for a body that drag slows and that no tolerance makes exact. Any integrator whose error falls with a tolerance can be checked so.
 """
 
 import math
@@ -130,16 +130,15 @@ def fly_checked(
         accuracy: of a flight without gusts.
         matters: whether a first flight, with ten times the tolerance, is worth a check; all are if it is omitted.
     """
-    accuracy, accepted = (
-        (accuracy.loosen_for_gusts(), math.inf) if scenario.has_gusts else (accuracy, accuracy.position)
-    )
+    if scenario.has_gusts:
+        accuracy = accuracy.loosen_for_gusts()
+    accepted = math.inf if may_be_chaotic(model) else accuracy.position
     horizon, limit = scenario.flight.horizon, accuracy.step_limit
     first = fly(TOLERANCE_RATIO * accuracy.tolerance)
     if matters is not None:
         screened = finish_trajectory(first, model, horizon, limit)
         if not matters(screened):
             return screened
-    # A path in gusts that no tolerance fixes is one of many that the same gusts allow, as likely as any other.
     flown = tighten(fly, first, model, accuracy)
     return finish_trajectory(flown.samples, model, horizon, limit, flown.error, accepted, flown.other)
 
@@ -149,8 +148,8 @@ def tighten(
 ) -> IntegrationResult:
     """Return the flight at the first tolerance that makes its error small enough; see :func:`fly_checked`.
 
-    If no tolerance does, the result has the last error: infinite if the two integrations do not end alike, unless in
-    gusts, or both fail. ``first`` are the samples at ten times the tolerance of ``accuracy``.
+    If no tolerance does, the result has the last error: infinite if the two integrations do not end alike, unless the path may
+    be chaotic, or both fail. ``first`` are the samples at ten times the tolerance of ``accuracy``.
     """
     coarse, tolerance, least, before, has_gusts = first, accuracy.tolerance, 0.0, math.inf, len(model.gusts) > 0
     while True:
@@ -162,8 +161,19 @@ def tighten(
         hopeless = has_failed(coarse, accuracy.step_limit) and has_failed(fine, accuracy.step_limit)
         hopeless = hopeless or (has_gusts and error > CONVERGENCE * before)
         if error <= accuracy.position or tolerance / TOLERANCE_RATIO < accuracy.tightest or hopeless:
+            if math.isinf(error) and may_be_chaotic(model):
+                error = TOUCH_FACTOR * float(greatest_distance(coarse, fine, False))
             return IntegrationResult(fine, error, tolerance, coarse)
         coarse, tolerance, least, before = fine, tolerance / TOLERANCE_RATIO, distance / TOLERANCE_RATIO, error
+
+
+def may_be_chaotic(model: FlightModel) -> bool:
+    """Return True if a path that no tolerance fixes is one of many that are as likely: in gusts, and where drag acts.
+
+    A body that hops along the wall with almost no weight takes another path after any change, and drag keeps all of them near each
+    other. Without drag nothing does.
+    """
+    return len(model.gusts) > 0 or len(model.strips) > 0
 
 
 def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: Accuracy) -> IntegrationResult:
