@@ -42,3 +42,12 @@ def test_failed_flights_do_not_count_as_misses_and_are_counted_apart():
 def test_nothing_is_promised_if_all_flights_failed():
     misses = Misses(draw_conditions(Robustness(), 3, (1,)), np.full((3, 1, 3), np.nan))
     assert misses.describe(0) == {"flights": 3, "failed": 3, "median": None, "p90": None}
+
+
+def test_the_promise_in_known_gusts_stands_beside_that_in_gusts_that_are_in_doubt():
+    offsets = np.zeros((19, 1, 3))
+    offsets[:, 0, 2] = np.linspace(0.01, 0.19, 19)
+    misses = Misses(draw_conditions(Robustness(), 19, (1,)), offsets, 0.75 * offsets)
+    assert misses.describe(0)["p90"] == pytest.approx(0.18)
+    assert misses.describe(0)["p90_known_gusts"] == pytest.approx(0.75 * 0.18)
+    assert Misses(misses.conditions, offsets).promised_in_known_gusts is None

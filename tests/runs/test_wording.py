@@ -3,7 +3,15 @@
 from driftform.builtin.closest_approach import ClosestApproach
 from driftform.builtin.outlet import OutletFitness
 from driftform.interfaces import Fitness
-from driftform.runs.wording import describe_result, describe_worth, list_cells, list_headings, name_verdict, summarise
+from driftform.runs.wording import (
+    describe_doubt,
+    describe_result,
+    describe_worth,
+    list_cells,
+    list_headings,
+    name_verdict,
+    summarise,
+)
 from driftform.types import Verdict
 from driftform.util.options import Table
 
@@ -98,6 +106,18 @@ def test_a_shape_that_is_hardly_better_than_nothing_is_said_to_matter_little():
     fitness = ClosestApproach(Table())
     assert describe_worth(fitness, results).startswith("the shape matters little for B:")
     assert describe_worth(fitness, {"A": results["A"]}) == ""
+
+
+def test_what_the_doubt_about_gusts_makes_of_the_misses_is_said_if_there_is_one():
+    results = {name: result_of(1, 1, 0, (0.3, 0.2, 0.5)) for name in "ABC"}
+    fitness = ClosestApproach(Table())
+    assert describe_doubt(fitness, results) == ""
+    for result, known in zip(results.values(), (0.19, 0.16, 0.2), strict=True):
+        result["robust"]["weighed"]["p90_known_gusts"] = known
+    assert describe_doubt(fitness, results).endswith(
+        "5 % of the 90 % misses of weighed prints in the median, 20 % at most (B)"
+    )
+    assert describe_doubt(OutletFitness(Table()), results) == ""
 
 
 def test_a_fitness_of_shares_is_compared_by_shares():

@@ -1,6 +1,7 @@
 """The last round: who is flown again, and who wins."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -25,7 +26,7 @@ from driftform.search.jobs import Job, Outcome
 from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, FloatArray, Genome
-from driftform.water.disturbances import Specimen
+from driftform.water.disturbances import KNOWN, Specimen
 from driftform.water.scenario import Robustness
 
 SETTINGS = ("robustness.conditions=4", "robustness.finalists=2", "robustness.checks=3")
@@ -115,6 +116,27 @@ def test_the_conditions_of_the_promise_are_not_those_of_the_choice() -> None:
     drawn = draw_rounds(study_of())
     assert len(set(drawn)) == len(drawn) == 4 + 3 * len(Specimen)
     assert not {c.gusts for c in drawn[:4]} & {c.gusts for c in drawn[4:]}
+
+
+def test_weighed_prints_fly_again_in_known_gusts_if_the_gusts_are_in_doubt(tmp_path: Path) -> None:
+    options = {"targets": ["TP2"], "use": {"simulator": "native", "strategy": "random"}}
+    study = load_study("pipe-inspection", settings=SETTINGS, run={"seed": 2, "evaluations": 6}, **options)
+    drawn = draw_rounds(study)
+    assert len(drawn) == 4 + 3 * (len(Specimen) + 1)
+    assert drawn[-3:] == tuple(replace(c, turbulence=KNOWN) for c in drawn[7:10])
+    sure = [f"robustness.gust_{name}=0" for name in ("strength", "memory", "crossing")]
+    for table in (sure, ["robustness.gusts=false"], ["gusts.strength=0"]):
+        calm = load_study("pipe-inspection", settings=(*SETTINGS, *table), **options)
+        assert len(draw_rounds(calm)) == 4 + 3 * len(Specimen)
+    executor = InProcess(study.make_pipeline())
+    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
+        run_search(study, store, executor)
+        fly_finalists(study, store, executor)
+        winner = find_winner(study, store, "TP2")
+    assert winner is not None
+    found = {specimen: promise.document() for specimen, promise in winner.promises.items()}
+    assert [specimen for specimen in found if "p90_known_gusts" in found[specimen]] == [Specimen.WEIGHED]
+    assert 0 < abs(found[Specimen.WEIGHED]["p90_known_gusts"] - found[Specimen.WEIGHED]["p90"]) < 0.1
 
 
 def test_the_best_agent_is_the_one_that_was_chosen_with_its_own_promise(store: Store) -> None:

@@ -135,6 +135,25 @@ def test_disturbed_flights_meet_gusts_in_a_flow_that_has_their_mean():
     assert all(c.gusts is None for c in draw_conditions(Robustness(gusts=False), 3, (1,)))
 
 
+def test_what_is_not_known_of_gusts_is_disturbed_and_changes_no_other_draw():
+    asked = Robustness(gust_strength=0.1, gust_memory=0.2, gust_crossing=0.3)
+    drawn = draw_conditions(asked, 2000, (1,))
+    factors = np.array([c.turbulence for c in drawn])
+    deviation = 0.98658  # of a standard normal cut off at three
+    assert factors.mean(axis=0) == pytest.approx([1, 1, 1], abs=1e-3)
+    assert factors.std(axis=0) == pytest.approx(deviation * np.array([0.1, 0.2, 0.3]), rel=0.01)
+    assert np.abs(np.corrcoef(factors.T) - np.eye(3)).max() < 0.07
+    known = draw_conditions(Robustness(gust_strength=0.0, gust_memory=0.0, gust_crossing=0.0), 2000, (1,))
+    assert known == tuple(replace(c, turbulence=(1.0, 1.0, 1.0)) for c in drawn)
+
+
+def test_a_disturbed_flight_has_the_strength_memory_and_crossing_of_its_condition():
+    scenario = pipe(flow={"kind": "log_law"}, gusts={"strength": 0.5, "memory": 2.0, "crossing": 0.4})
+    there = disturb_scenario(changed(turbulence=(1.2, 0.7, 1.5)), scenario).gusts
+    assert (there.strength, there.memory, there.crossing) == pytest.approx((0.6, 1.4, 0.6))
+    assert disturb_scenario(changed(gusts=None, turbulence=(1.2, 0.7, 1.5)), scenario).gusts == scenario.gusts
+
+
 def test_a_disturbed_wall_weighs_as_much_as_a_hull_with_a_thicker_wall():
     pipeline = load_study("paper", settings=["builder.wall=0.00125"]).make_pipeline()
     thicker = load_study("paper", settings=["builder.wall=0.00127"]).make_pipeline()

@@ -117,6 +117,7 @@ def _describe_stop(run: "StoredRun") -> str:
 def _print_results(run: "StoredRun", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
     from driftform.cli.output import print_table, print_text
     from driftform.runs.wording import (
+        describe_doubt,
         describe_worth,
         explain_columns,
         is_promised,
@@ -147,8 +148,8 @@ def _print_results(run: "StoredRun", results: "list[Best]", pictures: tuple[Path
         print_text(summarise(fitness, found))
     if results and promised:
         print_text(explain_columns(fitness, scenario.robustness.checks))
-        if worth := describe_worth(fitness, found):
-            print_text(worth)
+        for text in filter(None, (describe_worth(fitness, found), describe_doubt(fitness, found))):
+            print_text(text)
     lost = {name: r["robust"]["failed"] for name, r in found.items() if promised and r["robust"]["failed"]}
     if lost:
         counts = ", ".join(f"{count} of {target}" for target, count in lost.items())

@@ -197,16 +197,16 @@ def _print_misses(misses: "DisturbedFlights", flight: "Flight") -> None:
 
     names = flight.scenario.target_names
     print(f"{misses.count} flights under disturbed conditions:")
-    failed = np.isnan(misses.distances).sum(axis=0)
-    more = ("failed",) if failed.any() else ()
-    print_table(
-        ("target", "nominal mm", "median mm", "90 % mm", *more),
-        (
-            (name, *map(format_miss, (flight.closest[name], median, promised)), *(str(n) for _ in more))
-            for name, median, promised, n in zip(names, misses.median, misses.promised, failed, strict=True)
-        ),
-        right=(1, 2, 3, 4),
-    )
+    failed, known = np.isnan(misses.distances).sum(axis=0), misses.promised_in_known_gusts
+    columns = {
+        "nominal mm": [format_miss(flight.closest[name]) for name in names],
+        "median mm": [*map(format_miss, misses.median)],
+        "90 % mm": [*map(format_miss, misses.promised)],
+        "90 % in known gusts": [] if known is None else [*map(format_miss, known)],
+        "failed": failed.astype(str).tolist() if failed.any() else [],
+    }
+    shown = {heading: column for heading, column in columns.items() if column}
+    print_table(("target", *shown), zip(names, *shown.values(), strict=True), right=range(1, 1 + len(shown)))
     if reason := misses.describe_failures():
         print_text(f"failed flights do not count; most often: {reason}")
     shares = misses.outlet_shares(flight.scenario)

@@ -33,7 +33,7 @@ from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Tra
 from driftform.util.files import is_directory, make_directory, safe_stem
 from driftform.util.notebook import show_picture
 from driftform.water import Scenario
-from driftform.water.disturbances import draw_conditions
+from driftform.water.disturbances import draw_conditions, know_gusts
 
 Progress = Callable[[int, int], None]
 """Takes the number of steps that are done, and of all."""
@@ -210,21 +210,24 @@ class Design:
     def disturb(self, flights: int, seed: int = 0, progress: Progress = ignore) -> DisturbedFlights:
         """Fly it under disturbed conditions, drawn from ``seed``, and return how far it misses each target and where it leaves.
 
-        ``[robustness]`` of its scenario says what varies.
+        ``[robustness]`` of its scenario says what varies. If the gusts are in doubt, each flight is flown once more in the same
+        gusts, but as ``[gusts]`` describes them.
         """
         conditions = draw_conditions(self.scenario.robustness, flights, (seed, flights), self.scenario.calibration)
+        known = know_gusts(conditions, self.scenario)
         offsets: list[FloatArray] = []
         outlets: list[str | None] = []
         failures: list[str | None] = []
-        for condition in conditions:
+        for condition in (*conditions, *known):
             [evaluation] = self.pipeline.evaluate([self.stored.genome], conditions=[condition])
             offsets.append(find_offsets(evaluation, self.scenario))
             failures.append(evaluation.failure)
             flight = evaluation.trajectory if evaluation.failure is None else None
             outlets.append(None if flight is None else name_outlet(flight, self.scenario))
-            progress(len(offsets), flights)
-        vectors = np.array(offsets).reshape(flights, len(self.scenario.targets), 3)
-        return DisturbedFlights(conditions, vectors, outlets, failures)
+            progress(len(offsets), flights + len(known))
+        vectors = np.array(offsets).reshape(-1, len(self.scenario.targets), 3)
+        beside = vectors[flights:] if known else None
+        return DisturbedFlights(conditions, vectors[:flights], beside, outlets[:flights], failures[:flights])
 
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
         """Write it as a file for printers and other programs, and return the paths of what was written.

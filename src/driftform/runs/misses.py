@@ -42,10 +42,12 @@ class Misses:
         conditions: of each flight.
         offsets: vector from each target to the closest approach of each flight, world frame, m, (flights, targets,
             3); NaN for a failed flight. In a pipe with parts it is as long as the path through the water.
+        known: the same in the same gusts, but as ``[gusts]`` describes them; ``None`` if they are not in doubt.
     """
 
     conditions: Sequence[Condition]
     offsets: FloatArray
+    known: FloatArray | None = None
 
     @cached_property
     def distances(self) -> FloatArray:
@@ -72,17 +74,27 @@ class Misses:
         """Miss that 9 of 10 sound flights stay within, m, (targets,); infinite without any."""
         return self._estimate(PROMISED)
 
+    @property
+    def promised_in_known_gusts(self) -> FloatArray | None:
+        """The same of the flights in known gusts; ``None`` if the gusts are not in doubt."""
+        return None if self.known is None else Misses(self.conditions, self.known).promised
+
     def _estimate(self, share: float) -> FloatArray:
         sound = [column[~np.isnan(column)] for column in self.distances.T]
         return np.array([estimate_quantile(d[:, None], share)[0] if len(d) else np.inf for d in sound])
 
     def describe(self, target: int) -> dict[str, Any]:
-        """Return numbers of flights and failures, and median and promised miss of a target (m), ``None`` if infinite."""
+        """Return numbers of flights and failures, and median and promised miss of a target (m), ``None`` if infinite.
+
+        If the gusts are in doubt, the promised miss in known gusts is the last.
+        """
+        known = self.promised_in_known_gusts
         return {
             "flights": self.count,
             "failed": int(np.isnan(self.distances[:, target]).sum()),
             "median": finite_or_none(self.median[target]),
             "p90": finite_or_none(self.promised[target]),
+            **({} if known is None else {"p90_known_gusts": finite_or_none(known[target])}),
         }
 
     def list_effects(self, target: int) -> list[Effect] | None:

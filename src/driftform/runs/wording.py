@@ -6,6 +6,7 @@ these flights that hit the target; without, it is what the fitness says of the u
 
 from collections.abc import Mapping
 from math import isfinite
+from statistics import median
 from typing import Any
 
 from driftform.interfaces import Fitness
@@ -114,6 +115,23 @@ def describe_worth(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
     return (
         f"the shape matters little for {', '.join(unmoved)}: the baseline {does}, because the "
         "water carries it there, and gusts decide the rest"
+    )
+
+
+def describe_doubt(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
+    """Return how much of the 90 % misses of weighed prints is due to the doubt about gusts; an empty text if there is none.
+
+    It is negative where flights in known gusts miss by more.
+    """
+    weighed = {name: result["robust"]["weighed"] for name, result in results.items() if is_promised(result)}
+    pairs = {name: (each["p90"], each.get("p90_known_gusts")) for name, each in weighed.items()}
+    shares = {name: 1 - known / p90 for name, (p90, known) in pairs.items() if p90 and known is not None}
+    if not shares or fitness.share:
+        return ""
+    most = max(shares, key=lambda name: shares[name])
+    return (
+        f"what is not known of gusts, their strength, memory and crossing, makes {100 * median(shares.values()):.0f} % of the "
+        f"90 % misses of weighed prints in the median, {100 * shares[most]:.0f} % at most ({most})"
     )
 
 

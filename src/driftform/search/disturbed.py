@@ -11,7 +11,7 @@ from driftform.search.jobs import Executor, Job
 from driftform.study import Study
 from driftform.types import BoolArray
 from driftform.util.latest import keep_latest
-from driftform.water.disturbances import Condition, Specimen, draw_conditions
+from driftform.water.disturbances import Condition, Specimen, draw_conditions, know_gusts
 from driftform.water.scenario import evaluation_seed
 
 
@@ -19,15 +19,18 @@ from driftform.water.scenario import evaluation_seed
 def draw_rounds(study: Study) -> tuple[Condition, ...]:
     """Return the conditions of the choice, and after them those of the promise, for a run of a study.
 
-    The latter are the same for each of :class:`Specimen`: print, weighed print and baseline, in this order.
+    The latter are the same for each of :class:`Specimen`: print, weighed print and baseline, in this order. If the gusts are in
+    doubt, the weighed print also flies in gusts as ``[gusts]`` describes them, last of all.
     """
     robustness, calibration = study.scenario.robustness, study.scenario.calibration
     choice = draw_conditions(robustness, robustness.conditions, (study.seed, 0), calibration)
     fresh = draw_conditions(robustness, robustness.checks, (study.seed, 1), calibration)
     chosen = Specimen.WEIGHED if robustness.weighed else Specimen.PRINT
+    weighed = [replace(condition, specimen=Specimen.WEIGHED) for condition in fresh]
     return (
         *(replace(condition, specimen=chosen) for condition in choice),
         *(replace(condition, specimen=specimen) for specimen in Specimen for condition in fresh),
+        *know_gusts(weighed, study.scenario),
     )
 
 

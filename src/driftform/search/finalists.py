@@ -208,7 +208,8 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     if not robustness.conditions:
         return None
     conditions = draw_rounds(study)
-    judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
+    first, count = robustness.conditions, robustness.checks
+    judged, checked = range(first), range(first, first + len(Specimen) * count)
     within = float(find_within(study.scenario)[study.scenario.target_names.index(target)])
     flown = store.read_disturbed(target)
     judged_all = [index for index, flights in flown.items() if all(number in flights for number in judged)]
@@ -225,9 +226,13 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     if not all(number in flights for number in checked):
         return Winner(equals[0], best)
     offsets, promises = store.read_offsets(target, equals[0]), dict[Specimen, Promise]()
+    # A run of an earlier version has no flights in known gusts.
+    known = [at for at in range(checked.stop, len(conditions)) if at in flights]
     for specimen in Specimen:
         fresh = [at for at in checked if conditions[at].specimen is specimen]
-        misses = Misses([conditions[at] for at in fresh], np.array([offsets[at] for at in fresh])[:, None])
+        found = [np.array([offsets[at] for at in part])[:, None] for part in (fresh, known) if part]
+        beside = found[-1] if specimen is Specimen.WEIGHED and len(known) == count else None
+        misses = Misses([conditions[at] for at in fresh], found[0], beside)
         sound = [
             fitness.is_hit(flights[at], miss, within)
             for at, miss in zip(fresh, misses.distances[:, 0].tolist(), strict=True)

@@ -35,6 +35,10 @@ SCALE = 0.00005
 """Smallest step of the scale that weighs a print, and of its ballast, kg."""
 
 
+KNOWN = (1.0, 1.0, 1.0)
+"""Factors on strength, memory and crossing of gusts that are as ``[gusts]`` describes them."""
+
+
 class Specimen(StrEnum):
     """The body that flies under a condition."""
 
@@ -62,6 +66,7 @@ class Condition:
             :attr:`driftform.water.Calibration.intervals`.
         swirl: increase of the secondary flow of bends, relative to the mean speed.
         left: excess mass of a weighed and trimmed print, kg.
+        turbulence: factors on strength, memory and crossing of the gusts.
         specimen: the body that flies.
     """
 
@@ -77,6 +82,7 @@ class Condition:
     calibrated: tuple[float, ...] = ()
     swirl: float = 0.0
     left: float = 0.0
+    turbulence: tuple[float, float, float] = KNOWN
     specimen: Specimen = Specimen.PRINT
 
 
@@ -99,7 +105,7 @@ def draw_conditions(
     ]
     rng = np.random.default_rng(tuple(seed))
     calibration = calibration or Calibration()
-    first, second = rng.spawn(2)
+    first, second, third = rng.spawn(3)
     shares = draw_latin_hypercube(first, count, len(deviations) + len(calibration.intervals))
     deviates = ndtri(BEYOND + (1 - 2 * BEYOND) * shares)
     # The sign of a secondary flow is known.
@@ -110,11 +116,22 @@ def draw_conditions(
     if robustness.gusts:
         gusts = rng.integers(2**32, size=count).tolist()
     left = SCALE * (shares[:, 6] + shares[:, 7] - 1)
-    rows = zip(drawn.tolist(), gusts, factors, (robustness.swirl * cells).tolist(), left.tolist(), strict=True)
+    doubts = (robustness.gust_strength, robustness.gust_memory, robustness.gust_crossing)
+    shares = draw_latin_hypercube(third, count, len(doubts))
+    turbulence = map(tuple, (1 + doubts * ndtri(BEYOND + (1 - 2 * BEYOND) * shares)).tolist())
+    swirls = (robustness.swirl * cells).tolist()
+    rows = zip(drawn.tolist(), gusts, factors, swirls, left.tolist(), turbulence, strict=True)
     return tuple(
         Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], *rest)
         for x, *rest in ((x, gust, tuple(known), *others) for x, gust, known, *others in rows)
     )
+
+
+def know_gusts(conditions: Sequence[Condition], scenario: Scenario) -> tuple[Condition, ...]:
+    """Return the conditions with the same gusts, but as ``[gusts]`` describes them; none if they are all so already."""
+    known = tuple(replace(condition, turbulence=KNOWN) for condition in conditions)
+    has_doubt = scenario.can_have_gusts and scenario.robustness.gusts and known != tuple(conditions)
+    return known if has_doubt else ()
 
 
 def draw_latin_hypercube(rng: np.random.Generator, count: int, quantities: int) -> FloatArray:
@@ -139,7 +156,15 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
     if isinstance(flow, PipeFlow):
         flow = flow.model_copy(update={"swirl": flow.swirl + condition.swirl})
     if condition.gusts is not None and scenario.can_have_gusts:
-        gusts = gusts.model_copy(update={"always": True, "seed": condition.gusts})
+        names = ("strength", "memory", "crossing")
+        factors = zip(names, condition.turbulence, strict=True)
+        gusts = gusts.model_copy(
+            update={
+                "always": True,
+                "seed": condition.gusts,
+                **{name: factor * getattr(gusts, name) for name, factor in factors},
+            }
+        )
     release = scenario.release.model_copy(
         update={
             "position": _shift_release(scenario, condition.across),

@@ -181,6 +181,11 @@ class Robustness(Table):
     gusts: bool = option(
         True, "gusts in disturbed flights, as [gusts] describes them, if the flow is developed and turbulent"
     )
+    gust_strength: float = option(
+        0.2, "standard deviation of `gusts.strength` in disturbed flights with gusts, relative to it", ge=0, le=0.3
+    )
+    gust_memory: float = option(0.25, "standard deviation of `gusts.memory`, relative to it; the same", ge=0, le=0.3)
+    gust_crossing: float = option(0.3, "standard deviation of `gusts.crossing`, relative to it; the same", ge=0, le=0.3)
     swirl: float = option(
         0.1,
         "standard deviation of `flow.swirl`, the secondary flow in and after bends, which is never negative; ideal flow has "

@@ -18,7 +18,15 @@ from driftform.figures.flight import flight_svg
 from driftform.figures.section import section_svg
 from driftform.motion.forces.limits import list_limits
 from driftform.runs.run import StoredRun
-from driftform.runs.wording import describe_worth, explain_columns, is_promised, list_cells, list_headings, summarise
+from driftform.runs.wording import (
+    describe_doubt,
+    describe_worth,
+    explain_columns,
+    is_promised,
+    list_cells,
+    list_headings,
+    summarise,
+)
 from driftform.search.report.contents import Contents, collect_contents
 from driftform.search.report.kinds import count_kinds, name_kind
 from driftform.util.files import make_directory, write_text
@@ -82,7 +90,7 @@ def page_html(contents: Contents) -> str:
         script=scene.read_viewer(),
         data=viewer_data(contents),
         lead=summarise(fitness, results) + ".",
-        worth=describe_worth(fitness, results),
+        notes=[text for text in (describe_worth(fitness, results), describe_doubt(fitness, results)) if text],
         kinds=kinds,
         kinds_in_words=count_kinds(kinds.values()),
         legend=explain_columns(fitness, contents.scenario.robustness.checks),
