@@ -14,9 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.motion import forces
 from driftform.types import FloatArray
-from driftform.util import rotations
 from driftform.water import Scenario
 from driftform_robotics.models.link import Link
 
@@ -134,7 +132,8 @@ def fly_own(job: ExportJob, link: Link, seconds: float) -> FloatArray:
 
     The flight is that of driftform in open water; it is not finite where that fails.
     """
-    from driftform.motion import path, solver
+    from driftform.motion import forces, path, solver
+    from driftform.util import rotations
 
     fluid = job.scenario.fluid.model_copy(update={"water_level": None})
     calm = Scenario().flow.model_copy(update={"speed": 0.0})

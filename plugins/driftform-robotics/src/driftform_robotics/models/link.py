@@ -8,7 +8,6 @@ import numpy as np
 from driftform.interfaces import ExportJob
 from driftform.motion import forces
 from driftform.types import Body, FloatArray
-from driftform.util import rotations
 from driftform.water import Scenario
 from driftform_robotics.models.damping import linear_damping, quadratic_damping, reference_speed
 from driftform_robotics.models.meshes import folds_back
@@ -48,6 +47,8 @@ class Link:
     @property
     def rotation(self) -> FloatArray:
         """Attitude at the release, body to world, (3, 3)."""
+        from driftform.util import rotations
+
         return rotations.matrix_from_quaternion(self.quaternion)
 
     @property
@@ -67,6 +68,8 @@ class Link:
 
 def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
     """Return the link of a job, at its release."""
+    from driftform.util import rotations
+
     agent, scenario = job.agent, job.scenario
     mass = agent.mass
     speed = drag_speed or reference_speed(agent, scenario.fluid)
