@@ -302,12 +302,14 @@ def measure_correlation(off: FloatArray) -> float:
     statistical mechanics, section 3, with a simpler end).
     """
     products = np.zeros(off.shape[1])
+    from scipy.signal import correlate
+
     for series in np.moveaxis(off, 1, 2).reshape(-1, off.shape[1]):
         seen = series[np.isfinite(series)]
         if len(seen) >= 8:
             limit = 3 * 1.4826 * np.median(np.abs(seen)) + 1e-300
             seen = np.clip(seen, -limit, limit)
-            full = np.correlate(seen, seen, "full")[len(seen) - 1 :]
+            full = correlate(seen, seen, method="fft")[len(seen) - 1 :]
             products[: len(full)] += full
     if products[0] <= 0:
         return 1.0
