@@ -28,6 +28,7 @@ from driftform.water import Scenario
 from driftform.water.flow import FLOWS
 from driftform.water.fluids import FLUIDS
 from driftform.water.parts.tables import PARTS as PIPE_PARTS
+from driftform_frusta.materials import MATERIALS
 
 Check = Callable[[Path, str], None]
 
@@ -502,3 +503,24 @@ def module_rows() -> list[str]:
 def test_module_table_of_dataflow_page(docs: Path, up_to_date: Check) -> None:
     path = docs / "dataflow.md"
     up_to_date(path, with_generated(path.read_text(encoding="utf-8"), "modules", module_rows()))
+
+
+# docs/printing.md
+
+
+def material_rows() -> list[str]:
+    """A row for each material of hulls, in the units that data sheets use."""
+    lines = [
+        "| material | kg/m3 | modulus, GPa | along, MPa | across, MPa | creep | Poisson | expansion, 1e-6/K | water, % |"
+    ]
+    lines.append("|---|" + "---:|" * 8)
+    for name, m in MATERIALS.items():
+        cells = (m.density, m.modulus / 1e9, m.strength / 1e6, m.across / 1e6, m.creep, m.poisson)
+        cells += (m.expansion * 1e6, m.absorption * 100)
+        lines.append("| ".join([f"| {name} ", *(f"{cell:.4g} " for cell in cells)]) + "|")
+    return lines
+
+
+def test_the_table_of_materials(docs: Path, up_to_date: Check) -> None:
+    page = docs / "printing.md"
+    up_to_date(page, with_generated(page.read_text(encoding="utf-8"), "materials", material_rows()))

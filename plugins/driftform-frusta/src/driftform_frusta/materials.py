@@ -10,13 +10,29 @@ _SAME = 0.004
 
 @dataclass(frozen=True)
 class Material:
-    """A material: its density (kg/m3), the source of that, and what to know of it in water, if anything.
+    """A material as it is printed, at 23 degrees C; ``materials.toml`` defines each number.
 
-    Water uptake of resins: "Water Absorption of Underwater Products by Additive Manufacturing", Materials 17, 5953 (2024).
+    Attributes:
+        density: kg/m3; ``source`` says whose.
+        modulus, strength, across: Young's modulus, tensile strength along and across the layers, in minutes, Pa.
+        creep: share of these that is left after 1000 h under load.
+        poisson: Poisson's ratio.
+        expansion: coefficient of linear thermal expansion, 1/K.
+        absorption: mass of water that it takes up, over its own.
+        mechanics: sources of all but the density.
+        note: what to know of it in water, if anything.
     """
 
     density: float
+    modulus: float
+    strength: float
+    across: float
+    creep: float
+    poisson: float
+    expansion: float
+    absorption: float
     source: str
+    mechanics: str
     note: str
 
 
