@@ -436,7 +436,7 @@ def test_validity_page(docs: Path, up_to_date: Check) -> None:
         "",
         "Every formula of the water and of the motion, with the quantity that decides whether it holds, and what the program",
         "does outside; generated from the program. `driftform scenarios check` and `evolve` print the warnings of a study,",
-        "`inspect`, the report and the studio those of an agent too. The speed of an agent through the water is its terminal",
+        "`inspect`, `simulate`, the report and the studio those of an agent too. The speed of an agent through the water is its terminal",
         "speed, or a fifth of that of the water if this is more.",
         "",
         "| formula | quantity | symbol | holds | source | outside |",

@@ -81,12 +81,15 @@ def test_end_heavy_cylinders_fall_upright_if_short_and_drift_at_a_constant_tilt_
     assert 20 < least == pytest.approx(most, abs=0.1) and most < 85 and drift > 0.1
 
 
-def test_small_neutral_bodies_are_as_fast_as_the_middle_of_the_flow_allows(found):
+def test_neutral_bodies_are_as_fast_as_measured_and_as_the_middle_of_the_flow_allows(found):
     # The logarithmic law on the axis: 1 + 1.5 u* / (kappa U), with Prandtl's friction at Re = 31 750.
     ahead = 1 + 1.5 * (0.0234 / 8) ** 0.5 / 0.4
-    speeds = [found[f"{shape}, d/D {ratio}"] for shape in ("sphere", "cylinder") for ratio in (0.1, 0.2, 0.3)]
-    assert all(1.05 < speed < ahead for speed in speeds)
-    assert speeds[:3] == sorted(speeds[:3], reverse=True), "the smaller the faster"
+    for shape in ("sphere", "cylinder"):
+        speeds = [v for what, v in found.items() if what.startswith(f"{shape}, d/D ")]
+        assert len(speeds) >= 5 and all(1.05 < speed < ahead for speed in speeds)
+        assert speeds == sorted(speeds, reverse=True), "the smaller the faster"
+    for ratio in (0.31, 0.69):
+        assert 1.05 < found[f"sphere in gusts, d/D {ratio}"] < ahead
 
 
 def test_spheres_bounce_in_oil_as_high_and_as_late_as_measured(experiments):
@@ -108,7 +111,36 @@ def test_the_history_force_is_what_the_first_bounces_lack(experiments):
         assert abs(value - measured) < abs(without[what] - measured) / 2, what
 
 
-def test_heavy_spheres_roll_along_a_tight_pipe_about_as_fast_as_the_water(found):
-    for feet in (2.5, 5.0):
-        assert 1.0 < found[f"{feet} ft/s: velocity over that of the water"] < 1.12
-        assert found[f"{feet} ft/s: speed of the surface over that of rolling"] == pytest.approx(1, abs=0.05)
+def test_heavy_spheres_roll_along_a_tight_pipe_about_as_fast_as_the_water(experiments):
+    rows = {what: value for what, _, value in experiments["spheres_in_pipes"][1]}
+    assert all(v == pytest.approx(1, abs=0.05) for what, v in rows.items() if "rolling" in what)
+    for ratio, least in ((0.5, 1.0), (0.69, 1.035)):
+        assert all(least < v < 1.08 for what, v in rows.items() if "water" in what and f"d/D {ratio}" in what)
+
+
+def test_heavy_cylinders_are_not_faster_than_measured_but_peak_lower(experiments):
+    module, rows = experiments["cylinders_in_pipes"]
+    fastest = max(value for what, _, value in rows if "balance" not in what)
+    assert 1.05 < fastest < 1.15
+    # Why: the gap around a long cylinder, which the model lacks, has Ellis' neutral ones within his bounds.
+    assert all(1.05 < module.balance_gap(ratio) < 1.5 for ratio in (0.39, 0.6, 0.8, 0.89))
+    assert module.balance_gap(1.0) == pytest.approx(1.0) and module.balance_gap(0.8) > 1.15
+
+
+def test_spheres_roll_along_a_bed_within_the_scatter_of_the_water_at_their_top(experiments):
+    rows = {what: value for what, _, value in experiments["rolling_spheres"][1]}
+    at_top = {what: v for what, v in rows.items() if what.endswith("at its top")}
+    assert len(at_top) == 5 and all(0.7 < value < 1.3 for value in at_top.values())
+    for what, value in at_top.items():
+        assert rows[f"{what}, level"] < value, "the slope drives a sphere as it drives the water"
+        assert rows[f"{what}, level"] < rows[f"{what}, level, no friction"] < 1, "the water's couple holds it back"
+    # "Up to approximately 20", with their scatter of 30 %.
+    assert max(value for what, value in rows.items() if "u*" in what) < 26
+
+
+def test_a_sphere_lifts_off_a_floor_if_it_is_light_and_not_if_it_is_dense(experiments):
+    rows = {what: value for what, _, value in experiments["lifting_spheres"][1]}
+    for units in (58, 122):
+        light, middle, dense = (v for what, v in rows.items() if f"d+ {units}:" in what)
+        assert light > 0.5 and dense < 0.1
+        assert light > middle >= dense

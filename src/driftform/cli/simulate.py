@@ -87,7 +87,7 @@ def simulate(
     if film is not None:
         with count_progress("frames") as progress:
             design.film(film, renderer=renderer, flight=flight, progress=progress)
-    departures = design.list_departures()
+    departures = [*design.list_limits(), *design.list_departures()]
     for line in departures:
         typer.echo(f"warning: {line}", err=True)
     misses = None
