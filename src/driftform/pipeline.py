@@ -25,13 +25,13 @@ from driftform.water import Scenario
 from driftform.water.disturbances import (
     Condition,
     Specimen,
-    disturb_body,
     disturb_calibration,
     disturb_fluid,
     disturb_scenario,
     stop_after_targets,
 )
 from driftform.water.misfit import ease_release, find_misfit
+from driftform.water.prints import disturb_body
 
 MARGIN = 0.2
 """Fitness (%) below its threshold down to which an unchecked flight still matters, because its fitness may be too low.
@@ -123,11 +123,13 @@ class Pipeline:
             volume = solid_of_revolution(body.outer).volume
             return make_sphere((6 * volume / np.pi) ** (1 / 3), disturb_fluid(condition, fluid))
         if condition is not None:
-            body, fluid = disturb_body(condition, body), disturb_fluid(condition, fluid)
             calibration = disturb_calibration(condition, calibration)
         factors = calibration.factors
         body = factors.scale_body(body)
         mass = mass_properties(body)
+        if condition is not None:
+            # The water flows around it as around the design: a tenth of a millimetre changes its weight, and no coefficient.
+            mass, fluid = mass_properties(disturb_body(condition, body, fluid)), disturb_fluid(condition, fluid)
         found = self.hydrodynamics.coefficients(body, fluid)
         coefficients = require_coefficients(found, body, self.hydrodynamics)
         if options.drag == "strips":

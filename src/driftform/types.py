@@ -225,6 +225,8 @@ class Body:
         ballast: volume integrals of the ball of ballast that lies inside the hull, on its axis. What holds it counts
             as a part of it, so that the hull does not depend on it.
         ballast_density: density of the ballast, kg/m3.
+        expansion: coefficient of thermal expansion of the hull's material, linear, 1/K.
+        squeeze: share of its volume that the hull loses under the pressure that it is built for.
     """
 
     outer: FloatArray
@@ -236,6 +238,8 @@ class Body:
     fittings: Fittings = Fittings()
     ballast: Moments = Moments()
     ballast_density: float = 0.0
+    expansion: float = 0.0
+    squeeze: float = 0.0
 
     def __post_init__(self) -> None:
         freeze_fields(self, outer=(None, 2), cavity=(None, 2), joints=(None,))

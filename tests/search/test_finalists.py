@@ -26,7 +26,7 @@ from driftform.search.jobs import Job, Outcome
 from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, FloatArray, Genome
-from driftform.water.disturbances import KNOWN, Specimen
+from driftform.water.disturbances import FLOWN, KNOWN, Specimen
 from driftform.water.scenario import Robustness
 
 SETTINGS = ("robustness.conditions=4", "robustness.finalists=2", "robustness.checks=3")
@@ -114,7 +114,7 @@ def test_flights_of_the_promise_say_nothing_of_targets_that_another_agent_is_for
 
 def test_the_conditions_of_the_promise_are_not_those_of_the_choice() -> None:
     drawn = draw_rounds(study_of())
-    assert len(set(drawn)) == len(drawn) == 4 + 3 * len(Specimen)
+    assert len(set(drawn)) == len(drawn) == 4 + 3 * len(FLOWN)
     assert not {c.gusts for c in drawn[:4]} & {c.gusts for c in drawn[4:]}
 
 
@@ -122,12 +122,12 @@ def test_weighed_prints_fly_again_in_known_gusts_if_the_gusts_are_in_doubt(tmp_p
     options = {"targets": ["TP2"], "use": {"simulator": "native", "strategy": "random"}}
     study = load_study("pipe-inspection", settings=SETTINGS, run={"seed": 2, "evaluations": 6}, **options)
     drawn = draw_rounds(study)
-    assert len(drawn) == 4 + 3 * (len(Specimen) + 1)
+    assert len(drawn) == 4 + 3 * (len(FLOWN) + 1)
     assert drawn[-3:] == tuple(replace(c, turbulence=KNOWN) for c in drawn[7:10])
     sure = [f"robustness.gust_{name}=0" for name in ("strength", "memory", "crossing")]
     for table in (sure, ["robustness.gusts=false"], ["gusts.strength=0"]):
         calm = load_study("pipe-inspection", settings=(*SETTINGS, *table), **options)
-        assert len(draw_rounds(calm)) == 4 + 3 * len(Specimen)
+        assert len(draw_rounds(calm)) == 4 + 3 * len(FLOWN)
     executor = InProcess(study.make_pipeline())
     with Store.create(tmp_path / "run.db", dict(study.document)) as store:
         run_search(study, store, executor)
@@ -273,7 +273,7 @@ def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score:
     study = study_of(f"robustness.score='{score}'", *chosen, evaluations=count)
     undisturbed = rng.uniform(level, 101, (count, 2)).clip(max=100)
     reliable = rng.uniform(50, 100, (count, 1, 2))
-    disturbed = np.minimum(reliable + rng.normal(0, 10, (count, 12 + 3 * len(Specimen), 2)), 100).clip(min=0).round()
+    disturbed = np.minimum(reliable + rng.normal(0, 10, (count, 12 + 3 * len(FLOWN), 2)), 100).clip(min=0).round()
     executor = Table(study, undisturbed, disturbed)
     with TemporaryDirectory() as folder, Store.create(Path(folder) / "run.db", dict(study.document)) as store:
         run_search(study, store, executor)
@@ -310,7 +310,7 @@ def test_an_agent_that_always_misses_loses_to_one_that_reaches_its_target_undist
 
 def test_a_finalist_that_can_still_win_flies_on_and_the_promise_is_that_of_fresh_flights_alone(tmp_path: Path) -> None:
     study = study_of("robustness.score='mean'", "robustness.conditions=12", "robustness.survey=0")
-    undisturbed, disturbed = np.full((8, 2), 90.0), np.full((8, 12 + 3 * len(Specimen), 2), 98.0)
+    undisturbed, disturbed = np.full((8, 2), 90.0), np.full((8, 12 + 3 * len(FLOWN), 2), 98.0)
     undisturbed[:2] = [[99.9], [99.5]]
     # The second is behind after the first look at the race, and wins because the rest of its flights are perfect.
     disturbed[1], disturbed[1, :ROUND] = 100.0, 95.5
@@ -320,7 +320,7 @@ def test_a_finalist_that_can_still_win_flies_on_and_the_promise_is_that_of_fresh
         fly_finalists(study, store, executor)
         winner = find_winner(study, store, "TP2")
     assert winner is not None and winner.index == 1
-    assert [winner.promises[specimen].misses.count for specimen in Specimen] == [3] * len(Specimen)
+    assert [winner.promises[specimen].misses.count for specimen in FLOWN] == [3] * len(FLOWN)
 
 
 def test_failed_flights_do_not_lower_a_score_unless_most_failed() -> None:

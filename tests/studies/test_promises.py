@@ -28,8 +28,9 @@ from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
 from driftform.water import Scenario
-from driftform.water.disturbances import Specimen, disturb_body, disturb_fluid, disturb_scenario, draw_conditions
+from driftform.water.disturbances import FLOWN, Specimen, disturb_fluid, disturb_scenario, draw_conditions
 from driftform.water.flow import KARMAN
+from driftform.water.prints import disturb_body
 
 pytestmark = pytest.mark.slow
 
@@ -90,11 +91,7 @@ def executor() -> Iterator[Executor]:
 
 
 def run_and_verify(
-    study: Study,
-    executor: Executor,
-    folder: Path,
-    specimens: Sequence[Specimen] = tuple(Specimen),
-    fresh_flights: int = FRESH,
+    study: Study, executor: Executor, folder: Path, specimens: Sequence[Specimen] = PROMISED, fresh_flights: int = FRESH
 ) -> Outcome:
     targets, points = study.scenario.target_names, study.scenario.target_array()
     with Store.create(folder / "run.db", dict(study.document)) as store:
@@ -102,7 +99,7 @@ def run_and_verify(
         fly_finalists(study, store, executor)
         winners = [winner for t in targets if (winner := find_winner(study, store, t)) is not None]
         records = [store.read_record(winner.index, targets) for winner in winners]
-        checks = len(Specimen) * study.scenario.robustness.checks
+        checks = len(FLOWN) * study.scenario.robustness.checks
         flights = store.count() + len(store.list_disturbed()) - checks * len({w.index for w in winners})
     (folder / "run.db").unlink()
     assert len(winners) == len(targets)
@@ -134,8 +131,8 @@ def run_and_verify(
         inf if r.evaluation.trajectory is None else closest_approach(r.evaluation.trajectory, points)[0][n]
         for n, r in enumerate(records)
     ]
-    promised = {s: np.array([w.promises[s].misses.promised[0] for w in winners]) for s in Specimen}
-    shares = {s: np.array([w.promises[s].hit for w in winners], dtype=float) for s in Specimen}
+    promised = {s: np.array([w.promises[s].misses.promised[0] for w in winners]) for s in FLOWN}
+    shares = {s: np.array([w.promises[s].hit for w in winners], dtype=float) for s in FLOWN}
     return Outcome(flights, promised, fresh, shares, hits, np.array(nominal))
 
 
@@ -147,7 +144,7 @@ def outcomes(executor: Executor, tmp_path_factory: pytest.TempPathFactory) -> di
     for seed in seeds:
         for way in WAYS:
             found[way].append(run_and_verify(study_of(way, seed), executor, folder))
-            each = {s: np.median(reached(found[way][-1:], s)) for s in Specimen}
+            each = {s: np.median(reached(found[way][-1:], s)) for s in FLOWN}
             print(f"{way}, seed {seed}: {each} m, {found[way][-1].flights} flights", flush=True)
     return found
 
@@ -198,7 +195,7 @@ def weight_floor(study: Study) -> FloatArray:
     scenario, robustness = study.scenario, study.scenario.robustness
     pipeline = study.make_pipeline()
     body = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(0))).body
-    densities = [disturb_body(c, body).hull_density for c in draw_conditions(robustness, 20_000, (0,))]
+    densities = [disturb_body(c, body, scenario.fluid).hull_density for c in draw_conditions(robustness, 20_000, (0,))]
     heavier = 2 * body.wall * (np.array(densities) - body.hull_density)
     x, _, z = scenario.target_array().T
     time = x / axis_speed(scenario)
@@ -215,10 +212,10 @@ def test_flights_keep_what_a_run_promises(
 ) -> None:
     runs, study = outcomes[TUNED], study_of(TUNED, 1)
     within, floor, weight = find_within(study.scenario), fly_points(study), weight_floor(study)
-    kept = {s: kept_of(runs, s) for s in Specimen}
-    hits = {s: hits_of(runs, s) for s in Specimen}
-    p90 = {s: np.median(reached(runs, s), axis=0) for s in Specimen}
-    promised = {s: np.median([o.promised[s] for o in runs], axis=0) for s in Specimen}
+    kept = {s: kept_of(runs, s) for s in FLOWN}
+    hits = {s: hits_of(runs, s) for s in FLOWN}
+    p90 = {s: np.median(reached(runs, s), axis=0) for s in FLOWN}
+    promised = {s: np.median([o.promised[s] for o in runs], axis=0) for s in FLOWN}
     lines = [
         f"{len(runs)} runs with `native` flights; {FRESH} fresh disturbed flights of each agent, as printed, weighed and baseline. "
         "Lengths in mm, medians over runs; hits as the least share of any run.",

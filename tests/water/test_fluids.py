@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
@@ -14,8 +15,8 @@ from driftform.water.scenario import Robustness
 
 @pytest.mark.parametrize("name", FLUIDS)
 def test_a_fluid_by_name_has_its_density_and_viscosity(name):
-    fluid = Fluid(name=name, density=1.0, viscosity=1.0)
-    assert (fluid.density, fluid.viscosity) == (FLUIDS[name].density, FLUIDS[name].viscosity)
+    fluid, named = Fluid(name=name, density=1.0, viscosity=1.0, expansion=0.0), FLUIDS[name]
+    assert (fluid.density, fluid.viscosity, fluid.expansion) == (named.density, named.viscosity, named.expansion)
 
 
 def test_a_fluid_replaces_the_water_of_the_scenario_that_a_study_is_based_on():
@@ -48,3 +49,17 @@ def test_methane_is_denser_than_an_ideal_gas():
     # p M / (R T), and a compressibility factor of 0.9 at 60 bar (Setzmann and Wagner).
     ideal = 60e5 * 16.043e-3 / (8.314 * 288.15)
     assert FLUIDS["methane-60bar"].density == pytest.approx(ideal / 0.9, rel=0.03)
+
+
+def test_fresh_water_expands_as_the_equation_of_kell_says():
+    # Kell, J. Chem. Eng. Data 20 (1975), 97, equation 16.
+    def density(t):
+        top = np.polynomial.Polynomial(
+            [999.83952, 16.945176, -7.9870401e-3, -46.170461e-6, 105.56302e-9, -280.54253e-12]
+        )
+        return top(t) / (1 + 16.879850e-3 * t)
+
+    water = FLUIDS["fresh-water"]
+    assert water.density == pytest.approx(density(15.0), abs=0.05)
+    assert water.expansion == pytest.approx((density(14.9) - density(15.1)) / 0.2 / density(15.0), rel=0.01)
+    assert load_study("pipe-inspection").scenario.fluid.expansion == FLUIDS["fresh-water"].expansion

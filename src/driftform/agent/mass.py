@@ -31,7 +31,8 @@ def mass_properties(body: Body, parts: Moments | None = None) -> MassProperties:
 
     The hull is outer minus cavity, and its fittings, at the hull's density (eq. 17, 18, 24). The core enters
     eq. 20 with its mass, and the inertia with its own, 2/5 m R^2 for a sphere; so does the ballast at its place. Buoyancy
-    acts on the outer contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses.
+    acts on the outer contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses, less what it
+    loses under pressure.
 
     Args:
         body: the body.
@@ -51,6 +52,6 @@ def mass_properties(body: Body, parts: Moments | None = None) -> MassProperties:
         mass=mass,
         cog=np.array([cog, 0.0, 0.0]),
         inertia=np.array([[axial, 0.0, 0.0], [0.0, transverse, 0.0], [0.0, 0.0, transverse]]),
-        volume=displaced.volume,
+        volume=displaced.volume * (1 - body.squeeze),
         cob=np.array([displaced.centroid, 0.0, 0.0]),
     )

@@ -11,7 +11,7 @@ from driftform.search.jobs import Executor, Job
 from driftform.study import Study
 from driftform.types import BoolArray
 from driftform.util.latest import keep_latest
-from driftform.water.disturbances import Condition, Specimen, draw_conditions, know_gusts
+from driftform.water.disturbances import FLOWN, Condition, Specimen, draw_conditions, know_gusts
 from driftform.water.scenario import evaluation_seed
 
 
@@ -19,7 +19,7 @@ from driftform.water.scenario import evaluation_seed
 def draw_rounds(study: Study) -> tuple[Condition, ...]:
     """Return the conditions of the choice, and after them those of the promise, for a run of a study.
 
-    The latter are the same for each of :class:`Specimen`: print, weighed print and baseline, in this order. If the gusts are in
+    The latter are the same for each of what is :data:`~driftform.water.disturbances.FLOWN`: print, weighed print and baseline, in this order. If the gusts are in
     doubt, the weighed print also flies in gusts as ``[gusts]`` describes them, last of all.
     """
     robustness, calibration = study.scenario.robustness, study.scenario.calibration
@@ -29,7 +29,7 @@ def draw_rounds(study: Study) -> tuple[Condition, ...]:
     weighed = [replace(condition, specimen=Specimen.WEIGHED) for condition in fresh]
     return (
         *(replace(condition, specimen=chosen) for condition in choice),
-        *(replace(condition, specimen=specimen) for specimen in Specimen for condition in fresh),
+        *(replace(condition, specimen=specimen) for specimen in FLOWN for condition in fresh),
         *know_gusts(weighed, study.scenario),
     )
 

@@ -23,7 +23,7 @@ from driftform.search.jobs import Executor
 from driftform.search.survey import read_flights, read_scores
 from driftform.study import Study
 from driftform.types import BoolArray, FloatArray, Verdict
-from driftform.water.disturbances import Specimen
+from driftform.water.disturbances import FLOWN, Specimen
 from driftform.water.scenario import Robustness
 
 ROUND = 5
@@ -209,7 +209,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
         return None
     conditions = draw_rounds(study)
     first, count = robustness.conditions, robustness.checks
-    judged, checked = range(first), range(first, first + len(Specimen) * count)
+    judged, checked = range(first), range(first, first + len(FLOWN) * count)
     within = float(find_within(study.scenario)[study.scenario.target_names.index(target)])
     flown = store.read_disturbed(target)
     judged_all = [index for index, flights in flown.items() if all(number in flights for number in judged)]
@@ -228,7 +228,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     offsets, promises = store.read_offsets(target, equals[0]), dict[Specimen, Promise]()
     # A run of an earlier version has no flights in known gusts.
     known = [at for at in range(checked.stop, len(conditions)) if at in flights]
-    for specimen in Specimen:
+    for specimen in FLOWN:
         fresh = [at for at in checked if conditions[at].specimen is specimen]
         found = [np.array([offsets[at] for at in part])[:, None] for part in (fresh, known) if part]
         beside = found[-1] if specimen is Specimen.WEIGHED and len(known) == count else None

@@ -10,7 +10,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from driftform.types import Body, FloatArray
+from driftform.types import FloatArray
 from driftform.util.vectors import cross
 from driftform.water import Calibration, Fluid, Scenario
 from driftform.water.factors import DRAGS
@@ -34,6 +34,14 @@ MAX_RADIUS_SHARE = 0.98
 SCALE = 0.00005
 """Smallest step of the scale that weighs a print, and of its ballast, kg."""
 
+THERMOMETER = 0.5
+"""Largest error of the difference of two readings of a thermometer, K, evenly spread."""
+
+COEFFICIENT = 0.2
+"""Standard deviation of a hull's thermal expansion, and of what it loses under pressure, relative to the values in use.
+
+Data sheets of one kind of plastic differ by so much: those of ABS have 70e-6 to 100e-6 1/K and 2.0 to 2.9 GPa.
+"""
 
 KNOWN = (1.0, 1.0, 1.0)
 """Factors on strength, memory and crossing of gusts that are as ``[gusts]`` describes them."""
@@ -45,9 +53,15 @@ class Specimen(StrEnum):
     PRINT = "print"
     """The print, neither weighed nor trimmed."""
     WEIGHED = "weighed"
-    """The print, weighed to the nearest :data:`SCALE` and trimmed with ballast to the nearest :data:`SCALE`."""
+    """The print, weighed in water and trimmed with ballast, each to the nearest :data:`SCALE`."""
+    WEIGHED_IN_AIR = "weighed in air"
+    """The same, weighed in air: its mass is that of the design, and its volume is not known. No run flies it."""
     BASELINE = "baseline"
     """A neutral sphere of the agent's volume, in its place."""
+
+
+FLOWN = (Specimen.PRINT, Specimen.WEIGHED, Specimen.BASELINE)
+"""What flies under the conditions of the promise, in this order."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +80,13 @@ class Condition:
             :attr:`driftform.water.Calibration.intervals`.
         swirl: increase of the secondary flow of bends, relative to the mean speed.
         left: excess mass of a weighed and trimmed print, kg.
+        outside: outward offset of the outer surface, m.
+        scale: factor on all lengths of the print.
+        warmer: temperature in flight less that at which the body is designed or trimmed, K.
+        read: what the thermometers say of it too much, K.
+        expanded, squeezed: factors on the hull's coefficient of thermal expansion, and on what it loses under pressure.
+        absorbed: mass of water that the hull takes up, relative to its own.
+        bubble: volume of air that clings to the body, less that when it was weighed, m3.
         turbulence: factors on strength, memory and crossing of the gusts.
         specimen: the body that flies.
     """
@@ -82,6 +103,14 @@ class Condition:
     calibrated: tuple[float, ...] = ()
     swirl: float = 0.0
     left: float = 0.0
+    outside: float = 0.0
+    scale: float = 1.0
+    warmer: float = 0.0
+    read: float = 0.0
+    expanded: float = 1.0
+    squeezed: float = 1.0
+    absorbed: float = 0.0
+    bubble: float = 0.0
     turbulence: tuple[float, float, float] = KNOWN
     specimen: Specimen = Specimen.PRINT
 
@@ -105,7 +134,7 @@ def draw_conditions(
     ]
     rng = np.random.default_rng(tuple(seed))
     calibration = calibration or Calibration()
-    first, second, third = rng.spawn(3)
+    first, second, third, fourth = rng.spawn(4)
     shares = draw_latin_hypercube(first, count, len(deviations) + len(calibration.intervals))
     deviates = ndtri(BEYOND + (1 - 2 * BEYOND) * shares)
     # The sign of a secondary flow is known.
@@ -120,11 +149,34 @@ def draw_conditions(
     shares = draw_latin_hypercube(third, count, len(doubts))
     turbulence = map(tuple, (1 + doubts * ndtri(BEYOND + (1 - 2 * BEYOND) * shares)).tolist())
     swirls = (robustness.swirl * cells).tolist()
-    rows = zip(drawn.tolist(), gusts, factors, swirls, left.tolist(), turbulence, strict=True)
+    hulls = _draw_hulls(robustness, draw_latin_hypercube(fourth, count, 8))
+    rows = zip(drawn.tolist(), gusts, factors, swirls, left.tolist(), hulls.tolist(), turbulence, strict=True)
     return tuple(
-        Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], *rest)
-        for x, *rest in ((x, gust, tuple(known), *others) for x, gust, known, *others in rows)
+        Condition(
+            (x[0], x[1]),
+            *(x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8]),
+            *(gust, tuple(known), swirl, excess, *hull, doubt),
+        )
+        for x, gust, known, swirl, excess, hull, doubt in rows
     )
+
+
+def _draw_hulls(robustness: Robustness, shares: FloatArray) -> FloatArray:
+    """Return ``outside`` to ``bubble`` of conditions, (count, 8), from the shares of a Latin hypercube of that size."""
+    from scipy.special import ndtri
+
+    deviates = ndtri(BEYOND + (1 - 2 * BEYOND) * shares)
+    columns = [
+        robustness.outside * deviates[:, 0],
+        1 + robustness.shrinkage * deviates[:, 1],
+        robustness.temperature * deviates[:, 2],
+        THERMOMETER * (2 * shares[:, 3] - 1),
+        1 + COEFFICIENT * deviates[:, 4],
+        1 + COEFFICIENT * deviates[:, 5],
+        robustness.absorbed * np.abs(deviates[:, 6]),
+        robustness.bubble * deviates[:, 7],
+    ]
+    return np.column_stack(columns)
 
 
 def know_gusts(conditions: Sequence[Condition], scenario: Scenario) -> tuple[Condition, ...]:
@@ -206,7 +258,8 @@ def stop_after_targets(scenario: Scenario, wanted: Sequence[bool]) -> Scenario:
 
 def disturb_fluid(condition: Condition, fluid: Fluid) -> Fluid:
     """Return the water under a disturbed condition."""
-    return fluid.model_copy(update={"name": "", "density": fluid.density * condition.density})
+    density = fluid.density * condition.density * (1 - fluid.expansion * condition.warmer)
+    return fluid.model_copy(update={"name": "", "density": density})
 
 
 def disturb_calibration(condition: Condition, calibration: Calibration) -> Calibration:
@@ -216,20 +269,6 @@ def disturb_calibration(condition: Condition, calibration: Calibration) -> Calib
         if name not in drawn and condition.drag != 1.0:
             drawn[name] = condition.drag * getattr(calibration.factors, name)
     return calibration.with_factors(replace(calibration.factors, **drawn)) if drawn else calibration
-
-
-def disturb_body(condition: Condition, body: Body) -> Body:
-    """Return the body as printed under a disturbed condition.
-
-    A wall that is thicker by d weighs (1 + d / wall) times as much, to first order; the outer contour does not change. A
-    weighed print has the mass of the design, but for what is ``left``, which lies at the core.
-    """
-    if condition.specimen is Specimen.WEIGHED:
-        # Your own body has no core, and may lack ballast.
-        left = max(condition.left, -body.core.mass or condition.left)
-        return replace(body, core=replace(body.core, mass=body.core.mass + left))
-    thicker = max(0.0, 1 + condition.wall / body.wall) if body.wall else 1.0
-    return replace(body, hull_density=body.hull_density * condition.mass * thicker)
 
 
 def draw_normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:

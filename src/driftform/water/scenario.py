@@ -36,9 +36,12 @@ class Fluid(Table):
     """The water, or another fluid."""
 
     name: Literal["", "fresh-water", "seawater", "brine", "oil", "methane-60bar", "slurry"] = option(
-        "", "fluid whose density and viscosity replace those given here"
+        "", "fluid whose density, viscosity and expansion replace those given here"
     )
     density: float = option(1024.0, "density of the water", "kg/m3", ge=0.1, le=30_000)
+    expansion: float = option(
+        2.57e-4, "thermal expansion of its volume; the default is that of seawater at 20 degrees C", "1/K", ge=0, le=0.1
+    )
     gravity: float = option(9.81, "acceleration of gravity, along -z", "m/s2", ge=0, le=1000)
     viscosity: float = option(
         1.05e-6, "kinematic viscosity; the default is seawater at 20 degrees C", "m2/s", ge=1e-8, le=1
@@ -59,7 +62,9 @@ class Fluid(Table):
     @classmethod
     def _take_named(cls, values: Any) -> Any:
         named = FLUIDS.get(values.get("name", "")) if isinstance(values, dict) else None
-        return values | {"density": named.density, "viscosity": named.viscosity} if named else values
+        if named is None:
+            return values
+        return values | {key: getattr(named, key) for key in ("density", "viscosity", "expansion")}
 
 
 class Release(Table):
@@ -151,7 +156,7 @@ class Robustness(Table):
     )
     weighed: bool = option(
         True,
-        "search and choose by prints that are weighed and trimmed with ballast, so that the errors of mass and wall do not count",
+        "search and choose by prints that are weighed in water and trimmed, so that the errors of mass, wall and outside do not count",
     )
     survey: int = option(
         8,
@@ -201,6 +206,24 @@ class Robustness(Table):
     density: float = option(0.001, "standard deviation of the density of the water, relative to it", ge=0, le=0.3)
     mass: float = option(0.01, "standard deviation of the mass of the printed hull, relative to it", ge=0, le=0.3)
     wall: float = option(0.00002, "standard deviation of the thickness of the printed wall", "m", ge=0, le=0.01)
+    outside: float = option(
+        0.00005, "standard deviation of the offset of the printed outer surface along its normal", "m", ge=0, le=0.01
+    )
+    shrinkage: float = option(
+        0.001, "standard deviation of the linear scale of the print, relative to it", ge=0, le=0.1
+    )
+    temperature: float = option(
+        5.0, "standard deviation of the difference of temperature between trimming and flight", "K", ge=0, le=50
+    )
+    absorbed: float = option(
+        0.001,
+        "standard deviation of the water that the hull takes up after it was weighed, relative to its mass",
+        ge=0,
+        le=0.3,
+    )
+    bubble: float = option(
+        1e-7, "standard deviation of the volume of the bubbles that cling to it, of air", "m3", ge=0, le=0.001
+    )
     drag: float = option(0.2, "standard deviation of drag and damping, relative to them", ge=0, le=0.3)
 
 

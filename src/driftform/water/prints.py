@@ -1,0 +1,60 @@
+"""A body as it was printed, weighed and trimmed, and as it is in the water then."""
+
+from dataclasses import replace
+
+from driftform.agent.mass import hull_mass, mass_properties
+from driftform.agent.offset import offset_contour
+from driftform.types import Body
+from driftform.water import Fluid
+from driftform.water.disturbances import Condition, Specimen, disturb_fluid
+
+
+def disturb_body(condition: Condition, body: Body, fluid: Fluid) -> Body:
+    """Return a body under a disturbed condition: mass, volume and both centres are those in flight.
+
+    What lies outside the design moves the wall's surfaces along their normals. What is weighed and trimmed has the
+    right net weight, in water or in air, but for what no scale shows; the difference lies at the core, and the
+    balance is that of the print.
+
+    Args:
+        body: as designed.
+        fluid: that of the scenario, for which it is designed.
+    """
+    made = _print(condition, body)
+    there, water = _immerse(condition, made), disturb_fluid(condition, fluid).density
+    wet, bubble = condition.absorbed * hull_mass(made), fluid.density * condition.bubble
+    if condition.specimen is Specimen.WEIGHED:
+        design, volume = mass_properties(body), mass_properties(there).volume
+        # The volume of the trimmed body in the water of its flight, less that which the maker expects there.
+        expansion, expected = 3 * body.expansion, 3 * body.expansion * (condition.warmer + condition.read)
+        unknown = expansion * condition.expanded * condition.warmer - expected + fluid.expansion * condition.read
+        unknown += (1 - condition.squeezed) * body.squeeze
+        net = design.mass - fluid.density * design.volume * (1 + unknown)
+        extra = net + condition.left + wet - bubble + water * volume - mass_properties(made).mass
+    elif condition.specimen is Specimen.WEIGHED_IN_AIR:
+        extra = mass_properties(body).mass + condition.left + wet - abs(bubble) - mass_properties(made).mass
+    else:
+        extra = wet - abs(bubble)
+    # Your own body has no core, and may lack ballast.
+    core = replace(body.core, mass=body.core.mass + max(extra, -body.core.mass or extra))
+    return replace(there, core=core)
+
+
+def _print(condition: Condition, body: Body) -> Body:
+    """Return the body as printed."""
+    outer = condition.scale * offset_contour(body.outer, condition.outside)
+    # Your own body may have a given mass, and no wall.
+    cavity = condition.scale * offset_contour(body.cavity, -condition.wall if body.wall else 0.0)
+    return replace(body, outer=outer, cavity=cavity, hull_density=body.hull_density * condition.mass)
+
+
+def _immerse(condition: Condition, body: Body) -> Body:
+    """Return the same body at the temperature and under the pressure of its flight, at the same mass."""
+    factor = 1 + body.expansion * condition.expanded * condition.warmer
+    return replace(
+        body,
+        outer=factor * body.outer,
+        cavity=factor * body.cavity,
+        hull_density=body.hull_density / factor**3,
+        squeeze=condition.squeezed * body.squeeze,
+    )
