@@ -450,14 +450,15 @@ def test_validity_page(docs: Path, up_to_date: Check) -> None:
         "",
         "## Fluids",
         "",
-        "`fluid.name` takes the density and the viscosity of one of these. All are Newtonian; a slurry that is not is outside of",
-        "the model.",
+        "`fluid.name` takes density, viscosity and expansion of one of these. All are Newtonian; a slurry that is not is outside",
+        "of the model.",
         "",
-        "| name | density, kg/m3 | viscosity, m2/s | what it is | source |",
-        "|---|---|---|---|---|",
+        "| name | density, kg/m3 | viscosity, m2/s | expansion, 1/K | what it is | source |",
+        "|---|---|---|---|---|---|",
     ]
     lines += [
-        f"| `{name}` | {f.density:g} | {f.viscosity:.3g} | {f.state} | {f.source} |" for name, f in FLUIDS.items()
+        f"| `{name}` | {f.density:g} | {f.viscosity:.3g} | {f.expansion:.3g} | {f.state} | {f.source} |"
+        for name, f in FLUIDS.items()
     ]
     up_to_date(docs / "validity.md", "\n".join(lines) + "\n")
 

@@ -11,11 +11,14 @@ from driftform.motion.path.targets import (
     farthest_distances,
     find_offsets,
     find_target_approaches,
+    find_within,
     name_outlet,
 )
+from driftform.study import load_study
 from driftform.testing.fitness import straight_trajectory
 from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform.water import Scenario
+from driftform.water.scenario import Robustness
 
 TEE = {"kind": "tee", "name": "T", "branch_radius": 0.05, "share": 0.3, "roll_deg": 0}
 PARTS = [
@@ -120,3 +123,19 @@ def test_the_outlet_is_that_in_whose_opening_the_flight_ends():
         edge = centre + np.array([0.0, 0.03, 0.0])
         assert name_outlet(flight((0, 0, 0), edge), scenario()) == name
     assert name_outlet(flight((0, 0, 0), (0.5, 0, 0), end=End.HORIZON), scenario()) is None
+
+
+def test_near_enough_is_the_papers_share_and_at_most_half_the_radius_of_the_bore_at_the_target():
+    wide = load_study("pipe-inspection").scenario
+    assert find_within(wide) == pytest.approx(0.05 * farthest_distances(wide))
+    segment = {"start": (0, 0, 0), "end": (9, 0, 0), "radius": 0.15}
+    targets = {"near": (1.0, 0.0, 0.05), "far": (8.0, 0.0, 0.0)}
+    narrow = Scenario.model_validate({"pipe": {"segments": (segment,)}, "targets": targets})
+    assert find_within(narrow).tolist() == [0.075, 0.075]
+    given = narrow.model_copy(update={"robustness": Robustness(within={"far": 0.2})})
+    assert find_within(given).tolist() == [0.075, 0.2]
+
+
+def test_near_enough_in_a_branch_goes_by_the_bore_of_the_branch():
+    there = scenario(run=(0.5, 0.0, 0.05), branch=(1.25, 0.0, 0.9))
+    assert find_within(there) == pytest.approx([0.5 * 0.1, 0.5 * 0.05])

@@ -125,8 +125,8 @@ def test_every_disturbance_changes_its_quantity():
     assert there.flow.speed == pytest.approx(3.0)
     assert (there.gusts.seed, there.gusts.always) == (7, True)
     assert there.fluid.density == pytest.approx(0.9 * scenario.fluid.density)
-    warm = disturb_scenario(changed(warmer=4.0), pipe(fluid={"expansion": 2e-4})).fluid.density
-    assert warm == pytest.approx((1 - 8e-4) * scenario.fluid.density)
+    warm = disturb_scenario(changed(warmer=4.0, density=0.9), scenario).fluid
+    assert warm.density == pytest.approx(0.9 * scenario.fluid.density_at(scenario.fluid.celsius + 4))
 
 
 @pytest.mark.parametrize("end", [(0.0, 9.0, 0.0), (3.0, 4.0, 5.0)])

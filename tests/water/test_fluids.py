@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 from pydantic import ValidationError
 
@@ -15,8 +14,9 @@ from driftform.water.scenario import Robustness
 
 @pytest.mark.parametrize("name", FLUIDS)
 def test_a_fluid_by_name_has_its_density_and_viscosity(name):
-    fluid, named = Fluid(name=name, density=1.0, viscosity=1.0, expansion=0.0), FLUIDS[name]
-    assert (fluid.density, fluid.viscosity, fluid.expansion) == (named.density, named.viscosity, named.expansion)
+    fluid, named = Fluid(name=name, density=1.0, viscosity=1.0, expansion=0.0, celsius=1.0), FLUIDS[name]
+    for key in ("density", "viscosity", "expansion", "celsius"):
+        assert getattr(fluid, key) == getattr(named, key)
 
 
 def test_a_fluid_replaces_the_water_of_the_scenario_that_a_study_is_based_on():
@@ -51,15 +51,22 @@ def test_methane_is_denser_than_an_ideal_gas():
     assert FLUIDS["methane-60bar"].density == pytest.approx(ideal / 0.9, rel=0.03)
 
 
-def test_fresh_water_expands_as_the_equation_of_kell_says():
-    # Kell, J. Chem. Eng. Data 20 (1975), 97, equation 16.
-    def density(t):
-        top = np.polynomial.Polynomial(
-            [999.83952, 16.945176, -7.9870401e-3, -46.170461e-6, 105.56302e-9, -280.54253e-12]
-        )
-        return top(t) / (1 + 16.879850e-3 * t)
+@pytest.mark.parametrize(
+    ("celsius", "density"), [(5, 999.967), (10, 999.703), (15, 999.103), (20, 998.207), (30, 995.65)]
+)
+def test_fresh_water_has_the_density_of_the_tables_at_other_temperatures(celsius, density):
+    # CRC Handbook, Standard Density of Water.
+    water = load_study("pipe-inspection").scenario.fluid
+    assert water.density_at(celsius) == pytest.approx(density, abs=0.02)
+    assert Fluid(name="fresh-water").density_at(celsius) == water.density_at(celsius)
 
-    water = FLUIDS["fresh-water"]
-    assert water.density == pytest.approx(density(15.0), abs=0.05)
-    assert water.expansion == pytest.approx((density(14.9) - density(15.1)) / 0.2 / density(15.0), rel=0.01)
-    assert load_study("pipe-inspection").scenario.fluid.expansion == FLUIDS["fresh-water"].expansion
+
+def test_seawater_has_the_density_of_its_equation_of_state_at_other_temperatures():
+    # UNESCO 1981 at 35 g/kg: 1025.97 at 15, 1024.76 at 20, 1023.34 at 25 degrees C; ours has 1024 at 20.
+    water = Fluid(name="seawater")
+    assert water.density_at(25) - water.density_at(15) == pytest.approx(1023.343 - 1025.973, abs=0.05)
+
+
+def test_oil_and_gas_expand_evenly():
+    oil = Fluid(name="oil")
+    assert oil.density_at(32) == pytest.approx(860 * (1 - 10 * 7.53e-4))

@@ -16,7 +16,7 @@ from driftform.water.prints import disturb_body
 
 CALM = Condition((0.0, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, None)
 
-WATER = Fluid(density=999.1, expansion=1.51e-4)
+WATER = Fluid(density=999.1, expansion=1.51e-4, celsius=15.0)
 
 
 def sphere(radius, count=400):
@@ -89,7 +89,7 @@ def test_a_print_that_is_too_large_displaces_more_and_weighs_more(ball):
 def test_warmer_water_carries_less_and_a_warmer_hull_more(ball):
     volume = 4 / 3 * np.pi * 0.04**3 * (1 - 0.002)
     warm = net_weight(ball, replace(CALM, warmer=5.0)) - net_weight(ball, CALM)
-    assert warm == pytest.approx(-999.1 * volume * 5 * (3 * 9.5e-5 - 1.51e-4), rel=0.005)
+    assert warm == pytest.approx((999.1 - WATER.density_at(20) * (1 + 5 * 9.5e-5) ** 3) * volume, rel=1e-3)
 
 
 def test_a_print_takes_up_water_and_carries_bubbles(ball):
@@ -107,7 +107,7 @@ def follow_procedure(body, condition, fluid):
     design = mass_properties(body)
     # What the maker wants to read: the net weight of the design, and what it changes from the bucket to the main.
     step = condition.warmer + condition.read
-    correction = 3 * body.expansion * step - fluid.expansion * step - body.squeeze
+    correction = 3 * body.expansion * step - body.squeeze + fluid.density_at(fluid.celsius + step) / fluid.density - 1
     reading = (
         design.mass
         - fluid.density * design.volume
@@ -116,7 +116,7 @@ def follow_procedure(body, condition, fluid):
     mass = reading + condition.left + bucket * volume
     swollen = volume * (1 + body.expansion * condition.expanded * condition.warmer) ** 3
     swollen *= 1 - condition.squeezed * body.squeeze
-    main = bucket * (1 - fluid.expansion * condition.warmer)
+    main = condition.density * fluid.density_at(fluid.celsius + condition.warmer)
     return mass + condition.absorbed * hull_mass(made) - main * swollen - fluid.density * condition.bubble
 
 

@@ -258,8 +258,9 @@ def stop_after_targets(scenario: Scenario, wanted: Sequence[bool]) -> Scenario:
 
 def disturb_fluid(condition: Condition, fluid: Fluid) -> Fluid:
     """Return the water under a disturbed condition."""
-    density = fluid.density * condition.density * (1 - fluid.expansion * condition.warmer)
-    return fluid.model_copy(update={"name": "", "density": density})
+    celsius = fluid.celsius + condition.warmer
+    density = condition.density * fluid.density_at(celsius)
+    return fluid.model_copy(update={"name": "", "density": density, "celsius": celsius})
 
 
 def disturb_calibration(condition: Condition, calibration: Calibration) -> Calibration:

@@ -25,9 +25,10 @@ def disturb_body(condition: Condition, body: Body, fluid: Fluid) -> Body:
     wet, bubble = condition.absorbed * hull_mass(made), fluid.density * condition.bubble
     if condition.specimen is Specimen.WEIGHED:
         design, volume = mass_properties(body), mass_properties(there).volume
-        # The volume of the trimmed body in the water of its flight, less that which the maker expects there.
-        expansion, expected = 3 * body.expansion, 3 * body.expansion * (condition.warmer + condition.read)
-        unknown = expansion * condition.expanded * condition.warmer - expected + fluid.expansion * condition.read
+        # What the body displaces in flight more than the maker expects, by thermometers and by data sheets, relative to it.
+        there_at, read_at = fluid.celsius + condition.warmer, fluid.celsius + condition.warmer + condition.read
+        unknown = 3 * body.expansion * (condition.expanded * condition.warmer - condition.warmer - condition.read)
+        unknown += (fluid.density_at(there_at) - fluid.density_at(read_at)) / fluid.density
         unknown += (1 - condition.squeezed) * body.squeeze
         net = design.mass - fluid.density * design.volume * (1 + unknown)
         extra = net + condition.left + wet - bubble + water * volume - mass_properties(made).mass

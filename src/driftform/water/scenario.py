@@ -25,11 +25,14 @@ from driftform.water.flow import (
     friction_velocity,
     is_laminar,
 )
-from driftform.water.fluids import FLUIDS
+from driftform.water.fluids import FLUIDS, find_water_density
 from driftform.water.parts.shapes import VERTICAL, upright_axes
 from driftform.water.pipe import Pipe, Vector
 from driftform.water.places import find_nearest_inside, resolve_place
 from driftform.water.wetted import find_surface_fault
+
+_WATERS = (950.0, 1060.0)
+"""Densities of fluids that are taken to be water, fresh or salt, kg/m3."""
 
 
 class Fluid(Table):
@@ -42,6 +45,7 @@ class Fluid(Table):
     expansion: float = option(
         2.57e-4, "thermal expansion of its volume; the default is that of seawater at 20 degrees C", "1/K", ge=0, le=0.1
     )
+    celsius: float = option(20.0, "temperature at which it has these", "degrees C", ge=-10, le=100)
     gravity: float = option(9.81, "acceleration of gravity, along -z", "m/s2", ge=0, le=1000)
     viscosity: float = option(
         1.05e-6, "kinematic viscosity; the default is seawater at 20 degrees C", "m2/s", ge=1e-8, le=1
@@ -64,7 +68,20 @@ class Fluid(Table):
         named = FLUIDS.get(values.get("name", "")) if isinstance(values, dict) else None
         if named is None:
             return values
-        return values | {key: getattr(named, key) for key in ("density", "viscosity", "expansion")}
+        return values | {key: getattr(named, key) for key in ("density", "viscosity", "expansion", "celsius")}
+
+    def density_at(self, celsius: float) -> float:
+        """Return its density (kg/m3) at another temperature: linear, and for water with the curvature of pure water.
+
+        Salt changes the slope, which ``expansion`` has, and the curvature by little.
+        """
+        warmer = celsius - self.celsius
+        linear = self.density * (1 - self.expansion * warmer)
+        if not (_WATERS[0] <= self.density <= _WATERS[1] and min(celsius, self.celsius) >= 0):
+            return linear
+        here, step = find_water_density(self.celsius), 1e-3
+        slope = (find_water_density(self.celsius + step) - here) / step
+        return linear + find_water_density(celsius) - here - slope * warmer
 
 
 class Release(Table):
@@ -150,8 +167,8 @@ class Robustness(Table):
     )
     within: Annotated[float, Field(gt=0, le=1000)] | dict[str, Annotated[float, Field(gt=0, le=1000)]] | None = option(
         None,
-        "how near a flight must pass a target to hit it, for all targets or by the name of each; 5 % of the farthest distance "
-        "by default",
+        "how near a flight must pass a target to hit it, for all targets or by the name of each; by default 5 % of the "
+        "farthest distance, and at most half the radius of the bore",
         "m",
     )
     weighed: bool = option(

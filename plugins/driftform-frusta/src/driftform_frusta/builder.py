@@ -17,7 +17,7 @@ from driftform.types import Body, Core, Fittings, FloatArray, Module, Morphology
 from driftform_frusta.ballast_seat import LESS, SPARE, find_max_ballast, name_ball, place_ballast
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit_options import LEAD, KitOptions
-from driftform_frusta.materials import MATERIALS
+from driftform_frusta.materials import MATERIALS, find_expansion
 from driftform_frusta.own.builder import Profile, check_profile
 from driftform_frusta.section import hull_section, lay_chains, open_section
 
@@ -263,7 +263,13 @@ def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
     section = hull_section if o.wall_model == "mitred" else open_section
     outer, cavity = section(chains, over, o.wall - thinner)
     return Body(
-        outer=outer, cavity=cavity, joints=chains[:, 0], core=core, wall=o.wall - thinner, hull_density=o.hull_density
+        outer=outer,
+        cavity=cavity,
+        joints=chains[:, 0],
+        core=core,
+        wall=o.wall - thinner,
+        hull_density=o.hull_density,
+        expansion=find_expansion(o.hull_density),
     )
 
 

@@ -46,3 +46,8 @@ MATERIALS = {
 def find_material(density: float) -> str | None:
     """Return the name of the material that has a density (kg/m3), or ``None``."""
     return next((name for name, m in MATERIALS.items() if abs(density - m.density) <= _SAME * m.density), None)
+
+
+def find_expansion(density: float) -> float:
+    """Return the coefficient of linear thermal expansion (1/K) of the material that has a density (kg/m3), or else of ABS."""
+    return MATERIALS[find_material(density) or "ABS"].expansion

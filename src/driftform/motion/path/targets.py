@@ -20,6 +20,9 @@ from driftform.water.pipe import Vector
 WITHIN = 0.05
 """Share of the farthest distance within which a flight hits its target, if the study does not say it: the paper's 5 %."""
 
+WITHIN_BORE = 0.5
+"""Largest distance of this kind, relative to the radius of the bore."""
+
 _BETWEEN = 4
 """Points of the path between two samples, the first one included, that are compared first."""
 
@@ -77,11 +80,24 @@ def farthest_distances(scenario: Scenario) -> FloatArray:
 
 
 def find_within(scenario: Scenario) -> FloatArray:
-    """Return how near a flight must pass each target to hit it, m, (targets,): that of the study, or :data:`WITHIN`."""
+    """Return how near a flight must pass each target to hit it, m, (targets,): that of the study, or :data:`WITHIN`.
+
+    Without a distance of the study it is at most half the radius of the bore: in a narrow pipe any flight would hit.
+    """
     within = scenario.robustness.within
     given = within if isinstance(within, dict) else dict.fromkeys(scenario.targets, within)
-    usual = dict(zip(scenario.targets, (WITHIN * farthest_distances(scenario)).tolist(), strict=True))
-    return np.array([given.get(name) or distance for name, distance in usual.items()])
+    usual = WITHIN * farthest_distances(scenario)
+    if not scenario.pipe.is_open:
+        usual = np.minimum(usual, WITHIN_BORE * _find_bores(scenario))
+    return np.array([given.get(name) or d for name, d in zip(scenario.targets, usual.tolist(), strict=True)])
+
+
+def _find_bores(scenario: Scenario) -> FloatArray:
+    """Return the radius of the bore at each target, m, (targets,): that at the nearest point of an axis."""
+    axes = [axis for bound in scenario.pipe.layout.parts for axis in bound.part.list_axes(0.1 * bound.part.radius)]
+    points, radii = np.vstack([axis.points for axis in axes]), np.concatenate([axis.radii for axis in axes])
+    nearest = [np.linalg.norm(points - point, axis=1).argmin() for point in scenario.target_array()]
+    return np.asarray(radii[nearest])
 
 
 def name_outlet(trajectory: Trajectory, scenario: Scenario) -> str | None:
