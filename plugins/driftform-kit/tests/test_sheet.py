@@ -303,6 +303,7 @@ def test_everything_goes_in_before_anything_is_closed():
         "Lay the core",
         "Join",
         "Weigh the closed",
+        "Weigh it in water",
     )
     assert [next(word for word in order if step.startswith(word)) for step in sheet.steps] == list(order)
     [held] = [held for held in sheet.kit.ballast if held.mouth is None]

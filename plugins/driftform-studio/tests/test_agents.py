@@ -99,6 +99,9 @@ def test_what_does_not_exist_is_refused_in_a_line(finished, wait_for):
         ("pick", {"point": [4, 0, 5]}, "lies outside the pipe"),
         *(("pick", {"point": point}, "three numbers") for point in (None, [1, 2], ["x", 0, 0], [1, 2, 3, 4])),
         *(("agents/near/trim", {"grams": grams}, "enter the grams") for grams in (None, 0, -3, "x", [1])),
+        *(("agents/near/hang", {"grams": grams}, "enter the grams") for grams in (None, "x", [1])),
+        ("agents/near/hang", {"grams": 0.1, "celsius": "x"}, "enter the grams"),
+        ("agents/near/hang", {"grams": 1e4, "celsius": 20}, "hangs under water"),
     ],
 )
 def test_work_on_what_is_no_point_or_no_weight_is_refused_in_a_line(finished, wait_for, work, document, words):
@@ -120,3 +123,9 @@ def test_ballast_is_planned_for_the_weight_of_a_print(finished):
     assert found["ballast_mass"] == pytest.approx(missing, rel=0.02)
     assert found["misses"]["simulated"] == pytest.approx(shown["promise"]["nominal"], abs=2e-3)
     assert found["misses"]["untrimmed"] > 2 * found["misses"]["trimmed"]
+
+
+def test_an_agent_is_weighed_in_water(finished):
+    found = finished.perform("api/runs/small/agents/near/hang", {"grams": 0.4, "celsius": 12.0})
+    assert found["lines"][0].startswith("it weighs +0.40 g in water of 12 degrees C, and should weigh")
+    assert set(found["misses"]) == {"simulated", "untrimmed"}

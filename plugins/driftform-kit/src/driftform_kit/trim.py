@@ -89,15 +89,6 @@ def _trim(design: Design, weight: PrintWeight, density: float, measure: MeasureK
     trimmed, remedy = _load(agent, plan, water)
     printed = MassElement.reweigh(agent, weight.elements(agent))
     agents = {"simulated": agent, "untrimmed": printed} | ({"trimmed": trimmed} if trimmed else {})
-    flights = dict(zip(agents, pipeline.fly_named(list(agents.values()), name), strict=True))
-    targets = pipeline.scenario.target_names
-    scores = {
-        case: dict(zip(targets, pipeline.score(flight, agents[case]), strict=True))
-        for case, flight in flights.items()
-        if flight.failure is None
-    }
-    points = pipeline.scenario.target_array()
-    closest = {case: path.closest_approach(flight, points)[0] for case, flight in flights.items()}
     return {
         "agent": name,
         "simulator": pipeline.simulator.name,
@@ -111,6 +102,22 @@ def _trim(design: Design, weight: PrintWeight, density: float, measure: MeasureK
         "ballast_x": plan.required.x,
         "ballast_density": density,
         **remedy,
+        **fly_cases(design, agents),
+    }
+
+
+def fly_cases(design: Design, agents: dict[str, Agent]) -> dict[str, Any]:
+    """Fly the same agent ``simulated``, ``untrimmed`` and ``trimmed``, if it is there, and return fitness, misses and ends by case."""
+    pipeline = design.pipeline
+    flights = dict(zip(agents, pipeline.fly_named(list(agents.values()), design.name), strict=True))
+    targets, points = pipeline.scenario.target_names, pipeline.scenario.target_array()
+    scores = {
+        case: dict(zip(targets, pipeline.score(flight, agents[case]), strict=True))
+        for case, flight in flights.items()
+        if flight.failure is None
+    }
+    closest = {case: path.closest_approach(flight, points)[0] for case, flight in flights.items()}
+    return {
         **{case: scores.get(case) for case in ("simulated", "untrimmed", "trimmed")},
         "misses": {case: dict(zip(targets, closest[case], strict=True)) for case in scores},
         "ends": {

@@ -1,7 +1,7 @@
 """``driftform trim``."""
 
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
@@ -39,6 +39,19 @@ def trim(
             "the hull's material.",
         ),
     ] = None,
+    net_weight: Annotated[
+        float | None,
+        typer.Option(
+            metavar="G",
+            help="What a scale shows while the sealed agent hangs under water, g; positive if it sinks. In place of --printed-mass.",
+        ),
+    ] = None,
+    water_temperature: Annotated[
+        float | None,
+        typer.Option(
+            metavar="C", help="Temperature of that water, degrees C; by default that of the scenario, fluid.celsius."
+        ),
+    ] = None,
     kit: Annotated[
         bool,
         typer.Option(
@@ -74,6 +87,21 @@ def trim(
         if given and not kit:
             raise InputError(f"--{name}: goes with --kit")
     use = {"simulator": simulator, "hydrodynamics": hydrodynamics}
+    if net_weight is None and water_temperature is not None:
+        raise InputError("--water-temperature: goes with --net-weight")
+    if net_weight is not None:
+        others = {
+            "printed-mass": printed_mass,
+            "printed-cog": printed_cog,
+            "kit": kit or None,
+            "ballast-density": ballast_density,
+        }
+        if given := [name for name, value in others.items() if value is not None]:
+            raise InputError(
+                f"--{given[0]}: does not go with --net-weight, which weighs the sealed agent: leave it out"
+            )
+        _trim_in_water(agent, net_weight / 1000, water_temperature, (scenario, settings or (), use), json)
+        return
     design = formats.open_exported(agent, names, kit, bed, option or (), settings or (), scenario, use)
     facts = trim_design(design, printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density)
     if json:
@@ -95,6 +123,27 @@ def trim(
     _print(facts, design.pipeline.fitness, write)
 
 
+def _trim_in_water(
+    agent: str,
+    net_weight: float,
+    celsius: float | None,
+    opened: tuple[str | None, Sequence[str], dict[str, str | None]],
+    json: bool,
+) -> None:
+    from driftform.cli import output
+    from driftform.design.opening import open_agent
+    from driftform_kit.hang import describe_hanging, trim_in_water
+
+    design = open_agent(agent, *opened)
+    facts = trim_in_water(design, net_weight, celsius)
+    if json:
+        output.print_json(facts)
+        return
+    for line in describe_hanging(facts, design.agent.body):
+        print(line)
+    _print_flights(facts, design.pipeline.fitness)
+
+
 def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: Commands) -> None:
     from driftform.cli import output
 
@@ -110,6 +159,12 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]", commands: Commands) -
     print()
     for line in describe_remedy(facts, commands):
         print(line)
+    _print_flights(facts, fitness)
+
+
+def _print_flights(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
+    from driftform.cli import output
+
     print(f"\n{fitness.heading}")
     names = [name for name in ("simulated", "untrimmed", "trimmed") if name in facts["ends"]]
     # A failed flight costs its column, not the others.

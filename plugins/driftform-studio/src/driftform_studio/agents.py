@@ -18,6 +18,7 @@ from driftform.search import PipeGrid
 from driftform.types import FloatArray
 from driftform.util import progress
 from driftform.water import Pipe
+from driftform_kit.hang import describe_hanging, trim_in_water
 from driftform_kit.trim import trim_design
 from driftform_studio.live import LiveRun
 
@@ -86,6 +87,18 @@ def trim_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
     kept = ("simulated_mass", "printed_mass", "ballast_mass", "pieces", "held", "unheld", "buoyancy", "aft_end")
     misses = {case: found[target] for case, found in facts["misses"].items()}
     return {name: facts[name] for name in kept} | {"misses": misses}
+
+
+def hang_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
+    """Say what a sealed agent lacks that weighs ``grams`` under water of ``celsius``; ``misses`` are those of its target, m."""
+    grams, celsius = document.get("grams"), document.get("celsius")
+    if not isinstance(grams, int | float) or not isinstance(celsius, int | float | None):
+        raise InputError("hang the sealed agent under water, and enter the grams that the scale shows")
+    design, number = _aim(key, live.find_agent(key))
+    facts = trim_in_water(design, grams / 1000, celsius)
+    target = design.scenario.target_names[number]
+    misses = {case: found[target] for case, found in facts["misses"].items()}
+    return {"lines": describe_hanging(facts, design.agent.body), "misses": misses}
 
 
 def _aim(key: str, design: Design) -> tuple[Design, int]:
@@ -189,6 +202,7 @@ WORK: dict[str, Callable[[LiveRun, str, Document], dict[str, Any]]] = {
     "show": describe_agent,
     "disturb": disturb_agent,
     "trim": trim_agent,
+    "hang": hang_agent,
     "reach": map_reach,
     "pick": pick,
     "report": write_report,

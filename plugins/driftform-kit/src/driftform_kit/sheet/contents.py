@@ -17,6 +17,7 @@ from driftform_kit.cutting.joint import Joint, groove_diameter, takes_core_aft
 from driftform_kit.cutting.meridian import MM, Ring
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
 from driftform_kit.cutting.upright import overhang_area
+from driftform_kit.net_weight import list_readings
 from driftform_kit.settings import list_arguments
 from driftform_kit.templates import fill_template
 
@@ -218,6 +219,8 @@ def _write_texts(
         grooves=grooves,
         rings=Counter((joint.cord, round(size, 1)) for joint, size in grooves.items()),
         flooded=measure_flooding(kit, body, job.scenario.fluid.density),
+        readings=list_readings(job.agent, job.scenario.fluid),
+        opened=job.opened_as,
         arguments=f"{job.opened_as} {list_arguments([format], options)}",
     )
     return [(key, text) for key, _, text in (line.partition("|") for line in lines)]

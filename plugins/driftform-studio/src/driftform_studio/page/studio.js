@@ -8,7 +8,7 @@ import { Fields } from "./fields.js";
 import { colour, duration, find, grams, length, make, quote } from "./parts.js";
 import { Side } from "./side.js";
 import { Space, Turntable } from "./space.js";
-import { describeTrim } from "./trim.js";
+import { describeHanging, describeTrim } from "./trim.js";
 import { sayLine } from "./words.js";
 
 const WORDS = {
@@ -568,13 +568,41 @@ const takeReport = (button) => takeWith(button, "Report", async (show) => {
 
 let weight = null; // of the print, g
 
+let hung = {};
+
 function showWeighing({ hull, core }) {
   weight = null;
   find("weigh").hidden = run.info.document.builder?.use !== "frusta";
   find("weigh-field").replaceChildren(makeNumber("Weight with the core", undefined, (grams) => { weight = grams; }, { unit: "g", keys: "weight", bounds: { above: 0, high: 1e6 }, placeholder: (1000 * (hull + core)).toFixed(1) }));
   find("trimmed").replaceChildren();
   find("trim-wait").textContent = "";
+  hung = { grams: null, celsius: null };
+  const usual = run.info.document.fluid?.celsius ?? 20;
+  find("hang-field").replaceChildren(makeNumber("Shown under water", undefined, (grams) => { hung.grams = grams; }, { unit: "g, − if it floats", keys: "hung" }));
+  find("hang-celsius").replaceChildren(makeNumber("Water", undefined, (celsius) => { hung.celsius = celsius; }, { unit: "°C", keys: "celsius", bounds: { low: -10, high: 100 }, placeholder: String(usual) }));
+  find("hanging").replaceChildren();
+  find("hang-wait").textContent = "";
 }
+
+find("hang").addEventListener("submit", async () => {
+  const { key } = agent;
+  const wait = find("hang-wait");
+  if (find("hang").querySelector("[data-held]")) return;
+  find("hung").disabled = true;
+  wait.className = "wait busy";
+  wait.textContent = "Flying";
+  find("hanging").replaceChildren();
+  try {
+    const found = await perform(address("agents", part(key), "hang"), hung, (text) => { wait.textContent = `Flying: ${text}`; });
+    if (agent?.key === key) find("hanging").replaceChildren(...describeHanging(found));
+    wait.textContent = "";
+  } catch (error) {
+    wait.replaceChildren(make("span", { class: "error" }, error.message));
+    if (error instanceof Offline) offline(true);
+  }
+  wait.className = "wait";
+  find("hung").disabled = false;
+});
 
 find("weigh").addEventListener("submit", async () => {
   const { key, data } = agent;

@@ -33,3 +33,8 @@ export function describeTrim({ ballast_mass: ballast, pieces, held, unheld, buoy
     make("tbody", {}, ...rows.map(([words, mass, miss]) => make("tr", {}, make("th", { scope: "row" }, words), make("td", {}, grams(mass)), make("td", {}, length(miss))))))));
   return lines;
 }
+
+export function describeHanging({ lines, misses: { simulated, untrimmed } }) {
+  const rows = [["as simulated", simulated], ["as it weighs now", untrimmed]].filter(([, miss]) => miss !== undefined);
+  return [...lines.map((line) => make("p", {}, line)), make("p", { class: "hint" }, rows.map(([words, miss]) => `Undisturbed, ${words}, it misses by ${length(miss)}.`).join(" "))];
+}

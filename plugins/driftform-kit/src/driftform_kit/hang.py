@@ -1,0 +1,66 @@
+"""Trim in water: what a sealed print lacks by its net weight, and how it flies without."""
+
+import math
+from typing import Any
+
+from driftform import Design
+from driftform.agent import MassElement
+from driftform.errors import InputError
+from driftform.types import Agent, Body
+from driftform.water.disturbances import SCALE
+from driftform_kit.ballast import FOAM
+from driftform_kit.net_weight import find_net_weight, find_reading, weigh_added
+from driftform_kit.trim import fly_cases
+
+MOST = 0.2
+"""Largest deviation of a net weight, relative to the mass of the agent: more was weighed in air, or in another unit."""
+
+
+def trim_in_water(design: Design, net_weight: float, celsius: float | None = None) -> dict[str, Any]:
+    """Return what a sealed print lacks by its net weight under water, as ``driftform trim --net-weight --json`` prints it.
+
+    Args:
+        net_weight: of the sealed agent, which hangs under water, kg; positive if it sinks.
+        celsius: temperature of that water, degrees C; that of the scenario's fluid for ``None``.
+
+    Raises InputError if the net weight cannot be that of this agent, and WorkFailedError if a flight fails.
+    """
+    agent, fluid = design.agent, design.scenario.fluid
+    celsius = fluid.celsius if celsius is None else celsius
+    if not -10 <= celsius <= 100:
+        raise InputError(f"--water-temperature {celsius:g}: is in degrees C, from -10 to 100")
+    wanted, density = find_reading(agent, fluid, celsius), fluid.density_at(celsius)
+    missing = wanted - net_weight
+    if not (math.isfinite(net_weight) and abs(missing) < MOST * agent.mass.mass):
+        raise InputError(
+            f"--net-weight {1000 * net_weight:g}: {design.name} should weigh {1000 * wanted:.2f} g under water, of {1000 * agent.mass.mass:.1f} g "
+            "in air: give the grams that the scale shows while the sealed agent hangs under water, negative if it floats"
+        )
+    x = agent.body.core.cog
+    off = MassElement.reweigh(agent, (_as_element(agent), MassElement(-missing, x)))
+    return {
+        "agent": design.name,
+        "simulator": design.pipeline.simulator.name,
+        "net_weight": net_weight,
+        "water_celsius": celsius,
+        "water_density": density,
+        "wanted_net_weight": wanted,
+        "flight_net_weight": find_net_weight(agent, fluid),
+        "flight_celsius": fluid.celsius,
+        "missing": missing,
+        "added": weigh_added(missing, density) if missing >= SCALE / 2 else {},
+        "foam": max(0.0, -missing) / (density - FOAM) if missing <= -SCALE / 2 else 0.0,
+        **fly_cases(design, {"simulated": agent, "untrimmed": off}),
+    }
+
+
+def _as_element(agent: Agent) -> MassElement:
+    mass = agent.mass
+    return MassElement(mass.mass, float(mass.cog[0]), float(mass.inertia[0, 0]), float(mass.inertia[1, 1]))
+
+
+def describe_hanging(facts: dict[str, Any], body: Body) -> list[str]:
+    """Return what is to be done by the document of :func:`trim_in_water`, one line each."""
+    from driftform_kit.templates import fill_template
+
+    return fill_template("hang.txt", **facts, step=SCALE, core=body.core.cog - float(body.outer[0, 0]))
