@@ -319,7 +319,8 @@ def finished_run(
     """A small real run, and what the program said; not to be changed. All workers have the same."""
     cwd = shared_folder(tmp_path_factory, "finished")
     cwd.mkdir(exist_ok=True)
-    words = ("evolve", "paper", "--evaluations", 20, "--target", "TP1", "--target", "TP7", "--seed", 1, "--workers", 1)
+    targets = ("--target", "TP1", "--target", "TP7")
+    words = ("evolve", "paper", *targets, "--simulator", "native", "--evaluations", 20, "--seed", 1, "--workers", 1)
     said = cwd / "said.json"
     with FileLock(cwd / ".lock"):
         if not said.exists():

@@ -96,10 +96,6 @@ def test_a_command_and_a_group_of_a_plugin_are_listed_and_run(install: Install, 
     assert call("harbour", "enter", "Hull").stdout == "in Hull\n"
     group = call("harbour", "--help").stdout
     assert "Enter the harbour." in group and "leave" in group
-
-
-def test_help_of_a_command_of_a_plugin_looks_like_ours(install: Install, call: Call) -> None:
-    install(ext_tide=TIDE)
     page = call("harbour", "enter", "--help").stdout
     assert page.startswith("Usage: driftform harbour enter [OPTIONS] NAME\n")
     assert "Print only one JSON document" in page
@@ -127,16 +123,15 @@ def test_wrong_options_of_a_plugin_are_refused_in_one_line(install: Install, ref
     assert "--height" in line and line.endswith("see 'driftform tide --help'")
 
 
-def test_a_command_that_two_plugins_claim_is_refused_with_both_names(install: Install, refused: Refused) -> None:
-    install(ext_one=add("dredge", "one"), ext_two=add("dredge", "two"))
+def test_a_command_that_two_plugins_claim_is_refused_with_both_names_and_leaves_their_others(
+    install: Install, call: Call, refused: Refused
+) -> None:
+    both = add("dredge", "one") + '    app.command("buoy")(lambda: print("a buoy"))\n'
+    install(ext_one=both, ext_two=add("dredge", "two"))
     assert refused("dredge") == (
         "error: command 'dredge' is unavailable: ext_one-plugin and ext_two-plugin claim it; uninstall one of them"
     )
 
-
-def test_what_two_plugins_claim_leaves_their_other_commands(install: Install, call: Call) -> None:
-    both = add("dredge", "one") + '    app.command("buoy")(lambda: print("a buoy"))\n'
-    install(ext_one=both, ext_two=add("dredge", "two"))
     assert call("buoy").stdout == "a buoy\n"
     page = call("--help").stdout
     assert "buoy" in page and "dredge" not in page
@@ -173,37 +168,25 @@ def test_a_hook_that_raises_is_listed_and_named_by_a_command_that_nobody_knows(
 
 
 @pytest.mark.parametrize(
-    ("how", "code", "line"),
+    ("words", "code", "line"),
     [
-        ("input", 2, "error: HOW input: is no way to sink"),
-        ("work", 1, "error: it floats"),
-        ("file", 1, "error: no such file: No such file or directory"),
-        ("leave", 1, "error: command 'sink' failed: SystemExit: left (in sink, line "),
-        ("bug", 1, "error: command 'sink' failed: ZeroDivisionError: division by zero (in sink, line "),
+        ("sink exit", 3, ""),
+        ("sink input", 2, "error: HOW input: is no way to sink"),
+        ("sink work", 1, "error: it floats"),
+        ("sink file", 1, "error: no such file: No such file or directory"),
+        ("sink leave", 1, "error: command 'sink' failed: SystemExit: left (in sink, line "),
+        ("sink bug", 1, "error: command 'sink' failed: ZeroDivisionError: division by zero (in sink, line "),
+        ("harbour leave", 1, "error: command 'harbour leave' failed: ArithmeticError: no water (in leave, line "),
     ],
 )
 def test_a_command_that_raises_is_one_line_and_an_exit_code(
-    install: Install, call: Call, how: str, code: int, line: str
+    install: Install, call: Call, words: str, code: int, line: str
 ) -> None:
-    install(ext_sink=RAISING)
-    result = call("sink", how)
+    install(ext_sink=RAISING, ext_tide=TIDE)
+    result = call(*words.split())
     assert (result.exit_code, result.stdout) == (code, "")
-    [said] = result.stderr.splitlines()
-    assert said.startswith(line)
-
-
-def test_a_command_ends_with_the_exit_code_that_it_chooses(install: Install, call: Call) -> None:
-    install(ext_sink=RAISING)
-    result = call("sink", "exit")
-    assert (result.exit_code, result.stderr) == (3, "")
-
-
-def test_a_command_of_a_group_that_raises_is_one_line(install: Install, call: Call) -> None:
-    install(ext_tide=TIDE)
-    result = call("harbour", "leave")
-    assert result.exit_code == 1
-    [line] = result.stderr.splitlines()
-    assert line.startswith("error: command 'harbour leave' failed: ArithmeticError: no water (in leave, line ")
+    assert result.stderr.count("\n") == bool(line)
+    assert result.stderr.startswith(line)
 
 
 def test_a_command_of_the_core_is_not_replaced(install: Install, call: Call) -> None:

@@ -16,6 +16,8 @@ from driftform.study.sources import read_scenarios
 
 pytestmark = pytest.mark.long
 
+BEST = ("agent.json", "trajectory.csv", "section.svg", "agent.stl")
+
 Finished = tuple[Path, subprocess.CompletedProcess[str]]
 Program = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -54,21 +56,12 @@ def test_a_run_directory_holds_what_the_design_says(finished_run: Finished) -> N
     assert found - {".lock"} == best | top
 
 
-BEST = ("agent.json", "trajectory.csv", "section.svg", "agent.stl")
-
-
-def test_the_study_is_kept_as_it_was_given(finished_run: Finished) -> None:
+def test_a_run_keeps_its_study_as_given_and_resolved_with_versions_plugins_and_the_seed(finished_run: Finished) -> None:
     assert (finished_run[0] / "study.toml").read_text() == read_scenarios()["paper"]
-
-
-def test_the_resolved_study_loads_as_the_same_study(finished_run: Finished) -> None:
     path = finished_run[0] / "resolved.toml"
     study = load_study(str(path))
     assert study.document == tomllib.loads(path.read_text())
     assert (study.seed, study.evaluations, study.scenario.target_names) == (1, 20, ("TP1", "TP7"))
-
-
-def test_the_environment_names_versions_plugins_and_the_seed(finished_run: Finished) -> None:
     document = json.loads((finished_run[0] / "environment.json").read_text())
     assert document["seed"] == 1
     assert {row["name"] for row in document["plugins"]} >= {"lsystem", "frusta", "striptheory", "native"}
@@ -101,8 +94,8 @@ def test_two_workers_find_what_one_finds_to_the_last_digit(
     finished_run: Finished, run: Program, rows: Callable[[Path], Any], tmp_path: Path
 ) -> None:
     result = run(
-        *("evolve", "paper", "--evaluations", 20, "--target", "TP1", "--target", "TP7", "--seed", 1, "--workers", 2),
-        *("--out", "run"),
+        *("evolve", "paper", "--target", "TP1", "--target", "TP7", "--simulator", "native", "--evaluations", 20),
+        *("--seed", 1, "--workers", 2, "--out", "run"),
         cwd=tmp_path,
     )
     assert result.returncode == 0, result.stderr

@@ -120,17 +120,6 @@ def test_samples_are_those_that_are_stored_bit_by_bit(
 
 
 @pytest.mark.peers
-def test_both_formats_hold_the_same(exported: Path) -> None:
-    text, parquet = (read(exported, format)[1] for format in FORMATS)
-    assert text.columns == parquet.columns
-    for name in text.columns:
-        if name == "parents":
-            assert [json.loads(value) for value in text[name]] == parquet[name].to_list()
-        else:
-            assert text[name].to_list() == parquet[name].to_list()
-
-
-@pytest.mark.peers
 def test_every_column_has_a_meaning_and_every_quantity_its_unit(exported: Path) -> None:
     from pyarrow import parquet
 
@@ -305,20 +294,3 @@ def test_without_pyarrow_parquet_says_what_to_install_before_anything_is_done(
     assert "pip install 'driftform[parquet]'" in line and "--format csv" in line
     assert not (run_copy / "data").exists()
     assert call("export-data", "run", "--format", "csv").exit_code == 0
-
-
-@pytest.mark.parametrize(
-    "harm",
-    [
-        "UPDATE evaluation SET trajectory = x'0011'",
-        "UPDATE score SET fitness = 'abc'",
-        "UPDATE evaluation SET symbols = '{'",
-        "UPDATE evaluation SET ended = 'x'",
-    ],
-)
-def test_a_damaged_run_gives_no_tables(run_copy: Path, refused: Callable[..., str], harm: str) -> None:
-    connection = sqlite3.connect(run_copy / "run.db")
-    connection.execute(harm)
-    connection.commit()
-    connection.close()
-    assert "is damaged" in refused("export-data", "run", "--trajectories")

@@ -82,14 +82,6 @@ def test_options_of_a_recorder_and_another_scenario(call: Call) -> None:
     assert "/diver/concentration" in file["topics"] and "/diver/odom" in file["topics"]
 
 
-@pytest.mark.peers
-def test_people_read_what_was_written(call: Call) -> None:
-    result = call("export-flight", WORD, "--format", "mcap", *QUICK, "--rate-hz", "10", "--out", "f")
-    assert result.exit_code == 0, result.stderr
-    [line] = result.stdout.splitlines()
-    assert line.startswith("f/") and "messages" in line and "{" not in line
-
-
 def test_a_flight_that_failed_is_written_and_told_as_failed(call: Call) -> None:
     result = call("export-flight", WORD, *QUICK, "--set", "simulator.step_limit=20", "--out", "f")
     assert result.exit_code == 1

@@ -67,12 +67,9 @@ def test_it_tells_the_flight_the_distance_and_the_file(call, run_copy: Path) -> 
 
 
 @pytest.mark.parametrize("z", ["-0.9", "-9e-1", "-.9"])
-def test_a_negative_coordinate_is_no_option(call, run_copy: Path, z: str) -> None:
+def test_a_negative_coordinate_is_no_option_and_options_may_stand_before(call, run_copy: Path, z: str) -> None:
     told = json.loads(call("pick", run_copy, "4.0", "-0.0", z, "--json").stdout)
     assert told["point"][2] == -0.9
-
-
-def test_options_may_stand_before_the_coordinates(call, run_copy: Path) -> None:
     assert json.loads(call("pick", "--json", run_copy, "4", "0", "-.9").stdout)["point"] == [4.0, 0.0, -0.9]
 
 

@@ -58,9 +58,6 @@ def test_the_options_of_a_plugin_are_shown_with_default_and_unit(call: Call) -> 
     assert options["hull_density"]["bounds"] == "≥ 1, ≤ 30000"
     assert all(option["help"] for option in options.values())
     assert "hull_density" in call("plugins", "show", "frusta").stdout
-
-
-def test_a_plugin_without_options_says_so(call: Call) -> None:
     assert "It has no options." in call("plugins", "show", "closest-approach").stdout
 
 

@@ -155,14 +155,9 @@ def test_a_wrong_study_is_refused_or_warned_of_in_the_first_second(name: str) ->
         lines = load_and_list(settings)
     assert time.process_time() - began < 1
     assert any(part in line for line in lines), lines
+    # One mistake, one line: nobody reads the third.
+    assert verdict == "refused" or len(lines) <= 2
     assert all("\n" not in line for line in lines)
-
-
-def test_each_of_them_names_what_is_wrong_and_nothing_else() -> None:
-    """One mistake, one line: nobody reads the second."""
-    for name, (settings, verdict, _) in WRONG.items():
-        if verdict == "warned":
-            assert len(load_and_list(settings)) <= 2, name
 
 
 @pytest.mark.parametrize(
@@ -214,26 +209,6 @@ def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run: C
     first = done.stderr.splitlines()[0]
     assert first.startswith("warning: no flight leaves the vertical plane")
     assert [f"warning: {line}" for line in json.loads(done.stdout)["warnings"]] == [first]
-
-
-@pytest.mark.parametrize(
-    "setting",
-    [
-        "pipe.segments.0.radius=1e-6",
-        "pipe.segments.0.radius=1e300",
-        "grammar.large=1",
-        "fluid.viscosity=1e6",
-        "gusts.smoothing=1e-6",
-        "flight.horizon=1e-300",
-        "run.evaluations=1000000000",
-        "strategy={use='paper',population=1000000000}",
-        "targets.A=[1e300,0,0]",
-        "simulator.step_limit=1000000000000",
-    ],
-)
-def test_a_number_beyond_its_bounds_is_refused(setting: str) -> None:
-    with pytest.raises(InputError, match=r"should be (less|greater) than or equal to"):
-        load_study("paper", settings=[setting])
 
 
 @pytest.mark.long

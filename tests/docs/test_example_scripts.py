@@ -47,30 +47,25 @@ def test_the_best_agent_sees_most_heights_of_the_pipe(printed: Callable[[str, st
     assert seen == sorted(seen) and seen[-1] == pytest.approx(79, abs=2)
 
 
-def test_a_hundred_random_tails_include_one_that_almost_hits(printed: Callable[[str, str], list[float]]) -> None:
-    [fitness] = printed("own_grammar", r"fitness ([\d.]+) %")
-    assert fitness == pytest.approx(98.9, abs=1)
-
-
 def test_five_hundred_flights_pass_most_points(printed: Callable[[str, str], list[float]]) -> None:
     [near] = printed("reach_map", r"(\d+) of 12 points")
     assert near >= 7
 
 
-def test_a_gram_and_a_half_of_core_decides_between_the_outlets(printed: Callable[[str, str], list[float]]) -> None:
-    assert printed("junction", r"(\d+) % by riser") == pytest.approx([100, 5, 0], abs=10)
-
-
-def test_the_ballast_is_what_the_print_lacks(printed: Callable[[str, str], list[float]]) -> None:
-    assert printed("kit", r"ballast of ([\d.]+) g") == [2.0]
-
-
-def test_the_fit_finds_the_drag_of_the_settling_sphere(printed: Callable[[str, str], list[float]]) -> None:
-    assert printed("calibration", r"drag ([\d.]+) times") == pytest.approx([1.14], abs=0.02)
-
-
-def test_five_spheres_see_almost_half_of_net3(printed: Callable[[str, str], list[float]]) -> None:
-    assert printed("network", r"five spheres see ([\d.]+) %") == pytest.approx([45.1], abs=0.2)
+@pytest.mark.parametrize(
+    ("script", "pattern", "expected"),
+    [
+        ("own_grammar", r"fitness ([\d.]+) %", pytest.approx([98.9], abs=1)),
+        ("junction", r"(\d+) % by riser", pytest.approx([100, 5, 0], abs=10)),
+        ("kit", r"ballast of ([\d.]+) g", [2.0]),
+        ("calibration", r"drag ([\d.]+) times", pytest.approx([1.14], abs=0.02)),
+        ("network", r"five spheres see ([\d.]+) %", pytest.approx([45.1], abs=0.2)),
+    ],
+)
+def test_a_script_prints_its_number(
+    printed: Callable[[str, str], list[float]], script: str, pattern: str, expected: object
+) -> None:
+    assert printed(script, pattern) == expected
 
 
 def test_a_tether_carries_the_net_weight(printed: Callable[[str, str], list[float]]) -> None:

@@ -50,28 +50,6 @@ def test_the_full_example_loads(study_folder: dict[str, str]) -> None:
     assert study.document["simulator"]["use"] == "native"
 
 
-def test_the_merging_rules_are_as_told(study_folder: dict[str, str]) -> None:
-    base = load_study(run={"seed": 0})
-    below = load_study("short-pipe.toml")
-    # Key by key, but lists as a whole, and targets anew.
-    assert below.scenario.fluid == base.scenario.fluid
-    assert len(below.scenario.pipe.segments) == 1
-    assert below.scenario.pipe.segments[0].radius == 0.5
-    assert not set(below.scenario.targets) & set(base.scenario.targets)
-    # Another plugin starts from its own defaults.
-    other = load_study("short-pipe.toml", use={"strategy": "random"})
-    assert "population" not in other.document["strategy"]
-    # --set comes after the choice of plugins, and numbers of the run last.
-    assert load_study("paper", ["run.seed=1"], run={"seed": 2}).seed == 2
-    assert load_study("paper", ["strategy.batch=7"], use={"strategy": "random"}).document["strategy"]["batch"] == 7
-    # A word that is no TOML value is a string.
-    assert load_study("paper", ["grammar.occupied=skip"]).document["grammar"]["occupied"] == "skip"
-    # --set adds a target, or moves one; a file states them anew.
-    more = load_study("short-pipe.toml", ["targets.leak=[1,0,0]", "targets.bend=[2,0,0]"])
-    assert more.scenario.target_names == ("leak", "valve", "bend")
-    assert more.scenario.targets["leak"] == (1, 0, 0)
-
-
 def test_a_study_of_its_own_needs_every_table(study_folder: dict[str, str]) -> None:
     assert load_study("open-water.toml", targets=(), run={"seed": 0}).scenario.pipe.segments == ()
 

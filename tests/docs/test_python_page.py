@@ -32,59 +32,28 @@ def printed(tmp_path_factory: pytest.TempPathFactory, blocks: list[Any]) -> Iter
 
 
 @pytest.mark.peers
-def test_the_first_example_ends_with_a_kit(printed: tuple[Path, dict[str, str]]) -> None:
+def test_the_examples_print_and_write_what_they_are_about(printed: tuple[Path, dict[str, str]]) -> None:
     folder, out = printed
     assert "passes TP3 by" in out["first.py"]
     assert (folder / "parts" / "tp3.3mf").stat().st_size > 84
     assert (folder / "runs" / "first" / "best" / "TP7" / "agent.json").is_file()
-
-
-def test_ten_lines_are_enough(blocks: list[Any]) -> None:
-    [block] = [b for b in blocks if b.page == PAGE and b.file == "first.py"]
-    assert len([line for line in block.text.splitlines() if line]) <= 10
-
-
-@pytest.mark.peers
-def test_a_wrong_key_is_told_in_the_example(printed: tuple[Path, dict[str, str]]) -> None:
-    assert printed[1]["study.py"].startswith("0.8 m/s, 500 evaluations\n")
-    assert "did you mean 'speed'?" in printed[1]["study.py"]
-
-
-@pytest.mark.peers
-def test_a_run_is_opened_and_tabled(printed: tuple[Path, dict[str, str]]) -> None:
-    out = printed[1]["run.py"]
-    assert "TP3:" in out and "TP7:" in out and "fitness_TP3" in out
-
-
-@pytest.mark.peers
-def test_agents_are_flown_and_written(printed: tuple[Path, dict[str, str]]) -> None:
-    folder, out = printed
-    assert out["agents.py"].count(" m/s: ") == 3
-    assert (folder / "parts" / "by_hand.svg").is_file()
-
-
-@pytest.mark.peers
-def test_a_run_gives_the_agent_near_a_point_its_page_and_its_tables(printed: tuple[Path, dict[str, str]]) -> None:
-    folder, out = printed
-    assert "passes by" in out["run.py"]
+    assert out["study.py"].startswith("0.8 m/s, 500 evaluations\n") and "did you mean 'speed'?" in out["study.py"]
+    assert all(part in out["run.py"] for part in ("TP3:", "TP7:", "fitness_TP3", "passes by"))
     assert (folder / "first.html").read_text(encoding="utf-8").startswith("<!doctype html>")
     assert (folder / "tables" / "evaluations.csv").is_file()
-
-
-@pytest.mark.peers
-def test_a_flight_becomes_samples_and_a_picture(printed: tuple[Path, dict[str, str]]) -> None:
-    folder, out = printed
+    assert out["agents.py"].count(" m/s: ") == 3
+    assert (folder / "parts" / "by_hand.svg").is_file()
     assert (folder / "flights" / "tp3.csv").read_text(encoding="utf-8").count("\n") > 50
     assert (folder / "flights" / "tp3.png").read_bytes().startswith(b"\x89PNG")
     assert "9 of 10 disturbed flights miss by less than" in out["flights.py"]
     assert 'width="85mm"' in (folder / "flights" / "figure.svg").read_text(encoding="utf-8")
     assert out["more.py"].startswith("Body(") and out["more.py"].endswith(" %\n")
+    assert "failed checks of the file: []" in out["print.py"] and "ballast: 2.00 g at x" in out["print.py"]
 
 
-@pytest.mark.peers
-def test_a_print_is_checked_and_trimmed(printed: tuple[Path, dict[str, str]]) -> None:
-    out = printed[1]["print.py"]
-    assert "failed checks of the file: []" in out and "ballast: 2.00 g at x" in out
+def test_ten_lines_are_enough(blocks: list[Any]) -> None:
+    [block] = [b for b in blocks if b.page == PAGE and b.file == "first.py"]
+    assert len([line for line in block.text.splitlines() if line]) <= 10
 
 
 def test_each_method_of_a_design_and_of_a_run_is_on_the_page(pages: dict[str, str]) -> None:

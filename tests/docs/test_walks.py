@@ -119,12 +119,3 @@ def test_messages_are_those_that_the_program_prints(
         text = text.replace(block.text, "\n".join(lines) + "\n")
     assert count >= 12
     up_to_date(page, text)
-
-
-def test_the_message_of_another_study_is_as_told_for_python(troubled: Path) -> None:
-    import driftform as df
-    from driftform.errors import InputError
-
-    study = load_study("paper", use={"simulator": "native"}, run={"seed": 2, "evaluations": 2})
-    with pytest.raises(InputError, match="holds a run with other settings"):
-        df.evolve(study, troubled / "r1", progress=False)

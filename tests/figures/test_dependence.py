@@ -23,9 +23,6 @@ def test_each_bar_is_as_long_as_its_effect(read):
 
 def test_each_bar_has_its_name_and_its_length():
     text = dependence_svg(EFFECTS, "TP1")
+    assert "0.0 mm" in dependence_svg([Effect("drag", 0.0, "")], "TP1"), "all are zero"
     for words in ("TP1", "drag", "200 mm", "50 mm", "0.0 mm", REST, "100 mm"):
         assert words in text
-
-
-def test_effects_that_are_all_zero_are_drawn():
-    assert "0.0 mm" in dependence_svg([Effect("drag", 0.0, "")], "TP1")

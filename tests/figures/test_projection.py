@@ -4,7 +4,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.figures.projection import PLAN, SIDE, drawing_times, silhouette, simplify_polyline
-from driftform.motion.path.approach import closest_approach
 from driftform.motion.path.interpolation import interpolate_positions
 
 unit = st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda q: np.linalg.norm(q) > 0.1)
@@ -47,11 +46,3 @@ def test_the_path_passes_through_the_samples_and_ends_at_the_given_time(fly):
     cut = interpolate_positions(trajectory, drawing_times(trajectory, stop=4.3))
     assert cut[-1] == pytest.approx([4.3, 0, 0.43])
     assert (np.diff(cut[:, 0]) > 0).all()
-
-
-def test_the_closest_approach_to_a_straight_flight_is_the_foot_of_the_perpendicular(fly):
-    flight = fly(samples=4)
-    [distance], times = closest_approach(flight, np.array([[4.2, 0.3, 0.4]]))
-    assert distance == pytest.approx(0.5)
-    assert interpolate_positions(flight, times) == pytest.approx(np.array([[4.2, 0, 0]]), abs=1e-9)
-    assert times == pytest.approx([4.2])

@@ -110,10 +110,10 @@ def test_net_buoyancy_is_that_of_the_scenario_s_water(read, tube):
     assert not any(text.endswith(" N") for text in read(section_svg(agent)).texts)
 
 
-@settings(deadline=None, max_examples=12)
-@given(data=st.data(), level=st.sampled_from([None, 0.1]), title=st.text(max_size=80))
-def test_any_body_in_water_gives_a_picture_that_keeps_to_its_page(read, agents, data, level, title):
-    scenario = Scenario(fluid=Fluid(water_level=level))
+@settings(deadline=None, max_examples=40)
+@given(data=st.data(), fluid=st.sampled_from([None, Fluid(), Fluid(water_level=0.1)]), title=st.text(max_size=200))
+def test_any_body_in_water_or_not_gives_a_picture_that_keeps_to_its_page(read, agents, data, fluid, title):
+    scenario = fluid and Scenario(fluid=fluid)
     picture = read(section_svg(data.draw(agents), title, scenario))
     assert picture.outside() == []
     assert picture.overlapping_texts() == []

@@ -22,7 +22,6 @@ from driftform.motion.forces.drag_coefficients import (
 from driftform.motion.forces.strips import outer_radii
 from driftform.motion.forces.terminal import terminal_speeds
 from driftform.study import load_study
-from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import (
     cylinder_body,
     dome_body,
@@ -32,10 +31,8 @@ from driftform.testing.bodies import (
     scaled_body,
     spheroid_body,
 )
-from driftform.testing.simulator import water_scenario
 from driftform.types import Body, Coefficients, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_native.simulator import NativeOptions, NativeSimulator
 
 BUILDER = FrustaBuilder(FrustaOptions())
 NU = 1.0e-6
@@ -151,19 +148,6 @@ def test_the_bare_core_sinks_as_fast_as_the_sphere_of_benchmark_1():
     assert core_speeds() == pytest.approx((CORE_SPEED, CORE_SPEED), rel=0.05)
 
 
-@pytest.mark.parametrize(("pitch_deg", "motion"), [(90.0, 0), (0.0, 1)], ids=["end on", "broadside"])
-def test_a_flight_of_the_core_reaches_that_speed(pitch_deg, motion):
-    core = sphere_agent(0.01, 0.05)
-    drag = estimate_drag(spheroid_body(0.01, 0.01, edges=100), NU)
-    agent = replace(core, coefficients=replace(core.coefficients, drag=drag))
-    scenario = water_scenario(2.0, pitch_deg=pitch_deg)
-    fluid = scenario.fluid.model_copy(update={"viscosity": NU})
-    scenario = scenario.model_copy(update={"fluid": fluid})
-    flight = NativeSimulator(NativeOptions()).simulate(agent, scenario)
-    speed = np.linalg.norm(flight.velocity[-1, :3])
-    assert speed == pytest.approx(core_speeds()[motion], rel=1e-4)
-
-
 def test_the_page_has_the_errors_of_the_drag(published):
     rows = [
         (case.name, case.motion.__name__, f"{case.reynolds:.0e}", case.found, case.measured)
@@ -262,12 +246,6 @@ def test_every_term_can_be_left_out(term, zero):
     assert getattr(estimate_drag(body, NU, without=(term,)), zero) == 0
 
 
-def test_the_wake_and_the_ends_can_be_left_out():
-    body = cylinder(5)
-    assert estimate_drag(body, NU, without=("wake",)).wake_ahead[1] == 0
-    assert estimate_drag(body, NU, without=("ends",)).strips[:, 3] == pytest.approx(np.ones(5))
-
-
 def test_a_study_leaves_out_what_its_option_names():
     study = load_study(
         "paper",
@@ -327,13 +305,3 @@ def test_any_body_has_finite_drag(morphology):
     # Where both ends are concave, the steepest place of one may lie beyond that of the other.
     wakes = drag.wake_ahead[0], drag.wake_astern[0]
     assert body.outer[:, 0].min() <= min(wakes) <= max(wakes) <= body.outer[:, 0].max()
-
-
-def test_random_agents_fly_with_drag():
-    study = load_study("paper", ["hydrodynamics.drag=strips", "flow.speed=0.0"], use={"simulator": "native"})
-    pipeline = study.make_pipeline()
-    rng = np.random.default_rng(3)
-    agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(10)]
-    assert all(agent.coefficients.drag is not None for agent in agents)
-    flights = pipeline.fly(agents)
-    assert not any(flight.end.failed for flight in flights)

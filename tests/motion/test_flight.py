@@ -108,17 +108,6 @@ def test_a_flight_that_did_not_converge_has_what_two_integrations_agree_on():
     assert len(finish_trajectory(samples, model, 0.5, 10**6, 1.0, 1e-3, other[:1]).t) == 1
 
 
-def test_why_a_flight_stopped_early_is_told():
-    scenario = scenario_of(0.5)
-    _, samples, model = flown(sphere_agent(0.01, 0.05), scenario)
-    broken = samples.copy()
-    broken[5:, 9] = np.nan
-    assert finish_trajectory(broken, model, 0.5, 10**6).end == End.NON_FINITE
-    assert len(finish_trajectory(broken, model, 0.5, 10**6).t) == 5
-    assert finish_trajectory(samples[:6], model, 0.5, 5).end == End.STEP_LIMIT
-    assert finish_trajectory(samples[:6], model, 0.5, 100).end == End.NON_FINITE
-
-
 @pytest.mark.parametrize("flow", [LogLawFlow(speed=0.8), TurbulentFlow(speed=0.8)])
 def test_a_body_released_with_the_current_has_the_velocity_of_the_water_there(flow):
     scenario = scenario_of(1.0, radius=1.0, flow=flow, position=(0.0, 0.0, 0.7))

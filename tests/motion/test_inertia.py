@@ -42,12 +42,6 @@ def test_moving_the_origin_gives_the_matrix_that_the_moved_particles_have(seed, 
     assert shift_origin(here, offset) == pytest.approx(there, rel=1e-9, abs=1e-12)
 
 
-@given(points, points)
-def test_shifts_add_up(a, b):
-    matrix = np.diag([1.0, 2, 2, 0, 3, 3])
-    assert shift_origin(shift_origin(matrix, a), b) == pytest.approx(shift_origin(matrix, a + b), abs=1e-12)
-
-
 def test_added_mass_of_a_forward_centre_couples_heave_with_pitch_and_sway_with_yaw():
     # About a point 0.1 m aft of the centre: v_centre = v + w x (0.1, 0, 0), so M26 = 0.1 M22 and M35 = -0.1 M33.
     coefficients = Coefficients(np.diag([1.0, 2, 2, 0, 3, 3]), origin=np.array([0.1, 0, 0]))

@@ -110,7 +110,7 @@ def test_the_default_selection_of_folders_takes_all_cores(
     assert conftest.pytest_xdist_auto_num_workers(config) == workers
 
 
-@pytest.mark.parametrize("simulator", ["native", "exudyn"])
+@pytest.mark.parametrize("simulator", ["native", pytest.param("exudyn", marks=pytest.mark.long)])
 def test_the_kernels_that_are_compiled_before_the_workers_start_are_those_of_real_flights(
     conftest: ModuleType, monkeypatch: pytest.MonkeyPatch, simulator: str
 ) -> None:

@@ -65,7 +65,9 @@ def test_something_is_drawn_and_no_more_than_there_is_room_for(page, view):
     assert 0.005 < share < 0.6
 
 
-def test_scrubbing_moves_the_agent(page):
+def test_scrubbing_moves_the_agent_by_the_keyboard_too(page):
+    from selenium.webdriver import Keys
+
     before = pixels(page, "flight-view")
     shown = page.find_element("id", "moment").text
     page.execute_script(
@@ -73,10 +75,6 @@ def test_scrubbing_moves_the_agent(page):
     )
     assert pixels(page, "flight-view") != before
     assert page.find_element("id", "moment").text != shown
-
-
-def test_the_slider_is_moved_by_the_keyboard_too(page):
-    from selenium.webdriver import Keys
 
     slider = page.find_element("id", "time")
     shown = page.find_element("id", "moment").text
@@ -119,19 +117,12 @@ def test_cutting_open_turning_and_choosing_change_the_picture(page):
 
 @pytest.mark.parametrize("width", [390, 1280])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_overflows_on_a_phone_or_on_a_desk(page, width, scheme):
+def test_nothing_overflows_on_a_phone_or_on_a_desk_and_axe_finds_no_barrier(page, width, scheme):
     look(page, width, scheme)
     page.refresh()
     wide = page.execute_script("return [document.documentElement.scrollWidth, window.innerWidth]")
     assert wide[0] <= wide[1] == width
     assert page.get_log("browser") == []
-
-
-@pytest.mark.parametrize("width", [390, 1280])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_axe_finds_no_barrier(page, width, scheme):
-    look(page, width, scheme)
-    page.refresh()
     page.execute_script("document.querySelectorAll('details').forEach((e) => { e.open = true; })")
     assert find_barriers(page) == []
 

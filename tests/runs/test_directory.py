@@ -1,6 +1,5 @@
 """Run directories that were left in the first moment, and those that go away while a run is under way."""
 
-import errno
 import os
 import shutil
 from collections.abc import Callable, Iterator, Sequence
@@ -10,13 +9,11 @@ from typing import Any
 import pytest
 
 from driftform.errors import WorkFailedError
-from driftform.runs import store
 from driftform.runs.run import StoredRun
 from driftform.search.advance import advance_run
 from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
 from driftform.study import load_study
-from driftform.util import files
 
 Call = Callable[..., Any]
 Rows = Callable[[Path], list[tuple[Any, ...]]]
@@ -82,31 +79,6 @@ def test_what_a_run_leaves_that_is_killed_in_its_first_moment_is_taken_by_evolve
             assert result.exit_code == 2
             [line] = result.stderr.splitlines()
             assert line.endswith("start it again with the same 'driftform evolve' and --out left")
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("writes", range(4))
-def test_what_a_full_disk_leaves_in_the_first_moment_is_taken_when_there_is_room(
-    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, writes: int
-) -> None:
-    done = 0
-
-    def write(path: Path, write: Callable[[Path], object], original: Any = files.write_whole) -> None:
-        nonlocal done
-        done += 1
-        if done > writes:
-            raise OSError(errno.ENOSPC, "No space left on device", str(path))
-        original(path, write)
-
-    with monkeypatch.context() as full:
-        full.setattr(files, "write_whole", write)
-        full.setattr(store, "write_whole", write)
-        result = call(*RUN, "run")
-    assert result.exit_code == 1
-    [line] = result.stderr.splitlines()
-    assert "No space left on device" in line
-    again = ("resume", "run", "--workers", 1) if writes else (*RUN, "run")
-    assert call(*again).exit_code == 0
 
 
 def test_a_directory_of_something_else_is_taken_by_neither(call: Call, tmp_path: Path) -> None:

@@ -260,7 +260,7 @@ class Table:
             yield [(job.index, Evaluation(job.genome, scores, offsets=np.ones((2, 3))))]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),
     score=st.sampled_from(["quantile", "mean", "worst"]),

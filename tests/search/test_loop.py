@@ -243,15 +243,13 @@ def test_failures_are_recorded_with_their_reason_and_the_run_goes_on(store: Stor
     assert count == store.count_failed()
 
 
-@pytest.mark.parametrize(("value", "extra"), [("nan", 0), ("inf", 0), ("-1", 0), ("50", 1), ("50", -1)])
-def test_a_fitness_that_no_selection_can_work_with_is_a_failure(
-    store: Store, tmp_path: Path, value: str, extra: int
-) -> None:
-    study = study_of("fitness.use=nonsense", f"fitness.value='{value}'", f"fitness.extra={extra}")
+@pytest.mark.parametrize("slip", ["nan", "infinite", "negative", "too many", "too few"])
+def test_a_fitness_that_no_selection_can_work_with_is_a_failure(store: Store, tmp_path: Path, slip: str) -> None:
+    study = study_of("fitness.use=slipping", f"fitness.slip='{slip}'")
     run_search(study, store, Counting(study))
     assert store.count_failed() == 25
     with pytest.raises(
-        WorkFailedError, match="all 25 evaluations failed, 25 of them like this: fitness 'nonsense' returned"
+        WorkFailedError, match="all 25 evaluations failed, 25 of them like this: fitness 'slipping' returned"
     ):
         write_results(StoredRun(tmp_path, study), InProcess(study.make_pipeline()))
 

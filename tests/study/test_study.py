@@ -17,7 +17,6 @@ from driftform.plugins.registry import registry
 from driftform.study import Document, load_study
 from driftform.study.sources import read_scenarios
 from driftform.util.options import MAX_SEED
-from driftform.water.scenario import evaluation_seed
 
 BASE = 'base = "pipe-inspection"\n'
 Write = Callable[..., str]
@@ -251,14 +250,6 @@ def test_the_default_is_the_papers_pipe_with_the_effects_that_the_paper_neglects
     assert agent.coefficients.drag is not None
     assert agent.body.core.mass == pytest.approx(0.0328, abs=5e-5)
     assert agent.body.fittings is not None
-
-
-def test_two_evaluations_of_one_genome_in_turbulent_water_meet_gusts_of_their_own() -> None:
-    pipeline = load_study(settings=["flow.kind=turbulent"], run={"seed": 1}).make_pipeline()
-    genome = pipeline.grammar.random(np.random.default_rng(1))
-    first, second = pipeline.evaluate([genome, genome], [evaluation_seed(1, 0), evaluation_seed(1, 1)])
-    assert first.failure is None and second.failure is None
-    assert not np.array_equal(first.fitness, second.fitness)
 
 
 def test_set_reaches_into_a_list() -> None:

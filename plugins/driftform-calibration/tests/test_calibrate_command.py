@@ -140,6 +140,7 @@ def test_a_calibration_that_is_none_is_refused(refused: Refused, tmp_path: Path)
     assert "is not a file" in refused("evolve", "--calibration", "absent.toml", "--evaluations", 1)
 
 
+@pytest.mark.long
 def test_drops_are_planned_with_a_page_and_a_study_for_each(call: Call) -> None:
     result = call("drop", WORD, "--drops", 2, "--tank", 0.6, 0.4, 0.4, "--out", "plan", "--json")
     assert result.exit_code == 0, result.stderr

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from driftform.agent import mass_properties
-from driftform.errors import InputError, WorkFailedError
+from driftform.errors import WorkFailedError
 from driftform.figures.style import BLUE, VERMILLION
 from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drifting_trajectory, read_film
@@ -286,15 +286,6 @@ def test_a_name_that_looks_like_a_protocol_or_an_option_is_only_a_name(agent, tm
         assert Path(name).stat().st_size > 0
 
 
-def test_without_ffmpeg_the_error_names_what_to_install(monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(WorkFailedError, match=r'pip install "driftform\[film\]"') as caught:
-        ExudynRenderer(FilmOptions()).check(tmp_path / "film.mp4")
-    assert len(str(caught.value).splitlines()) == 1
-    with pytest.raises(InputError, match=r"ends in \.mp4 or \.gif"):
-        ExudynRenderer(FilmOptions()).check(tmp_path / "film.avi")
-
-
 @pytest.mark.peers
 def test_if_ffmpeg_fails_its_last_line_is_reported_and_no_file_is_left(agent, monkeypatch, tmp_path):
     # The Python interpreter rejects ffmpeg's options.
@@ -305,24 +296,9 @@ def test_if_ffmpeg_fails_its_last_line_is_reported_and_no_file_is_left(agent, mo
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.peers
-def test_a_folder_that_cannot_be_is_an_error_that_names_the_film(agent, tmp_path):
-    (tmp_path / "file").touch()
-    with pytest.raises(WorkFailedError, match=r"cannot write .*film\.mp4"):
-        film(agent, tmp_path / "file" / "film.mp4")
-
-
 def test_an_interruption_waits_until_exudyn_is_done():
     before, done = signal.getsignal(signal.SIGINT), False
     with pytest.raises(KeyboardInterrupt), defer_interrupts():
         signal.raise_signal(signal.SIGINT)
         done = True
     assert done and signal.getsignal(signal.SIGINT) is before
-
-
-@pytest.mark.parametrize(
-    "options", [{"width": 63}, {"width": 101}, {"height": 0}, {"fps": 0}, {"speed": 0}, {"view": "above"}, {"rays": 9}]
-)
-def test_options_out_of_range_are_refused(options):
-    with pytest.raises(ValueError, match=next(iter(options))):
-        FilmOptions(**options)

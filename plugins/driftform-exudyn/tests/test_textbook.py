@@ -62,14 +62,6 @@ def test_the_error_of_the_path_between_the_longest_steps_is_stated():
     assert 1e-8 < error <= flight.error < 1e-4
 
 
-def test_too_many_steps_are_a_failed_flight():
-    agent, scenario = random_case(0, HORIZON)
-    flight = ExudynSimulator(ExudynOptions(step_limit=20)).simulate(agent, scenario)
-    assert flight.end == End.STEP_LIMIT
-    assert flight.end.failed
-    assert 0 < flight.t[-1] < HORIZON
-
-
 def test_a_wall_without_damping_throws_the_agent_back_as_fast_as_it_came():
     agent = sphere_agent(0.01, 1024 * 4 / 3 * np.pi * 1e-6)
     scenario = Scenario(

@@ -187,22 +187,6 @@ def test_rings_that_fall_together_in_single_precision_leave_the_mesh_closed(make
     assert len(mesh.faces) == written.facts["triangles"]
 
 
-@EACH
-def test_a_write_that_fails_leaves_the_former_file_and_nothing_else(
-    exporter, wavy_body, specimen_of, tmp_path, monkeypatch
-):
-    path = tmp_path / "hull"
-    path.write_text("the former file")
-
-    def fail(self, target):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "replace", fail)
-    with pytest.raises(WorkFailedError, match="No space left on device"):
-        exporter_of(exporter).write(specimen_of(wavy_body), path)
-    assert [p.read_text() for p in tmp_path.iterdir()] == ["the former file"]
-
-
 @pytest.mark.parametrize("program", ["admesh", "prusa-slicer"])
 def test_programs_of_a_maker_find_nothing_to_mend(program, body, write_stl, requires_program):
     requires_program(program)

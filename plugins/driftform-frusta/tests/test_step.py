@@ -10,7 +10,7 @@ import pytest
 
 from driftform.errors import WorkFailedError
 from driftform_frusta.brep import to_brep, volume_of
-from driftform_frusta.csg import Difference, Intersection, Named, Revolve, Rotate, Text, Translate, Union
+from driftform_frusta.csg import Difference, Intersection, Named, Revolve, Text, Translate, Union
 from driftform_frusta.exporters.step import StepExporter
 from driftform_frusta.hull import hull_volume
 from driftform_frusta.kit_options import PartOptions
@@ -106,11 +106,6 @@ CAN, VOLUME = frustum(4, 3, 3), 36 * math.pi
 )
 def test_every_kind_of_solid_has_exactly_its_volume(tree, volume):
     assert volume_of(to_brep(tree)) == pytest.approx(volume, rel=1e-9)
-
-
-def test_angles_are_degrees_about_fixed_x_then_y_then_z():
-    tree = Rotate((20, -35, 50), Translate((5, 0, 0), CAN))
-    assert bounds_of(to_brep(tree)) == pytest.approx(to_manifold(tree, 1024).bounding_box(), abs=1e-4)
 
 
 def test_letters_are_those_of_the_mesh():

@@ -43,14 +43,6 @@ def quintuples(word: Genome) -> list[tuple[str, ...]]:
     return [word.symbols[i : i + 5] for i in range(1, len(word.symbols), 5)]
 
 
-@given(seed=SEEDS)
-def test_a_random_genome_is_twelve_quintuples(seed):
-    genome = GRAMMAR.random(rng_of(seed))
-    assert genome.grammar == "lsystem"
-    assert len(genome.symbols) == 60
-    assert all(symbol in CLASSES[index % 5] for index, symbol in enumerate(genome.symbols))
-
-
 def test_random_symbols_are_uniform_at_every_place():
     rng = rng_of(2024)
     n = 2000
@@ -97,14 +89,6 @@ def test_the_core_of_a_developed_word_never_flips(seed, word):
 def test_a_flip_beyond_the_genome_is_an_index_error():
     with pytest.raises(IndexError):
         GRAMMAR.flip(Genome("lsystem", ("C",)), 1, rng_of(0))
-
-
-def test_mutation_at_rate_one_flips_every_symbol_but_the_core():
-    rng = rng_of(3)
-    for genome in (GRAMMAR.random(rng), GRAMMAR.parse("addF-tiltp-0-S-moveN")):
-        mutant = GRAMMAR.mutate(genome, rng, 1.0)
-        same = [new for new, old in zip(mutant.symbols, genome.symbols, strict=True) if new == old]
-        assert same == [symbol for symbol in genome.symbols if symbol == "C"]
 
 
 @given(seed=SEEDS, rate=st.floats(0, 1))

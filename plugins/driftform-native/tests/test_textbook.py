@@ -36,18 +36,3 @@ def test_an_accuracy_that_is_asked_for_is_met_by_tightening_the_tolerance():
         flight, error = flown(seed, accuracy=1e-5, tolerance=1e-2, max_step=0.01)
         assert flight.error <= 1e-5
         assert error <= 1e-5
-
-
-def test_too_many_steps_are_a_failed_flight():
-    agent, scenario = random_case(0, HORIZON)
-    flight = NativeSimulator(NativeOptions(step_limit=20)).simulate(agent, scenario)
-    assert flight.end == End.STEP_LIMIT
-    assert flight.end.failed
-    assert 0 < flight.t[-1] < HORIZON
-
-
-def test_samples_are_never_further_apart_than_the_longest_step():
-    agent, scenario = random_case(0, HORIZON)
-    for step in (0.05, 0.005):
-        flight = NativeSimulator(NativeOptions(max_step=step)).simulate(agent, scenario)
-        assert np.diff(flight.t).max() <= step * (1 + 1e-9)

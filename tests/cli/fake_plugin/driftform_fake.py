@@ -213,21 +213,6 @@ class FakeSimulator(Simulator[FakeOptions]):
         return True
 
 
-class NonsenseOptions(Table):
-    value: str = option("nan", "what float() reads the fitness from")
-    extra: int = option(0, "how many numbers too many there are")
-
-
-class NonsenseFitness(Fitness[NonsenseOptions]):
-    """What no selection can work with."""
-
-    name = "nonsense"
-    Options = NonsenseOptions
-
-    def score(self, trajectory, scenario, agent):
-        return np.full(len(scenario.targets) + self.options.extra, float(self.options.value))
-
-
 class SlipOptions(Table):
     slip: str = option("", "what it returns in place of what it should: see the table of its class")
 
@@ -263,7 +248,7 @@ BUILDER_SLIPS = {
 
 
 class SlippingBuilder(PhenotypeBuilder[SlipOptions]):
-    """A cone without a core, or what it should not be."""
+    """Builds what is no body."""
 
     name = "slipping"
     Options = SlipOptions
@@ -276,11 +261,7 @@ class SlippingOptions(HydrodynamicsOptions, SlipOptions):
     pass
 
 
-HYDRODYNAMICS_SLIPS = {
-    "none": lambda: None,
-    "shape": lambda: Coefficients(np.eye(3)),
-    "negative": lambda: Coefficients(-np.eye(6)),
-}
+HYDRODYNAMICS_SLIPS = {"shape": lambda: Coefficients(np.eye(3)), "negative": lambda: Coefficients(-np.eye(6))}
 
 
 class SlippingHydrodynamics(Hydrodynamics[SlippingOptions]):
@@ -293,42 +274,63 @@ class SlippingHydrodynamics(Hydrodynamics[SlippingOptions]):
         return HYDRODYNAMICS_SLIPS[self.options.slip]()
 
 
-FITNESS_SLIPS = {
-    "none": lambda n: None,
+SCORES = {
+    "nan": lambda n: np.full(n, np.nan),
+    "infinite": lambda n: np.full(n, np.inf),
+    "negative": lambda n: np.full(n, -1.0),
+    "too many": lambda n: np.full(n + 1, 50.0),
+    "too few": lambda n: np.full(n - 1, 50.0),
     "texts": lambda n: ["50"] * n,
     "scalar": lambda n: 50.0,
     "ragged": lambda n: [[1.0], [2.0, 3.0]],
     "raising": lambda n: np.linalg.inv(np.zeros((2, 2))),
 }
 
+MEASURES = {"measure": lambda fitness: float("nan"), "raising words": lambda fitness: {}["lost"]}
+
 
 class SlippingFitness(Fitness[SlipOptions]):
-    """A score that is no percentage."""
+    """A score that no selection can work with, or words that nobody can read."""
 
     name = "slipping"
     Options = SlipOptions
 
+    def __init__(self, options):
+        super().__init__(options)
+        if options.slip == "heading":
+            self.heading = None
+
+    def measure(self, fitness):
+        return MEASURES.get(self.options.slip, float)(fitness)
+
     def score(self, trajectory, scenario, agent):
-        return FITNESS_SLIPS[self.options.slip](len(scenario.targets))
+        return SCORES.get(self.options.slip, lambda n: np.full(n, 50.0))(len(scenario.targets))
 
 
-STRATEGY_SLIPS = {
-    "word": lambda genome: "aab",
-    "target": lambda genome: Candidate(genome, target="Mars"),
-    "parents": lambda genome: Candidate(genome, parents=(99,)),
-    "threshold": lambda genome: Candidate(genome, threshold=(1.0, 2.0)),
-    "numpy": lambda genome: Candidate(genome, parents=[], generation=np.int64(3)),
+CANDIDATES = {
+    "exit": lambda genome: sys.exit(0),
+    "none": lambda genome: None,
+    "word": lambda genome: ["aab"],
+    "target": lambda genome: [Candidate(genome, target="Mars")],
+    "parents": lambda genome: [Candidate(genome, parents=(99,))],
+    "threshold": lambda genome: [Candidate(genome, threshold=(1.0, 2.0))],
+    "numpy": lambda genome: [Candidate(genome, parents=[], generation=np.int64(3))],
 }
 
 
 class SlippingStrategy(Strategy[SlipOptions]):
-    """Candidates that do not fit into the run."""
+    """Candidates that do not fit into the run; or a strategy for another grammar."""
 
     name = "slipping"
     Options = SlipOptions
 
+    def __init__(self, options, space):
+        super().__init__(options, space)
+        if options.slip == "picky":
+            raise InputError(f"strategy 'slipping' searches grammar 'reals', not '{space.grammar.name}'")
+
     def ask(self, limit):
-        return [STRATEGY_SLIPS[self.options.slip](self.space.grammar.random(self.space.rng))]
+        return CANDIDATES[self.options.slip](self.space.grammar.random(self.space.rng))
 
     def tell(self, first, evaluations):
         pass
@@ -347,50 +349,6 @@ class SlippingChecker(Checker[SlipOptions]):
         return CHECKER_SLIPS[self.options.slip]()
 
 
-class WordyOptions(Table):
-    slip: str = option("", "the attribute or method that is wrong: see WORDS")
-
-
-WORDS = {"heading": None, "measure": lambda fitness: float("nan"), "raising": lambda fitness: {}["lost"]}
-"""Words that a fitness should not have, in place of what it should."""
-
-
-class WordyFitness(Fitness[WordyOptions]):
-    """What nobody can read."""
-
-    name = "wordy"
-    Options = WordyOptions
-
-    def __init__(self, options):
-        super().__init__(options)
-        if options.slip == "raising":
-            self.fault = WORDS["raising"]
-        elif options.slip:
-            setattr(self, options.slip, WORDS[options.slip])
-
-    def measure(self, fitness):
-        return self.fault(fitness) if hasattr(self, "fault") else fitness
-
-    def score(self, trajectory, scenario, agent):
-        return np.full(len(scenario.targets), 50.0)
-
-
-class PickyStrategy(Strategy[Table]):
-    """A strategy for another grammar."""
-
-    name = "picky"
-
-    def __init__(self, options, space):
-        super().__init__(options, space)
-        raise InputError(f"strategy 'picky' searches grammar 'reals', not '{space.grammar.name}'")
-
-    def ask(self, limit):
-        return []
-
-    def tell(self, first, evaluations):
-        pass
-
-
 class DeedOptions(Table):
     deed: str = option("", "what it does: see DEEDS")
 
@@ -404,19 +362,6 @@ class DeedExporter(Exporter[DeedOptions]):
 
     def write(self, agent, path):
         return DEEDS[self.options.deed]()
-
-
-class DeedStrategy(Strategy[DeedOptions]):
-    """A strategy that asks for nothing."""
-
-    name = "deed"
-    Options = DeedOptions
-
-    def ask(self, evaluations):
-        return [] if self.options.deed == "empty" else DEEDS[self.options.deed]()
-
-    def tell(self, first, evaluations):
-        pass
 
 
 class RefusingExporter(Exporter[Table]):
@@ -452,7 +397,7 @@ class FlipBook(Renderer[FlipBookOptions]):
         return None if self.options.lost else WrittenFile(self.name, str(path))
 
 
-class Heir(NonsenseFitness):
+class Heir(SlippingFitness):
     name = "heir"
 
 
@@ -483,7 +428,7 @@ def driftform_simulator():
 
 @hookimpl
 def driftform_fitness():
-    return [Heir, NonsenseFitness, SlippingFitness, WordyFitness]
+    return [Heir, SlippingFitness]
 
 
 @hookimpl
@@ -498,4 +443,4 @@ def driftform_renderer():
 
 @hookimpl
 def driftform_strategy():
-    return [DeedStrategy, PickyStrategy, SlippingStrategy]
+    return SlippingStrategy
