@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job
+from driftform.search.local import InProcess
 from driftform.study import load_study
 
 WARM_UP = 200

@@ -14,8 +14,8 @@ import pytest
 
 from driftform.pipeline import MARGIN
 from driftform.runs.store import Store
-from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
+from driftform.search.local import InProcess
 from driftform.search.loop import run_search
 from driftform.study import load_study
 

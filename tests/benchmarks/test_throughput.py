@@ -24,9 +24,8 @@ import pytest
 
 from driftform.runs.store import Store
 from driftform.search.cluster import Cluster
-from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
-from driftform.search.local import LocalProcesses
+from driftform.search.local import InProcess, LocalProcesses
 from driftform.search.loop import run_search
 from driftform.search.pool import PoolExecutor
 from driftform.study import Study, load_study

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from processes import is_alive, wait_until
 
-from driftform.search.in_process import InProcess
+from driftform.search.local import InProcess
 
 Call = Callable[..., Any]
 Rows = Callable[[Path], list[tuple[Any, ...]]]

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from driftform.runs.store import Store
-from driftform.search.in_process import InProcess
+from driftform.search.local import InProcess
 from driftform.search.loop import run_search
 from driftform.study import load_study
 

@@ -7,7 +7,7 @@ import pytest
 from driftform.cli.report import report
 from driftform.runs.directory import DATABASE
 from driftform.runs.store import Store
-from driftform.search.in_process import InProcess
+from driftform.search.local import InProcess
 from driftform.search.loop import run_search
 from driftform.study import load_study
 

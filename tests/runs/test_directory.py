@@ -11,8 +11,8 @@ import pytest
 from driftform.errors import WorkFailedError
 from driftform.runs.run import StoredRun
 from driftform.search.advance import advance_run
-from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
+from driftform.search.local import InProcess
 from driftform.study import load_study
 
 Call = Callable[..., Any]

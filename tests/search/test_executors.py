@@ -20,9 +20,8 @@ import pytest
 
 from driftform.errors import InputError
 from driftform.search.cluster import Cluster
-from driftform.search.in_process import InProcess
 from driftform.search.jobs import ATTEMPTS, FunctionDiedError, Job, Outcome, WorkersLostError
-from driftform.search.local import LocalProcesses
+from driftform.search.local import InProcess, LocalProcesses
 from driftform.search.pool import PoolExecutor
 from driftform.study import Study, load_study
 from driftform.types import Evaluation

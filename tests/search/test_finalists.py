@@ -21,8 +21,8 @@ from driftform.search.finalists import (
     fly_finalists,
     robust_fitness,
 )
-from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
+from driftform.search.local import InProcess
 from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, FloatArray, Genome

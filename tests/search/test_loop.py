@@ -14,8 +14,8 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.pipeline import MARGIN
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
-from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job, Outcome
+from driftform.search.local import InProcess
 from driftform.search.loop import UNWRITTEN_S, BestFitness, run_search
 from driftform.search.results import write_results
 from driftform.study import Study, load_study

@@ -9,8 +9,8 @@ import pytest
 
 from driftform.runs.store import Record, Store
 from driftform.search.finalists import fly_finalists
-from driftform.search.in_process import InProcess
 from driftform.search.jobs import Job
+from driftform.search.local import InProcess
 from driftform.search.loop import run_search
 from driftform.search.survey import Survey, read_scores
 from driftform.study import Study, load_study

@@ -23,10 +23,10 @@ from typing import Any
 
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
 from driftform.search.jobs import Job, Outcome, T, WorkersLostError
-from driftform.search.local import LocalProcess, LocalProcesses
+from driftform.search.local import LocalProcesses
 from driftform.search.pool import POLL_S, Cause, PoolExecutor, WorkerDiedError
 from driftform.search.versions import find_versions
-from driftform.search.worker import hold_back_interrupts, work
+from driftform.search.worker import LocalProcess, hold_back_interrupts, work
 from driftform.study import Document, load_study
 from driftform.util.cores import count_cores
 
@@ -54,7 +54,7 @@ class Cluster(PoolExecutor):
         self._versions = find_versions(document)
         self._client, self._local, self._where = client, local, where
         self._tasks = client.get_executor(pure=False)
-        self._count = len(client.nthreads())
+        self._count_workers()
         self._polled_at = self._seen_at = time.monotonic()
         self._has_printed = False
 
@@ -65,9 +65,7 @@ class Cluster(PoolExecutor):
         Any program that can connect to a Dask cluster can run code in it, and every user of a machine can connect to its
         local ports. The processes therefore talk by TLS, with keys that exist in their memory alone.
 
-        Raises:
-            InputError: if the extra ``dask`` is not installed.
-            WorkFailedError: if the cluster does not start.
+        Raises InputError if the extra ``dask`` is not installed, WorkFailedError if the cluster does not start.
         """
         distributed = _import_distributed("--executor dask")
         try:
@@ -129,10 +127,10 @@ class Cluster(PoolExecutor):
             raise
         return joined
 
-    @property
-    def processes(self) -> int:
-        """Number of workers, whatever their number of threads: each evaluates one genome at a time."""
-        return max(1, self._count)
+    def _count_workers(self) -> None:
+        # Whatever their number of threads, each evaluates one genome at a time.
+        self._count = len(self._client.nthreads())
+        self.processes = max(1, self._count)
 
     def _submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
         future: Future[list[Outcome]] = self._tasks.submit(_work, self._study, self._versions, batch)
@@ -159,7 +157,7 @@ class Cluster(PoolExecutor):
             return
         self._polled_at = now
         try:
-            self._count = len(self._client.nthreads())
+            self._count_workers()
         except Exception:
             raise self._make_lost_error() from None
         if self._count:

@@ -2,13 +2,16 @@
 
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from typing import TYPE_CHECKING
 
 from driftform.errors import InputError, did_you_mean
 from driftform.search.jobs import Executor
 from driftform.search.local import LocalProcesses
-from driftform.search.pool import PoolExecutor
 from driftform.study import Study
 from driftform.util.cores import count_cores
+
+if TYPE_CHECKING:
+    from driftform.search.cluster import Cluster
 
 EXECUTORS = ("local", "dask")
 
@@ -29,24 +32,6 @@ def open_executor(
         InputError: if the options exclude each other, or no cluster answers.
     """
     name = name or ("local" if scheduler is None else "dask")
-    _check(name, scheduler, workers)
-    with closing(_make_executor(study, name, scheduler, workers or count_cores())) as executor:
-        yield executor
-
-
-def _make_executor(study: Study, name: str, scheduler: str | None, workers: int) -> PoolExecutor:
-    if name == "local":
-        processes = LocalProcesses(study.document, workers)
-        processes.start(study.evaluations)
-        return processes
-    from driftform.search.cluster import Cluster
-
-    if scheduler is None:
-        return Cluster.start(study.document, workers)
-    return Cluster.join(study.document, scheduler)
-
-
-def _check(name: str, scheduler: str | None, workers: int | None) -> None:
     if name not in EXECUTORS:
         raise InputError(f"--executor {name}: unknown executor{did_you_mean(name, EXECUTORS)}")
     if scheduler is not None and name != "dask":
@@ -56,3 +41,17 @@ def _check(name: str, scheduler: str | None, workers: int | None) -> None:
             f"--workers {workers}: a cluster has the workers that joined it; start more with: "
             f"dask worker {scheduler} --nthreads 1"
         )
+    with closing(_make_executor(study, name, scheduler, workers or count_cores())) as executor:
+        yield executor
+
+
+def _make_executor(study: Study, name: str, scheduler: str | None, workers: int) -> "LocalProcesses | Cluster":
+    if name == "local":
+        processes = LocalProcesses(study.document, workers)
+        processes.start(study.evaluations)
+        return processes
+    from driftform.search.cluster import Cluster
+
+    if scheduler is None:
+        return Cluster.start(study.document, workers)
+    return Cluster.join(study.document, scheduler)

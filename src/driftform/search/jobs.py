@@ -108,7 +108,7 @@ def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
         [job.wanted for job in batch],
     )
     return [
-        (job.index, _compress(evaluation) if job.condition is None else _measure(evaluation, pipeline.scenario))
+        (job.index, _reduce(evaluation, job, pipeline.scenario))
         for job, evaluation in zip(batch, evaluations, strict=True)
     ]
 
@@ -125,14 +125,13 @@ def rehearse(pipeline: Pipeline) -> None:
         pipeline.evaluate([genome], conditions=draw_conditions(robustness, 1, (0,), calibration))
 
 
-def _measure(evaluation: Evaluation, scenario: Scenario) -> Evaluation:
-    # Imported here: it loads the compiler.
-    from driftform.motion.path.targets import find_offsets
+def _reduce(evaluation: Evaluation, job: Job, scenario: Scenario) -> Evaluation:
+    """Return what a run stores of an evaluation."""
+    if job.condition is not None:
+        # Imported here: it loads the compiler.
+        from driftform.motion.path.targets import find_offsets
 
-    return replace(evaluation, offsets=find_offsets(evaluation, scenario), trajectory=None)
-
-
-def _compress(evaluation: Evaluation) -> Evaluation:
+        return replace(evaluation, offsets=find_offsets(evaluation, scenario), trajectory=None)
     try:
         return compress_evaluation(evaluation)
     except ValueError as error:

@@ -1,49 +1,43 @@
-"""Evaluations in worker processes on this machine; a crash of one does not end the run."""
+"""Evaluations on this machine: in this process, or in worker processes, of which a crash does not end the run."""
 
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from functools import partial
 from itertools import cycle
 from typing import Any
 
-from driftform.search.jobs import ATTEMPTS, FunctionDiedError, Job, Outcome, T
+from driftform.pipeline import Pipeline
+from driftform.search.jobs import ATTEMPTS, FunctionDiedError, Job, Outcome, T, evaluate_batch, task_size
 from driftform.search.pool import Cause, PoolExecutor, WorkerDiedError
-from driftform.search.worker import Worker, prepare, work
+from driftform.search.worker import LocalProcess, prepare, work
+from driftform.util.files import keep_directory
 
 
-class LocalProcess:
-    """A worker process that starts with its first task, and again after it died."""
+class InProcess:
+    """Evaluates in this process, one task at a time: for a few genomes, and for debugging."""
 
-    def __init__(self, document: Mapping[str, Any]) -> None:
-        self._document = document
-        self._worker: Worker | None = None
+    def __init__(self, pipeline: Pipeline) -> None:
+        self._pipeline = pipeline
+        self._seconds: float | None = None
 
-    @property
-    def tasks(self) -> int:
-        """Number of functions that are not answered yet."""
-        return 0 if self._worker is None else self._worker.tasks
+    def evaluate(self, jobs: "Sequence[Job] | deque[Job]") -> Iterator[list[Outcome]]:
+        """Yield the outcomes of one task after another; see :meth:`driftform.search.jobs.Executor.evaluate`."""
+        waiting = jobs if isinstance(jobs, deque) else deque(jobs)
+        while waiting:
+            size = task_size(len(waiting), 1, self._seconds)
+            with keep_directory():
+                outcomes = evaluate_batch(self._pipeline, [waiting.popleft() for _ in range(size)])
+            self._seconds = outcomes[0][1].seconds
+            yield outcomes
 
-    @property
-    def is_running(self) -> bool:
-        """True if the process was started and not closed."""
-        return self._worker is not None
-
-    def start(self, function: Callable[[], T]) -> "Future[T]":
-        """Call a function in the process, which is started if necessary."""
-        future = None if self._worker is None else self._worker.submit(function)
-        while future is None:
-            # There is no process, or it died while it waited for work.
-            self.close()
-            self._worker = Worker(self._document)
-            future = self._worker.submit(function)
-        return future
+    def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
+        """Call functions one after the other, and return what they return."""
+        with keep_directory():
+            return [function() for function in functions]
 
     def close(self) -> None:
-        """End the process at once; its tasks are lost."""
-        if self._worker is not None:
-            self._worker.close()
-            self._worker = None
+        """Do nothing: there are no workers to stop."""
 
 
 class LocalProcesses(PoolExecutor):
@@ -51,12 +45,7 @@ class LocalProcesses(PoolExecutor):
 
     def __init__(self, document: Mapping[str, Any], workers: int) -> None:
         super().__init__(document)
-        self._processes = [LocalProcess(document) for _ in range(workers)]
-
-    @property
-    def processes(self) -> int:
-        """Number of worker processes."""
-        return len(self._processes)
+        self._processes, self.processes = [LocalProcess(document) for _ in range(workers)], workers
 
     def start(self, count: int) -> None:
         """Start ``count`` of the processes, or all; they load what they need while the caller prepares their first tasks."""
@@ -65,8 +54,7 @@ class LocalProcesses(PoolExecutor):
             process.start(partial(prepare, rehearses=number == 0))
 
     def _submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
-        process = min(self._processes, key=lambda process: process.tasks)
-        return process.start(partial(work, batch))
+        return min(self._processes, key=lambda process: process.tasks).start(partial(work, batch))
 
     def call(self, functions: "Sequence[Callable[[], T]]") -> list[T]:
         """Call functions in the worker processes, in turn, and return what they return, in their order.
@@ -74,10 +62,9 @@ class LocalProcesses(PoolExecutor):
         Functions and results must be picklable. Processes that run already are preferred to new ones. A function whose
         process dies is called again in a new one.
 
-        Raises:
-            FunctionDiedError: if a process dies :data:`ATTEMPTS` times of the same function.
+        Raises FunctionDiedError if a process dies :data:`ATTEMPTS` times of the same function.
         """
-        processes = [process for process in self._processes if process.is_running] or self._processes
+        processes = [process for process in self._processes if process.worker is not None] or self._processes
         results: dict[int, T] = {}
         deaths: Counter[int] = Counter()
         try:

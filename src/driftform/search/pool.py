@@ -4,16 +4,15 @@
 limit no task's time, and leave their processes behind when the coordinator is killed.
 """
 
-from abc import ABC, abstractmethod
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
 from driftform.errors import WorkFailedError
-from driftform.search.jobs import ATTEMPTS, KILLS, STARTS, Job, Outcome, T, WorkersLostError, task_size
+from driftform.search.jobs import ATTEMPTS, KILLS, STARTS, Job, Outcome, WorkersLostError, task_size
 from driftform.types import Evaluation
 
 TASKS_PER_PROCESS = 2
@@ -63,8 +62,8 @@ class _Task:
     deaths: Counter[Cause] = field(default_factory=Counter)
 
 
-class PoolExecutor(ABC):
-    """Evaluates in processes that share one queue.
+class PoolExecutor:
+    """Evaluates in processes that share one queue: a base class.
 
     A task that had not begun when its process died is started again: its genomes are not to blame. If processes die
     :data:`STARTS` times as often as there are processes before any begins, the run stops.
@@ -73,9 +72,11 @@ class PoolExecutor(ABC):
     its process ends itself :data:`ATTEMPTS` times. A process that is killed was not ended by its genome, unless it takes all
     memory: the genome fails after :data:`KILLS` times. One that takes longer than ``run.evaluation_timeout`` fails at once.
 
-    Args:
-        document: of the study.
+    Attributes:
+        processes: number of genomes that are evaluated at the same time.
     """
+
+    processes: int
 
     def __init__(self, document: Mapping[str, Any]) -> None:
         self._timeout = float(document["run"]["evaluation_timeout"])
@@ -86,28 +87,15 @@ class PoolExecutor(ABC):
         self._failed_starts = 0
         self._seconds: float | None = None
 
-    @property
-    @abstractmethod
-    def processes(self) -> int:
-        """Number of genomes that are evaluated at the same time."""
-
-    @abstractmethod
     def _submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
         """Start a task."""
-
-    @abstractmethod
-    def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
-        """Call functions on this machine; see :class:`driftform.search.jobs.Executor`."""
-
-    @abstractmethod
-    def close(self) -> None:
-        """Stop the workers; their running tasks are lost."""
+        raise NotImplementedError
 
     def _find_error(self, future: "Future[list[Outcome]]") -> BaseException | None:
         """Return the error of a finished task, ``None`` if it succeeded."""
         return future.exception()
 
-    def _poll(self) -> None:  # noqa: B027 - there may be nothing to check
+    def _poll(self) -> None:
         """Check the state of the workers; called at least every :data:`POLL_S`."""
 
     def evaluate(self, jobs: "Sequence[Job] | deque[Job]") -> Iterator[list[Outcome]]:
@@ -142,12 +130,7 @@ class PoolExecutor(ABC):
         return None
 
     def _collect(self) -> None:
-        """Wait until a task ends, and keep the outcomes for the calls whose jobs they are of.
-
-        Raises:
-            WorkersLostError: if workers cannot start.
-            Exception: the error of a task, if it is not the death of a worker.
-        """
+        """Wait until a task ends, and keep the outcomes for the calls whose jobs they are of; raise errors of tasks."""
         self._poll()
         wait(list(self._running), POLL_S, FIRST_COMPLETED)
         for future in [future for future in self._running if future.done()]:

@@ -50,11 +50,7 @@ OUTSIDE_SIGNALS = frozenset(
 
 
 class Worker:
-    """A worker process that ends when it is closed, or when this process ends.
-
-    Args:
-        document: of the study whose genomes it evaluates.
-    """
+    """A worker process for the study of a document; it ends when it is closed, or when this process ends."""
 
     def __init__(self, document: Mapping[str, Any]) -> None:
         self._timeout = float(document["run"]["evaluation_timeout"])
@@ -158,25 +154,50 @@ class Worker:
 
     def _end(self, left: float | None) -> None:
         """End the process, and report its death to all that wait for its tasks."""
-        is_overdue = left is not None and left <= 0
-        if not is_overdue:
+        cause = Cause.START if left is None else Cause.TIMEOUT if left <= 0 else Cause.CRASH
+        if cause is not Cause.TIMEOUT:
             self._process.join(TICK_S)
         self._kill()
         self._process.join(END_S)
         self._connection.close()
         code = self._process.exitcode
-        if left is None:
-            cause = Cause.START
-        elif is_overdue:
-            cause = Cause.TIMEOUT
-        else:
-            cause = Cause.KILL if code in OUTSIDE_SIGNALS else Cause.CRASH
+        if cause is Cause.CRASH and code in OUTSIDE_SIGNALS:
+            cause = Cause.KILL
         with self._lock:
             self._is_over = True
             tasks, self._tasks = self._tasks, deque()
         for number, future in enumerate(tasks):
             # The second task was only waiting in the pipe.
             future.set_exception(WorkerDiedError(Cause.NONE if number else cause, _describe_exit(code)))
+
+
+class LocalProcess:
+    """A worker process that starts with its first task, and again after it died; ``worker`` is ``None`` before and between."""
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        self._document = document
+        self.worker: Worker | None = None
+
+    @property
+    def tasks(self) -> int:
+        """Number of functions that are not answered yet."""
+        return 0 if self.worker is None else self.worker.tasks
+
+    def start(self, function: Callable[[], T]) -> "Future[T]":
+        """Call a function in the process, which is started if necessary."""
+        future = None if self.worker is None else self.worker.submit(function)
+        while future is None:
+            # There is no process, or it died while it waited for work.
+            self.close()
+            self.worker = Worker(self._document)
+            future = self.worker.submit(function)
+        return future
+
+    def close(self) -> None:
+        """End the process at once; its tasks are lost."""
+        if self.worker is not None:
+            self.worker.close()
+            self.worker = None
 
 
 def _describe_exit(code: int | None) -> str:

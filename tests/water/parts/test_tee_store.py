@@ -9,7 +9,7 @@ import pytest
 
 from driftform.runs.run import StoredRun
 from driftform.search.advance import search_run
-from driftform.search.in_process import InProcess
+from driftform.search.local import InProcess
 from driftform.study import load_study
 from driftform.util import preparation
 from driftform.util.files import CACHE_VARIABLE
