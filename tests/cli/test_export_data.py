@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from driftform.runs import table_files, tables
-from driftform.runs.columns import SAMPLE_COLUMNS
 from driftform.runs.store import Record, Store
+from driftform.runs.table_files import SAMPLE_COLUMNS
 from driftform.study import Document, load_study
 
 FORMATS = ("csv", "parquet")

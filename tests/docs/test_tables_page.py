@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from driftform.cli.app import app
-from driftform.runs.columns import SAMPLE_COLUMNS, evaluation_columns
+from driftform.runs.table_files import SAMPLE_COLUMNS, evaluation_columns
 
 PAGE = "tables.md"
 

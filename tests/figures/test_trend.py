@@ -8,8 +8,8 @@ from driftform.figures.trend import _COLUMNS, Trend, trend_svg
 FLIGHTS = np.array([10.0, 20.0, 30.0])
 
 
-def trend(name="TP1", fitness=((90.0, 94.0, 98.0), (92.0, 96.0, 100.0)), baseline=((90.0, 91.0, 92.0),)):
-    return Trend(name, FLIGHTS, np.array(fitness), np.array(baseline).reshape(-1, 3))
+def trend(name="TP1", fitness=((90.0, 94.0, 98.0), (92.0, 96.0, 100.0)), random=((90.0, 91.0, 92.0),)):
+    return Trend(name, FLIGHTS, np.array(fitness), np.array(random).reshape(-1, 3))
 
 
 def drawn(read, *trends, title="Fitness"):
@@ -42,8 +42,8 @@ def test_the_deviation_reaches_from_the_lowest_to_the_highest_of_two_repeats(rea
     assert (bars[:, 1, 1] > bars[:, 0, 1]).all()
 
 
-def test_one_run_alone_has_neither_deviation_nor_baseline(read):
-    picture = drawn(read, trend(fitness=((90.0, 94.0, 98.0),), baseline=()))
+def test_one_run_alone_has_neither_deviation_nor_random_search(read):
+    picture = drawn(read, trend(fitness=((90.0, 94.0, 98.0),), random=()))
     assert not picture.all("deviation") and not picture.all("band")
     assert any("one run" in text for text in picture.texts)
     assert "random search" not in picture.texts

@@ -47,10 +47,8 @@ class MassElement:
         """Return the hull and the core of a printed agent that weigh ``mass`` (kg) together; ballast is not among them.
 
         ``x`` is the centre of gravity of both (m); without it, the hull's centre is that of its material. The hull's
-        inertia is proportional to its mass: the distribution of the material is taken to be unchanged.
-
-        Raises:
-            ValueError: if no mass is left for the hull.
+        inertia is proportional to its mass: the distribution of the material is taken to be unchanged. Raises
+        ValueError if no mass is left for the hull.
         """
         core = body.core
         hull = mass - core.mass
@@ -63,10 +61,8 @@ class MassElement:
     def reweigh(agent: Agent, elements: "Iterable[MassElement]") -> Agent:
         """Return the agent with the mass properties of elements as one body (Steiner).
 
-        Its shape is unchanged, and so are its coefficients and what it displaces.
-
-        Raises:
-            ValueError: if their mass is not above zero.
+        Its shape is unchanged, and so are its coefficients and what it displaces. Raises ValueError if their mass is
+        not above zero.
         """
         elements = list(elements)
         mass = sum(element.mass for element in elements)

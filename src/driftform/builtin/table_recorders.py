@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from driftform.interfaces import ExportJob, Recorder
-from driftform.runs.columns import SAMPLE_COLUMNS, Batch, Column
-from driftform.runs.table_files import check_format, write_csv, write_parquet
+from driftform.runs.table_files import SAMPLE_COLUMNS, Batch, Column, check_format, write_csv, write_parquet
 from driftform.types import Trajectory, WrittenFile
 from driftform.util.files import write_whole
 from driftform.util.options import Table

@@ -1,7 +1,7 @@
 """How a run's status looks: lines of text anywhere, and a table that fits the terminal."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from statistics import median
@@ -60,17 +60,13 @@ def format_throughput(status: RunStatus, throughput: Throughput) -> str:
 
 def progress_line(status: RunStatus, throughput: Throughput) -> str:
     """The state of a run, in one line."""
-    best = _format_best({name: target.best for name, target in status.targets.items()})
+    shown = {name: target.best for name, target in status.targets.items()}
+    best = "  ".join(f"{name} {fitness:.2f}" for name, fitness in shown.items())
+    if len(shown) > _MAX_IN_A_LINE:
+        worst, middle = min(shown, key=shown.__getitem__), median(shown.values())
+        best = f"best of {len(shown)} targets: median {middle:.2f}, worst {worst} {shown[worst]:.2f}"
     facts = ", ".join(filter(None, (format_throughput(status, throughput), format_failures(status.failed))))
     return f"{status.done}/{status.budget} evaluations{f', {facts}' if facts else ''}: {best}"
-
-
-def _format_best(best: Mapping[str, float]) -> str:
-    """The best fitness of each target, or of many targets the worst and the median."""
-    if len(best) <= _MAX_IN_A_LINE:
-        return "  ".join(f"{name} {fitness:.2f}" for name, fitness in best.items())
-    worst = min(best, key=best.__getitem__)
-    return f"best of {len(best)} targets: median {median(best.values()):.2f}, worst {worst} {best[worst]:.2f}"
 
 
 def format_failures(count: int) -> str:
@@ -179,14 +175,12 @@ class Curves:
     def __rich_console__(self, console: "Console", options: "ConsoleOptions") -> "RenderResult":
         from rich.text import Text
 
-        bars = PLAIN_BARS if options.ascii_only else BARS
-        width = min(options.max_width, self.widest)
-        yield Text("\n".join(self._curve(target, width, bars) for target in self.targets))
-
-    def _curve(self, target: TargetStatus, width: int, bars: str) -> str:
-        highest = target.first or 1.0
-        lowest = max(highest / DECADES[1], min(highest / DECADES[0], 100 - target.best))
-        return draw_sparkline(target.errors(width, self.evaluations), lowest, highest, bars)
+        bars, lines = PLAIN_BARS if options.ascii_only else BARS, []
+        for target in self.targets:
+            highest, errors = target.first or 1.0, target.errors(min(options.max_width, self.widest), self.evaluations)
+            lowest = max(highest / DECADES[1], min(highest / DECADES[0], 100 - target.best))
+            lines.append(draw_sparkline(errors, lowest, highest, bars))
+        yield Text("\n".join(lines))
 
     def __rich_measure__(self, console: "Console", options: "ConsoleOptions") -> "Measurement":
         from rich.measure import Measurement

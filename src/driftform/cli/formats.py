@@ -100,8 +100,7 @@ def list_exporter_settings(formats: Iterable[str], options: Mapping[str, tuple[s
         formats: names of exporters that are installed.
         options: value of each key as in a setting, and the option of the user that gave it.
 
-    Raises:
-        InputError: if an exporter has no such option; the message names those that have it.
+    Raises InputError if an exporter has no such option; the message names those that have it.
     """
     from driftform.errors import InputError, did_you_mean
     from driftform.plugins.registry import registry

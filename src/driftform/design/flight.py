@@ -11,8 +11,8 @@ from driftform.figures.files import write_picture
 from driftform.figures.flight import flight_svg
 from driftform.figures.style import Page
 from driftform.motion.path.targets import approach_targets, name_outlet
-from driftform.runs.columns import FLIGHT_COLUMNS
 from driftform.runs.misses import Misses
+from driftform.runs.table_files import FLIGHT_COLUMNS
 from driftform.types import Agent, End, FloatArray, Trajectory
 from driftform.util.files import make_directory
 from driftform.util.notebook import show_picture, show_table

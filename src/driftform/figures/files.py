@@ -15,8 +15,7 @@ DPI = 96.0
 def write_picture(path: Path, svg: str, page: Page = SCREEN, png: bool = True) -> tuple[Path, ...]:
     """Write an SVG picture, and the same as PNG or, for a paper, as PDF, if the extra is installed; return the paths.
 
-    Raises:
-        OSError: if a file cannot be written.
+    Raises OSError if a file cannot be written.
     """
     write_text(path, svg)
     content = make_pdf(svg) if page.is_paper else rasterise(svg) if png else None

@@ -56,8 +56,9 @@ def flight_svg(
             points.append(line[0] + room * np.vstack([np.eye(3), -np.eye(3)]))
         shown = np.vstack(points)
         tight = Window.around(view, shown, _LEFT, top, width, _TALLEST, 26)
-        if view == SIDE:
-            magnification = _choose_magnification(body, tight.px_per_m)
+        if view == SIDE and body is not None:
+            natural = max(body.length, body.max_diameter) * tight.px_per_m
+            magnification = next((m for m in _MAGNIFICATIONS if m * natural >= _READABLE), _MAGNIFICATIONS[-1])
         # A silhouette extends beyond the path by its reach from the core; the window grows by that.
         reach_m = 0.0 if body is None else float(np.hypot(*body.outer.T).max()) * magnification
         reach = reach_m * tight.px_per_m
@@ -83,13 +84,6 @@ def flight_svg(
         y = windows[-1].box.bottom + 56 + 17 * row
         write(root, _LEFT, y, shorten(caption, 12, width), 12, MUTED, class_="caption")
     return svg.render(root)
-
-
-def _choose_magnification(body: Body | None, px_per_m: float) -> int:
-    if body is None:
-        return 1
-    natural = max(body.length, body.max_diameter) * px_per_m
-    return next((m for m in _MAGNIFICATIONS if m * natural >= _READABLE), _MAGNIFICATIONS[-1])
 
 
 def _write_captions(
@@ -158,9 +152,8 @@ def _draw_view(
     if nearest is not None:
         number, approach = nearest
         foot, target = window.to_page(approach.position[None])[0], anchors[1 + number]
-        svg.add(
-            root, "path", d=svg.path_data([foot, target]), stroke=VERMILLION, stroke_width=1.2, stroke_dasharray="3 2"
-        )
+        dashes: dict[str, str | float] = {"stroke": VERMILLION, "stroke_width": 1.2, "stroke_dasharray": "3 2"}
+        svg.add(root, "path", "", d=svg.path_data([foot, target]), **dashes)
         svg.add_circle(root, foot[0], foot[1], 3.5, "#ffffff", VERMILLION, 1.8, class_="closest")
         ink.append(resample_polyline(np.array([foot, target]), 3))
     names = [("start", MUTED, False)]

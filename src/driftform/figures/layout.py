@@ -75,8 +75,7 @@ def write(
     }
     if halo:
         outline: dict[str, str | float] = {"stroke": "#ffffff", "stroke_width": 3, "stroke_linejoin": "round"}
-        hidden: dict[str, str | float] = {"class_": "halo", "aria_hidden": "true", "fill": "#ffffff"}
-        svg.add(parent, "text", content, **hidden, **attributes, **outline)
+        svg.add(parent, "text", content, class_="halo", aria_hidden="true", fill="#ffffff", **attributes, **outline)
     svg.add(parent, "text", content, class_=class_, fill=fill, **attributes)
 
 

@@ -37,32 +37,23 @@ def overview_svg(
     groups = group_shared(flights)
     lines = [interpolate_positions(g[0].trajectory, drawing_times(g[0].trajectory)) for g in groups]
     targets = scenario.target_array()
-    shown = np.vstack([targets, pipe_points(scenario.pipe, SIDE), scenario.release_position()[None], *lines])
-    window = Window.around(SIDE, shown, _LEFT, 92, page.width - _LEFT - _RIGHT, 460, 14)
+    points = np.vstack([targets, pipe_points(scenario.pipe, SIDE), scenario.release_position()[None], *lines])
+    window = Window.around(SIDE, points, _LEFT, 92, page.width - _LEFT - _RIGHT, 460, 14)
     rows, px_per_m = arrange_rows(flights, page)
     top = window.box.bottom + 84
     height = top + sum(row.height for row in rows) + (2 if rows else -34)
 
     best = ", ".join(f"{f.name} {f.value:.2f} {f.unit}" for f in flights)
-    root = start_page(
-        height,
-        title,
-        _describe_flights(len(groups), result),
+    shown = "1 flight" if len(groups) == 1 else f"{len(groups)} flights"
+    subtitle = f"{shown}, solid up to the closest approach and faint after it{f'; {result}' if result else ''}"
+    description = (
         "Above: the pipe in side view with the best flight for each target. Below: the bodies, "
-        f"at one scale. By target: {best or 'no flights'}.",
-        page,
+        f"at one scale. By target: {best or 'no flights'}."
     )
+    root = start_page(height, title, subtitle if groups else "No flights", description, page)
     _draw_flights(root, window, groups, lines, scenario, page)
     draw_gallery(root, rows, px_per_m, top, page)
     return svg.render(root)
-
-
-def _describe_flights(count: int, result: str) -> str:
-    if not count:
-        return "No flights"
-    flights = "1 flight" if count == 1 else f"{count} flights"
-    end = f"; {result}" if result else ""
-    return f"{flights}, solid up to the closest approach and faint after it{end}"
 
 
 def _find_end(flight: GalleryEntry, scenario: Scenario) -> float:
@@ -84,15 +75,18 @@ def _draw_flights(
     draw_scene(root, window, scenario)
     colours = [SERIES[number % len(SERIES)] for number in range(len(groups))]
     # A flight that is the best for several targets is solid up to the last of them.
-    ends = [max(_find_end(flight, scenario) for flight in group) for group in groups]
+    stops = [max(_find_end(flight, scenario) for flight in group) for group in groups]
     firm = [
         interpolate_positions(group[0].trajectory, drawing_times(group[0].trajectory, stop=end))
-        for group, end in zip(groups, ends, strict=True)
+        for group, end in zip(groups, stops, strict=True)
     ]
+    ends = {"stroke_linejoin": "round", "stroke_linecap": "round"}
     for line, colour in zip(lines, colours, strict=True):
-        _draw_line(root, window, line, tint(colour, 0.28), 1.2, "faint")
+        svg.add_line(root, window.path_data(line), tint(colour, 0.28), 1.2, "faint", **ends)
     for number, (line, colour) in enumerate(zip(firm, colours, strict=True)):
-        _draw_line(root, window, line, colour, 2.2, "firm", page.choose_dash(number))
+        dashes = page.choose_dash(number)
+        ends = {"stroke_dasharray": dashes, "stroke_linejoin": "round", "stroke_linecap": "butt" if dashes else "round"}
+        svg.add_line(root, window.path_data(line), colour, 2.2, "firm", **ends)
     ink = [pipe_ink(window, scenario.pipe), *(resample_polyline(window.to_page(line), 3) for line in firm)]
     # Faint lines count for less: a label may cross one if there is no free place.
     ink += [resample_polyline(window.to_page(line), 9) for line in lines]
@@ -105,10 +99,3 @@ def _draw_flights(
     for name, (x, y) in zip(names, anchors, strict=True):
         draw_cross(root, x, y, 5.5, owner.get(name, MUTED), 2.4)
     label_points(root, window, anchors, [(name, INK, True) for name in names], ink, keep=8)
-
-
-def _draw_line(
-    root: ET.Element, window: Window, line: FloatArray, colour: str, width: float, class_: str, dashes: str = ""
-) -> None:
-    ends = {"stroke_linejoin": "round", "stroke_linecap": "butt" if dashes else "round"}
-    svg.add_line(root, window.path_data(line), colour, width, class_, stroke_dasharray=dashes, **ends)

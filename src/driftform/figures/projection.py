@@ -58,15 +58,14 @@ def convex_hull(points: FloatArray) -> FloatArray:
     for run in (ordered, ordered[::-1]):
         chain: list[tuple[int, int]] = []
         for p in run:
-            while len(chain) > 1 and _cross_product(chain[-2], chain[-1], p) <= 0:
+            while len(chain) > 1:
+                (ox, oy), (ax, ay) = chain[-2:]
+                if (ax - ox) * (p[1] - oy) - (ay - oy) * (p[0] - ox) > 0:
+                    break
                 chain.pop()
             chain.append(p)
         chains += chain[:-1]
     return np.array(chains, dtype=np.float64).reshape(-1, 2) / 1e7
-
-
-def _cross_product(o: tuple[int, int], a: tuple[int, int], b: tuple[int, int]) -> int:
-    return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
 
 
 def simplify_polyline(points: FloatArray, tolerance: float) -> FloatArray:

@@ -42,17 +42,14 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str, page: Page = S
     cells = reach.cells
     is_world = cells.is_straight and bool(np.allclose(cells.axes[:2], ((1, 0, 0), (0, 0, 1))))
     shift = cells.origin[[0, 2]] if is_world else np.zeros(2)
-    pipe = _straighten(cells, shift)
+    # The pipe in the coordinates of the map, in the plane y = 0.
+    (length, radius), (x, z) = cells.size[:2] * cells.shape * (1, 0.5), shift
+    pipe = Pipe(segments=(Segment(start=(x, 0.0, z), end=(x + length, 0.0, z), radius=float(radius)),))
     window = Window.around(SIDE, pipe_points(pipe, SIDE), _LEFT, 92, page.width - _LEFT - _RIGHT, 460, 14)
     base = window.box.bottom + (62 if page.width > _WIDE else 80)
     subtitle = _describe(reach)
-    root = start_page(
-        base + 46,
-        title,
-        subtitle,
-        f"The pipe in section, in cells coloured by the closest approach to the middle of each. {subtitle}.",
-        page,
-    )
+    description = f"The pipe in section, in cells coloured by the closest approach to the middle of each. {subtitle}."
+    root = start_page(base + 46, title, subtitle, description, page)
     draw_axes(root, window, None if is_world else ("along the pipe", "up"))
     _draw_cells(root, window, reach, shift)
     draw_walls(root, window, pipe)
@@ -60,13 +57,6 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str, page: Page = S
     _draw_points(root, window, scenario, cells, shift, pipe)
     _draw_legend(root, base, page.width)
     return svg.render(root)
-
-
-def _straighten(cells: PipeGrid, shift: FloatArray) -> Pipe:
-    """Return the pipe in the coordinates of the map, in the plane y = 0."""
-    length, radius = cells.size[:2] * cells.shape * (1, 0.5)
-    x, z = shift
-    return Pipe(segments=(Segment(start=(x, 0.0, z), end=(x + length, 0.0, z), radius=float(radius)),))
 
 
 def _describe(reach: CoverageMap) -> str:

@@ -2,7 +2,6 @@
 
 from itertools import accumulate
 from typing import Any, NamedTuple
-from xml.etree import ElementTree as ET
 
 import numpy as np
 import numpy.typing as npt
@@ -124,7 +123,10 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
             line = svg.path_data([(MARGIN, base - 4), (MARGIN + 26, base - 4)])
             svg.add_line(root, line, BLUE, 1.4, stroke_dasharray="9 3")
         write(root, MARGIN + (0 if surface is None else 34), base, rest.text, 11, MUTED, class_="rest")
-    _draw_block(root, block, width, height + 2)
+    spare = (width - 2 * MARGIN - _block_width(block)) / len(block)
+    widths = [_cell_width(name, value) + spare for name, value in block]
+    cells = [(*cell, x) for cell, x in zip(block, accumulate(widths[:-1], initial=MARGIN), strict=True)]
+    svg.draw_template(root, __package__, "title-block", cells=cells, left=MARGIN, right=width - MARGIN, top=height + 2)
     return svg.render(root)
 
 
@@ -324,14 +326,6 @@ def _space_labels(wanted: list[float], widths: list[float], low: float, high: fl
     first = max(first, low + widths[0] / 2)
     second = min(max(second, first + apart), high - widths[1] / 2)
     return [min(first, second - apart), second]
-
-
-def _draw_block(root: ET.Element, block: list[tuple[str, str]], width: float, top: float) -> None:
-    spare = (width - 2 * MARGIN - _block_width(block)) / len(block)
-    widths = [_cell_width(name, value) + spare for name, value in block]
-    cells = [(*cell, x) for cell, x in zip(block, accumulate(widths[:-1], initial=MARGIN), strict=True)]
-    sides = {"left": MARGIN, "right": width - MARGIN, "top": top}
-    svg.draw_template(root, __package__, "title-block", cells=cells, **sides)
 
 
 def _cell_width(name: str, value: str) -> float:

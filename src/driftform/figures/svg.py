@@ -108,9 +108,8 @@ def add_segment(
     **attributes: str | float,
 ) -> None:
     """Append a straight line between two points, ``width`` px wide, 1 px by default."""
-    wide = "" if width is None else width
-    ends: dict[str, str | float] = {"x1": x1, "y1": y1, "x2": x2, "y2": y2}
-    add(parent, "line", "", class_=class_, **ends, stroke=stroke, stroke_width=wide, **attributes)
+    attributes = {"stroke": stroke, "stroke_width": "" if width is None else width, **attributes}
+    add(parent, "line", "", class_=class_, x1=x1, y1=y1, x2=x2, y2=y2, **attributes)
 
 
 def add_circle(

@@ -17,7 +17,8 @@ HEIGHT, GUTTER, LEFT, TOP = 132.0, 40.0, 52.0, 108.0
 
 _ROW_GAP = 70.0
 
-_BASELINE = "#7f8b96"
+_RANDOM = "#7f8b96"
+"""Colour of random search."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,19 +29,17 @@ class Trend:
         name: of the target.
         flights: number of flights up to each value, (g,).
         fitness: the best so far, %, a row per repeat, (repeats, g).
-        baseline: the same for a search without selection, (repeats, g), or (0, g) if there was no such search.
+        random: the same for random search, (repeats, g), or (0, g) if there was no such search.
     """
 
     name: str
     flights: FloatArray
     fitness: FloatArray
-    baseline: FloatArray
+    random: FloatArray
 
 
-def trend_svg(
-    trends: Sequence[Trend], title: str, strategy: str, baseline: str = "random search", page: Page = SCREEN
-) -> str:
-    """Return the trends as SVG: mean and standard deviation over repeats, and those of the baseline as a band.
+def trend_svg(trends: Sequence[Trend], title: str, strategy: str, page: Page = SCREEN) -> str:
+    """Return the trends as SVG: mean and standard deviation over repeats, and those of random search as a band.
 
     All panels share their axes. With one repeat, no deviation is drawn.
     """
@@ -50,13 +49,13 @@ def trend_svg(
     at, first = ((272, 74), TOP) if page.width > 450 else ((22, 92), TOP + 18)
     repeats = max((len(trend.fitness) for trend in trends), default=0)
     over = f"mean and standard deviation over {repeats} repeats" if repeats > 1 else "one run"
-    has_baseline = any(len(trend.baseline) for trend in trends)
+    has_random = any(len(trend.random) for trend in trends)
     root = start_page(
         first + rows * (HEIGHT + _ROW_GAP) - 20,
         title,
         f"Best fitness so far (%) against flights for the target: {over}",
         f"For each target, the best fitness so far of {strategy} against flights"
-        + (f"; {baseline} as a band." if has_baseline else "."),
+        + ("; random search as a band." if has_random else "."),
         page,
     )
     low, panels = _find_lowest(trends), []
@@ -65,8 +64,8 @@ def trend_svg(
         row, column = divmod(number, columns)
         left, top = LEFT + column * (width + GUTTER), first + row * (HEIGHT + _ROW_GAP)
         panels.append(_plot_panel(trend, Box(left, top, left + width, top + HEIGHT), low))
-    names = {"strategy": strategy, "baseline": baseline if has_baseline else ""}
-    svg.draw_template(root, __package__, "trend", panels=panels, grey=_BASELINE, at=at, **names)
+    names = {"strategy": strategy, "random": "random search" if has_random else ""}
+    svg.draw_template(root, __package__, "trend", panels=panels, grey=_RANDOM, at=at, **names)
     return svg.render(root)
 
 
@@ -74,7 +73,7 @@ def _find_lowest(trends: Sequence[Trend]) -> float:
     """Return the lower limit of all panels, %: a round number below all values."""
     lowest = 99.9
     for trend in trends:
-        for values in (trend.fitness, trend.baseline):
+        for values in (trend.fitness, trend.random):
             if len(values):
                 lowest = min(lowest, float((values.mean(axis=0) - values.std(axis=0)).min()))
     step = floor_to_nice_number((100.0 - lowest) / 2)
@@ -97,13 +96,13 @@ def _plot_panel(trend: Trend, box: Box, low: float) -> dict[str, Any]:
         "name": shorten(trend.name, 12, box.right - box.left, bold=True),
         "rises": [(place(np.zeros(1), np.array([v]))[0, 1], f"{v:g}") for v in heights],
         "ticks": [(place(np.array([v]), np.array([low]))[0, 0], format_signed(v, 0)) for v in counts],
-        "baseline": None,
+        "random": None,
         "bars": "",
     }
-    if len(trend.baseline):
-        mean, spread = trend.baseline.mean(axis=0), trend.baseline.std(axis=0)
+    if len(trend.random):
+        mean, spread = trend.random.mean(axis=0), trend.random.std(axis=0)
         band = np.vstack([place(trend.flights, mean + spread), place(trend.flights, mean - spread)[::-1]])
-        panel["baseline"] = {"band": band, "mean": place(trend.flights, mean)}
+        panel["random"] = {"band": band, "mean": place(trend.flights, mean)}
     mean, spread = trend.fitness.mean(axis=0), trend.fitness.std(axis=0)
     if len(trend.fitness) > 1:
         ends = np.stack([place(trend.flights, mean + spread), place(trend.flights, mean - spread)], axis=1)

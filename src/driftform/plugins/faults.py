@@ -44,8 +44,7 @@ def trace_fault(error: BaseException) -> str | None:
 def report_faults() -> Iterator[None]:
     """Turn an error of a plugin that is not meant for users into one that is; errors of other code pass.
 
-    Raises:
-        WorkFailedError: for any error of a plugin, also if the plugin ends the program by ``sys.exit``.
+    Raises WorkFailedError for any error of a plugin, also if the plugin ends the program by ``sys.exit``.
     """
     try:
         yield

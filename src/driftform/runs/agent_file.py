@@ -53,11 +53,7 @@ class StoredAgent:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Read an agent file.
-
-        Raises:
-            InputError: where it is not one; the message names the file and what is missing.
-        """
+        """Read an agent file. Raises InputError where it is not one; the message names the file and what is missing."""
         text = read_text(path)
         try:
             document = json.loads(text)
@@ -73,13 +69,16 @@ class StoredAgent:
                 f"{VERSION}; use the driftform that wrote it"
             )
         genome, environment = document.get("genome"), document.get("environment")
-        symbols = genome.get("symbols") if isinstance(genome, dict) else None
+        symbols, tuning = (genome.get("symbols"), genome.get("tuning", 0.0)) if isinstance(genome, dict) else (None, 0)
         if (
             not isinstance(genome, dict)
             or not isinstance(genome.get("grammar"), str)
             or not isinstance(symbols, list)
             or not all(isinstance(symbol, str) for symbol in symbols)
-            or not _is_number(genome.get("tuning", 0.0))
+            or isinstance(tuning, bool)
+            or not isinstance(tuning, int | float)
+            # An integer of JSON may be larger than any float.
+            or not abs(tuning) <= sys.float_info.max
         ):
             raise InputError(
                 f'{path}: its "genome" must hold "grammar", a name, "symbols", a list of strings, and "tuning", a number'
@@ -91,12 +90,7 @@ class StoredAgent:
         name, result = document.get("name"), document.get("result")
         return cls(
             name if isinstance(name, str) else path.stem,
-            Genome(genome["grammar"], tuple(symbols), float(genome.get("tuning", 0.0))),
+            Genome(genome["grammar"], tuple(symbols), float(tuning)),
             environment,
             result if isinstance(result, dict) else {},
         )
-
-
-def _is_number(value: object) -> bool:
-    # An integer of JSON may be larger than any float.
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max

@@ -88,12 +88,9 @@ def divide_spread(conditions: Sequence[Condition], offsets: FloatArray) -> list[
         first = rows.stop
         if not column.shape[1]:
             continue
-        deviation = _sum_effect(slopes[rows], rest / len(offsets), used[rows])
+        # The squared slopes less their own variance, 0 if that is larger.
+        square = float(((slopes[rows] ** 2 - rest / len(offsets))[used[rows]]).sum())
+        deviation = float(np.sqrt(max(0.0, square)))
         effects.append(Effect(quantity.name, deviation, quantity.advice))
     effects.sort(key=lambda effect: -effect.deviation)
     return [*effects, Effect(REST, float(np.sqrt(rest.sum())), "nothing: these are the water's own")]
-
-
-def _sum_effect(slopes: FloatArray, variance: FloatArray, used: FloatArray) -> float:
-    """Return the root of the sum of squared slopes (n, 3) less their own variance (3,), 0 if that is larger."""
-    return float(np.sqrt(max(0.0, float(((slopes**2 - variance)[used]).sum()))))

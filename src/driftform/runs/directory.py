@@ -154,7 +154,7 @@ def write_inputs(directory: Path, study: Study) -> None:
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "seed": study.seed,
         "plugins": plugins,
-        "packages": {name: _version(name) for name in ("numpy", "numba", "pydantic", "pluggy")},
+        "packages": {name: metadata.version(name) for name in ("numpy", "numba", "pydantic", "pluggy")},
     }
     write_text(directory / "environment.json", json.dumps(environment, indent=1) + "\n")
 
@@ -164,10 +164,3 @@ def write_resolved(directory: Path, document: Mapping[str, Any]) -> None:
     path, text = directory / RESOLVED, tomli_w.dumps(dict(document))
     if not path.is_file() or path.read_text(encoding="utf-8") != text:
         write_text(path, text)
-
-
-def _version(name: str) -> str:
-    try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
-        return "?"

@@ -74,13 +74,14 @@ class RunMonitor:
 
     def document(self) -> dict[str, Any]:
         """Return the state in numbers, as ``driftform watch --json`` prints it."""
+        reason, count = self.status.commonest_failure
         return {
             "run": str(self.directory),
             "state": self.state,
             "evaluations": self.status.done,
             "budget": self.status.budget,
             "failed": self.status.failed,
-            "commonest_failure": self._describe_failures(),
+            "commonest_failure": {"reason": reason, "count": count} if count else None,
             "targets": {
                 name: {
                     "fitness": target.best if target.index >= 0 else None,
@@ -93,10 +94,6 @@ class RunMonitor:
                 for name, target in self.status.targets.items()
             },
         }
-
-    def _describe_failures(self) -> dict[str, Any] | None:
-        reason, count = self.status.commonest_failure
-        return {"reason": reason, "count": count} if count else None
 
 
 def read_aims(database: Path, document: dict[str, Any]) -> tuple[list[str], int]:

@@ -61,8 +61,13 @@ class TargetStatus:
         after = before
         while after < len(self._steps) and self._steps[after][1] >= error:
             after += 1
+        steps = (*self._steps[:before], (index, error), *self._steps[after:])
+        if len(steps) > MAX_STEPS:
+            # Of those that lie close together, the last.
+            width = steps[-1][0] + 1
+            steps = tuple({step[0] * (MAX_STEPS // 2) // width: step for step in steps}.values())
         # Put in place as a whole, for another thread may be drawing it.
-        self._steps = _thin((*self._steps[:before], (index, error), *self._steps[after:]))
+        self._steps = steps
 
     def errors(self, columns: int, evaluations: int) -> list[float | None]:
         """The best error (%) so far at the end of each of ``columns`` equal parts of the run; ``None`` before any."""
@@ -74,14 +79,6 @@ class TargetStatus:
             place = bisect_right(steps, last, key=lambda step: step[0])
             found.append(steps[place - 1][1] if place else None)
         return found
-
-
-def _thin(steps: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]:
-    """At most :data:`MAX_STEPS` improvements: of those that lie close together, the last."""
-    if len(steps) <= MAX_STEPS:
-        return steps
-    width = steps[-1][0] + 1
-    return tuple({index * (MAX_STEPS // 2) // width: (index, error) for index, error in steps}.values())
 
 
 class RunStatus:

@@ -12,9 +12,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, groupby
+from itertools import chain
 from math import nan
-from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,7 @@ from driftform.errors import DriftformError, InputError, WorkFailedError, descri
 from driftform.runs.compression import MAX_FLIGHT_BYTES, compress, decode, diagnostics
 from driftform.runs.directory import resume_command
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
-from driftform.util.files import write_whole
+from driftform.util.files import identify_file, write_whole
 
 APPLICATION_ID = 0x64726674
 """In the header of a file of SQLite: by it a database is known as one of ours."""
@@ -123,18 +122,13 @@ class Store:
     """The open database of one run; one writer, any number of readers."""
 
     def __init__(self, connection: sqlite3.Connection, path: Path, read_only: bool = False) -> None:
-        self._connection = connection
-        self._path = path
-        self._read_only = read_only
-        self._place = _identify(path)
+        self._connection, self._path, self._read_only, self._place = connection, path, read_only, identify_file(path)
 
     @classmethod
     def create(cls, path: Path, study: Mapping[str, Any]) -> "Store":
         """Make a new run file for a study's document.
 
-        Raises:
-            InputError: if the file exists already.
-            WorkFailedError: if it cannot be written.
+        Raises InputError if the file exists already, WorkFailedError if it cannot be written.
         """
         if path.exists():
             raise InputError(f"{path} exists already: resume that run, or choose another --out")
@@ -153,10 +147,8 @@ class Store:
         """Open the file of an earlier run, to continue it or to read it.
 
         With ``read_only`` the file and its log are left as they are, and a writer is neither held up nor disturbed.
-        Without ``check`` the pages are not checked first, which takes time: damage is reported where it is read.
-
-        Raises:
-            InputError: if it is missing, damaged, or not a run of driftform.
+        Without ``check`` the pages are not checked first, which takes time: damage is reported where it is read. Raises
+        InputError if it is missing, damaged, or not a run of driftform.
         """
         if not path.is_file():
             raise InputError(f"{path}: no such file; a run directory holds one")
@@ -164,30 +156,24 @@ class Store:
             raise InputError(f"{path}: is empty or cut short: the run never began, or its data is lost; {_NEXT_STEP}")
         connection = _connect(path, read_only)
         try:
-            application = connection.execute("PRAGMA application_id").fetchone()[0]
-            version = connection.execute("PRAGMA user_version").fetchone()[0]
-            sound = (
-                not check
-                or application != APPLICATION_ID
-                or connection.execute("PRAGMA quick_check").fetchone()[0] == "ok"
-            )
-            broken = _find_broken_tables(connection)
+            application, version = (_ask(connection, f"PRAGMA {name}") for name in ("application_id", "user_version"))
+            sound = not check or application != APPLICATION_ID or _ask(connection, "PRAGMA quick_check") == "ok"
+            # What is missing or not as it is made, and whatever could act in its place.
+            rows = connection.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
+            made = {name: _normalise(str(sql)) for kind, name, sql in rows if kind == "table"}
+            broken = [table for table in _TABLES if made.get(table) != _TABLES[table]]
+            broken += [str(name) for kind, name, _ in rows if kind in ("view", "trigger")]
         except (sqlite3.Error, UnicodeDecodeError) as error:  # a message of SQLite may quote what is damaged
             connection.close()
             raise _describe_read_error(path, error) from None
-        problem = ""
-        if application != APPLICATION_ID:
-            problem = "is a database, but not of a driftform run"
-        elif version != SCHEMA_VERSION:
-            problem = (
-                f"is of format {version}, this driftform reads format {SCHEMA_VERSION}; use the driftform that "
-                "environment.json names"
-            )
-        elif not sound:
-            problem = f"is damaged; {_NEXT_STEP}"
-        elif broken:
-            problem = f"is damaged (not as driftform makes them: {', '.join(broken)}); {_NEXT_STEP}"
-        if problem:
+        problems = {
+            "is a database, but not of a driftform run": application != APPLICATION_ID,
+            f"is of format {version}, this driftform reads format {SCHEMA_VERSION}; use the driftform that "
+            "environment.json names": version != SCHEMA_VERSION,
+            f"is damaged; {_NEXT_STEP}": not sound,
+            f"is damaged (not as driftform makes them: {', '.join(broken)}); {_NEXT_STEP}": bool(broken),
+        }
+        if problem := next((text for text, found in problems.items() if found), ""):
             connection.close()
             raise InputError(f"{path}: {problem}")
         # Nothing in the schema may call a function that does more than compute.
@@ -203,21 +189,17 @@ class Store:
 
     def close(self) -> None:
         """Close the file, and leave it whole without its write-ahead log if no other process reads it."""
-        if self._read_only:
-            self._connection.close()
-            return
-        try:
-            self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-            self._connection.execute("PRAGMA journal_mode = DELETE")
-        except sqlite3.OperationalError:
-            pass  # A reader holds the log, or the medium is read-only: the log stays, and nothing is lost.
+        # A reader may hold the log, or the medium be read-only: the log stays, and nothing is lost.
+        with suppress(sqlite3.OperationalError):
+            if not self._read_only:
+                self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+                self._connection.execute("PRAGMA journal_mode = DELETE")
         self._connection.close()
 
     def read_study(self) -> dict[str, Any]:
         """Return the document of the study that made the run."""
         with self._reading():
-            [text] = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
-            document: dict[str, Any] = json.loads(text)
+            document: dict[str, Any] = json.loads(_ask(self._connection, "SELECT value FROM meta WHERE key = 'study'"))
             if not document.get("targets", True):
                 raise ValueError("the study has no targets")
             # Their names are shown before anything else of a study is checked.
@@ -274,7 +256,7 @@ class Store:
 
         Raises WorkFailedError if the run was moved or deleted.
         """
-        if _identify(self._path) != self._place:
+        if identify_file(self._path) != self._place:
             raise WorkFailedError(
                 f"{self._path}: was moved or deleted while the run was under way; if its directory was moved, "
                 "resume it where it is now, with all evaluations that were shown"
@@ -283,17 +265,18 @@ class Store:
     def add(self, records: Sequence[Record], targets: Sequence[str]) -> None:
         """Write evaluations, all or none; when this returns they survive a crash.
 
-        Raises:
-            WorkFailedError: if they cannot be written.
+        Raises WorkFailedError if they cannot be written.
         """
         self.check_place()
         # One fsync for all of them: on a disk that makes each wait 4 ms it is what a write costs.
         try:
             with self._writing():
                 for record in records:
+                    fitness = zip(targets, record.evaluation.fitness.tolist(), strict=True)
+                    scores = [(record.index, target, value) for target, value in fitness]
                     try:
                         self._connection.execute(_INSERT, _row(record))
-                        self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", _scores(record, targets))
+                        self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", scores)
                     except sqlite3.Error as error:
                         raise WorkFailedError(
                             f"{self._path}: evaluation {record.index} {_describe_unwritten(error, self._path)}"
@@ -305,11 +288,7 @@ class Store:
             ) from None
 
     def add_disturbed(self, flights: Sequence[DisturbedResult], targets: Sequence[str]) -> None:
-        """Write the results of flights under disturbed conditions, all or none.
-
-        Raises:
-            WorkFailedError: if they cannot be written.
-        """
+        """Write the results of flights under disturbed conditions, all or none; as :meth:`add` writes evaluations."""
         self.check_place()
         rows = [
             (flight.evaluation, flight.condition, target, value, *offset, flight.failure)
@@ -339,11 +318,8 @@ class Store:
         )
         found: dict[int, dict[int, float]] = {}
         with self._reading():
-            rows = self._connection.execute(query, (target, first, end)).fetchall()
-            for index, flights in groupby(rows, key=itemgetter(0)):
-                found[index] = {
-                    condition: nan if failed else float(fitness) for _, condition, fitness, failed in flights
-                }
+            for index, condition, fitness, failed in self._connection.execute(query, (target, first, end)):
+                found.setdefault(index, {})[condition] = nan if failed else float(fitness)
         return found
 
     def read_offsets(self, target: str, evaluation: int) -> dict[int, FloatArray]:
@@ -450,7 +426,7 @@ class Store:
 
     def _scalar(self, query: str) -> Any:
         with self._reading():
-            return self._connection.execute(query).fetchone()[0]
+            return _ask(self._connection, query)
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -510,21 +486,9 @@ def _describe_unwritten(error: Exception, path: Path) -> str:
     return f"cannot be written: {error}; what was written before is safe; free the disk, then: {resume_command(path.parent)}"
 
 
-def _find_broken_tables(connection: sqlite3.Connection) -> list[str]:
-    """Return the tables that are missing or not as they are made, and whatever could act in their place."""
-    rows = connection.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
-    found = {name: _normalise(str(sql)) for kind, name, sql in rows if kind == "table"}
-    acting = [str(name) for kind, name, _ in rows if kind in ("view", "trigger")]
-    return [table for table in _TABLES if found.get(table) != _TABLES[table]] + acting
-
-
-def _identify(path: Path) -> tuple[int, int] | None:
-    """Return what a file is, whatever its name; ``None`` if there is no file."""
-    try:
-        status = path.stat()
-    except OSError:
-        return None
-    return status.st_dev, status.st_ino
+def _ask(connection: sqlite3.Connection, query: str) -> Any:
+    """Return the first value that a query finds."""
+    return connection.execute(query).fetchone()[0]
 
 
 def _write_empty(path: Path, study: Mapping[str, Any]) -> None:
@@ -559,18 +523,10 @@ def _row(record: Record) -> tuple[Any, ...]:
     )
 
 
-def _scores(record: Record, targets: Sequence[str]) -> list[tuple[int, str, float]]:
-    """The rows of ``score``."""
-    fitness = record.evaluation.fitness.tolist()
-    return [(record.index, target, value) for target, value in zip(targets, fitness, strict=True)]
-
-
 def _connect(path: Path, read_only: bool = False) -> sqlite3.Connection:
+    place = f"{path.resolve().as_uri()}?mode=ro" if read_only else path
     try:
-        if read_only:
-            connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True, isolation_level=None)
-        else:
-            connection = sqlite3.connect(path, isolation_level=None)
+        connection = sqlite3.connect(place, uri=read_only, isolation_level=None)
     except sqlite3.Error as error:
         raise WorkFailedError(f"{path}: cannot be opened: {error}") from None
     connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _MAX_ROW_BYTES)

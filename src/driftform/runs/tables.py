@@ -17,10 +17,18 @@ from driftform import __version__
 from driftform.agent import mass_properties
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import Grammar, PhenotypeBuilder
-from driftform.runs.columns import BODY_COLUMNS, FLIGHT_COLUMNS, SAMPLE_COLUMNS, Batch, Column, evaluation_columns
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
-from driftform.runs.table_files import FORMATS, check_format
+from driftform.runs.table_files import (
+    BODY_COLUMNS,
+    FLIGHT_COLUMNS,
+    FORMATS,
+    SAMPLE_COLUMNS,
+    Batch,
+    Column,
+    check_format,
+    evaluation_columns,
+)
 from driftform.study import Study
 from driftform.types import Genome
 from driftform.util.files import write_together

@@ -42,8 +42,7 @@ class Observer:
 def search_run(run: StoredRun, executor: Executor, observer: Observer | None = None) -> None:
     """Ask, evaluate and store until the budget is spent; requires the lock of the run.
 
-    Raises:
-        InputError: if the stored evaluations are not those that the study asks for.
+    Raises InputError if the stored evaluations are not those that the study asks for.
     """
     with run.write() as store:
         _search(run, store, executor, observer or Observer())
@@ -106,8 +105,18 @@ def find_ended(run: StoredRun) -> list[Best] | None:
 
 
 def _search(run: StoredRun, store: Store, executor: Executor, observer: Observer) -> None:
-    _prepare_flow(run)
-    warnings = EarlyWarnings(run.study.scenario)
+    scenario = run.study.scenario
+    if not scenario.pipe.is_open or isinstance(scenario.flow, GridFlow):
+        from driftform.water.fittings import fitting_array
+
+        # The flow in tees of a new shape is solved, or a grid read, here and now: what is said would be lost in the display.
+        try:
+            fitting_array(scenario)
+        except ValueError as error:
+            if isinstance(scenario.flow, GridFlow):
+                raise InputError(f"{run.path}: {error}") from None
+            # The flow in a tee of such a shape is not known; a flight says so.
+    warnings = EarlyWarnings(scenario)
 
     def record(record: Record) -> None:
         observer.record(record)
@@ -116,25 +125,6 @@ def _search(run: StoredRun, store: Store, executor: Executor, observer: Observer
 
     with observer.open_search(store.count()):
         run_search(run.study, store, executor, record)
-
-
-def _prepare_flow(run: StoredRun) -> None:
-    """Solve the flow in tees of a new shape, or read a grid, here and now: what is said would be lost in the display.
-
-    Raises:
-        InputError: if the file of a grid cannot be read any more, or does not fit the pipe.
-    """
-    scenario = run.study.scenario
-    if scenario.pipe.is_open and not isinstance(scenario.flow, GridFlow):
-        return
-    from driftform.water.fittings import fitting_array
-
-    try:
-        fitting_array(scenario)
-    except ValueError as error:
-        if isinstance(scenario.flow, GridFlow):
-            raise InputError(f"{run.path}: {error}") from None
-        # The flow in a tee of such a shape is not known; a flight says so.
 
 
 def find_best(run: StoredRun, target: str) -> StoredAgent | None:

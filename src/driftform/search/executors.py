@@ -28,8 +28,7 @@ def open_executor(
         scheduler: address of a running Dask scheduler.
         workers: number of processes; ``None`` for one on each core. The result does not depend on it.
 
-    Raises:
-        InputError: if the options exclude each other, or no cluster answers.
+    Raises InputError if the options exclude each other, or no cluster answers.
     """
     name = name or ("local" if scheduler is None else "dask")
     if name not in EXECUTORS:

@@ -2,9 +2,10 @@
 
 import logging
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from driftform.interfaces import Strategy
 from driftform.plugins.faults import report_faults
 from driftform.plugins.seams import require_candidates
 from driftform.runs.store import Record, Store
-from driftform.search.jobs import Executor, Job, Outcome
+from driftform.search.jobs import Executor, Job
 from driftform.search.survey import Survey, count_survey
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation
@@ -77,7 +78,8 @@ def run_search(
     strategy, targets = study.make_strategy(), study.scenario.target_names
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
     survey, waiting = Survey(study), deque[Job]()
-    arrivals = _evaluate_forever(executor, waiting)
+    # What is added while outcomes arrive is evaluated too; the next is asked for only if there is one.
+    arrivals = chain.from_iterable(executor.evaluate(waiting) for _ in repeat(None))
     batches: deque[_Batch] = deque()
     asked = told = 0
     # No other process writes meanwhile: beyond what is stored now there is nothing to read.
@@ -92,10 +94,18 @@ def run_search(
                 batch = _ask(study, strategy, asked)
                 if asked < stored:
                     for record in store.read_records(targets, asked, len(batch.candidates)):
-                        _require_same(record, batch)
+                        if record.candidate != batch.candidates[record.index - asked]:
+                            raise InputError(
+                                f"evaluation {record.index} of this run is not the one that its study asks for now: a "
+                                "plugin has changed since; resume with the versions in environment.json, or start a new run"
+                            )
                         batch.outcomes[record.index] = record.evaluation
                         on_record(record)
-                waiting.extend(_list_jobs(batch, best))
+                waiting.extend(
+                    Job(index, candidate.genome, seed, threshold=best.lower_threshold(candidate.threshold))
+                    for index, (candidate, seed) in enumerate(zip(batch.candidates, batch.seeds, strict=True), asked)
+                    if index not in batch.outcomes
+                )
                 batches.append(batch)
                 asked += len(batch.candidates)
             while not batches[0].is_complete:
@@ -140,12 +150,6 @@ class _Journal:
             self._on_record(record)
 
 
-def _evaluate_forever(executor: Executor, waiting: deque[Job]) -> Iterator[Sequence[Outcome]]:
-    """Yield the outcomes of what waits, and of what is added to it; ask for the next only if there is one."""
-    while True:
-        yield from executor.evaluate(waiting)
-
-
 def _ask(study: Study, strategy: Strategy[Any], asked: int) -> _Batch:
     left, grammar = study.evaluations - asked, study.document["grammar"]["use"]
     with keep_directory():
@@ -153,21 +157,6 @@ def _ask(study: Study, strategy: Strategy[Any], asked: int) -> _Batch:
     candidates = require_candidates(found, left, strategy, grammar, targets, asked)
     seeds = [evaluation_seed(study.seed, index) for index in range(asked, asked + len(candidates))]
     return _Batch(asked, candidates, seeds)
-
-
-def _require_same(record: Record, batch: _Batch) -> None:
-    if record.candidate != batch.candidates[record.index - batch.first]:
-        raise InputError(
-            f"evaluation {record.index} of this run is not the one that its study asks for now: a plugin "
-            "has changed since; resume with the versions in environment.json, or start a new run"
-        )
-
-
-def _list_jobs(batch: _Batch, best: "BestFitness") -> Iterator[Job]:
-    """Yield what is left to be evaluated of a batch."""
-    for index, (candidate, seed) in enumerate(zip(batch.candidates, batch.seeds, strict=True), batch.first):
-        if index not in batch.outcomes:
-            yield Job(index, candidate.genome, seed, threshold=best.lower_threshold(candidate.threshold))
 
 
 class BestFitness:

@@ -99,15 +99,10 @@ def check_point(point: Vector, scenario: Scenario) -> None:
     if not scenario.pipe.is_open and not scenario.pipe.contains(point):
         nearest, away = find_nearest_inside(np.array(point), scenario.pipe.layout)
         inside = " ".join(f"{value:.4g}" for value in nearest)
+        if (segment := scenario.pipe.straight) is not None:
+            pipe = f"from {list(segment.start)} to {list(segment.end)} with radius {segment.radius:g} m"
+        else:
+            pipe = f"whose parts are {', '.join(placed.name for placed in scenario.pipe.layout.parts)}"
         raise InputError(
-            f"{given} lies outside the pipe, {_describe_pipe(scenario.pipe)}; it is {away:.3g} m away, and the nearest point "
-            f"inside is {inside}"
+            f"{given} lies outside the pipe, {pipe}; it is {away:.3g} m away, and the nearest point inside is {inside}"
         )
-
-
-def _describe_pipe(pipe: Pipe) -> str:
-    segment = pipe.straight
-    if segment is not None:
-        return f"from {list(segment.start)} to {list(segment.end)} with radius {segment.radius:g} m"
-    names = [placed.name for placed in pipe.layout.parts]
-    return f"whose parts are {', '.join(names)}"

@@ -58,8 +58,13 @@ def write_results(run: StoredRun, executor: Executor) -> list[Best]:
     The executor writes them at the same time, each file completely or not at all.
     Raises WorkFailedError with the reason of the first if not one evaluation succeeded, and InputError if one is damaged.
     """
+    # The best agents by the evaluation that they share: their flight is read and drawn once.
+    shared: dict[int, list[StoredAgent]] = {}
     with run.read() as store:
-        groups = _group_targets(run.study, store)
+        for target in run.study.scenario.targets:
+            stored = _require_best(run.study, store, target, find_winner(run.study, store, target))
+            shared.setdefault(stored.result["evaluation"], []).append(stored)
+    groups = list(shared.values())
     # What takes longest first.
     pieces: list[Callable[[StoredRun, Store], Any]] = [_write_overview, _write_reach]
     pieces += [partial(_write_agents, stored=group) for group in groups]
@@ -78,15 +83,6 @@ def write_results(run: StoredRun, executor: Executor) -> list[Best]:
 def _call_with_store(write: Callable[[StoredRun, Store], T], run: StoredRun) -> T:
     with run.read() as store:
         return write(run, store)
-
-
-def _group_targets(study: Study, store: Store) -> list[list[StoredAgent]]:
-    """Return the best agents by the evaluation that they share: their flight is read and drawn once."""
-    groups: dict[int, list[StoredAgent]] = {}
-    for target in study.scenario.targets:
-        stored = _require_best(study, store, target, find_winner(study, store, target))
-        groups.setdefault(stored.result["evaluation"], []).append(stored)
-    return list(groups.values())
 
 
 def _require_best(study: Study, store: Store, target: str, winner: Winner | None) -> StoredAgent:

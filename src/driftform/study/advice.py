@@ -98,7 +98,7 @@ class _Advice:
     def _check_units(self) -> Iterator[str]:
         fluid, flow = self.scenario.fluid, self.scenario.flow
         if not self.scenario.pipe.is_open:
-            length, radius = self.scenario.pipe.layout.longest_way, self.scenario.pipe.layout.inlet.radius
+            length, radius = self.scenario.pipe.layout.longest_path, self.scenario.pipe.layout.inlet.radius
             if length > 1000 or radius > 10:
                 yield (
                     f"the pipe is {length:g} m long with a radius of {radius:g} m: lengths are in metres; "
@@ -259,10 +259,10 @@ class _Advice:
     def _check_limits(self) -> Iterator[str]:
         scenario, robustness = self.scenario, self.scenario.robustness
         radius, horizon = scenario.pipe.layout.inlet.radius, scenario.flight.horizon
-        needed = _find_time(self._find_drift, self.scenario.pipe.layout.longest_way)
+        needed = _find_time(self._find_drift, self.scenario.pipe.layout.longest_path)
         if needed is not None and scenario.pipe.straight is None and horizon < needed:
             yield (
-                f"flight.horizon = {horizon:g} s is less than the {needed:.3g} s in which the water passes {self.scenario.pipe.layout.longest_way:.3g} m "
+                f"flight.horizon = {horizon:g} s is less than the {needed:.3g} s in which the water passes {self.scenario.pipe.layout.longest_path:.3g} m "
                 "at its speed at the inlet, the distance to the farthest outlet"
             )
         if needed is not None and horizon > PATIENCE * needed:

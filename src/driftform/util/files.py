@@ -34,20 +34,26 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "driftform"
 
 
+def identify_file(path: Path) -> tuple[int, int] | None:
+    """Return what a file is, whatever its name; ``None`` if there is no file."""
+    with suppress(OSError):
+        status = path.stat()
+        return status.st_dev, status.st_ino
+    return None
+
+
 def is_file(path: Path) -> bool:
     """Return whether a path is a file; False for an invalid name, such as one that is too long or contains NUL."""
-    try:
+    with suppress(OSError, ValueError):
         return path.is_file()
-    except (OSError, ValueError):
-        return False
+    return False
 
 
 def is_directory(path: Path) -> bool:
     """Return whether a path is a directory; False for an invalid name."""
-    try:
+    with suppress(OSError, ValueError):
         return path.is_dir()
-    except (OSError, ValueError):
-        return False
+    return False
 
 
 def read_text(path: Path) -> str:
@@ -112,13 +118,11 @@ def is_locked(path: Path) -> bool:
     if sys.platform == "win32":
         from filelock import FileLock, Timeout
 
-        lock = FileLock(path)
         try:
-            lock.acquire(timeout=0)
+            with FileLock(path, timeout=0):
+                return False
         except Timeout:
             return True
-        lock.release()
-        return False
     import fcntl
 
     # A shared lock, which many may hold at once, and which a file that may only be read allows.
@@ -185,10 +189,8 @@ def safe_stem(name: str) -> str:
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Call ``write`` with a temporary path next to ``path``, then rename the file to ``path`` in one step.
 
-    The file never exists in part. Parent folders are created.
-
-    Raises:
-        OSError: if the file cannot be written; then a former file is unchanged.
+    The file never exists in part. Parent folders are created. Raises OSError if the file cannot be written; then a
+    former file is unchanged.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     # In the same folder, because renaming is atomic only within a file system.
@@ -223,10 +225,8 @@ def write_together(folder: Path, names: Collection[str]) -> Iterator[Path]:
     """Yield a new directory for files that belong together, then move them all into ``folder``.
 
     Former files in ``folder`` with one of ``names`` are removed, even if they were not written again. After an
-    exception inside the context, ``folder`` is unchanged.
-
-    Raises:
-        InputError: if ``folder`` cannot be created or written to.
+    exception inside the context, ``folder`` is unchanged. Raises InputError if ``folder`` cannot be created or written
+    to.
     """
     folder = folder.resolve()
     make_directory(folder if folder.exists() else folder.parent)
@@ -248,10 +248,8 @@ def write_together(folder: Path, names: Collection[str]) -> Iterator[Path]:
 def write_folder(folder: Path) -> Iterator[Path]:
     """Yield a new directory, then replace ``folder`` and all its content by it.
 
-    After an exception inside the context, ``folder`` is unchanged. Parent folders are created.
-
-    Raises:
-        InputError: if ``folder`` is a file, or cannot be created or written to.
+    After an exception inside the context, ``folder`` is unchanged. Parent folders are created. Raises InputError if
+    ``folder`` is a file, or cannot be created or written to.
     """
     folder = folder.resolve()
     if folder.exists() and not folder.is_dir():

@@ -69,8 +69,7 @@ _REPORTED = {kind.__name__: kind for kind in (InputError, WorkFailedError, Modul
 def require_module(module: str) -> None:
     """Check that a module is installed which a plugin imports later, so that the plugin is unavailable without it.
 
-    Raises:
-        ModuleNotFoundError: if the module is not installed.
+    Raises ModuleNotFoundError if the module is not installed.
     """
     if util.find_spec(module) is None:
         raise ModuleNotFoundError(f"No module named '{module}'", name=module)
@@ -117,10 +116,7 @@ def run_program(command: Sequence[str], folder: Path, seconds: float, memory: in
     """Run a program with its arguments in ``folder``; return the beginning of its output, standard error included.
 
     Its limits are ``seconds`` of waiting and ``memory`` in bytes. The exit code is not looked at, because programs for
-    printing return 0 whatever happens.
-
-    Raises:
-        WorkFailedError: if it does not end in time, or cannot be started.
+    printing return 0 whatever happens. Raises WorkFailedError if it does not end in time, or cannot be started.
     """
     program = shutil.which(command[0])
     if program is None:

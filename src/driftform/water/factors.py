@@ -22,11 +22,11 @@ class Factors:
         added_mass: of the whole matrix.
         hull_density: of the hull's material, so that a print weighs what it does.
         restitution, friction: of the coefficients of the contact with walls.
-        least, most: bounds of every factor.
+        MIN, MAX: bounds of every factor.
     """
 
-    least: ClassVar[float] = 0.01
-    most: ClassVar[float] = 100.0
+    MIN: ClassVar[float] = 0.01
+    MAX: ClassVar[float] = 100.0
     """Bounds of a factor."""
     names: ClassVar[tuple[str, ...]]
     """The factors by name."""
@@ -73,7 +73,7 @@ def _check_order(values: tuple[float, float, float]) -> tuple[float, float, floa
     return values
 
 
-_Number: TypeAlias = Annotated[float, Field(strict=True, ge=Factors.least, le=Factors.most)]
+_Number: TypeAlias = Annotated[float, Field(strict=True, ge=Factors.MIN, le=Factors.MAX)]
 
 Interval: TypeAlias = Annotated[
     tuple[_Number, _Number, _Number], BeforeValidator(_spread), AfterValidator(_check_order)
@@ -149,7 +149,7 @@ class Calibration(Table):
         value, low, high = np.array(list(self.intervals.values())).reshape(-1, 3).T
         z = np.asarray(deviates) @ self._mixing().T
         drawn = value + z / self.quantile * np.where(z > 0, high - value, value - low)
-        return np.asarray(np.clip(drawn, Factors.least, Factors.most), dtype=np.float64)
+        return np.asarray(np.clip(drawn, Factors.MIN, Factors.MAX), dtype=np.float64)
 
     def _mixing(self) -> FloatArray:
         """Return the matrix (k, k) that turns independent deviates into correlated ones of variance 1."""

@@ -92,7 +92,7 @@ def _warn_of_entry(scenario: "Scenario") -> list[str]:
     reynolds = 2 * radius * flow.speed / scenario.fluid.viscosity
     laminar = is_laminar(flow, radius, flow.speed, scenario.fluid.viscosity)
     entry = entry_length(reynolds, laminar) * 2 * radius
-    length = layout.longest_way + flow.upstream
+    length = layout.longest_path + flow.upstream
     if length >= entry:
         return []
     return [

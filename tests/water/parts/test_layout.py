@@ -76,26 +76,26 @@ def test_a_pipe_contains_its_axes_and_nothing_far_from_them():
     assert not built.contains((0.5, 0.0, 0.11)) and not built.contains((-0.01, 0.0, 0.0))
 
 
-def test_the_way_between_parts_leads_through_the_junction():
+def test_the_path_between_parts_leads_through_the_junction():
     layout = branched().layout
     tee, side, on = layout.parts[2].part, layout.parts[3], layout.parts[5]
     b, a = layout.outlets[0].opening.centre, layout.outlets[1].opening.centre
     up, down, leg = tee.legs
     # From the run behind the tee to outlet B, which is beyond a straight and a bend: back to the tee and up the branch.
-    first, rest = layout.way_to_point(5, 4, b)
+    first, rest = layout.path_to_point(5, 4, b)
     assert first == pytest.approx(on.part.entry)
     chord = np.linalg.norm(layout.parts[4].part.entry - b)
     assert rest == pytest.approx(down + leg + 0.4 + chord)
     # From the branch to outlet A: back to the tee, along the run, through the reducer, and straight to the outlet's centre.
-    first, rest = layout.way_to_point(3, 6, a)
+    first, rest = layout.path_to_point(3, 6, a)
     assert first == pytest.approx(side.part.entry)
     assert rest == pytest.approx(leg + down + 0.2 + 0.5)
     # From upstream; and straight within a part and to the next one.
-    first, rest = layout.way_to_point(0, 3, side.part.entry)
+    first, rest = layout.path_to_point(0, 3, side.part.entry)
     assert first == pytest.approx([1.0, 0, 0])
     assert rest == pytest.approx(0.3 * np.pi / 2 + up + leg)
     for neighbour in (3, 4):
-        assert layout.way_to_point(neighbour, 4, b)[1] == 0.0
+        assert layout.path_to_point(neighbour, 4, b)[1] == 0.0
 
 
 @pytest.mark.parametrize(

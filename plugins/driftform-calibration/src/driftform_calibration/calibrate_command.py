@@ -133,14 +133,9 @@ def _print(found: "CalibrationResult", paths: list[Path]) -> None:
     if hull.low is not None and hull.high is not None and not hull.low < 1 < hull.high:
         output.print_text(f"the hull weighs {hull.value:.4g} times what was simulated: that changes the net weight")
     print()
+    off = ("residual_before", "residual")
     tracks = [
-        (
-            row["track"],
-            str(row["points"]),
-            f"{1000 * row['noise']:.2f}",
-            f"{1000 * row['residual_before']:.1f}",
-            f"{1000 * row['residual']:.1f}",
-        )
+        (row["track"], f"{row['points']}", f"{1000 * row['noise']:.2f}", *(f"{1000 * row[k]:.1f}" for k in off))
         for row in found.document()["tracks"]
     ]
     output.print_table(("track", "points", "noise mm", "before mm", "after mm"), tracks, right=range(1, 5))

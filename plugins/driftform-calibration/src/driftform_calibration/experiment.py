@@ -122,8 +122,7 @@ def plan_drops(
         count, fps, noise, on_candidate: as ``drops``, ``fps``, ``noise`` and ``progress`` of
             :func:`driftform_calibration.designs.drop_design`.
 
-    Raises:
-        WorkFailedError: if no release in this tank shows anything.
+    Raises WorkFailedError if no release in this tank shows anything.
     """
     bench = Bench.of(pipeline, morphology)
     candidates = list_candidates(bench, tank)

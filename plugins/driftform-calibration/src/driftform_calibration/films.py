@@ -33,8 +33,7 @@ def find_scenario(track: Path) -> str | None:
 def film_track(path: Path, bench: Bench, reading: Reading, view: str, scale_error: float, distance: float) -> Filmed:
     """Read the track of a flight in the scenario of its bench.
 
-    Raises:
-        InputError: if it cannot be a film of this agent in this scenario: one line with the file and the next step.
+    Raises InputError if it cannot be a film of this agent in this scenario: one line with the file and the next step.
     """
     if view not in VIEWS:
         raise InputError(f"--view {view}: unknown view{did_you_mean(view, VIEWS)}; take {', '.join(VIEWS)}")
@@ -86,8 +85,7 @@ def _check_direction(label: str, film: Filmed, moved: FloatArray) -> None:
 def weigh_prior(bench: Bench, printed_mass: float | None) -> dict[str, tuple[float, float]]:
     """Return the hull's density by the weight of a print: value and deviation of its parameter; nothing without a mass.
 
-    Raises:
-        InputError: if no print of this agent weighs that.
+    Raises InputError if no print of this agent weighs that.
     """
     if printed_mass is None:
         return {}
@@ -103,8 +101,7 @@ def weigh_prior(bench: Bench, printed_mass: float | None) -> dict[str, tuple[flo
 def choose_factors(names: Sequence[str]) -> tuple[str, ...]:
     """Return the factors to fit, all if none is named; ``net_weight`` is that of the hull's density.
 
-    Raises:
-        InputError: if a factor is unknown.
+    Raises InputError if a factor is unknown.
     """
     known = {**{name: name for name in Factors.names}, "net_weight": "hull_density"}
     for name in names:

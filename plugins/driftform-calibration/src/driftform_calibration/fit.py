@@ -148,8 +148,7 @@ def fit_factors(
         priors: what is known of a parameter of :class:`driftform_calibration.problem.Problem` before: value and
             standard deviation.
 
-    Raises:
-        WorkFailedError: if no flight comes near a track.
+    Raises WorkFailedError if no flight comes near a track.
     """
     # Matrices of a fit are small: threads would wait for each other longer than they compute.
     with threadpool_limits(1):
@@ -175,9 +174,11 @@ def _solve(
     whole = Problem(films, plain, noise, priors)
     x = place_releases(whole, whole.start)
     free, x = _solve_free_flight(whole, x)
-    if free is not None and not _touches(whole, x):
+    flown = list(enumerate(whole.paths(x)))
+    if free is not None and not any(path.contact < whole.until(x, k) for k, path in flown):
         return free, None, []
-    lasts = [min(c + AFTER_CONTACT, float(f.track.t[-1])) for c, f in zip(_contacts(whole, x), films, strict=True)]
+    contacts = [path.contact + whole.camera(x, k).delay for k, path in flown]
+    lasts = [min(c + AFTER_CONTACT, float(f.track.t[-1])) for c, f in zip(contacts, films, strict=True)]
     shown = [film.cut(last) for film, last in zip(films, lasts, strict=True)]
     shown = [cut if len(cut.track.t) >= MIN_FREE else film for cut, film in zip(shown, films, strict=True)]
     lost = sum(len(film.track.t) - len(short.track.t) for film, short in zip(films, shown, strict=True))
@@ -200,28 +201,26 @@ def _measure_noise(film: Filmed) -> float:
 
 def _find_misfit(solution: Solution) -> str:
     """Return why no factor is known, if frames were lost or a track lies far off the flight that fits it best; else nothing."""
-    jumps = ((film.track.name, film.track.lost[0]) for film in solution.problem.films if film.track.lost)
+    problem, (share, least) = solution.problem, FILM_NOISE
+    jumps = ((film.track.name, film.track.lost[0]) for film in problem.films if film.track.lost)
     if lost := next(jumps, None) or find_lost_frames(solution):
         return f"{lost[0]} lost frames, the first at t = {lost[1]:.3f} s: give it the times of its frames"
-    share, least = FILM_NOISE
-    ratios = [
-        noise / max(_measure_noise(film), share * film.track.span, least)
-        for noise, film in zip(solution.problem.noise, solution.problem.films, strict=True)
-    ]
+    noises = [max(_measure_noise(film), share * film.track.span, least) for film in problem.films]
+    ratios = [noise / least for noise, least in zip(problem.noise, noises, strict=True)]
     worst = int(np.argmax(ratios))
     if ratios[worst] < TOO_FAR:
         away = [
             (abs(value - p.start) / p.prior, p.owner, p.name)
-            for p, value in zip(solution.problem.parameters, solution.x, strict=True)
+            for p, value in zip(problem.parameters, solution.x, strict=True)
             if p.owner >= 0 and np.isfinite(p.prior)
         ]
         deviations, owner, name = max(away, default=(0.0, 0, ""))
         if deviations < MAX_DEVIATIONS:
             return ""
-        track = solution.problem.films[owner].track.name
+        track = problem.films[owner].track.name
         return f"{track} fits only with '{name}' of its release or camera {deviations:.0f} standard deviations off"
     return (
-        f"{solution.problem.films[worst].track.name} lies {ratios[worst]:.0f} times its noise off every flight of the model, as "
+        f"{problem.films[worst].track.name} lies {ratios[worst]:.0f} times its noise off every flight of the model, as "
         "when frames are lost or a lens bends the picture"
     )
 
@@ -236,7 +235,7 @@ def _find_absurd(*solutions: Solution | None) -> dict[str, str]:
     for solution in filter(None, solutions):
         deviation = np.sqrt(np.diag(solution.covariance))
         for j, name in enumerate(solution.problem.names):
-            least, most = PLAUSIBLE.get(name, (Factors.least, Factors.most))
+            least, most = PLAUSIBLE.get(name, (Factors.MIN, Factors.MAX))
             value = _limit(factor_of(name, float(solution.x[j])))
             if not least <= value <= most and _find_excess(solution, j, solution.x, deviation) < 1.0:
                 found[name] = value
@@ -277,11 +276,6 @@ def _end_free_flight(path: Path, share: float) -> float:
     return share * path.contact - 3 * RELEASE_RISE / max(speed, 0.01)
 
 
-def _contacts(problem: Problem, x: FloatArray) -> list[float]:
-    """Return the time (s) of the first contact in each film; infinite without one."""
-    return [path.contact + problem.camera(x, k).delay for k, path in enumerate(problem.paths(x))]
-
-
 def _list_contacts(problem: Problem, x: FloatArray) -> list[FloatArray]:
     """Return the unknowns with each start of the last coefficient of contact, and those of the others that fit best with it.
 
@@ -314,11 +308,6 @@ def _list_ends(solution: Solution) -> list[FloatArray]:
             away = half * covariance[:, j] / covariance[j, j]
             found += [np.clip(solution.x + sign * away, problem.low, problem.high) for sign in (-1.0, 1.0)]
     return found
-
-
-def _touches(problem: Problem, x: FloatArray) -> bool:
-    """Return whether any flight touches a wall while it is filmed."""
-    return any(path.contact < problem.until(x, k) for k, path in enumerate(problem.paths(x)))
 
 
 def list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str]:
@@ -438,7 +427,7 @@ def _estimate(solution: Solution, names: Sequence[str], reasons: Mapping[str, st
 
 
 def _limit(value: float) -> float:
-    return float(np.clip(value, Factors.least, Factors.most))
+    return float(np.clip(value, Factors.MIN, Factors.MAX))
 
 
 def _weigh_net(hull: FactorEstimate, net: float, weight: float) -> FactorEstimate:
@@ -471,8 +460,8 @@ def _finish(free: Solution, last: Solution, reasons: dict[str, str], notes: Sequ
     return Fit(
         estimates,
         _weigh_net(estimates["hull_density"], bench.net_weight, bench.hull_weight),
-        _measure(problem.distances(calibrated)),
-        _measure(problem.distances(plain)),
+        measure_distance(problem.distances(calibrated)),
+        measure_distance(problem.distances(plain)),
         problem.noise,
         (*_correlate(free, estimates), *_correlate(last, {name: estimates[name] for name in touched})),
         problem,
@@ -507,7 +496,7 @@ def _correlate(solution: Solution, estimates: Mapping[str, FactorEstimate]) -> l
     return [row for row in rows if abs(row[2]) > NEGLIGIBLE]
 
 
-def _measure(distances: Sequence[FloatArray]) -> float:
+def measure_distance(distances: Sequence[FloatArray]) -> float:
     """Return the root mean square of distances, m."""
     every = np.concatenate([off.ravel() for off in distances])
     return float(np.sqrt(np.nanmean(every**2)))

@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from driftform.types import FloatArray
-from driftform_calibration.problem import Filmed
 from driftform_calibration.solution import Solution, measure_correlation, soften
 from driftform_calibration.tracks import has_even_times
 
@@ -44,15 +42,10 @@ def find_lost_frames(solution: Solution) -> tuple[str, float] | None:
         frames = rest @ shifts / energy
         best = int(np.argmax(frames * np.sqrt(energy)))
         left = rest[rows] - frames[best] * shifts[rows, best]
-        deviation = np.sqrt(np.mean(left**2) * measure_correlation(_place(film, left)))
+        # Residuals of points in the shape of the points.
+        off, seen = np.full(film.observed.shape, np.nan), ~np.isnan(film.observed)
+        off[seen] = left[: int(seen.sum())]
+        deviation = np.sqrt(np.mean(left**2) * measure_correlation(off))
         if frames[best] > 0.5 and frames[best] * np.sqrt(energy[best]) > CLEAR * deviation:
             return film.track.name, float(film.track.t[places[best]])
     return None
-
-
-def _place(film: Filmed, values: FloatArray) -> FloatArray:
-    """Return the residuals of a film's points in the shape of the points, NaN where not seen."""
-    seen = ~np.isnan(film.observed)
-    off = np.full(film.observed.shape, np.nan)
-    off[seen] = values[: int(seen.sum())]
-    return off

@@ -221,10 +221,8 @@ class Problem:
         """Return the camera of a track."""
         v = self._values(x, number)
         offset = tuple(v.get(f"offset {axis}", 0.0) for axis in range(len(self.films[number].axes)))
-        scale, tilt, aspect, keystone, barrel = (
-            v.get(name, 0.0) for name in ("scale", "tilt", "aspect", "keystone", "barrel")
-        )
-        return Camera(v["delay"], scale, tilt, aspect, keystone, barrel, offset)
+        names = ("delay", "scale", "tilt", "aspect", "keystone", "barrel")
+        return Camera(offset=offset, **{name: v.get(name, 0.0) for name in names})
 
     def _values(self, x: FloatArray, number: int) -> dict[str, float]:
         return {p.name: float(v) for p, v in zip(self.parameters, x, strict=True) if p.owner == number}
@@ -250,16 +248,14 @@ class Problem:
 
     def _compute_state(self, key: bytes) -> list[tuple[Path, FloatArray]]:
         x = np.frombuffer(key)
-        found = []
-        for number in range(len(self.films)):
-            path = self.fly(x, number)
-            found.append((path, self._weigh(number, *self.see(x, number, path))))
-        return found
+        paths = [self.fly(x, number) for number in range(len(self.films))]
+        return [(path, self._weigh(number, *self.see(x, number, path))) for number, path in enumerate(paths)]
 
     def _weigh(self, number: int, points: FloatArray, angle: FloatArray) -> FloatArray:
         """Return the differences of one track over their noise, of what was seen only."""
         film = self.films[number]
-        return self._weigh_change(number, points - film.observed, _wrap(angle - film.track.angle))
+        turned = (angle - film.track.angle + np.pi) % (2 * np.pi) - np.pi
+        return self._weigh_change(number, points - film.observed, turned)
 
     def list_new(self, number: int) -> npt.NDArray[np.bool_]:
         """Return which residuals of a track the earlier fit has not counted, (residuals,)."""
@@ -344,10 +340,6 @@ def factor_of(name: str, value: float) -> float:
 def parameter_of(name: str, factor: float) -> float:
     """Return the parameter of a factor, the inverse of :func:`factor_of`."""
     return factor - 1.0 if name == "hull_density" else float(np.log(factor))
-
-
-def _wrap(angle: FloatArray) -> FloatArray:
-    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)
 
 
 def _list_release(number: int, film: Filmed) -> list[Parameter]:

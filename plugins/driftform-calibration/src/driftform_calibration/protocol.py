@@ -80,10 +80,10 @@ class DropPlan:
 
     def tabulate_expected(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
         """Return what the films are expected to show as a table to print: its header and its rows."""
-        rows = [
-            (name.replace("_", " "), f"{100 * half:.0f} %", _describe_known(name, known))
-            for name, (half, known) in self._expected().items()
-        ]
+        rows = []
+        for name, (half, known) in self._expected().items():
+            unknown = "only if the print is weighed" if name == "net_weight" else "no, it stays at 1"
+            rows.append((name.replace("_", " "), f"{100 * half:.0f} %", "yes" if known else unknown))
         rows += [(shown_name(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()]
         return ("factor", "half of the 90 % interval", "known"), rows
 
@@ -105,17 +105,17 @@ class DropPlan:
 
     def html(self) -> str:
         """Return the page to take to the tank, complete in itself."""
-        mass = 1000 * self.agent.mass.mass
-        pictures = [
-            drop_svg(self._picture(numbers), self.agent.body, self.tank.length, self.tank.depth)
-            for numbers in self._group_drops()
-        ]
+        alike: dict[tuple[float, float], list[int]] = {}
+        for number, drop in enumerate(self.drops, start=1):
+            alike.setdefault((drop.pitch_deg, drop.ballast), []).append(number)
+        size = (self.agent.body, self.tank.length, self.tank.depth)
+        pictures = [drop_svg(self._picture(numbers), *size) for numbers in alike.values()]
         return svg.fill_template(
             __package__,
             "protocol.html",
             title=f"Drops of {self.name}",
             tank=self.tank,
-            mass=mass,
+            mass=1000 * self.agent.mass.mass,
             density=self.drops[0].scenario.fluid.density,
             distance=CAMERA * self.tank.length,
             ballasts=any(drop.ballast for drop in self.drops),
@@ -127,30 +127,16 @@ class DropPlan:
             section=section_svg(self.agent, self.name),
         )
 
-    def _group_drops(self) -> list[list[int]]:
-        """Return the numbers of drops that are alike, from 1, in the order of the first of each."""
-        groups: dict[tuple[float, float], list[int]] = {}
-        for number, drop in enumerate(self.drops, start=1):
-            groups.setdefault((drop.pitch_deg, drop.ballast), []).append(number)
-        return list(groups.values())
-
     def _picture(self, numbers: Sequence[int]) -> DropPicture:
         drop = self.drops[numbers[0] - 1]
         title = f"Drop{'s' if len(numbers) > 1 else ''} {' and '.join(map(str, numbers))}"
-        caption = f"pitch {drop.pitch_deg:+.0f} deg" + (
-            f", {1000 * drop.ballast:.1f} g of ballast" if drop.ballast else ""
+        ballast = f", {1000 * drop.ballast:.1f} g of ballast" if drop.ballast else ""
+        return DropPicture(
+            title, f"pitch {drop.pitch_deg:+.0f} deg{ballast}", drop.scenario.release_quaternion(), drop.path
         )
-        return DropPicture(title, caption, drop.scenario.release_quaternion(), drop.path)
 
     def __repr__(self) -> str:
         return f"<DropPlan of {self.name}: {len(self.drops)} drops>"
 
     def _repr_html_(self) -> str:
         return notebook.show_table(*self.tabulate(), repr(self)[1:-1])
-
-
-def _describe_known(name: str, known: bool) -> str:
-    """Return whether a factor will count as known, in words."""
-    if known:
-        return "yes"
-    return "only if the print is weighed" if name == "net_weight" else "no, it stays at 1"

@@ -15,7 +15,7 @@ from driftform.types import FloatArray
 from driftform.util import files, notebook
 from driftform.water import Calibration
 from driftform_calibration.camera import see_points
-from driftform_calibration.fit import FactorEstimate, Fit
+from driftform_calibration.fit import FactorEstimate, Fit, measure_distance
 from driftform_calibration.interval_figure import intervals_svg
 from driftform_calibration.track_figure import TrackPanel, tracks_svg
 
@@ -106,8 +106,8 @@ class CalibrationResult:
                     "span": film.track.span,
                     "noise": noise,
                     "release": float(problem.camera(self.fit.x, number).delay),
-                    "residual": _root_mean_square(after[number]),
-                    "residual_before": _root_mean_square(before[number]),
+                    "residual": measure_distance(after[number : number + 1]),
+                    "residual_before": measure_distance(before[number : number + 1]),
                 }
                 for number, (film, noise, scenario) in enumerate(
                     zip(problem.films, self.fit.noise, self.scenarios, strict=True)
@@ -204,7 +204,3 @@ def _state(found: FactorEstimate) -> dict[str, Any]:
 def _flatten(points: FloatArray) -> FloatArray:
     """Return points of a picture, (n, 2); of points in space their x and z."""
     return points[:, [0, 2]] if points.shape[1] == 3 else points
-
-
-def _root_mean_square(distances: FloatArray) -> float:
-    return float(np.sqrt(np.nanmean(distances**2)))

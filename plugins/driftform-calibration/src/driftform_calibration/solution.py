@@ -18,7 +18,6 @@ EVALUATIONS = 40
 DELAYS = 120
 """Times of release that are tried before the first point of a track, and after it."""
 
-
 STUCK = 1.5
 """Residuals of a track over its noise above which a fit is tried again from elsewhere."""
 
@@ -187,18 +186,14 @@ def place_releases(
                 points, _ = problem.see(trial, number, path)
                 off = film.observed - points
                 # Squares: an agent that lies on the floor for most of the film must not decide.
-                shift = np.nan_to_num(_mean(off))
+                means = (np.nanmean(off[..., k]) if seen else 0.0 for k, seen in enumerate(film.seen_axes))
+                shift = np.array(list(means))
                 cost = float(np.sqrt(np.nanmean((off - shift) ** 2)))
                 if cost < 0.98 * best:
                     best, x = cost, trial
                     for axis in np.flatnonzero(film.seen_axes):
                         x[index[number, f"offset {axis}"]] = shift[axis]
     return x
-
-
-def _mean(off: FloatArray) -> FloatArray:
-    """Return the mean of differences (markers, n, d) for each coordinate, (d,); NaN where nothing was seen."""
-    return np.array([np.nanmean(v) if np.isfinite(v).any() else np.nan for v in np.moveaxis(off, -1, 0)])
 
 
 def find_best(
@@ -261,12 +256,10 @@ def soften(residuals: FloatArray) -> FloatArray:
 
 def _list_residuals(problem: Problem, x: FloatArray) -> list[tuple[FloatArray, float]]:
     """Return the residuals of each track, and how many of them its unknowns have used up."""
-    found = []
-    for block, residuals in zip(
-        _split(problem, problem.jacobian(x)), _split(problem, problem.residuals(x)), strict=True
-    ):
+    found, known = [], problem.prior_rows.T @ problem.prior_rows
+    blocks, rows = (_split(problem, values) for values in (problem.jacobian(x), problem.residuals(x)))
+    for block, residuals in zip(blocks, rows, strict=True):
         plain = block.T @ block
-        known = problem.prior_rows.T @ problem.prior_rows
         lost = float(np.trace(plain @ np.linalg.pinv(plain + known, hermitian=True)))
         found.append((residuals, min(lost, 0.5 * len(residuals))))
     return found

@@ -107,7 +107,10 @@ def _read_numbers(path: Path, columns: Iterable[Sequence[str]]) -> FloatArray:
 
     def read(cell: str) -> float:
         if _CLOCK.fullmatch(cell):
-            return _read_clock(cell.replace(",", "."))
+            # Such as 1:02.5, or 0:00:01:20 with hundredths at the end, as Kinovea writes it.
+            parts = [float(part) for part in cell.replace(",", ".").split(":")]
+            last = 0.01 * parts.pop() if len(parts) == 4 else 0.0
+            return sum(part * 60.0**k for k, part in enumerate(reversed(parts))) + last
         return float(cell.replace(group, "").replace(decimal, ".")) if _NUMBER.fullmatch(cell) else np.nan
 
     try:
@@ -148,13 +151,6 @@ def _find_marks(path: Path, cells: Sequence[str]) -> tuple[str, str]:
         f"{path}: '{commas[0]}' may be {meant} or {meant.replace('.', '')}: export it with decimal points, and without marks "
         "between thousands"
     )
-
-
-def _read_clock(cell: str) -> float:
-    """Return a time such as ``1:02.5``, or ``0:00:01:20`` with hundredths at the end, as Kinovea writes it, s."""
-    parts = [float(part) for part in cell.split(":")]
-    last = 0.01 * parts.pop() if len(parts) == 4 else 0.0
-    return sum(part * 60.0**k for k, part in enumerate(reversed(parts))) + last
 
 
 def _read_deeplabcut(path: Path, rows: list[list[str]], target: str | None) -> TrackTable:

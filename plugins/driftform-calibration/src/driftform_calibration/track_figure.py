@@ -134,9 +134,6 @@ class _Chart:
 
     @staticmethod
     def _label(places: FloatArray, values: FloatArray, step: float) -> list[tuple[float, str]]:
-        texts = [layout.format_signed(value, _count_digits(step)) for value in values]
+        digits = max(0, -int(np.floor(np.log10(step) + 1e-9)))
+        texts = [layout.format_signed(value, digits) for value in values]
         return list(zip(places.tolist(), texts, strict=True))
-
-
-def _count_digits(step: float) -> int:
-    return max(0, -int(np.floor(np.log10(step) + 1e-9)))

@@ -122,13 +122,14 @@ class Reading:
 def read_track(path: Path, body: Body, reading: Reading) -> Track:
     """Read a track; see :mod:`driftform_calibration.tables`.
 
-    Raises:
-        InputError: if it cannot be read, or is not the track of one flight: one line with the file and the next step.
+    Raises InputError if it cannot be read, or is not the track of one flight: one line with the file and the next step.
     """
     table = read_table(path, reading.target)
     scale = _find_scale(path, table, reading)
     markers = _name_markers(path, table, body, reading)
-    t = _find_times(path, table, reading)
+    if table.is_frames and reading.fps is None:
+        raise InputError(f"{path}: has frames and no times; give --fps, the frames per second")
+    t = np.asarray(table.t / reading.fps) if table.is_frames and reading.fps else table.t
     down = table.is_image or reading.scale is not None if reading.y_down is None else reading.y_down
     notes = list(table.notes)
     if down and reading.y_down is None:
@@ -147,8 +148,7 @@ def read_track(path: Path, body: Body, reading: Reading) -> Track:
 def check_track(label: str, track: Track) -> Track:
     """Return a track in the order of its times and without empty rows; ``label`` names it in errors.
 
-    Raises:
-        InputError: if it is too short, does not move, or follows two objects.
+    Raises InputError if it is too short, does not move, or follows two objects.
     """
     notes = list(track.notes)
     seen = np.array([~np.isnan(marker.points).all(axis=1) for marker in track.markers]).any(axis=0)
@@ -211,14 +211,6 @@ def _name_markers(path: Path, table: TrackTable, body: Body, reading: Reading) -
             f"{next(iter(table.points))}=0.01 (m from the core's centre, fore positive)"
         )
     return found
-
-
-def _find_times(path: Path, table: TrackTable, reading: Reading) -> FloatArray:
-    if not table.is_frames:
-        return table.t
-    if reading.fps is None:
-        raise InputError(f"{path}: has frames and no times; give --fps, the frames per second")
-    return np.asarray(table.t / reading.fps)
 
 
 def _pick_rows(track: Track, rows: npt.NDArray[np.intp]) -> Track:
@@ -326,9 +318,8 @@ def find_jumps_ahead(track: Track) -> tuple[float, ...]:
 
 def _compare(values: FloatArray, weight: FloatArray, inside: npt.NDArray[np.bool_]) -> float:
     """Return the weighted mean of some values less that of the others."""
-    return float(
-        np.average(values[inside], weights=weight[inside]) - np.average(values[~inside], weights=weight[~inside])
-    )
+    here, there = (np.average(values[some], weights=weight[some]) for some in (inside, ~inside))
+    return float(here - there)
 
 
 def _check_jumps(label: str, track: Track, notes: list[str]) -> None:

@@ -4,8 +4,9 @@ import contextlib
 import subprocess
 import tempfile
 from collections.abc import Iterable
+from itertools import chain
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from driftform.errors import WorkFailedError
 
@@ -56,7 +57,10 @@ def encode(images: "Iterable[Image]", path: Path, suffix: str, fps: float) -> No
         with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said) as process:
             assert process.stdin is not None
             try:
-                _feed(process.stdin, first, images)
+                # If ffmpeg stops early, it reports the reason itself.
+                with contextlib.suppress(BrokenPipeError), process.stdin:
+                    for image in chain([first], images):
+                        process.stdin.write(image.tobytes())
                 process.wait()
             except BaseException:
                 process.kill()
@@ -65,11 +69,3 @@ def encode(images: "Iterable[Image]", path: Path, suffix: str, fps: float) -> No
             said.seek(0)
             lines = said.read().decode(errors="replace").split("\n")
             raise WorkFailedError(f"ffmpeg failed: {next(filter(None, reversed(lines)), 'it gives no reason')}")
-
-
-def _feed(pipe: IO[bytes], first: "Image", others: "Iterable[Image]") -> None:
-    # If ffmpeg stops early, it reports the reason itself.
-    with contextlib.suppress(BrokenPipeError), pipe:
-        pipe.write(first.tobytes())
-        for image in others:
-            pipe.write(image.tobytes())

@@ -74,7 +74,9 @@ class Stage:
         self._mbs.SetObjectParameter(self._body, "referencePosition", scale * pose.position + offset)
         self._mbs.SetObjectParameter(self._body, "referenceRotation", pose.rotation)
         self._mbs.SetObjectParameter(self._others, "VgraphicsData", shapes)
-        self._aim(size, self._extent(shapes))
+        # Exudyn does not draw beyond a few times the largest distance from the origin.
+        points = (np.abs(shape[key]).max() for shape in shapes for key in POINT_KEYS if key in shape)
+        self._aim(size, float(max([1.0, self._away, *points])))
         image: Image = self._container.renderer.RedrawAndGetImage(useRaytracer=True)
         return image
 
@@ -93,11 +95,6 @@ class Stage:
                 "maxSceneSize": extent,
             }
         )
-
-    def _extent(self, shapes: Sequence[Shape]) -> float:
-        """Return the largest distance from the origin: Exudyn does not draw beyond a few times that distance."""
-        points = (shape[key] for shape in shapes for key in POINT_KEYS if key in shape)
-        return float(max([1.0, self._away, *(np.abs(point).max() for point in points)]))
 
 
 def _set_up(settings: Any, rays: int, pen: float) -> None:

@@ -4,7 +4,6 @@ import os
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache
 from inspect import Parameter, Signature
 from pathlib import Path
 from types import SimpleNamespace as Given
@@ -40,15 +39,12 @@ _TYPES: dict[str, Any] = {
     "switch": bool,
 }
 
+_OPTIONS = tomllib.loads(Path(__file__).with_name("options.toml").read_text(encoding="utf-8"))
+
 app = typer.Typer(
     help="Follow agents through the water network of a town: where they go, when, and which fleet sees most.",
     no_args_is_help=True,
 )
-
-
-@cache
-def _read_options() -> dict[str, dict[str, Any]]:
-    return tomllib.loads(Path(__file__).with_name("options.toml").read_text(encoding="utf-8"))
 
 
 def declare_option(name: str) -> Parameter:
@@ -56,7 +52,7 @@ def declare_option(name: str) -> Parameter:
     if name in _SHARED:
         annotation, default = _SHARED[name]
         return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
-    option = _read_options()[name]
+    option = _OPTIONS[name]
     kind, flag = option["type"], option.get("flag", f"--{name.replace('_', '-')}")
     shown: dict[str, Any] = {"help": option["help"]} | ({} if kind == "switch" else {"metavar": option["metavar"]})
     if kind in ("number", "numbers", "count") and "signed" not in option:

@@ -15,7 +15,7 @@ from driftform.types import FloatArray, Genome, Trajectory
 from driftform.water import Scenario
 
 STRATEGIES = ("paper", "random")
-"""The paper's search, and its baseline."""
+"""The paper's search, and random search."""
 
 PER_TARGET = 50
 """Flights for each target in a repeat: five generations of ten."""

@@ -124,12 +124,12 @@ def write_figures(
     )
 
 
-def trends(targets: Sequence[str], fitness: FloatArray, baseline: FloatArray) -> list[trend.Trend]:
+def trends(targets: Sequence[str], fitness: FloatArray, random: FloatArray) -> list[trend.Trend]:
     """Return the trends of (repeats, targets, flights) at the end of every generation."""
     ends = np.arange(repeats.GENERATION - 1, fitness.shape[2], repeats.GENERATION)
     flights = np.asarray(ends + 1.0, dtype=np.float64)
     return [
-        trend.Trend(target, flights, fitness[:, number, ends], baseline[:, number, ends])
+        trend.Trend(target, flights, fitness[:, number, ends], random[:, number, ends])
         for number, target in enumerate(targets)
     ]
 

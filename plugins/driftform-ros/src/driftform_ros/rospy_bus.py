@@ -31,10 +31,8 @@ FLUSH = 0.3
 def find_rospy() -> None:
     """Make rospy importable.
 
-    The system's packages go to the end of the path: before ours they would replace NumPy.
-
-    Raises:
-        WorkFailedError: if it is missing.
+    The system's packages go to the end of the path: before ours they would replace NumPy. Raises WorkFailedError if it
+    is missing.
     """
     for folder in (str(path) for pattern in SYSTEM for path in sorted(Path("/").glob(pattern))):
         if folder not in sys.path:

@@ -1,4 +1,4 @@
-"""The baseline of every search: plain bodies, and a secant for each target."""
+"""Plain bodies, and a secant for each target: what every search should beat."""
 
 from driftform_strategies.tuned import Job, Shape, TunedStrategy
 

@@ -1,4 +1,4 @@
-"""Random search: the baseline of every study."""
+"""Random search: what every search should beat."""
 
 from collections.abc import Sequence
 from math import inf

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -219,4 +220,4 @@ def _summarise(misses: Any, target: int) -> dict[str, Any]:
 
 def _list_effects(misses: Any, target: int) -> list[dict[str, Any]]:
     effects = None if misses is None else misses.list_effects(target)
-    return [{"name": e.name, "deviation": e.deviation, "advice": e.advice} for e in effects or []]
+    return [asdict(effect) for effect in effects or []]

@@ -143,7 +143,10 @@ class Studio:
             except InputError:
                 outline = None
             return {"text": text, "errors": errors, "outline": outline}
-        self._warm_up()
+        if not self._is_warm:
+            # The modules of the next requests are imported after the first answer.
+            self._is_warm = True
+            Thread(target=import_module, args=("driftform_studio.agents",), daemon=True).start()
         outline = _outline(study.scenario)
         return {"text": text, "errors": [], "outline": outline, "evaluations": study.evaluations}
 
@@ -151,12 +154,6 @@ class Studio:
         """Return the slow facts of a sound draft: the current over the section, and warnings."""
         study = load_draft(self._load(document)[1])
         return {"scene": _scene(study.scenario), "warnings": study.list_warnings()}
-
-    def _warm_up(self) -> None:
-        """Import the modules of the next requests, after the first answer."""
-        if not self._is_warm:
-            self._is_warm = True
-            Thread(target=import_module, args=("driftform_studio.agents",), daemon=True).start()
 
     def list_runs(self, parameters: Parameters, document: Any) -> Any:
         """Return the runs of the folder, the newest first."""
@@ -319,16 +316,17 @@ def make_app(studio: Studio) -> Starlette:
         ("GET", "/take/{run}/agents/{agent}/agent.json", studio.take_agent),
         ("GET", "/take/{run}/agents/{agent}/section.svg", studio.take_section),
     ]
-    pages = {**_read_page(), "viewer.js": scene.read_viewer().encode()}
-    return Starlette(
-        routes=[
-            *(Route(path, _answer(function), methods=[method]) for method, path, function in answers),
-            *(
-                Route("/" if name == "index.html" else f"/{name}", _serve(name, content), methods=["GET"])
-                for name, content in pages.items()
-            ),
-        ]
-    )
+    folder = files("driftform_studio").joinpath("page")
+    page = {file.name: file.read_bytes() for file in folder.iterdir() if Path(file.name).suffix in KINDS}
+    page["viewer.js"] = scene.read_viewer().encode()
+
+    async def serve(request: Request) -> Response:
+        name = request.url.path.rpartition("/")[2] or "index.html"
+        return Response(page[name], media_type=KINDS[Path(name).suffix])
+
+    routes = [Route(path, _answer(function), methods=[method]) for method, path, function in answers]
+    names = ("" if name == "index.html" else name for name in page)
+    return Starlette(routes=[*routes, *(Route(f"/{name}", serve, methods=["GET"]) for name in names)])
 
 
 def _answer(function: Callable[[Parameters, Any], Any]) -> Callable[[Request], Any]:
@@ -352,13 +350,6 @@ def _answer(function: Callable[[Parameters, Any], Any]) -> Callable[[Request], A
     return endpoint
 
 
-def _serve(name: str, content: bytes) -> Callable[[Request], Any]:
-    async def endpoint(request: Request) -> Response:
-        return Response(content, media_type=KINDS[Path(name).suffix])
-
-    return endpoint
-
-
 def _refuse(status: int, *lines: object) -> JSONResponse:
     return JSONResponse({"errors": [str(line) for line in lines]}, status)
 
@@ -366,11 +357,6 @@ def _refuse(status: int, *lines: object) -> JSONResponse:
 def _attach(text: str, name: str) -> Response:
     headers = {"content-disposition": f"attachment; filename*=utf-8''{quote(name)}"}
     return Response(text, media_type="application/octet-stream", headers=headers)
-
-
-def _read_page() -> dict[str, bytes]:
-    folder = files("driftform_studio").joinpath("page")
-    return {file.name: file.read_bytes() for file in folder.iterdir() if Path(file.name).suffix in KINDS}
 
 
 def _outline(scenario: Any) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import numpy as np
 from driftform import Design, Run, StoredAgent
 from driftform.errors import InputError
 from driftform.figures import scene
+from driftform.util import files
 from driftform_studio.folder import DATABASE
 from driftform_studio.searches import PROGRESS, Searches
 
@@ -34,11 +35,11 @@ class LiveRun:
         self._run: Run | None = None
         self._monitor: Any = None
         self._best: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {}
-        self._place = _identify(directory)
+        self._place = files.identify_file(directory / DATABASE)
 
     def exists(self) -> bool:
         """Return whether the run is still the one that was opened."""
-        return _identify(self.directory) == self._place
+        return files.identify_file(self.directory / DATABASE) == self._place
 
     @property
     def run(self) -> Run:
@@ -96,9 +97,11 @@ class LiveRun:
             return STARTING
         if failure:
             return FAILED
-        if state == STOPPED or not _is_complete(run, targets):
-            return PAUSED
-        return FINISHED
+        # The search writes its best agents, and flies them under disturbed conditions if it is to.
+        flies = run.study.scenario.robustness.conditions > 0
+        is_promised = all("flights" in target.get("robust", {}) for target in targets) or not flies
+        written = (run.path / "best" / target["name"] / "agent.json" for target in targets)
+        return FINISHED if state != STOPPED and is_promised and all(path.is_file() for path in written) else PAUSED
 
     def _count_disturbed(self, run: Run) -> list[int]:
         """Return the number of disturbed flights done, and of all, as the search has stated."""
@@ -144,20 +147,3 @@ class LiveRun:
         nearest = [int(np.argmin(((side - point) ** 2).sum(axis=1))) for point in kept]
         path: list[list[float]] = np.round(flight.position[nearest], 4).tolist()
         return path
-
-
-def _identify(directory: Path) -> tuple[int, int] | None:
-    """Return the identity of a run, independent of its name; ``None`` if it is gone."""
-    try:
-        status = (directory / DATABASE).stat()
-    except OSError:
-        return None
-    return status.st_dev, status.st_ino
-
-
-def _is_complete(run: Run, targets: list[dict[str, Any]]) -> bool:
-    """Return whether the search wrote its best agents, and flew them under disturbed conditions if it was to."""
-    promised = not run.study.scenario.robustness.conditions or all(
-        "flights" in target.get("robust", {}) for target in targets
-    )
-    return promised and all((run.path / "best" / target["name"] / "agent.json").is_file() for target in targets)

@@ -3,7 +3,7 @@
 In a straight pipe and in open water that is the straight distance. A pipe that bends or branches may bring two of its parts side by
 side, and a flight in one does not come near a target in the other. There the distance is straight within a part, and to a part that shares
 an opening with it; further away it leads straight to the centre of the next opening, along the axes, and straight to
-the target from the last opening: :meth:`driftform.water.parts.layout.Layout.way_to_point`.
+the target from the last opening: :meth:`driftform.water.parts.layout.Layout.path_to_point`.
 """
 
 from functools import lru_cache
@@ -145,7 +145,7 @@ def _ways_to(pipe: Pipe, target: Vector) -> tuple[FloatArray, FloatArray]:
     """Return where the way from each part to a target leads first (m, (parts, 3)), and its rest (m, (parts,))."""
     layout, point = pipe.layout, np.array(target)
     there = int(layout.find_part(point[None])[0])
-    ways = [layout.way_to_point(index, there, point) for index in range(len(layout.parts))]
+    ways = [layout.path_to_point(index, there, point) for index in range(len(layout.parts))]
     return np.array([first for first, _ in ways]), np.array([rest for _, rest in ways])
 
 

@@ -16,7 +16,6 @@ from driftform.motion.path.targets import approach_targets
 from driftform.plugins.discovery import find_modules
 from driftform.plugins.genome_text import write_genome
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.misses import Misses
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
 from driftform.search.results import draw_overview, map_run, read_best
@@ -52,7 +51,7 @@ class Contents:
 
     ``commonest_failure`` is the first of the commonest kind of failure, and how many there are. ``seconds`` is the total
     time of all evaluations on the machines that made them. ``causes`` has a picture for each target of what the miss
-    depends on. ``added`` are the sections of plugins by their headings, and ``problems`` has a line for each plugin
+    depends on, if enough flights succeeded. ``added`` are the sections of plugins by their headings, and ``problems`` has a line for each plugin
     that failed to make its own.
     """
 
@@ -125,7 +124,11 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
             store.total_seconds(),
             tuple(entries),
             figures,
-            _draw_causes(promises, page),
+            {
+                target: dependence_svg(effects, f"What the miss of {target} depends on", page)
+                for target, misses in promises.items()
+                if (effects := misses.list_effects(0)) is not None
+            },
             *_ask_plugins(run.name, scenario, entries),
         )
 
@@ -147,23 +150,14 @@ def _ask_plugins(name: str, scenario: Scenario, entries: Sequence[Entry]) -> tup
     return added, problems
 
 
-def _draw_causes(promises: Mapping[str, Misses], page: Page) -> dict[str, str]:
-    """Return for each target a picture of what the miss depends on, if enough flights succeeded."""
-    return {
-        target: dependence_svg(effects, f"What the miss of {target} depends on", page)
-        for target, misses in promises.items()
-        if (effects := misses.list_effects(0)) is not None
-    }
-
-
 def _read_trends(store: Store, targets: Sequence[str]) -> list[Trend]:
     """Return the best fitness so far of a run for each target, over all of its flights."""
     fitness = np.array([brief.fitness for brief in store.read_summaries(targets)]).reshape(-1, len(targets))
     best = np.maximum.accumulate(fitness, axis=0)
     # Here, in the reach map and in the viewer numpy.unique would import numpy.ma, for a hundredth of the time of a report.
     at = np.array(sorted(set(np.linspace(1, len(best), min(TREND_POINTS, len(best))).astype(int).tolist())))
-    no_baseline = np.zeros((0, len(at)))
+    nothing = np.zeros((0, len(at)))
     return [
-        Trend(target, at.astype(np.float64), best[None, at - 1, number], no_baseline)
+        Trend(target, at.astype(np.float64), best[None, at - 1, number], nothing)
         for number, target in enumerate(targets)
     ]

@@ -5,8 +5,6 @@ The page is the template ``page.html``, with ``page.css`` and ``viewer.js`` plac
 other people, and no line of Python has to remember to escape one. It is imported only when a page is made.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -78,10 +76,14 @@ def page_html(contents: Contents) -> str:
     environment.filters |= {"fixed": "{:.{}f}".format, "general": "{:g}".format, "metres": _format_length}
     # The viewer reads tens of thousands of numbers; spaces between them would make the page larger.
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
-    study, fitness = contents.study.document, contents.study.make_plugin("fitness")
+    seconds, study, fitness = contents.seconds, contents.study.document, contents.study.make_plugin("fitness")
     results = {entry.target: entry.stored.result for entry in contents.entries}
     promised = all(map(is_promised, results.values()))
-    groups = _group_columns(list_headings(fitness, promised))
+    headings = list_headings(fitness, promised)
+    # A hit rate and a miss for each of three bodies, if there are as many, under their titles.
+    groups = [("", headings)]
+    if len(headings) > len(BODIES):
+        groups = [("", headings[:1]), *((body, PROMISE) for body in BODIES)]
     kinds = {e.target: name_kind(e.agent, e.trajectory, contents.scenario, e.t) for e in contents.entries}
     return environment.from_string(_read("page.html")).render(
         contents=contents,
@@ -95,10 +97,17 @@ def page_html(contents: Contents) -> str:
         kinds_in_words=count_kinds(kinds.values()),
         legend=explain_columns(fitness, contents.scenario.robustness.checks),
         fitness=fitness,
-        numbers=_list_numbers(contents),
+        numbers={
+            "flights": f"{contents.evaluations}",
+            "failed": f"{contents.failed}",
+            "computing time": f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 60:.0f} min",
+            "rate per processor": f"{contents.evaluations / seconds if seconds else 0.0:.3g} flights/s",
+            "strategy": str(study.get("strategy", {}).get("use", "")),
+            "seed": f"{contents.study.seed}",
+        },
         promised=promised,
         groups=groups,
-        labels=[", ".join(filter(None, (group.title, heading))) for group in groups for heading in group.headings],
+        labels=[", ".join(filter(None, (title, heading))) for title, part in groups for heading in part],
         cells={name: list_cells(fitness, result, promised) for name, result in results.items()},
         verdicts={name: result["verdict"] for name, result in results.items()},
         styles={name: STYLES[result["verdict"]] for name, result in results.items()},
@@ -144,36 +153,8 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True)
-class _Columns:
-    """Neighbouring columns of a table with a title above their headings, which may be empty."""
-
-    title: str
-    headings: Sequence[str]
-
-
-def _group_columns(headings: Sequence[str]) -> list[_Columns]:
-    """Return the columns of :func:`list_headings`: a hit rate and a miss for each of three bodies, if there are as many."""
-    if len(headings) <= len(BODIES):
-        return [_Columns("", headings)]
-    return [_Columns("", headings[:1]), *(_Columns(body, PROMISE) for body in BODIES)]
-
-
 def _read(name: str) -> str:
     return files("driftform.search.report").joinpath(name).read_text(encoding="utf-8")
-
-
-def _list_numbers(contents: Contents) -> dict[str, str]:
-    seconds = contents.seconds
-    rate = contents.evaluations / seconds if seconds else 0.0
-    return {
-        "flights": f"{contents.evaluations}",
-        "failed": f"{contents.failed}",
-        "computing time": f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 60:.0f} min",
-        "rate per processor": f"{rate:.3g} flights/s",
-        "strategy": str(contents.study.document.get("strategy", {}).get("use", "")),
-        "seed": f"{contents.study.seed}",
-    }
 
 
 def _format_length(metres: float | None) -> str:

@@ -1,9 +1,11 @@
 """Parts laid end to end in space: which follows which, the outlets, and what does not fit."""
 
 import math
+import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -96,8 +98,8 @@ class Layout:
         return depths
 
     @property
-    def longest_way(self) -> float:
-        """Length of the way from the inlet to the farthest end of a part along the axes, m."""
+    def longest_path(self) -> float:
+        """Distance from the inlet to the farthest end of a part along the axes, m."""
         ends = [depth + placed.part.length for depth, placed in zip(self.depths, self.parts, strict=True)]
         return float(max(ends))
 
@@ -113,7 +115,7 @@ class Layout:
             found[(found < 0) & inside] = index
         return found
 
-    def way_between(
+    def distance_between(
         self, first: int, second: int, from_entry: FloatArray, to_point: FloatArray, on_branch: bool = False
     ) -> FloatArray:
         """Return the distance along the axes from points of part ``first`` to points of a later part, m.
@@ -123,24 +125,24 @@ class Layout:
         """
         here, there = self.depths[first] + from_entry, self.depths[second] + to_point
         parted = here
-        leaving = self._find_way(first, second)
+        leaving = self._find_exit(first, second)
         if leaving is None:
             parted = np.full_like(here, self._find_junction(first, second))
         elif isinstance(self.parts[first].part, Tee) and leaving != on_branch:
             parted = np.minimum(here, self.depths[first] + self._length_to_junction(first))
         return np.asarray(here + there - 2 * parted)
 
-    def way_to_point(self, index: int, target: int, point: FloatArray) -> tuple[FloatArray, float]:
-        """Return where the way from part ``index`` to a ``point`` (m, (3,)) of part ``target`` leads first, and its rest.
+    def path_to_point(self, index: int, target: int, point: FloatArray) -> tuple[FloatArray, float]:
+        """Return where the path from part ``index`` to a ``point`` (m, (3,)) of part ``target`` leads first, and its rest.
 
-        The first is a point, (3,), and the rest a length, m. The way is straight within a part and to a part that shares an opening with
-        it: it leads to the point itself. From other parts it leads to the centre of the opening on the way, from there along the axes to the last
-        opening, and straight to the point.
+        The first is a point, (3,), and the rest a length, m. Within a part, and to one that shares an opening with it, the path
+        leads straight to the point. From other parts it leads to the centre of the next opening, along the axes to the
+        last opening, and straight to the point.
         """
-        if index == target or target in self._neighbours(index):
+        if index in (target, self.parts[target].upstream) or target == self.parts[index].upstream:
             return point, 0.0
         here, there = self.parts[index].part, self.parts[target].part
-        leaving, coming = self._find_way(index, target), self._find_way(target, index)
+        leaving, coming = self._find_exit(index, target), self._find_exit(target, index)
         first = here.entry if leaving is None else here.list_exits()[leaving].centre
         last = there.entry if coming is None else there.list_exits()[coming].centre
         if leaving is not None:
@@ -151,10 +153,6 @@ class Layout:
             length = self.depths[index] + self.depths[target] - 2 * self._find_junction(index, target)
         return first, float(length + np.linalg.norm(last - point))
 
-    def _neighbours(self, index: int) -> list[int | None]:
-        following = [k for k, placed in enumerate(self.parts) if placed.upstream == index]
-        return [self.parts[index].upstream, *following]
-
     def _length_to_junction(self, index: int) -> float:
         part = self.parts[index].part
         return part.legs[0] if isinstance(part, Tee) else part.length
@@ -163,27 +161,23 @@ class Layout:
         part = self.parts[index].part
         return part.legs[0] + part.legs[2] if isinstance(part, Tee) and by_branch else part.length
 
-    def _find_way(self, index: int, below: int) -> bool | None:
-        """Return whether the way from a part downstream to another leaves it by its branch; None if it does not lead there."""
+    def _find_exit(self, index: int, below: int) -> bool | None:
+        """Return whether the path from a part downstream to another leaves it by its branch; None if there is none."""
         while below > index:
             placed = self.parts[below]
             if placed.upstream == index:
                 return placed.by_branch
-            assert placed.upstream is not None
-            below = placed.upstream
+            below = cast(int, placed.upstream)
         return None
 
     def _find_junction(self, first: int, second: int) -> float:
-        """Return the distance (m) from the inlet to the junction where the ways to two parts separate."""
-        above = {first}
-        upstream = self.parts[first].upstream
+        """Return the distance (m) from the inlet to the junction where the paths to two parts separate."""
+        above, upstream = set[int](), cast("int | None", first)
         while upstream is not None:
             above.add(upstream)
             upstream = self.parts[upstream].upstream
         while second not in above:
-            higher = self.parts[second].upstream
-            assert higher is not None
-            second = higher
+            second = cast(int, self.parts[second].upstream)
         return self.junction_depth(second)
 
 
@@ -209,11 +203,13 @@ class _Builder:
             if len(self.parts) == MAX_PARTS:
                 raise LayoutError(f"{here}: the pipe has more than {MAX_PARTS} parts")
             part = _place(table, start, here)
-            index = len(self.parts)
-            self.parts.append(Placed(self._name(table, here), here, part, upstream, by_branch, flow))
-            exits = part.list_exits()
+            index, exits, outlet = len(self.parts), part.list_exits(), len(self.outlets) if last else None
+            self.counts[table.kind] = self.counts.get(table.kind, 0) + 1
+            name = table.name or f"{table.kind} {self.counts[table.kind]}"
+            if any(placed.name == name for placed in self.parts):
+                raise LayoutError(f"{here}.name = '{name}': another part has this name")
+            self.parts.append(Placed(name, here, part, upstream, by_branch, flow, outlet))
             if last:
-                self.parts[index] = replace(self.parts[index], outlet=len(self.outlets))
                 self.outlets.append(Outlet(table.outlet, index, exits[0]))
             elif table.outlet:
                 raise LayoutError(
@@ -221,20 +217,14 @@ class _Builder:
                 )
             if isinstance(table, TeePart | WyePart):
                 if not table.branch:
+                    array = re.sub(r"\[\d+\]", "", here)
                     raise LayoutError(
-                        f"{here}: the branch of the {table.kind} has no parts: add at least [[{_plain(here)}.branch]] "
+                        f"{here}: the branch of the {table.kind} has no parts: add at least [[{array}.branch]] "
                         'with length and outlet = "..."'
                     )
                 self.lay_chain(table.branch, f"{here}.branch", exits[1], index, True, flow * table.share)
                 flow *= 1.0 - table.share
             start, upstream, by_branch = exits[0], index, False
-
-    def _name(self, table: AnyPart, key: str) -> str:
-        self.counts[table.kind] = self.counts.get(table.kind, 0) + 1
-        name = table.name or f"{table.kind} {self.counts[table.kind]}"
-        if any(placed.name == name for placed in self.parts):
-            raise LayoutError(f"{key}.name = '{name}': another part has this name")
-        return name
 
     def name_outlets(self) -> tuple[Outlet, ...]:
         """Return the outlets; the only one of a pipe may be without a name."""
@@ -316,11 +306,6 @@ def _place(table: AnyPart, start: Opening, key: str) -> PipePart:
     return Tee(start.centre + tee.legs[0] * axes[0], axes, radius, r, angle, fillet, table.share)
 
 
-def _plain(key: str) -> str:
-    """Return the name of a table in TOML: a key without its numbers."""
-    return "".join(part.split("]")[-1] for part in key.split("["))
-
-
 def _check_collisions(layout: Layout) -> None:
     """Check that no two bores meet except at their openings.
 
@@ -330,12 +315,15 @@ def _check_collisions(layout: Layout) -> None:
     samples = list(_sample_axes(layout))
     for second in samples:
         for first in samples:
-            if first.part >= second.part or not _boxes_meet(first, second):
+            (low, high), (least, most) = first.box, second.box
+            if first.part >= second.part or (low > most).any() or (least > high).any():
                 continue
             apart = np.linalg.norm(second.points - first.points[:, None], axis=2)
             needed = second.radii + first.radii[:, None]
-            way = layout.way_between(first.part, second.part, first.lengths[:, None], second.lengths, first.on_branch)
-            if ((apart < (1 - 1e-6) * needed) & (way > 0.5 * math.pi * MIN_BEND_RADIUS * needed)).any():
+            along = layout.distance_between(
+                first.part, second.part, first.lengths[:, None], second.lengths, first.on_branch
+            )
+            if ((apart < (1 - 1e-6) * needed) & (along > 0.5 * math.pi * MIN_BEND_RADIUS * needed)).any():
                 one, other = layout.parts[first.part], layout.parts[second.part]
                 raise LayoutError(
                     f"{other.key}: {other.name} runs into {one.name}; change a length, an angle or a roll_deg between them"
@@ -357,10 +345,6 @@ class _Samples:
         """Lowest and highest coordinates of the bore, m, (3,) each."""
         wide = self.radii.max()
         return self.points.min(axis=0) - wide, self.points.max(axis=0) + wide
-
-
-def _boxes_meet(a: _Samples, b: _Samples) -> bool:
-    return bool((a.box[0] <= b.box[1]).all() and (b.box[0] <= a.box[1]).all())
 
 
 def _sample_axes(layout: Layout) -> Iterator[_Samples]:

@@ -58,7 +58,7 @@ def find_bends(network: Network, link: int) -> tuple[FloatArray, FloatArray]:
         return np.zeros(0), np.zeros(0)
     steps = np.diff(network.polyline(link), axis=0)
     length = np.linalg.norm(steps, axis=1)
-    (x, z), (u, v) = network.course(link)[:-1].T, network.course(link)[1:].T
+    (x, z), (u, v) = network.courses[link][:-1].T, network.courses[link][1:].T
     return np.arctan2(z * u - x * v, x * u + z * v), np.cumsum(length[length > 0])[:-1] / length.sum()
 
 
@@ -74,7 +74,10 @@ def describe_junction(snapshot: Snapshot, link: int, branch: str) -> Junction:
     if len(outlets) == 0:
         turns, sides = np.zeros(0), np.zeros(0)
     elif network.scale is None:
-        turns, sides = _guess_turns(bores, flow)
+        # The run continues in the widest outlet, of equal ones in that with most water; branches leave right and left in turn.
+        ahead = int(np.lexsort((flow, bores))[-1])
+        sides = np.insert((-1.0) ** np.arange(len(bores) - 1), ahead, 0.0)
+        turns = np.abs(sides) * np.deg2rad(BRANCH_DEG)
     else:
         turns, sides = _read_turns(snapshot, link, outlets)
     if len(outlets) == 1:
@@ -104,18 +107,10 @@ def _read_turns(snapshot: Snapshot, link: int, outlets: IntArray) -> tuple[Float
     return turns, sides
 
 
-def _guess_turns(bores: FloatArray, flow: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the same without a map: right and left alternate among the branches."""
-    # The run continues in the widest outlet; of equal ones, in that with most water.
-    ahead = int(np.lexsort((flow, bores))[-1])
-    sides = np.insert((-1.0) ** np.arange(len(bores) - 1), ahead, 0.0)
-    return np.abs(sides) * np.deg2rad(BRANCH_DEG), sides
-
-
 def _direction(snapshot: Snapshot, link: int, at_end: bool) -> FloatArray:
     """Return the unit vector on the map along the flow of a link, at its downstream or its upstream end."""
     network, index = snapshot.network, int(snapshot.links[link])
-    forward, course = snapshot.tail[link] == network.start[index], network.course(index)
+    forward, course = snapshot.tail[link] == network.start[index], network.courses[index]
     if not len(course):
         return np.zeros(2)
     part = course[-1] if forward == at_end else course[0]

@@ -1,6 +1,5 @@
 """A water network: nodes, links, and the flows that EPANET computes for them."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -19,6 +18,9 @@ TOLERANCE = 0.1
 
 MAX_OFF = 0.2
 """Largest share of the total length that is not to scale."""
+
+MAX_KNOWN = 12
+"""Nodes of a network up to which an error names all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +105,10 @@ class Network:
     def find_node(self, name: str, option: str = "--release") -> int:
         """Return the index of a node that an option names. Raises InputError if no node has the name."""
         if name not in self.nodes:
-            raise InputError(f"{option} {name}: {self.name} has no such node{_suggest(name, self.nodes)}")
+            hint = did_you_mean(name, self.nodes)
+            if hint.startswith("; known") and len(self.nodes) > MAX_KNOWN:
+                hint = f"; it has {len(self.nodes)}, such as {', '.join(self.nodes[:3])}"
+            raise InputError(f"{option} {name}: {self.name} has no such node{hint}")
         return self.nodes.index(name)
 
     @cached_property
@@ -174,21 +179,8 @@ class Network:
         return columns | {name: value[rows].tolist() for name, value in values.items()}
 
     @cached_property
-    def _courses(self) -> dict[int, FloatArray]:
-        return {}
-
-    def course(self, link: int) -> FloatArray:
-        """Return the unit vectors on the map along the parts of a link, from its start to its end, (parts, 2)."""
-        if link not in self._courses:
-            steps = np.diff(self.polyline(link), axis=0)
-            length = np.linalg.norm(steps, axis=1)
-            self._courses[link] = steps[length > 0] / length[length > 0, None]
-        return self._courses[link]
-
-
-def _suggest(name: str, known: Sequence[str], most: int = 12) -> str:
-    """Return a suggestion, or some names if there are many."""
-    hint = did_you_mean(name, known)
-    if not hint.startswith("; known") or len(known) <= most:
-        return hint
-    return f"; it has {len(known)}, such as {', '.join(known[:3])}"
+    def courses(self) -> list[FloatArray]:
+        """Unit vectors on the map along the parts of each link, from its start to its end, (parts, 2) each."""
+        steps = [np.diff(self.polyline(link), axis=0) for link in range(len(self.links))]
+        lengths = [np.linalg.norm(step, axis=1) for step in steps]
+        return [step[long > 0] / long[long > 0, None] for step, long in zip(steps, lengths, strict=True)]

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from driftform.errors import InputError, did_you_mean
 from driftform.util import files
@@ -37,7 +36,10 @@ def open_network(source: str | Path, cache: Path | None = None, changes: Changes
     if (arrays := load_arrays(stored)) is None:
         arrays = run_epanet(path, changes)
         save_arrays(stored, arrays)
-    values: dict[str, Any] = {key: _restore(array) for key, array in arrays.items()}
+    values: dict[str, Any] = {
+        key: tuple(array.tolist()) if array.dtype.kind == "U" else array if array.ndim else array.item()
+        for key, array in arrays.items()
+    }
     corners = np.split(values.pop("vertices"), np.cumsum(values.pop("counts"))[:-1])
     flows = {key: values.pop(f"{_HYDRAULICS}{key}") for key in Hydraulics.__dataclass_fields__}
     return Network(path.stem, digest, vertices=tuple(corners), hydraulics=Hydraulics(**flows), **values)
@@ -53,9 +55,3 @@ def _find_file(text: str) -> Path:
     raise InputError(
         f"NET '{text}': no such file, and no network of that name comes with driftform{did_you_mean(text, shipped)}"
     )
-
-
-def _restore(array: npt.NDArray[Any]) -> Any:
-    if not array.ndim:
-        return array.item()
-    return tuple(array.tolist()) if array.dtype.kind == "U" else array

@@ -104,7 +104,11 @@ def network_svg(
 
     Raises InputError if the network has no coordinates.
     """
-    window = _fit(network, page.width)
+    points = np.vstack([network.places, *network.vertices])
+    if not np.isfinite(points).all() or np.ptp(points, axis=0).max() <= 0:
+        raise InputError(f"{network.name}: the file gives its nodes no coordinates: leave out --map")
+    # A unit of the map is a metre of the window.
+    window = plot.Window.around((0, 1), points, layout.MARGIN, _TOP, page.width - 2 * layout.MARGIN, _MAX_HEIGHT, 20)
     lines = [window.to_page(network.polyline(link)) for link in range(len(network.links))]
     crosses, more = _place_crosses(network, lines, window.to_page(network.places), stuck)
     ink = np.vstack([layout.resample_polyline(line, 3) for line in lines])
@@ -117,10 +121,8 @@ def network_svg(
         known = bool(np.isfinite(shares[link]))
         colour, width = choose_line(shares[link]) if known else (UNREACHED, 1.0)
         value = f": {100 * shares[link]:.1f} %" if known else ""
-        links.append(
-            {"d": svg.path_data(lines[link]), "colour": colour, "width": width}
-            | {"name": network.links[link], "value": value}
-        )
+        shown = {"d": svg.path_data(lines[link]), "colour": colour, "width": width}
+        links.append(shown | {"name": network.links[link], "value": value})
     spots = window.to_page(network.places)
     steps = [(*choose_line(least), f"{100 * least:g}") for least in (0.0, *BOUNDS)]
     return svg.fill_template(
@@ -152,15 +154,6 @@ def network_svg(
         bar=bar / metres * window.px_per_m if metres else 0.0,
         bar_text=f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m",
     )
-
-
-def _fit(network: Network, width: float) -> plot.Window:
-    """Return the window of the page that shows a network; a unit of its map is a metre there."""
-    points = np.vstack([network.places, *network.vertices])
-    if not np.isfinite(points).all() or np.ptp(points, axis=0).max() <= 0:
-        raise InputError(f"{network.name}: the file gives its nodes no coordinates: leave out --map")
-    room = width - 2 * layout.MARGIN
-    return plot.Window.around((0, 1), points, layout.MARGIN, _TOP, room, _MAX_HEIGHT, 20)
 
 
 def choose_line(share: float) -> tuple[str, float]:
@@ -275,7 +268,10 @@ def curve_svg(fleet: Fleet, title: str) -> str:
         ("divided like water, retained", fleet.retained, style.BLUE, True),
         ("point tracers", fleet.tracers, style.BLUE, False),
     ]
-    heights = _spread([408 - 320 * float(curve[-1]) for _, curve, _, _ in lines])
+    heights = [408 - 320 * float(curve[-1]) for _, curve, _, _ in lines]
+    # Labels keep 16 px from each other, in their order.
+    for above, below in pairwise(np.argsort(heights)):
+        heights[below] = max(heights[below], heights[above] + 16.0)
     curves = []
     for (name, curve, colour, dashes), y in zip(lines, heights, strict=True):
         points = [(60 + 608 * count / size, 408 - 320 * share) for count, share in enumerate([0.0, *curve])]
@@ -284,11 +280,3 @@ def curve_svg(fleet: Fleet, title: str) -> str:
     ticks = [(60 + 608 * count / size, count) for count in range(0, size + 1, step)]
     shown = {"title": layout.shorten(title, 20, 856, bold=True), "ticks": ticks, "curves": curves, "fonts": svg.FONTS}
     return svg.fill_template("driftform_networks.output", "curve.svg", **shown)
-
-
-def _spread(heights: list[float], least: float = 16.0) -> list[float]:
-    """Return heights of labels that keep a distance from each other, in their order."""
-    order, placed = np.argsort(heights), list(heights)
-    for above, below in pairwise(order):
-        placed[below] = max(placed[below], placed[above] + least)
-    return placed

@@ -6,15 +6,16 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from importlib import resources
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from driftform.cli import output
 from driftform.errors import InputError
 from driftform.figures import files as picture_files
-from driftform.figures import style
+from driftform.figures import style, svg
 from driftform.types import FloatArray
 from driftform.util import files
 from driftform_networks.flights.bodies import Traveller
@@ -22,7 +23,6 @@ from driftform_networks.hydraulics.network import BoolArray, Network
 from driftform_networks.hydraulics.snapshot import warn_of_pressure
 from driftform_networks.output.gis import check_crs, write_geojson
 from driftform_networks.output.map import curve_svg, fleet_svg, format_time, passage_svg, plan_svg
-from driftform_networks.output.page import TextTable, report_html
 from driftform_networks.passages.passage import Passage, count_passings
 from driftform_networks.planning.candidates import save_agents
 from driftform_networks.planning.fleets import Fleet, Member
@@ -34,6 +34,14 @@ _MAX_NAME = 30
 
 MAX_ROWS = 12
 """Rows of a table on the screen; all are in the files of ``--tables``, and in the JSON document."""
+
+
+class TextTable(NamedTuple):
+    """A table for people: a header, rows of text, and the columns that are flush right."""
+
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    right: Sequence[int] = ()
 
 
 @dataclass(frozen=True)
@@ -79,13 +87,24 @@ class Outputs:
     ) -> list[Path]:
         """Write map, report, tables and layers, those that are asked for, and return their paths.
 
-        ``figures`` draw SVG pictures, first the map; ``text`` and ``is_body`` are as for
-        :func:`~driftform_networks.output.page.report_html`; ``columns`` are those of each table.
+        ``figures`` draw SVG pictures, first the map; ``text`` is what a command prints, of which lines come first;
+        ``columns`` are those of each table; ``is_body`` is whether it is about bodies, in place of water.
         """
         written = self.write_map(figures["Map"])
         if self.report is not None:
-            drawn = [(name, draw()) for name, draw in figures.items()]
-            files.write_text(self.report, report_html(title, text, drawn, is_body))
+            # One page, which loads nothing over the network.
+            page = svg.fill_template(
+                __package__,
+                "page.html",
+                title=title,
+                script=resources.files(__package__).joinpath("zoom.js").read_text(encoding="utf-8"),
+                style=resources.files("driftform.search.report").joinpath("page.css").read_text(encoding="utf-8"),
+                lead=[part for part in text if isinstance(part, str)],
+                tables=[part for part in text if not isinstance(part, str)],
+                figures=[(name, draw()) for name, draw in figures.items()],
+                is_body=is_body,
+            )
+            files.write_text(self.report, page)
             written.append(self.report)
         if self.tables is not None:
             for name, table in columns.items():
@@ -187,7 +206,11 @@ def present_passage(
         lines.append(word_passings([passage.passings]))
     if passage.stuck:
         lines.append(f"{100 * sum(end.probability for end in passage.stuck):.1f} % end in the pipes")
-    tables = [*_table_nodes(passage), *_table_ends(passage)]
+    ends = [end for end in passage.ends if end.probability >= 5e-5][:MAX_ROWS]
+    rows = [[end.kind, end.place, f"{100 * end.probability:.2f}", end.reason] for end in ends]
+    tables = [*_table_nodes(passage), TextTable(("ends by", "place", "probability %", "reason"), rows, right=(2,))]
+    if len(passage.ends) > len(ends):
+        tables.append(f"and {len(passage.ends) - len(ends)} more ends")
     if passage.gates:
         rows = [[link, what, f"{100 * share:.2f}"] for link, (what, share) in passage.gates.items()]
         tables.append(TextTable(("passes", "what", "probability %"), rows[:MAX_ROWS], right=(2,)))
@@ -257,13 +280,6 @@ def _table_nodes(passage: Passage) -> list[str | TextTable]:
         header.append("9 of 10 arrive after")
     left = [f"and {len(order) - MAX_ROWS} more nodes"] if len(order) > MAX_ROWS else []
     return [TextTable(header, rows, right=(1,)), *left]
-
-
-def _table_ends(passage: Passage) -> list[str | TextTable]:
-    shown = [end for end in passage.ends if end.probability >= 5e-5][:MAX_ROWS]
-    rows = [[end.kind, end.place, f"{100 * end.probability:.2f}", end.reason] for end in shown]
-    left = [f"and {len(passage.ends) - len(shown)} more ends"] if len(passage.ends) > len(shown) else []
-    return [TextTable(("ends by", "place", "probability %", "reason"), rows, right=(2,)), *left]
 
 
 def _compare(passage: Passage, other: Passage) -> dict[str, Any]:

@@ -10,8 +10,7 @@ from driftform_networks.flights.fits import read_gates
 from driftform_networks.hydraulics.network import Network
 from driftform_networks.hydraulics.snapshot import STILL, Snapshot, take_snapshot, warn_of_pressure
 from driftform_networks.output.map import Mark, network_svg
-from driftform_networks.output.page import TextTable
-from driftform_networks.output.results import Outputs, present
+from driftform_networks.output.results import Outputs, TextTable, present
 from driftform_networks.passages.chain import find_loops
 
 _ROUNDING = 1e-9
@@ -65,11 +64,13 @@ def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:
     reverses = (hydraulics.flow > _ROUNDING).any(axis=0) & (hydraulics.flow < -_ROUNDING).any(axis=0)
     supply = -hydraulics.outflow[snapshot.step]
     flowing = pipes[snapshot.links]
+    kinds = ((network.node_kinds, ("junction", "tank", "reservoir")), (network.link_kinds, ("pipe", *read_gates())))
+    nodes, links = ({kind: there.count(kind) for kind in known if kind in there} for there, known in kinds)
     return {
         "name": network.name,
         "digest": network.digest,
-        "nodes": _count(network.node_kinds, ("junction", "tank", "reservoir")),
-        "links": _count(network.link_kinds, ("pipe", *read_gates())),
+        "nodes": nodes,
+        "links": links,
         "length": float(network.length.sum()),
         "bore": [float(network.diameter[pipes].min()), float(network.diameter[pipes].max())],
         "duration": hydraulics.end,
@@ -84,7 +85,3 @@ def describe_network(network: Network, snapshot: Snapshot) -> dict[str, Any]:
         "supply": {network.nodes[node]: float(supply[node]) for node in np.flatnonzero(supply > STILL)},
         "warnings": list(hydraulics.warnings),
     }
-
-
-def _count(kinds: tuple[str, ...], known: tuple[str, ...]) -> dict[str, int]:
-    return {kind: kinds.count(kind) for kind in known if kind in kinds}

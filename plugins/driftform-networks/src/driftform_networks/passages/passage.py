@@ -185,19 +185,8 @@ def make_passage(
         if table.gate and seen[link] > MIN_PROBABILITY
     }
     reachable = find_reachable(network, release, [routing.snapshot.step for routing in routings])
-    found = merge_ends(ends)
-    return Passage(
-        network,
-        release,
-        hour,
-        *arrivals,
-        seen,
-        reachable,
-        found,
-        gates=gates,
-        passings=find_passings(routings, probability),
-        **more,
-    )
+    more |= {"gates": gates, "passings": find_passings(routings, probability)}
+    return Passage(network, release, hour, *arrivals, seen, reachable, merge_ends(ends), **more)
 
 
 def find_reachable(network: Network, release: int, steps: Sequence[int]) -> BoolArray:

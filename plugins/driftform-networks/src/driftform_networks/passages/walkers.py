@@ -183,7 +183,12 @@ class _Walkers:
         self._finish(here[held], HELD_AT_NODE, node[held])
         leaves = ~held & (link == _LEAVES)
         self._finish(here[leaves], LEFT, node[leaves])
-        self._wait(here[~held & (link == _WAITS)])
+        # The others wait at their nodes until the flow changes.
+        waits = here[~held & (link == _WAITS)]
+        self._step[waits] += 1
+        self._t[waits] = self._times[self._step[waits]]
+        late = waits[self._step[waits] == self._steps]
+        self._finish(late, UNDER_WAY, self._node[late])
         enters = ~held & (link >= 0)
         self._enter(here[enters], link[enters], band[enters], third[enters])
 
@@ -202,13 +207,6 @@ class _Walkers:
     def _finish(self, walks: IntArray, how: int, place: IntArray) -> None:
         self.active[walks] = False
         self.ends[walks], self.place[walks] = how, place
-
-    def _wait(self, walks: IntArray) -> None:
-        """Let walks wait at their nodes until the flow changes."""
-        self._step[walks] += 1
-        self._t[walks] = self._times[self._step[walks]]
-        late = walks[self._step[walks] == self._steps]
-        self._finish(late, UNDER_WAY, self._node[late])
 
     def _enter(self, walks: IntArray, link: IntArray, band: IntArray, number: FloatArray) -> None:
         row = self._row[self._step[walks], link]
@@ -308,12 +306,11 @@ def _count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:
 def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
     """Return the first obstacle that the tables name at a place."""
     for routing in routings:
-        snapshot = routing.snapshot
-        at = snapshot.links == place if how == HELD_IN_LINK else snapshot.head == place
-        tables = routing.transfers if how == HELD_IN_LINK else routing.tables
-        for link in np.flatnonzero(at).tolist():
-            if tables[link].obstacle:
-                return str(tables[link].obstacle)
+        in_link = how == HELD_IN_LINK
+        at = np.flatnonzero((routing.snapshot.links if in_link else routing.snapshot.head) == place)
+        tables = routing.transfers if in_link else routing.tables
+        if found := next(filter(None, (tables[link].obstacle for link in at.tolist())), ""):
+            return found
     return ""
 
 

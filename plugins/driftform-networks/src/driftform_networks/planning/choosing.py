@@ -81,7 +81,9 @@ def bound_steering(
     Raises WorkFailedError if the solver finds no solution.
     """
     network = flows[0][0].network
-    arcs = [_list_arcs(flow) for flow in flows]
+    # Link, tail and head of each direction in which water flows at some time, (arcs, 3) for each flow.
+    snaps = [[np.column_stack([snap.links, snap.tail, snap.head]) for snap in flow] for flow in flows]
+    arcs: list[IntArray] = [s[0] if len(s) == 1 else np.unique(np.concatenate(s), axis=0) for s in snaps]
     worth, nodes = np.where(reachable, network.worth, 0.0), len(network.nodes)
     balance = []
     for link, tail, head in (rows.T for rows in arcs):
@@ -111,9 +113,3 @@ def bound_steering(
     if not found.success:
         raise WorkFailedError(f"the bound of perfect steering cannot be computed: {found.message}")
     return min(1.0, -float(found.fun))
-
-
-def _list_arcs(flow: Sequence[Snapshot]) -> IntArray:
-    """Return link, tail and head of each direction in which water flows at some time, (arcs, 3)."""
-    arcs = [np.column_stack([snapshot.links, snapshot.tail, snapshot.head]) for snapshot in flow]
-    return arcs[0] if len(arcs) == 1 else np.unique(np.concatenate(arcs), axis=0)

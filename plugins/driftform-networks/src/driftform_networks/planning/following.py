@@ -145,8 +145,7 @@ def trace(network: Network, release: str, *, hour: float = 0.0, **how: Any) -> P
         hour: hour of the simulation at the release.
         how: attributes of :class:`driftform_networks.planning.following.How`.
 
-    Raises:
-        InputError: if there is no such node or hour, or no water leaves the node.
+    Raises InputError if there is no such node or hour, or no water leaves the node.
     """
     [case] = find_cases(network, [release], [hour], How(**how))
     return case.follow(route_tracers)

@@ -197,7 +197,10 @@ def plan_inspection(
     _, first, when = catch(times[chosen], worth[chosen])
     caught = [when[np.isfinite(when) & (first == net)] for net in range(len(chosen))]
     until = (np.full(len(when), np.inf), when, np.where(np.isfinite(when), when, -1.0))
-    alone, seen, recorded = (_see_any(paths, life, ends) for ends in until)
+    parts = [zip(paths, np.split(ends, len(paths)), strict=True) for ends in until]
+    sights = [[walks.until(np.minimum(life, end)).measure_sight() for walks, end in part] for part in parts]
+    # Probability that any body sees each link, if each walk ends at its time or with its battery.
+    alone, seen, recorded = (1 - np.prod(1 - np.array(each), axis=0) for each in sights)
     return Plan(
         network,
         tuple((name, case.release, case.hour) for name, case, _ in members),
@@ -260,10 +263,3 @@ def catch(times: FloatArray, worth: FloatArray) -> tuple[FloatArray, IntArray, F
     first, columns = np.argmin(times, axis=0), np.arange(times.shape[1])
     when = times[first, columns]
     return np.where(np.isfinite(when), worth[first, columns], 0.0), first, when
-
-
-def _see_any(paths: Sequence[Walks], life: FloatArray, ends: FloatArray) -> FloatArray:
-    """Return the probability that any body sees each link, if each walk ends at its time, s, or with its battery."""
-    parts = zip(paths, np.split(ends, len(paths)), strict=True)
-    seen = [walks.until(np.minimum(life, end)).measure_sight() for walks, end in parts]
-    return np.asarray(1 - np.prod(1 - np.array(seen), axis=0))

@@ -140,7 +140,15 @@ class ModelExporter(Exporter[OptionsT_co]):
                         (part / name).chmod(0o755)
         except OSError as error:
             raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
-        first, facts = next(iter(texts)), _list_facts(model.link, warnings)
+        first, link = next(iter(texts)), model.link
+        facts: dict[str, Any] = {
+            "mass_kg": link.mass,
+            "cog_mm": -1e3 * float(link.core[0]),
+            "cob_mm": 1e3 * float(link.buoyancy[0] - link.core[0]),
+            "volume_mm3": 1e9 * link.volume,
+            "added_over_own_mass": link.added_mass_ratio,
+        }
+        facts |= {"warnings": " ".join(warnings)} if warnings else {}
         return tuple(WrittenFile(self.name, str(path / name), facts if name == first else {}) for name in texts)
 
     def describe_water(self, job: ExportJob) -> str:
@@ -166,15 +174,3 @@ class ModelExporter(Exporter[OptionsT_co]):
 def piece_path(index: int) -> str:
     """Return the path of one convex piece, whose mesh is about its own centroid."""
     return f"meshes/piece_{index:02d}.obj"
-
-
-def _list_facts(link: Link, warnings: list[str]) -> dict[str, Any]:
-    """Return the facts of a model: see :meth:`ModelExporter.write`."""
-    facts = {
-        "mass_kg": link.mass,
-        "cog_mm": -1e3 * float(link.core[0]),
-        "cob_mm": 1e3 * float(link.buoyancy[0] - link.core[0]),
-        "volume_mm3": 1e9 * link.volume,
-        "added_over_own_mass": link.added_mass_ratio,
-    }
-    return facts | ({"warnings": " ".join(warnings)} if warnings else {})

@@ -130,7 +130,7 @@ def describe_link(name: str, link: Link, axes: str = "y to port, z up") -> list[
     """Describe the reference of a link's numbers, and whether lagging added mass diverges."""
     ratio = link.added_mass_ratio
     verdicts = [
-        f"{'DIVERGES' if ratio >= _find_limit(smoothing) else 'is stable'} in {program}"
+        f"{'DIVERGES' if ratio >= find_limit(smoothing) else 'is stable'} in {program}"
         for program, smoothing in LAGS.items()
     ]
     return [
@@ -145,7 +145,7 @@ LAGS = {"Gazebo Fortress": 1.0, "the UUV simulator": 0.3}
 """Programs that multiply added mass by an acceleration, and the weight of the previous step's in that."""
 
 
-def _find_limit(smoothing: float) -> float:
+def find_limit(smoothing: float) -> float:
     """Return the ratio of added to own mass at which smoothed accelerations diverge.
 
     If accelerations are smoothed by a <- (1 - s) a + s da, with s = ``smoothing``, a mode whose ratio of added to own
@@ -156,7 +156,7 @@ def _find_limit(smoothing: float) -> float:
 
 def warn_of_divergence(link: Link, smoothing: float) -> Iterator[str]:
     """Warn if added mass times the acceleration of the previous step diverges."""
-    limit = _find_limit(smoothing)
+    limit = find_limit(smoothing)
     if link.added_mass_ratio >= limit:
         yield (
             "UNSTABLE: this simulator multiplies the added mass by the acceleration of the previous step, which diverges "

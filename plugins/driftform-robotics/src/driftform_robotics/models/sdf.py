@@ -81,7 +81,13 @@ class SdfExporter(ModelExporter[SdfOptions]):
         gazebo, scenario = _GAZEBO[self.options.gazebo], model.job.scenario
         gap = _measure_gap(model, gazebo, "world.sdf", self.options.step)
         warnings = [gap.describe(), *_list_warnings(model, gazebo, PUSH)]
-        values = {"model": model, "gazebo": gazebo, "world": WORLD, "spheres": _list_spheres(model)}
+        body, spheres = model.job.agent.body, list[tuple[float, float]]()
+        if scenario.fluid.water_level is not None:
+            # x and radius (m) of spheres with the volumes of slices of the hull.
+            count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MAX_SPHERES))
+            slices = slice_solid(body.outer, count)
+            spheres = [(x, float(np.cbrt(0.75 * volume / np.pi))) for x, volume, _ in slices]
+        values = {"model": model, "gazebo": gazebo, "world": WORLD, "spheres": spheres}
         files = {
             "world.sdf": render("gazebo/world.sdf", **values, step=gap.step, warnings=warnings, passing=None),
             "model.sdf": render("gazebo/model.sdf", **values, warnings=warnings),
@@ -150,15 +156,6 @@ def _list_warnings(model: Model, gazebo: _Gazebo, push: str) -> list[str]:
         world = "world.sdf" if push == PUSH else "drift.sdf"
         found.append(f"Run {push} before you press play in {world}: SDF cannot hold the velocity of the release.")
     return found
-
-
-def _list_spheres(model: Model) -> list[tuple[float, float]]:
-    """Return x and radius (m) of spheres with the volumes of slices of the hull, none without a free surface."""
-    if model.job.scenario.fluid.water_level is None:
-        return []
-    body = model.job.agent.body
-    count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MAX_SPHERES))
-    return [(x, float(np.cbrt(0.75 * volume / np.pi))) for x, volume, _ in slice_solid(body.outer, count)]
 
 
 def _make_package(model: Model, gazebo: _Gazebo, files: dict[str, str], warnings: list[str]) -> dict[str, str]:

@@ -63,7 +63,10 @@ def _make_environment() -> "Environment":
     environment.filters |= {
         "comment": comment,
         "entries": list_entries,
-        "fields": _format_fields,
+        # {x: 1, y: 2, z: 3}: the syntax of YAML and of Gazebo's messages.
+        "fields": lambda values, names="xyz": (
+            f"{{{', '.join(f'{name}: {format_number(v)}' for name, v in zip(names, values.tolist(), strict=True))}}}"
+        ),
         "numbers": format_numbers,
         "stem": lambda path: PurePath(path).stem,
         "symmetric": _list_symmetric,
@@ -101,12 +104,6 @@ def roll_pitch_yaw(rotation: FloatArray) -> FloatArray:
         # For a vertical axis only the difference of roll and yaw is defined.
         return np.array([0.0, pitch, np.arctan2(-R[0, 1], R[1, 1])])
     return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch, np.arctan2(R[1, 0], R[0, 0])])
-
-
-def _format_fields(values: FloatArray, names: str = "xyz") -> str:
-    """Return ``{x: 1, y: 2, z: 3}``, the syntax of YAML and of Gazebo's messages."""
-    pairs = zip(names, values.tolist(), strict=True)
-    return "{" + ", ".join(f"{name}: {format_number(value)}" for name, value in pairs) + "}"
 
 
 def format_pose(position: FloatArray, rotation: FloatArray | None = None) -> str:

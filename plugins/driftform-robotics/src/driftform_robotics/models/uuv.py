@@ -14,7 +14,7 @@ import numpy as np
 from driftform.interfaces import Table, option
 from driftform.types import FloatArray
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
-from driftform_robotics.models.gap import Gap, measure_gap, read_link
+from driftform_robotics.models.gap import measure_gap, read_link
 from driftform_robotics.models.link import LAGS, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.text import render, roll_pitch_yaw
 
@@ -71,8 +71,12 @@ class UuvExporter(ModelExporter[UuvOptions]):
         scenario, link = model.job.scenario, model.link
         level = scenario.fluid.water_level
         offset = np.array([0.0, 0.0, -self.options.depth if level is None else -level])
-        gap = _measure_gap(model, self.options.step)
+        reader = read_link("the UUV simulator", link, scenario.fluid.density)
+        diagonal = np.diag(np.diag(link.quadratic_damping))
+        gap = measure_gap(replace(reader, quadratic=diagonal, smoothing=SMOOTHING), model.job, link, self.options.step)
         warnings = [gap.describe(), *_list_warnings(model, offset)]
+        x, y, z = scenario.current().tolist()
+        speed = float(np.linalg.norm((x, y, z)))
         values = {
             "model": model,
             "warnings": warnings,
@@ -82,15 +86,14 @@ class UuvExporter(ModelExporter[UuvOptions]):
             "angles": roll_pitch_yaw(link.rotation),
             "turn": np.roll(link.quaternion, -1),
             **self.list_values(),
-            "current": _describe_current(scenario.current()),
+            # Tag, mean, minimum and maximum of the parameters of the current's plugin; m/s and rad.
+            "current": [
+                ("velocity", speed, 0.0, max(1.0, 2 * speed)),
+                ("horizontal_angle", np.arctan2(y, x), -np.pi, np.pi),
+                ("vertical_angle", np.arctan2(z, np.hypot(x, y)), -np.pi, np.pi),
+            ],
         }
         return {path: render(f"uuv/{template}", **values) for path, template in _FILES.items()}, warnings
-
-
-def _measure_gap(model: Model, step: float | None) -> Gap:
-    reader = read_link("the UUV simulator", model.link, model.job.scenario.fluid.density)
-    diagonal = np.diag(np.diag(model.link.quadratic_damping))
-    return measure_gap(replace(reader, quadratic=diagonal, smoothing=SMOOTHING), model.job, model.link, step)
 
 
 def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
@@ -106,14 +109,3 @@ def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
     if np.abs(damping - np.diag(np.diag(damping))).max() > 1e-12 * np.abs(damping).max():
         found.append("The simulator uses only the diagonal of the quadratic damping.")
     return found
-
-
-def _describe_current(current: FloatArray) -> list[tuple[str, float, float, float]]:
-    """Return the parameters of the current's plugin: tag, mean, minimum and maximum; m/s and rad."""
-    speed = float(np.linalg.norm(current))
-    x, y, z = current.tolist()
-    return [
-        ("velocity", speed, 0.0, max(1.0, 2 * speed)),
-        ("horizontal_angle", np.arctan2(y, x), -np.pi, np.pi),
-        ("vertical_angle", np.arctan2(z, np.hypot(x, y)), -np.pi, np.pi),
-    ]

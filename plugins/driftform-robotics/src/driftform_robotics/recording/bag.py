@@ -25,7 +25,15 @@ def write_bag(
     Messages are sorted by time; messages with the same time are in the order of ``topics``. Without a ``storage`` the bag
     is one of ROS 1, which has no place for ``notes``.
     """
-    writer = Writer1(path) if storage is None else _make_writer(path, storage, notes)
+    writer: Writer | Writer1
+    if storage is None:
+        writer = Writer1(path)
+    else:
+        writer = Writer(path, version=VERSION, storage_plugin=StoragePlugin[storage.upper()])
+        if storage == "mcap":
+            writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+        for key, text in notes.items():
+            writer.set_custom_data(key, text)
     counts = dict.fromkeys((topic.name for topic in topics), 0)
     with writer:
         connections = []
@@ -41,15 +49,6 @@ def write_bag(
             writer.write(connections[place], stamp, ros.encode(topic.kind, message))
             counts[topic.name] += 1
     return counts
-
-
-def _make_writer(path: Path, storage: Storage, notes: Mapping[str, str]) -> Writer:
-    writer = Writer(path, version=VERSION, storage_plugin=StoragePlugin[storage.upper()])
-    if storage == "mcap":
-        writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
-    for key, text in notes.items():
-        writer.set_custom_data(key, text)
-    return writer
 
 
 def _number_messages(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:

@@ -1,6 +1,5 @@
 """Messages of one release of ROS, made without ROS."""
 
-from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -29,12 +28,14 @@ class Messages:
                 get_types_from_msg("geometry_msgs/TransformStamped[] transforms\n", "tf2_msgs/msg/TFMessage")
             )
         self._encode = self.store.serialize_cdr if release else self.store.serialize_ros1
-        self._list_zeros = cache(self._make_zeros)
+        self._zeros: dict[str, dict[str, Any]] = {}
 
     def make(self, kind: str, **fields: Any) -> Any:
         """Return a message, such as ``make("geometry_msgs/Vector3", x=1.0)``; fields that the type lacks are left out."""
         name = full_name(kind)
-        zeros = self._list_zeros(name)
+        if name not in self._zeros:
+            self._zeros[name] = {key: self._make_zero(node) for key, node in self.store.fielddefs[name][1]}
+        zeros = self._zeros[name]
         return self.store.types[name](**{key: fields.get(key, zero) for key, zero in zeros.items()})
 
     def encode(self, kind: str, message: Any) -> bytes:
@@ -72,10 +73,6 @@ class Messages:
         """Return a position with an attitude."""
         point = self.make_vector(position, "geometry_msgs/Point")
         return self.make("geometry_msgs/Pose", position=point, orientation=self.make_quaternion(quaternion))
-
-    def _make_zeros(self, name: str) -> Mapping[str, Any]:
-        _, fields = self.store.fielddefs[name]
-        return {key: self._make_zero(node) for key, node in fields}
 
     def _make_zero(self, node: Any) -> Any:
         kind, detail = node

@@ -160,22 +160,15 @@ class FlightTopics:
             "angular_velocity_covariance": (options.rate_noise**2 * np.eye(3)).ravel(),
         }
         for stamp, turned, f, w in zip(self.stamps, self.trajectory.quaternion, force, rates, strict=True):
-            message = self.ros.make(
-                "sensor_msgs/Imu",
-                header=self._make_sensor_header(stamp),
-                orientation=self.ros.make_quaternion(turned),
-                angular_velocity=self.ros.make_vector(w),
-                linear_acceleration=self.ros.make_vector(f),
-                **covariances,
-            )
-            yield stamp, message
+            given = {"angular_velocity": self.ros.make_vector(w), "linear_acceleration": self.ros.make_vector(f)}
+            given |= {"header": self._make_sensor_header(stamp), "orientation": self.ros.make_quaternion(turned)}
+            yield stamp, self.ros.make("sensor_msgs/Imu", **given, **covariances)
 
     def _make_pressures(self) -> Iterator[tuple[int, Any]]:
         scenario, options = self.job.scenario, self.options
         surface = sensors.surface_height(scenario)
         found = sensors.pressure(self.sensor_positions[:, 2], surface, scenario.fluid, options.atmosphere)
-        noise = options.pressure_noise
-        return self._make_readings("sensor_msgs/FluidPressure", "fluid_pressure", found, noise, 1)
+        return self._make_readings("sensor_msgs/FluidPressure", "fluid_pressure", found, options.pressure_noise, 1)
 
     def _make_ranges(self) -> Iterator[tuple[int, Any]]:
         scenario, noise = self.job.scenario, self.options.distance_noise
@@ -189,8 +182,7 @@ class FlightTopics:
         return self._make_readings("std_msgs/Float64", "data", found, self.options.distance_noise, 3)
 
     def _make_concentrations(self) -> Iterator[tuple[int, Any]]:
-        nothing = np.zeros(len(self.sensor_positions))
-        found = sum((p.concentration(self.sensor_positions) for p in self.plumes), nothing)
+        found = np.sum([plume.concentration(self.sensor_positions) for plume in self.plumes], axis=0)
         return self._make_readings("std_msgs/Float64", "data", found, self.options.concentration_noise, 4)
 
     def _make_readings(

@@ -163,12 +163,12 @@ export class Side {
     const [depth, ...others] = points.map((p) => this.depth(p));
     const isDeep = others.some((v) => Math.abs(v - depth) > 1e-6);
     const middle = points.map((p) => this.flat(p));
-    const way = (a, b) => { const size = Math.hypot(...sub(b, a)) || 1e-9; return sub(b, a).map((v) => v / size); };
+    const direction = (a, b) => { const size = Math.hypot(...sub(b, a)) || 1e-9; return sub(b, a).map((v) => v / size); };
     const last = middle.length - 1;
-    const ways = middle.map((_, i) => way(middle[Math.max(0, i - 1)], middle[Math.min(last, i + 1)]));
+    const directions = middle.map((_, i) => direction(middle[Math.max(0, i - 1)], middle[Math.min(last, i + 1)]));
     // The chord at an end of a bend leads half a step beside its axis.
-    if (last > 1) for (const [end, next] of [[0, 1], [last, last - 1]]) ways[end] = sub(plus(ways[end], ways[end]), ways[next]);
-    const normals = ways.map(([x, y]) => { const size = Math.hypot(x, y) || 1e-9; return [-y / size, x / size]; });
+    if (last > 1) for (const [end, next] of [[0, 1], [last, last - 1]]) directions[end] = sub(plus(directions[end], directions[end]), directions[next]);
+    const normals = directions.map(([x, y]) => { const size = Math.hypot(x, y) || 1e-9; return [-y / size, x / size]; });
     return { points, radii, middle, isDeep, edges: [1, -1].map((side) => middle.map((p, i) => plus(p, normals[i], side * radii[i]))) };
   }
 
@@ -192,11 +192,11 @@ export class Side {
     const shapes = this.bores.map(({ middle }) => draw("path", { class: "axis", d: this.line(middle) }));
     for (const { centre, direction, radius } of this.outline.openings) {
       // Water comes and goes here: no wall.
-      const [c, way] = [this.flat(centre), this.flat(direction)];
-      const size = Math.hypot(...way);
+      const [c, along] = [this.flat(centre), this.flat(direction)];
+      const size = Math.hypot(...along);
       if (size < 1e-6) continue;
-      const across = [-way[1] / size, way[0] / size];
-      const outward = plus(c, way, 2.5 / this.view.scale / size);
+      const across = [-along[1] / size, along[0] / size];
+      const outward = plus(c, along, 2.5 / this.view.scale / size);
       const ends = [1, -1].map((side) => plus(c, across, side * radius));
       shapes.push(
         draw("path", { class: "gap", d: this.line([1, -1].map((side) => plus(outward, across, side * radius))) }),
@@ -363,18 +363,18 @@ export class Side {
     let best = null;
     for (const { points, radii, middle } of this.bores)
       for (let i = 0; i + 1 < middle.length; i++) {
-        const way = sub(middle[i + 1], middle[i]);
-        const size = Math.hypot(...way);
+        const direction = sub(middle[i + 1], middle[i]);
+        const size = Math.hypot(...direction);
         if (size < 1e-9) continue;
         const off = sub(flat, middle[i]);
-        const share = clamp(dot(off, way) / size ** 2, 0, 1);
-        const foot = plus(middle[i], way, share);
+        const share = clamp(dot(off, direction) / size ** 2, 0, 1);
+        const foot = plus(middle[i], direction, share);
         const gap = Math.hypot(...sub(flat, foot));
         const radius = radii[i] + share * (radii[i + 1] - radii[i]);
         if (gap > radius + near || (best && gap - radius >= best.gap - best.radius)) continue;
         const depth = plus(points[i], sub(points[i + 1], points[i]), share);
-        const normal = [-way[1] / size, way[0] / size];
-        best = { gap, radius, foot, depth, normal, side: Math.sign(dot(sub(flat, foot), normal)) || 1, level: Math.abs(way[1]) < 1e-9 && points.length === 2 };
+        const normal = [-direction[1] / size, direction[0] / size];
+        best = { gap, radius, foot, depth, normal, side: Math.sign(dot(sub(flat, foot), normal)) || 1, level: Math.abs(direction[1]) < 1e-9 && points.length === 2 };
       }
     if (!best) return null;
     const { radius, depth, normal, side, level } = best;
@@ -388,8 +388,8 @@ export class Side {
     });
     if (gap > radius - near) { gap = wall; words.push("wall"); } else if (gap < near) { gap = 0; words.push("axis"); }
     if (outlet && Math.abs(dot(this.flat(outlet.direction), normal)) < 1e-6) {
-      const way = this.flat(outlet.direction);
-      foot = plus(foot, way, dot(sub(this.flat(outlet.centre), foot), way) / dot(way, way));
+      const direction = this.flat(outlet.direction);
+      foot = plus(foot, direction, dot(sub(this.flat(outlet.centre), foot), direction) / dot(direction, direction));
       words.push("outlet");
     } else if (level) foot = [clamp(round(foot[0], step), ...this.range(best)), foot[1]];
     let found = plus(foot, normal, side * gap);
@@ -511,13 +511,13 @@ export class Side {
 
   contains(point) {
     return this.outline.axes.some(({ points, radii }) => points.slice(1).some((end, i) => {
-      const way = sub(end, points[i]);
-      const size = Math.hypot(...way);
+      const direction = sub(end, points[i]);
+      const size = Math.hypot(...direction);
       if (size < 1e-9) return false;
       const off = sub(point, points[i]);
-      const along = dot(off, way) / size;
+      const along = dot(off, direction) / size;
       const radius = radii[i] + (along / size) * (radii[i + 1] - radii[i]);
-      return along >= -1e-9 && along <= size + 1e-9 && Math.hypot(...plus(off, way, -along / size)) <= radius + 1e-9;
+      return along >= -1e-9 && along <= size + 1e-9 && Math.hypot(...plus(off, direction, -along / size)) <= radius + 1e-9;
     }));
   }
 

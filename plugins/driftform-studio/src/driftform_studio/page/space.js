@@ -14,12 +14,12 @@ function meshesOf(agent) {
 function boresOf(axes) {
   const places = [];
   for (const { points, radii } of axes) {
-    const ways = points.map((_, i) => unit(sub(points[Math.min(points.length - 1, i + 1)], points[Math.max(0, i - 1)])));
-    let aside = unit(cross(ways[0], Math.abs(ways[0][2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
-    const frames = ways.map((way) => {
+    const directions = points.map((_, i) => unit(sub(points[Math.min(points.length - 1, i + 1)], points[Math.max(0, i - 1)])));
+    let aside = unit(cross(directions[0], Math.abs(directions[0][2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+    const frames = directions.map((direction) => {
       // The frame of a point is that of the one before it, turned no more than the axis turns.
-      aside = unit(sub(aside, scale(way, dot(aside, way))));
-      return [aside, cross(aside, way)];
+      aside = unit(sub(aside, scale(direction, dot(aside, direction))));
+      return [aside, cross(aside, direction)];
     });
     const at = (i, share, angle) => points[i].map((v, k) => {
       const j = Math.min(points.length - 1, i + 1);
