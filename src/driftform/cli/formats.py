@@ -90,7 +90,10 @@ def open_exported(
     try:
         return open_agent(agent, scenario, [*settings, *list_exporter_settings(formats, asked)], use)
     except InputError as error:
-        raise InputError(*(_name_option(line, formats, asked) for line in error.args)) from None
+        lines = list(error.args)
+        for name, (key, (value, option)) in product(formats, asked.items()):
+            lines = [line.replace(f"--set exporter.{name}.{key}={value}: ", f"{option}: ") for line in lines]
+        raise InputError(*lines) from None
 
 
 def list_exporter_settings(formats: Iterable[str], options: Mapping[str, tuple[str, str]]) -> list[str]:
@@ -140,10 +143,3 @@ def _list_options(kit: bool, bed: str | None, options: Sequence[str]) -> dict[st
             raise InputError(f"--option {text}: expected key=value, such as joint=rabbet")
         found[key.strip()] = (value, f"--option {text}")
     return found
-
-
-def _name_option(line: str, formats: Sequence[str], options: Mapping[str, tuple[str, str]]) -> str:
-    """An error about a setting of an exporter, as one about the option that it came from."""
-    for name, (key, (value, asked)) in product(formats, options.items()):
-        line = line.replace(f"--set exporter.{name}.{key}={value}: ", f"{asked}: ")
-    return line

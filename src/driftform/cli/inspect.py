@@ -81,10 +81,11 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
         ("added over own mass", f"at most {facts['lambda_max']:.3g}"),
         ("a gram of hull", _describe_gram(facts["sensitivity"], fitness)),
     ]
-    rows += [
-        (f"calibrated {name.replace('_', ' ')}", _describe_factor(found))
-        for name, found in facts["calibration"].items()
-    ]
+    for name, found in facts["calibration"].items():
+        factor = f"{found['value']:.3g} times the model's"
+        if found["low"] is not None:
+            factor += f", {found['low']:.3g} to {found['high']:.3g} with 90 %"
+        rows.append((f"calibrated {name.replace('_', ' ')}", factor))
     print_table(("agent", facts["agent"]), rows)
     if modules:
         print("\nmodules from aft to fore")
@@ -125,12 +126,6 @@ def _describe_gram(sensitivity: dict[str, Any] | None, fitness: "Fitness[Any]") 
         f"{fitness.measure(100 - errors[case]):.2f}" for case in ("as_simulated", "lighter", "heavier")
     )
     return f"{fitness.heading} for {sensitivity['target']}: {now}; 1 g less {lighter}, 1 g more {heavier}"
-
-
-def _describe_factor(found: dict[str, float | None]) -> str:
-    """A factor on the model with its interval, in words."""
-    value = f"{found['value']:.3g} times the model's"
-    return value if found["low"] is None else f"{value}, {found['low']:.3g} to {found['high']:.3g} with 90 %"
 
 
 def _describe_rest(rest: dict[str, Any]) -> str:

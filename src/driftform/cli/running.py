@@ -40,13 +40,7 @@ def advance_run(run: "StoredRun", executor: "Executor", json: bool, warnings: Se
 def show_results(
     run: "StoredRun", results: "list[Best]", json: bool, seconds: float = 0.0, warnings: Sequence[str] = ()
 ) -> None:
-    """Print what a run has found, in words or as JSON.
-
-    Raises
-    ------
-    WorkFailedError
-        if a file could not be written.
-    """
+    """Print what a run has found, in words or as JSON. Raises WorkFailedError if a file could not be written."""
     from driftform.cli.output import print_json
     from driftform.errors import WorkFailedError
 

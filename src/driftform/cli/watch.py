@@ -31,7 +31,14 @@ def watch(
     if json:
         print_json(monitor.document())
     elif once:
-        _print_once(monitor)
+        import sys
+
+        from rich.console import Console
+
+        # Off a terminal the width is unknown, so nothing is cut.
+        Console(highlight=False, width=None if sys.stdout.isatty() else 200).print(_view(monitor, fits=False))
+        if monitor.is_over:
+            print(monitor.describe_end())
     else:
         try:
             _follow(monitor, interval)
@@ -75,14 +82,3 @@ def _follow(monitor: "RunMonitor", interval: float | None) -> None:
         while not monitor.is_over:
             time.sleep(interval)
             monitor.poll()
-
-
-def _print_once(monitor: "RunMonitor") -> None:
-    import sys
-
-    from rich.console import Console
-
-    # Off a terminal the width is unknown, so nothing is cut.
-    Console(highlight=False, width=None if sys.stdout.isatty() else 200).print(_view(monitor, fits=False))
-    if monitor.is_over:
-        print(monitor.describe_end())

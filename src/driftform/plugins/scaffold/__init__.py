@@ -90,7 +90,15 @@ def list_files(parts: Sequence[Names]) -> dict[str, str]:
     package, seams = f"src/{first.package}", _enumerate([part.seam for part in parts])
     dependencies = dict.fromkeys(line for part in parts for line in _read_about(part.seam)["dependencies"])
     summary = _read_about(first.seam)["summary"] if len(parts) == 1 else seams.capitalize()
-    words = [_list_words(part) for part in parts]
+    words = [
+        {
+            **asdict(part),
+            "summary": _read_about(part.seam)["summary"],
+            "table": f"{part.seam}.{part.plugin}" if part.seam in NAMED else part.seam,
+            "word": WORD,
+        }
+        for part in parts
+    ]
     shared = {
         **words[0],
         "summary": summary,
@@ -123,13 +131,6 @@ def list_uses(parts: Sequence[Names]) -> list[str]:
         for line in _read_about(part.seam)["use"]
     )
     return list(lines)
-
-
-def _list_words(names: Names) -> dict[str, str]:
-    """Return what the templates of a seam are filled with."""
-    seam = names.seam
-    table = f"{seam}.{names.plugin}" if seam in NAMED else seam
-    return {**asdict(names), "summary": _read_about(seam)["summary"], "table": table, "word": WORD}
 
 
 def _merge_studies(texts: Sequence[str]) -> str:
