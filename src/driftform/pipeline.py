@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from driftform.agent import mass_properties, solid_of_revolution
+from driftform.agent.plain import make_plain_body
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.plugins import faults
@@ -117,11 +118,13 @@ class Pipeline:
     ) -> Agent:
         scenario, options = self.scenario, self.hydrodynamics.options
         fluid, calibration = scenario.fluid, scenario.calibration
-        if condition is not None and condition.specimen is Specimen.BASELINE:
+        if condition is not None and condition.specimen is Specimen.IDLE:
             from driftform.motion.forces.spheres import make_sphere
 
             volume = solid_of_revolution(body.outer).volume
             return make_sphere((6 * volume / np.pi) ** (1 / 3), disturb_fluid(condition, fluid))
+        if condition is not None and condition.plain is not None:
+            body, morphology, genome = make_plain_body(condition.plain, body, fluid.density), Morphology(), None
         if condition is not None:
             calibration = disturb_calibration(condition, calibration)
         factors = calibration.factors

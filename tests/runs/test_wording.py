@@ -108,6 +108,14 @@ def test_a_shape_that_is_hardly_better_than_nothing_is_said_to_matter_little():
     assert describe_worth(fitness, {"A": results["A"]}) == ""
 
 
+def test_a_run_without_a_baseline_says_nothing_of_the_worth_of_a_shape():
+    fitness, result = ClosestApproach(Table()), result_of(1, 1, 1)
+    del result["robust"]["baseline"]
+    assert describe_worth(fitness, {"A": result}) == ""
+    assert list_cells(fitness, result, promised=True)[-2:] == ("-", "-")
+    assert summarise(fitness, {"A": result}).endswith("0 by the baseline")
+
+
 def test_what_the_doubt_about_gusts_makes_of_the_misses_is_said_if_there_is_one():
     results = {name: result_of(1, 1, 0, (0.3, 0.2, 0.5)) for name in "ABC"}
     fitness = ClosestApproach(Table())
@@ -123,5 +131,5 @@ def test_what_the_doubt_about_gusts_makes_of_the_misses_is_said_if_there_is_one(
 def test_a_fitness_of_shares_is_compared_by_shares():
     alike = {"A": result_of(1, 0.88, 0.88, (0.3, 0.2, 0.5)), "B": result_of(1, 1, 0.85, (0.3, 0.3, 0.3))}
     assert describe_worth(OutletFitness(Table()), alike).startswith(
-        "the shape matters little for A: the baseline does nearly as well"
+        "the shape matters little for A: a plain body of the right weight does nearly as well"
     )

@@ -284,10 +284,10 @@ def test_what_does_nothing_is_a_neutral_sphere_of_the_same_volume_in_the_same_wa
     study = load_study("pipe-inspection", use={"simulator": "native"}, run={"seed": 0})
     pipeline = study.make_pipeline()
     genome = pipeline.grammar.random(np.random.default_rng(5))
-    baseline = pipeline.make_agent(genome, changed(density=1.002, mass=1.1, specimen=Specimen.BASELINE))
+    baseline = pipeline.make_agent(genome, changed(density=1.002, mass=1.1, specimen=Specimen.IDLE))
     assert baseline.mass.volume == pytest.approx(mass_properties(pipeline.make_agent(genome).body).volume, rel=0.01)
     assert baseline.mass.mass == pytest.approx(1.002 * 999.1 * baseline.mass.volume, rel=1e-9)
     assert baseline.mass.cog == pytest.approx(baseline.mass.cob, abs=1e-12)
-    [calm] = pipeline.evaluate([genome], conditions=[changed(gusts=None, specimen=Specimen.BASELINE)])
+    [calm] = pipeline.evaluate([genome], conditions=[changed(gusts=None, specimen=Specimen.IDLE)])
     # Without gusts it stays on the axis, where it is released.
     assert np.abs(calm.trajectory.position[:, 1:]).max() < 1e-4

@@ -59,7 +59,10 @@ def show_results(
                     best.target: {
                         **best.result,
                         "distance": best.result["nominal"],
-                        **{key: best.result.get("robust", {}).get(key) for key in ("hit", "weighed", "baseline")},
+                        **{
+                            key: best.result.get("robust", {}).get(key)
+                            for key in ("hit", "weighed", "baseline", "idle")
+                        },
                         "robust": best.result.get("robust", {}),
                         "agent": str(best.agent),
                         "files": [str(path) for path in best.files],

@@ -251,6 +251,18 @@ class Store:
         is_same = isinstance(found, dict) and found.get("digest") == self.compute_digest()
         return found if is_same else {}
 
+    def write_facts(self, name: str, facts: Mapping[str, Any]) -> None:
+        """Store facts about the run by a name, in place of older ones."""
+        with self._writing():
+            self._connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (name, json.dumps(facts)))
+
+    def read_facts(self, name: str) -> dict[str, Any]:
+        """Return the facts about the run that were stored by a name; nothing if there are none."""
+        with self._reading():
+            row = self._connection.execute("SELECT value FROM meta WHERE key = ?", (name,)).fetchone()
+        found = json.loads(row[0]) if row is not None else {}
+        return found if isinstance(found, dict) else {}
+
     def check_place(self) -> None:
         """Refuse to continue if the file is no longer where it was opened: SQLite would write to it, wherever it is.
 

@@ -85,7 +85,7 @@ def summarise(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
             subject = "The target is" if reached else "The target is not"
         return f"{subject} reached: {fitness.goal}; {describe_worst(fitness, results)}"
     weighed = sum(is_kept(promise["weighed"]) for promise in promises)
-    printed, baseline = sum(map(is_kept, promises)), sum(is_kept(promise["baseline"]) for promise in promises)
+    printed, baseline = sum(map(is_kept, promises)), sum(is_kept(promise.get("baseline", {})) for promise in promises)
     targets = "target is" if count == 1 else "targets are"
     return (
         f"{weighed} of {count} {targets} kept if the print is weighed, {printed} as printed, {baseline} by the baseline"
@@ -106,14 +106,15 @@ def describe_worth(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
     unmoved = []
     for name, result in results.items():
         if is_promised(result):
-            weighed, baseline = (_find_loss(fitness, result["robust"][each]) for each in ("weighed", "baseline"))
+            robust = result["robust"]
+            weighed, baseline = (_find_loss(fitness, robust.get(each, {})) for each in ("weighed", "baseline"))
             if None not in (weighed, baseline) and weighed >= (1 - WORTH) * baseline:
                 unmoved.append(name)
     if not unmoved:
         return ""
     does = "does nearly as well" if fitness.share else "keeps nearly the same 90 % miss"
     return (
-        f"the shape matters little for {', '.join(unmoved)}: the baseline {does}, because the "
+        f"the shape matters little for {', '.join(unmoved)}: a plain body of the right weight {does}, because the "
         "water carries it there, and gusts decide the rest"
     )
 
@@ -137,8 +138,8 @@ def describe_doubt(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
 
 def _find_loss(fitness: Fitness[Any], promise: Mapping[str, Any]) -> Any:
     if not fitness.share:
-        return promise["p90"]
-    return None if promise["hit"] is None else 1 - promise["hit"]
+        return promise.get("p90")
+    return None if promise.get("hit") is None else 1 - promise["hit"]
 
 
 def explain_columns(fitness: Fitness[Any], flights: int) -> str:
@@ -146,8 +147,8 @@ def explain_columns(fitness: Fitness[Any], flights: int) -> str:
     hit = f"have {fitness.goal}" if fitness.share else "pass within the first column"
     rest = "" if fitness.share else "; 90 %: the miss that 9 of 10 of them stay within"
     return (
-        f"kept: {100 * KEPT:.0f} % hit, or more; hit: the share of {flights} flights under fresh disturbed conditions that {hit}{rest}; as printed, weighed and trimmed, "
-        "and the baseline: a neutral sphere of the same volume"
+        f"kept: {100 * KEPT:.0f} % hit, or more; hit: the share of {flights} flights under fresh disturbed conditions that {hit}{rest}; as printed, weighed in water and trimmed, "
+        "and the baseline: a plain sphere, or a capsule, made, weighed and tuned for the target in the same way"
     )
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from driftform.agent.plain import PlainBody
 from driftform.motion.path.targets import find_offsets
 from driftform.runs.store import DisturbedResult, Store
 from driftform.search.jobs import Executor, Job
@@ -19,7 +20,7 @@ from driftform.water.scenario import evaluation_seed
 def draw_rounds(study: Study) -> tuple[Condition, ...]:
     """Return the conditions of the choice, and after them those of the promise, for a run of a study.
 
-    The latter are the same for each of what is :data:`~driftform.water.disturbances.FLOWN`: print, weighed print and baseline, in this order. If the gusts are in
+    The latter are the same for each of what is :data:`~driftform.water.disturbances.FLOWN`: print, weighed print and idle body, in this order. If the gusts are in
     doubt, the weighed print also flies in gusts as ``[gusts]`` describes them, last of all.
     """
     robustness, calibration = study.scenario.robustness, study.scenario.calibration
@@ -34,11 +35,22 @@ def draw_rounds(study: Study) -> tuple[Condition, ...]:
     )
 
 
+def draw_baseline(study: Study, target: int, plain: PlainBody) -> dict[int, Condition]:
+    """Return the conditions of the promise for the baseline of a target, by number; those of all targets follow :func:`draw_rounds`."""
+    robustness = study.scenario.robustness
+    first = robustness.conditions + (len(FLOWN) + 1 + target) * robustness.checks
+    weighed = draw_rounds(study)[robustness.conditions + robustness.checks :][: robustness.checks]
+    return {
+        number: replace(condition, specimen=Specimen.BASELINE, plain=plain)
+        for number, condition in enumerate(weighed, start=first)
+    }
+
+
 def fly_disturbed(
     study: Study,
     store: Store,
     executor: Executor,
-    conditions: Sequence[Condition],
+    conditions: Sequence[Condition] | Mapping[int, Condition],
     flights: Iterable[tuple[int, int]],
     on_flights: Callable[[int], None] = lambda _: None,
     threshold: tuple[float, ...] | None = None,
@@ -47,7 +59,7 @@ def fly_disturbed(
     """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs.
 
     Args:
-        conditions: all of them; a pair holds the index of one.
+        conditions: by number; a pair holds that of one.
         flights: pairs of an evaluation and a condition.
         on_flights: called with the number of pairs that are done.
         threshold: that of :class:`driftform.search.Job`.

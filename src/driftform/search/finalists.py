@@ -5,20 +5,22 @@ conditions show how far it misses.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from math import ceil, inf, isnan
 from typing import Any
 
 import numpy as np
 
+from driftform.agent.plain import PlainBody
 from driftform.interfaces import Fitness
 from driftform.motion.path.targets import find_offsets, find_within
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.misses import Misses, finite_or_none
 from driftform.runs.store import Store
 from driftform.runs.wording import describe_result, name_verdict
-from driftform.search.disturbed import draw_rounds, fly_disturbed
+from driftform.search.baseline import Aim, read_baselines, tune_baselines, write_baselines
+from driftform.search.disturbed import draw_baseline, draw_rounds, fly_disturbed
 from driftform.search.jobs import Executor
 from driftform.search.survey import read_flights, read_scores
 from driftform.study import Study
@@ -49,13 +51,40 @@ def fly_finalists(
     finalists = {list(scores)[row]: reaching[row] for row in rows}
     conditions = draw_rounds(study)
     to_come = min(len(finalists), len(targets)) * (len(conditions) - robustness.conditions)
+    to_come += len(targets) * robustness.checks
     fly = partial(fly_disturbed, study, store, executor, conditions)
     done = _race(study, store, fly, finalists, scores, lambda count, left: on_flights(count, left + to_come))
     won = [None if (winner := find_winner(study, store, t)) is None else winner.index for t in targets]
     winners = {index: np.array([index == of for of in won]) for index in won if index is not None}
     numbers = range(robustness.conditions, len(conditions))
     checked = [(index, number) for index in sorted(winners) for number in numbers]
-    fly(checked, lambda count: on_flights(done + count, done + len(checked)), wanted=winners)
+    total = done + len(checked) + robustness.checks * sum(index is not None for index in won)
+    fly(checked, lambda count: on_flights(done + count, total), wanted=winners)
+    _fly_baselines(study, store, executor, won, lambda count: on_flights(done + len(checked) + count, total))
+
+
+def _fly_baselines(
+    study: Study, store: Store, executor: Executor, won: Sequence[int | None], on_flights: Callable[[int], None]
+) -> None:
+    """Tune the baseline of each target, and fly it in place of the winner; on_flights is called with the flights that are done."""
+    targets, baselines, done = study.scenario.target_names, read_baselines(store), 0
+    missing = [(t, index) for t, index in enumerate(won) if index is not None and (t, index) not in baselines]
+    if missing:
+        pipeline = study.make_pipeline()
+        genomes = {index: store.read_genome(index) for _, index in missing}
+        aims = [Aim(target, genomes[index], pipeline.make_agent(genomes[index]).body) for target, index in missing]
+        tuned = tune_baselines(study, executor, aims)
+        baselines |= {(t, index): tuned[t] for t, index in missing if t in tuned}
+        write_baselines(store, baselines)
+    for target, index in enumerate(won):
+        if index is None:
+            continue
+        if (target, index) in baselines:
+            conditions = draw_baseline(study, target, baselines[target, index])
+            flights, for_target = [(index, number) for number in conditions], {index: np.arange(len(targets)) == target}
+            fly_disturbed(study, store, executor, conditions, flights, wanted=for_target)
+        done += study.scenario.robustness.checks
+        on_flights(done)
 
 
 def _find_reaching(fitness: Fitness[Any], undisturbed: Mapping[int, float]) -> BoolArray:
@@ -178,22 +207,28 @@ class Winner:
         index: of its evaluation.
         score: by which it was chosen, %.
         promises: of what flies under the conditions of the promise, empty before that.
+        plain: the baseline; ``None`` if no plain body floats the core, or in a run of an earlier version.
     """
 
     index: int
     score: float
     promises: Mapping[Specimen, Promise] = field(default_factory=dict)
+    plain: PlainBody | None = None
 
     def document(self) -> dict[str, Any]:
         """Return what an agent file and a JSON document hold of it: the score, and of each promise its numbers, misses in m."""
         documents = {specimen: promise.document() for specimen, promise in self.promises.items()}
         if not documents:
             return {"score": self.score}
+        baseline = {}
+        if self.plain is not None and Specimen.BASELINE in documents:
+            baseline = {"baseline": {**documents[Specimen.BASELINE], "kind": self.plain.kind, **asdict(self.plain)}}
         return {
             "score": self.score,
             **documents[Specimen.PRINT],
             "weighed": documents[Specimen.WEIGHED],
-            "baseline": documents[Specimen.BASELINE],
+            **baseline,
+            "idle": documents[Specimen.IDLE],
         }
 
 
@@ -226,20 +261,26 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     if not all(number in flights for number in checked):
         return Winner(equals[0], best)
     offsets, promises = store.read_offsets(target, equals[0]), dict[Specimen, Promise]()
-    # A run of an earlier version has no flights in known gusts.
+    # A run of an earlier version has no flights in known gusts, and no baseline.
     known = [at for at in range(checked.stop, len(conditions)) if at in flights]
-    for specimen in FLOWN:
-        fresh = [at for at in checked if conditions[at].specimen is specimen]
+    at_target, numbered = study.scenario.target_names.index(target), dict(enumerate(conditions[: checked.stop]))
+    plain = read_baselines(store).get((at_target, equals[0]))
+    if plain is not None:
+        numbered |= draw_baseline(study, at_target, plain)
+    for specimen in (*FLOWN, Specimen.BASELINE):
+        fresh = [at for at, condition in numbered.items() if at >= first and condition.specimen is specimen]
+        if not fresh or not all(at in flights for at in fresh):
+            continue
         found = [np.array([offsets[at] for at in part])[:, None] for part in (fresh, known) if part]
         beside = found[-1] if specimen is Specimen.WEIGHED and len(known) == count else None
-        misses = Misses([conditions[at] for at in fresh], found[0], beside)
+        misses = Misses([numbered[at] for at in fresh], found[0], beside)
         sound = [
             fitness.is_hit(flights[at], miss, within)
             for at, miss in zip(fresh, misses.distances[:, 0].tolist(), strict=True)
             if not isnan(flights[at])
         ]
         promises[specimen] = Promise(misses, sum(sound) / len(sound) if sound else None)
-    return Winner(equals[0], best, promises)
+    return Winner(equals[0], best, promises, plain)
 
 
 def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:

@@ -10,6 +10,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from driftform.agent.plain import PlainBody
 from driftform.types import FloatArray
 from driftform.util.vectors import cross
 from driftform.water import Calibration, Fluid, Scenario
@@ -56,12 +57,14 @@ class Specimen(StrEnum):
     """The print, weighed in water and trimmed with ballast, each to the nearest :data:`SCALE`."""
     WEIGHED_IN_AIR = "weighed in air"
     """The same, weighed in air: its mass is that of the design, and its volume is not known. No run flies it."""
-    BASELINE = "baseline"
+    IDLE = "idle"
     """A neutral sphere of the agent's volume, in its place."""
+    BASELINE = "baseline"
+    """The plain body of the condition, weighed and trimmed as the print is."""
 
 
-FLOWN = (Specimen.PRINT, Specimen.WEIGHED, Specimen.BASELINE)
-"""What flies under the conditions of the promise, in this order."""
+FLOWN = (Specimen.PRINT, Specimen.WEIGHED, Specimen.IDLE)
+"""What flies under the conditions of the promise, in this order; the baseline of each target follows."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +92,7 @@ class Condition:
         bubble: volume of air that clings to the body, less that when it was weighed, m3.
         turbulence: factors on strength, memory and crossing of the gusts.
         specimen: the body that flies.
+        plain: the plain body of a baseline.
     """
 
     across: tuple[float, float]
@@ -113,6 +117,7 @@ class Condition:
     bubble: float = 0.0
     turbulence: tuple[float, float, float] = KNOWN
     specimen: Specimen = Specimen.PRINT
+    plain: PlainBody | None = None
 
 
 def draw_conditions(

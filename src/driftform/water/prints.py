@@ -23,7 +23,7 @@ def disturb_body(condition: Condition, body: Body, fluid: Fluid) -> Body:
     made = _print(condition, body)
     there, water = _immerse(condition, made), disturb_fluid(condition, fluid).density
     wet, bubble = condition.absorbed * hull_mass(made), fluid.density * condition.bubble
-    if condition.specimen is Specimen.WEIGHED:
+    if condition.specimen in (Specimen.WEIGHED, Specimen.BASELINE):
         design, volume = mass_properties(body), mass_properties(there).volume
         # What the body displaces in flight more than the maker expects, by thermometers and by data sheets, relative to it.
         there_at, read_at = fluid.celsius + condition.warmer, fluid.celsius + condition.warmer + condition.read

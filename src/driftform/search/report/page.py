@@ -36,7 +36,7 @@ STYLES = {"kept": "good", "kept if weighed": "fair", "reached": "good", "near": 
 SEAMS = ("grammar", "builder", "hydrodynamics", "simulator", "fitness", "strategy")
 """Tables of a study whose plugins the page lists."""
 
-BODIES, PROMISE = ("as printed", "weighed and trimmed", "baseline"), ("hits (%)", "90 % miss (mm)")
+BODIES, PROMISE = ("as printed", "weighed in water", "baseline"), ("hits (%)", "90 % miss (mm)")
 """Titles of the groups of columns of a promise, and the headings in each."""
 
 
