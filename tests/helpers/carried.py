@@ -1,6 +1,6 @@
 """Solid bodies that turbulent water carries through a straight pipe: flights with inertia, drag and lift, and where they end."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -9,8 +9,10 @@ from tracers import spread_evenly, straight_pipe
 
 from driftform.agent import mass_properties
 from driftform.motion.forces.body_drag import estimate_drag, wake_factor
+from driftform.motion.forces.model import flight_model
+from driftform.motion.forces.state import release_state
 from driftform.motion.path.clearance import wall_clearances
-from driftform.types import Agent, Body, FloatArray, Trajectory
+from driftform.types import Agent, Body, End, FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform.water.velocity import flow_array, pipe_rows, water_motion
 from driftform_native.simulator import NativeOptions, NativeSimulator
@@ -20,18 +22,35 @@ NEAR = 1e-4
 """Distance from the wall, m, below which a body counts as touching: it may have rebounded a moment ago."""
 
 
-def make_carried_agent(body: Body, scenario: Scenario, ratio: float = 1.0) -> Agent:
-    """Return an agent with this body, of ``ratio`` times the mass of the water that it displaces, and no righting moment."""
+COUPLE = "couple"
+"""The couple of creeping motion as a term to leave out, besides those of ``drag_without``."""
+
+
+def make_carried_agent(body: Body, scenario: Scenario, ratio: float = 1.0, without: Collection[str] = ()) -> Agent:
+    """Return an agent with this body, of ``ratio`` times the mass of the water that it displaces, and no righting moment.
+
+    ``without`` are terms of the drag to leave out.
+    """
     water, mass = scenario.fluid, mass_properties(body)
     factor = ratio * water.density * mass.volume / mass.mass
     mass = replace(mass, mass=factor * mass.mass, inertia=factor * mass.inertia, cog=mass.cob)
     added = PanelMethod(PanelOptions()).coefficients(body, water)
-    drag = estimate_drag(body, water.viscosity, wake_factor(added, water.density * mass.volume))
+    drag = estimate_drag(body, water.viscosity, wake_factor(added, water.density * mass.volume), without)
+    if COUPLE in without:
+        along, across, _, share = drag.creeping
+        drag = replace(drag, creeping=(along, across, 0.0, share))
     return Agent(body, mass, replace(added, drag=drag))
 
 
 RANKS = 400
 """Places of a section among which that of a body is ranked."""
+
+
+def find_free_places(quaternion: FloatArray, scenario: Scenario, agent: Agent) -> FloatArray:
+    """Return those of :data:`RANKS` places of the section that the agent's origin can reach in an attitude, m, (n, 3)."""
+    places = spread_evenly(RANKS, scenario.pipe.layout.inlet.radius)
+    still = Trajectory(np.zeros(RANKS), places, np.tile(quaternion, (RANKS, 1)), np.zeros((RANKS, 6)), End.HORIZON)
+    return places[wall_clearances(still, scenario, agent) > 0.0]
 
 
 @dataclass(frozen=True)
@@ -50,13 +69,18 @@ class Carried:
 
 @dataclass(frozen=True)
 class Carrying:
-    """Bodies in a pipe of ``radius`` (m) and mean ``speed`` (m/s), observed after each of ``diameters`` of it."""
+    """Bodies in a pipe of ``radius`` (m) and mean ``speed`` (m/s), observed after each of ``diameters`` of it.
+
+    They are released along the pipe, or evenly in ``any_attitude``; their drag is ``without`` some terms.
+    """
 
     body: Body
     radius: float
     speed: float
     diameters: tuple[float, ...]
     ratio: float = 1.0
+    any_attitude: bool = False
+    without: tuple[str, ...] = ()
 
     @property
     def scenario(self) -> Scenario:
@@ -72,26 +96,35 @@ class Carrying:
 
     def fly(self, seed: int, place: list[float]) -> FloatArray:
         """Return x, z, clearance (m) and the share of the area that is nearer to the axis after each time, (k, 4)."""
-        scenario = self.scenario
-        release = scenario.release.model_copy(update={"position": tuple(place), "frame": "world"})
-        agent = make_carried_agent(self.body, scenario, self.ratio)
-        there = scenario.with_gusts(seed).model_copy(update={"release": release})
+        there = self.release_at(place).with_gusts(seed)
+        agent = make_carried_agent(self.body, there, self.ratio, self.without)
+        if self.any_attitude:
+            rng = np.random.default_rng(seed)
+            axis = rng.normal(size=3)
+            there = self.release_at(place, axis).with_gusts(seed)
+            attitude = release_state(flight_model(agent, there), there)[3:7]
+            place = rng.choice(find_free_places(attitude, there, agent)).tolist()
+            there = self.release_at(place, axis).with_gusts(seed)
         flight = NativeSimulator(NativeOptions(accuracy=0.1)).simulate(agent, there)
         assert not flight.end.failed
         rows = np.searchsorted(flight.t, 2 * self.radius / self.speed * np.array(self.diameters))
         part = replace(
             flight, **{name: getattr(flight, name)[rows] for name in ("t", "position", "quaternion", "velocity")}
         )
-        nearer = [self.rank(part, k, there, agent) for k in range(len(rows))]
+        free = [np.hypot(*find_free_places(q, there, agent)[:, 1:].T) for q in part.quaternion]
+        off = np.hypot(*part.position[:, 1:].T)
+        nearer = [np.mean(inner < r) for inner, r in zip(free, off, strict=True)]
         return np.column_stack([part.position[:, [0, 2]], wall_clearances(part, there, agent), nearer])
 
-    def rank(self, flight: Trajectory, k: int, scenario: Scenario, agent: Agent) -> float:
-        """Return how much of the area that the origin can reach in the attitude of sample ``k`` is nearer to the axis."""
-        places = spread_evenly(RANKS, self.radius)
-        t, turned = np.zeros(RANKS), np.tile(flight.quaternion[k], (RANKS, 1))
-        there = replace(flight, t=t, position=places, quaternion=turned, velocity=np.zeros((RANKS, 6)))
-        free = places[wall_clearances(there, scenario, agent) > 0.0]
-        return float(np.mean(np.hypot(*free[:, 1:].T) < np.hypot(*flight.position[k, 1:])))
+    def release_at(self, place: list[float], axis: FloatArray | tuple[float, ...] = (1.0, 0.0, 0.0)) -> Scenario:
+        """Return the scenario with a release of the body at ``place`` (m) with its ``axis``; world frame."""
+        scenario, (x, y, z) = self.scenario, axis
+        turned = {
+            "yaw_deg": float(np.degrees(np.arctan2(y, x))),
+            "pitch_deg": -float(np.degrees(np.arctan2(z, np.hypot(x, y)))),
+        }
+        release = scenario.release.model_copy(update={"position": tuple(place), "frame": "world", **turned})
+        return scenario.model_copy(update={"release": release})
 
     def observe(self, count: int, run: Callable[..., Iterable[Any]] = map) -> list[Carried]:
         """Return what ``count`` bodies do that are released evenly over the room of their centres; ``run`` is a map."""

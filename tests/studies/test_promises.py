@@ -296,8 +296,10 @@ def test_flights_keep_what_a_run_promises_in_a_pipe_of_300_millimetres(
         assert 0.85 <= kept[s].mean() <= 0.95
 
 
-def test_agents_leave_a_junction_by_the_outlet_that_they_promise(tmp_path: Path) -> None:
-    names, runs = run_elsewhere("t-junction", (), tmp_path, FRESH // 2)
+def test_agents_leave_a_junction_by_the_outlet_that_they_promise(
+    tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
+) -> None:
+    names, runs = run_elsewhere("t-junction", (), tmp_path)
     lines = [
         "| outlet | printed: promised | fresh | least | weighed: promised | fresh | least |",
         "|---|---|---|---|---|---|---|",
@@ -308,7 +310,7 @@ def test_agents_leave_a_junction_by_the_outlet_that_they_promise(tmp_path: Path)
             fresh = hits_of(runs, s)[:, n]
             shares += [np.mean([o.promised_hits[s][n] for o in runs]), fresh.mean(), fresh.min()]
         lines.append(f"| {name} | {' | '.join(f'{100 * share:.1f} %' for share in shares)} |")
-    print("", *lines, sep="\n")
+    publish("promises in t-junction", lines)
     kept = {s: (hits_of(runs, s) >= KEPT).mean(axis=0) for s in MADE}
     print({s.value: share.tolist() for s, share in kept.items()})
     # As for a miss: nine agents of ten keep an outlet as printed, and each does when it is weighed.
