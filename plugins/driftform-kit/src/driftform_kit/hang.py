@@ -7,10 +7,12 @@ from driftform import Design
 from driftform.agent import MassElement
 from driftform.errors import InputError
 from driftform.types import Agent, Body
-from driftform.water.disturbances import SCALE
 from driftform_kit.ballast import FOAM
 from driftform_kit.net_weight import find_net_weight, find_reading, weigh_added
 from driftform_kit.trim import fly_cases
+
+SCALE = 0.00005
+"""Smallest step of a kitchen scale, kg."""
 
 MOST = 0.2
 """Largest deviation of a net weight, relative to the mass of the agent: more was weighed in air, or in another unit."""

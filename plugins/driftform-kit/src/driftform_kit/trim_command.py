@@ -130,11 +130,11 @@ def _trim_in_water(
     opened: tuple[str | None, Sequence[str], dict[str, str | None]],
     json: bool,
 ) -> None:
-    from driftform.cli import output
-    from driftform.design.opening import open_agent
+    from driftform.cli import formats, output
     from driftform_kit.hang import describe_hanging, trim_in_water
 
-    design = open_agent(agent, *opened)
+    scenario, settings, use = opened
+    design = formats.open_exported(agent, ["stl"], False, None, (), settings, scenario, use)
     facts = trim_in_water(design, net_weight, celsius)
     if json:
         output.print_json(facts)
