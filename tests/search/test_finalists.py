@@ -32,7 +32,7 @@ from driftform.water.scenario import Robustness
 
 SETTINGS = ("robustness.conditions=4", "robustness.finalists=2", "robustness.checks=3")
 
-CALM = Condition((0.0, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, None)
+CALM = Condition()
 
 BASELINES = set(range(16, 22))
 """Numbers of the flights of both baselines."""

@@ -14,7 +14,7 @@ from driftform.water import Fluid
 from driftform.water.disturbances import Condition, Specimen, disturb_fluid
 from driftform.water.prints import disturb_body
 
-CALM = Condition((0.0, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, None)
+CALM = Condition()
 
 WATER = Fluid(density=999.1, expansion=1.51e-4, celsius=15.0)
 

@@ -14,7 +14,7 @@ from driftform_kit.hang import trim_in_water
 from driftform_kit.net_weight import ADDED, find_net_weight, find_reading
 
 WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveB"
-CALM = Condition((0.0, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, None)
+CALM = Condition()
 WATER = ["fluid.density=999.1", "fluid.expansion=1.51e-4", "fluid.celsius=15"]
 
 

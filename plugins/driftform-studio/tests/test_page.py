@@ -335,6 +335,11 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
         before = set(browser.downloads.iterdir())
         page.press("[data-kind=trimmed]")
         page.wait_for(lambda: [p for p in set(browser.downloads.iterdir()) - before if p.suffix in (".3mf", ".zip")])
+    # Sealed, and hung under water.
+    page.set("Shown under water", "0.7")
+    page.press("#hang")
+    page.wait_for(lambda: "it misses by" in page.text("hanging"))
+    assert "it weighs +0.70 g in water of" in page.text("hanging")
     words = page.run(
         "return [...document.querySelectorAll('main > :not(#terminal)')].map((e) => e.innerText).join(' ')"
     )

@@ -31,6 +31,12 @@ class MassElement:
         return cls(mass, x, inertia, inertia)
 
     @classmethod
+    def of_agent(cls, agent: Agent) -> "MassElement":
+        """Return all that an agent weighs."""
+        mass = agent.mass
+        return cls(mass.mass, float(mass.cog[0]), float(mass.inertia[0, 0]), float(mass.inertia[1, 1]))
+
+    @classmethod
     def of_hull(cls, body: Body, mass: float, x: float | None = None) -> "MassElement":
         """Return ``mass`` (kg) of hull, spread as its material is; about ``x`` (m), or about the centre of the material."""
         solid = hull_moments(body)

@@ -29,7 +29,8 @@ def measure_gram_sensitivity(pipeline: Pipeline, agent: Agent, name: str) -> Sen
     """
     if hull_mass(agent.body) <= GRAM:
         return None
-    mass = agent.mass
-    whole = MassElement(mass.mass, float(mass.cog[0]), float(mass.inertia[0, 0]), float(mass.inertia[1, 1]))
-    others = [MassElement.reweigh(agent, (whole, MassElement.of_hull(agent.body, gram))) for gram in (-GRAM, GRAM)]
+    others = [
+        MassElement.reweigh(agent, (MassElement.of_agent(agent), MassElement.of_hull(agent.body, gram)))
+        for gram in (-GRAM, GRAM)
+    ]
     return Sensitivity(*(100 - one.fitness for one in pipeline.simulate([agent, *others], name)))

@@ -239,25 +239,22 @@ class Store:
 
     def mark_ended(self, facts: Mapping[str, Any]) -> None:
         """Store that the run has ended as it is now, with facts about that."""
-        ended = json.dumps({**facts, "digest": self.compute_digest()})
-        with suppress(sqlite3.Error), self._writing():
-            self._connection.execute("INSERT OR REPLACE INTO meta VALUES ('ended', ?)", (ended,))
+        ended = {**facts, "digest": self.compute_digest()}
+        with suppress(sqlite3.Error):
+            self.write_facts("ended", ended)
 
     def read_ended(self) -> dict[str, Any]:
         """Return the facts of the end if nothing has changed since, otherwise nothing."""
-        with self._reading():
-            row = self._connection.execute("SELECT value FROM meta WHERE key = 'ended'").fetchone()
-            found = json.loads(row[0]) if row is not None else {}
-        is_same = isinstance(found, dict) and found.get("digest") == self.compute_digest()
-        return found if is_same else {}
+        found = self.read_facts("ended")
+        return found if found.get("digest") == self.compute_digest() else {}
 
     def write_facts(self, name: str, facts: Mapping[str, Any]) -> None:
-        """Store facts about the run by a name, in place of older ones."""
+        """Store facts about the run under a name, in place of older ones."""
         with self._writing():
             self._connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (name, json.dumps(facts)))
 
     def read_facts(self, name: str) -> dict[str, Any]:
-        """Return the facts about the run that were stored by a name; nothing if there are none."""
+        """Return the facts that :meth:`write_facts` stored under a name, or an empty dictionary."""
         with self._reading():
             row = self._connection.execute("SELECT value FROM meta WHERE key = ?", (name,)).fetchone()
         found = json.loads(row[0]) if row is not None else {}

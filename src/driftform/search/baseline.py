@@ -104,6 +104,4 @@ def _make_calm(study: Study, plain: PlainBody) -> Condition:
     """Return the condition of an undisturbed flight of a plain body."""
     calibration = study.scenario.calibration
     values = calibration.draw_factors(np.zeros((1, len(calibration.intervals))))[0].tolist()
-    return Condition(
-        (0.0, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, None, tuple(values), specimen=Specimen.BASELINE, plain=plain
-    )
+    return Condition(calibrated=tuple(values), specimen=Specimen.BASELINE, plain=plain)

@@ -69,7 +69,7 @@ FLOWN = (Specimen.PRINT, Specimen.WEIGHED, Specimen.IDLE)
 
 @dataclass(frozen=True)
 class Condition:
-    """The deviations of one flight from its scenario.
+    """The deviations of one flight from its scenario; by default there are none.
 
     Attributes:
         across: offset of the release position along the two normals of :func:`draw_normals`, m.
@@ -95,15 +95,15 @@ class Condition:
         plain: the plain body of a baseline.
     """
 
-    across: tuple[float, float]
-    pitch: float
-    yaw: float
-    current: float
-    density: float
-    mass: float
-    wall: float
-    drag: float
-    gusts: int | None
+    across: tuple[float, float] = (0.0, 0.0)
+    pitch: float = 0.0
+    yaw: float = 0.0
+    current: float = 1.0
+    density: float = 1.0
+    mass: float = 1.0
+    wall: float = 0.0
+    drag: float = 1.0
+    gusts: int | None = None
     calibrated: tuple[float, ...] = ()
     swirl: float = 0.0
     left: float = 0.0

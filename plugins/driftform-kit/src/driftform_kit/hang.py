@@ -6,7 +6,7 @@ from typing import Any
 from driftform import Design
 from driftform.agent import MassElement
 from driftform.errors import InputError
-from driftform.types import Agent, Body
+from driftform.types import Body
 from driftform_kit.ballast import FOAM
 from driftform_kit.net_weight import find_net_weight, find_reading, weigh_added
 from driftform_kit.trim import fly_cases
@@ -14,7 +14,7 @@ from driftform_kit.trim import fly_cases
 SCALE = 0.00005
 """Smallest step of a kitchen scale, kg."""
 
-MOST = 0.2
+MAX_DEVIATION = 0.2
 """Largest deviation of a net weight, relative to the mass of the agent: more was weighed in air, or in another unit."""
 
 
@@ -33,13 +33,12 @@ def trim_in_water(design: Design, net_weight: float, celsius: float | None = Non
         raise InputError(f"--water-temperature {celsius:g}: is in degrees C, from -10 to 100")
     wanted, density = find_reading(agent, fluid, celsius), fluid.density_at(celsius)
     missing = wanted - net_weight
-    if not (math.isfinite(net_weight) and abs(missing) < MOST * agent.mass.mass):
+    if not (math.isfinite(net_weight) and abs(missing) < MAX_DEVIATION * agent.mass.mass):
         raise InputError(
             f"--net-weight {1000 * net_weight:g}: {design.name} should weigh {1000 * wanted:.2f} g under water, of {1000 * agent.mass.mass:.1f} g "
             "in air: give the grams that the scale shows while the sealed agent hangs under water, negative if it floats"
         )
-    x = agent.body.core.cog
-    off = MassElement.reweigh(agent, (_as_element(agent), MassElement(-missing, x)))
+    off = MassElement.reweigh(agent, (MassElement.of_agent(agent), MassElement(-missing, agent.body.core.cog)))
     return {
         "agent": design.name,
         "simulator": design.pipeline.simulator.name,
@@ -54,11 +53,6 @@ def trim_in_water(design: Design, net_weight: float, celsius: float | None = Non
         "foam": max(0.0, -missing) / (density - FOAM) if missing <= -SCALE / 2 else 0.0,
         **fly_cases(design, {"simulated": agent, "untrimmed": off}),
     }
-
-
-def _as_element(agent: Agent) -> MassElement:
-    mass = agent.mass
-    return MassElement(mass.mass, float(mass.cog[0]), float(mass.inertia[0, 0]), float(mass.inertia[1, 1]))
 
 
 def describe_hanging(facts: dict[str, Any], body: Body) -> list[str]:

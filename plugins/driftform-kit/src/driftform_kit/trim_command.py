@@ -1,7 +1,7 @@
 """``driftform trim``."""
 
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
@@ -9,6 +9,7 @@ import typer
 from driftform.cli import options
 
 if TYPE_CHECKING:
+    from driftform import Design
     from driftform.interfaces import Fitness
     from driftform_kit.trim import Balls
 
@@ -100,9 +101,10 @@ def trim(
             raise InputError(
                 f"--{given[0]}: does not go with --net-weight, which weighs the sealed agent: leave it out"
             )
-        _trim_in_water(agent, net_weight / 1000, water_temperature, (scenario, settings or (), use), json)
-        return
     design = formats.open_exported(agent, names, kit, bed, option or (), settings or (), scenario, use)
+    if net_weight is not None:
+        _trim_in_water(design, net_weight / 1000, water_temperature, json)
+        return
     facts = trim_design(design, printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density)
     if json:
         output.print_json(facts)
@@ -123,18 +125,10 @@ def trim(
     _print(facts, design.pipeline.fitness, write)
 
 
-def _trim_in_water(
-    agent: str,
-    net_weight: float,
-    celsius: float | None,
-    opened: tuple[str | None, Sequence[str], dict[str, str | None]],
-    json: bool,
-) -> None:
-    from driftform.cli import formats, output
+def _trim_in_water(design: "Design", net_weight: float, celsius: float | None, json: bool) -> None:
+    from driftform.cli import output
     from driftform_kit.hang import describe_hanging, trim_in_water
 
-    scenario, settings, use = opened
-    design = formats.open_exported(agent, ["stl"], False, None, (), settings, scenario, use)
     facts = trim_in_water(design, net_weight, celsius)
     if json:
         output.print_json(facts)

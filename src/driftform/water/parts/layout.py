@@ -162,7 +162,7 @@ class Layout:
         return part.legs[0] + part.legs[2] if isinstance(part, Tee) and by_branch else part.length
 
     def _find_exit(self, index: int, below: int) -> bool | None:
-        """Return whether the path from a part downstream to another leaves it by its branch; None if there is none."""
+        """Return whether the path from a part downstream to another leaves it by its branch; ``None`` if there is no such path."""
         while below > index:
             placed = self.parts[below]
             if placed.upstream == index:

@@ -584,50 +584,47 @@ function showWeighing({ hull, core }) {
   find("hang-wait").textContent = "";
 }
 
-find("hang").addEventListener("submit", async () => {
-  const { key } = agent;
-  const wait = find("hang-wait");
-  if (find("hang").querySelector("[data-held]")) return;
-  find("hung").disabled = true;
-  wait.className = "wait busy";
-  wait.textContent = "Flying";
-  find("hanging").replaceChildren();
-  try {
-    const found = await perform(address("agents", part(key), "hang"), hung, (text) => { wait.textContent = `Flying: ${text}`; });
-    if (agent?.key === key) find("hanging").replaceChildren(...describeHanging(found));
-    wait.textContent = "";
-  } catch (error) {
-    wait.replaceChildren(make("span", { class: "error" }, error.message));
-    if (error instanceof Offline) offline(true);
-  }
-  wait.className = "wait";
-  find("hung").disabled = false;
-});
-
-find("weigh").addEventListener("submit", async () => {
-  const { key, data } = agent;
-  const wait = find("trim-wait");
-  if (find("weigh").querySelector("[data-held]")) return;
-  find("trim").disabled = true;
-  wait.className = "wait busy";
-  wait.textContent = "Placing ballast, and flying";
-  find("trimmed").replaceChildren();
-  try {
-    // An empty field is a print that weighs what was simulated.
-    const found = await perform(address("agents", part(key), "trim"), { grams: weight ?? 1000 * (data.facts.hull + data.facts.core) }, (text) => { wait.textContent = `Placing ballast, and flying: ${text}`; });
-    if (agent?.key === key) find("trimmed").replaceChildren(...describeTrim(found, (button, seats) => takeMade(button, "kit", "3MF kit with its seat", seats)));
-    wait.textContent = "";
-  } catch (error) {
-    wait.replaceChildren(make("span", { class: "error" }, ...sayWeight(error)));
-    if (error instanceof Offline) offline(true);
-  }
-  wait.className = "wait";
-  find("trim").disabled = false;
-});
-
 // The core speaks of an option in kg.
 const sayWeight = (error) => [error.message.replace(/^--printed-mass [\d.e-]+: should be more than the core's ([\d.e-]+) kg.*/s, (_, core) => `It weighs more than its core of ${grams(Number(core))}: weigh all parts with the core.`)
   .replace(/^--printed-mass [\d.e-]+: is in kg.*/s, "This is more than twenty times what was simulated: enter grams.")];
+
+// A form that asks for work on the agent: its parts by id, and what is asked, shown and said of an error.
+function answer(form, { button, wait, shown, words, ask, show, say }) {
+  find(form).addEventListener("submit", async () => {
+    const { key, data } = agent;
+    const line = find(wait);
+    if (find(form).querySelector("[data-held]")) return;
+    find(button).disabled = true;
+    line.className = "wait busy";
+    line.textContent = words;
+    find(shown).replaceChildren();
+    try {
+      const found = await perform(address("agents", part(key), button), ask(data), (text) => { line.textContent = `${words}: ${text}`; });
+      if (agent?.key === key) find(shown).replaceChildren(...show(found));
+      line.textContent = "";
+    } catch (error) {
+      line.replaceChildren(make("span", { class: "error" }, ...say(error)));
+      if (error instanceof Offline) offline(true);
+    }
+    line.className = "wait";
+    find(button).disabled = false;
+  });
+}
+
+answer("weigh", {
+  button: "trim", wait: "trim-wait", shown: "trimmed", words: "Placing ballast, and flying",
+  // An empty field is a print that weighs what was simulated.
+  ask: ({ facts }) => ({ grams: weight ?? 1000 * (facts.hull + facts.core) }),
+  show: (found) => describeTrim(found, (button, seats) => takeMade(button, "kit", "3MF kit with its seat", seats)),
+  say: sayWeight,
+});
+
+answer("weigh-in-water", {
+  button: "hang", wait: "hang-wait", shown: "hanging", words: "Flying",
+  ask: () => hung,
+  show: describeHanging,
+  say: (error) => [error.message.replace(/^--[a-z-]+ [\d.e+-]+: /, "")],
+});
 
 find("drawing").addEventListener("toggle", () => {
   if (find("drawing").open && agent) find("section").src = `take/${part(run.name)}/agents/${part(agent.key)}/section.svg`;
