@@ -139,6 +139,11 @@ class Moments:
             self.volume - hole.volume, self.first - hole.first, self.second - hole.second, self.polar - hole.polar
         )
 
+    def scale(self, factor: float) -> "Moments":
+        """Return those of the solid with all its lengths multiplied by a factor, about the same origin."""
+        cube, fifth = factor**3, factor**5
+        return Moments(cube * self.volume, cube * factor * self.first, fifth * self.second, fifth * self.polar)
+
     @property
     def centroid(self) -> float:
         """x of the centroid, m."""

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from driftform.agent import hull_mass, mass_properties, solid_of_revolution
 from driftform.agent.offset import offset_contour
+from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 from driftform.water import Fluid
 from driftform.water.disturbances import Condition, Specimen, disturb_fluid
@@ -90,6 +91,18 @@ def test_warmer_water_carries_less_and_a_warmer_hull_more(ball):
     volume = 4 / 3 * np.pi * 0.04**3 * (1 - 0.002)
     warm = net_weight(ball, replace(CALM, warmer=5.0)) - net_weight(ball, CALM)
     assert warm == pytest.approx((999.1 - WATER.density_at(20) * (1 + 5 * 9.5e-5) ** 3) * volume, rel=1e-3)
+
+
+def test_the_fittings_of_a_kit_warm_and_shrink_with_its_hull():
+    pipeline = load_study("pipe-inspection").make_pipeline()
+    body = pipeline.build(pipeline.express(pipeline.grammar.random(np.random.default_rng(1))))
+    assert abs(body.fittings.material.volume) > 1e-8
+    warm = disturb_body(replace(CALM, warmer=10.0), body, WATER)
+    assert mass_properties(warm).mass == pytest.approx(mass_properties(body).mass, rel=1e-12)
+    small = disturb_body(replace(CALM, scale=0.99), body, WATER)
+    assert hull_mass(small) == pytest.approx(0.99**3 * hull_mass(body), rel=1e-12)
+    volume = mass_properties(body).volume
+    assert mass_properties(small).volume == pytest.approx(0.99**3 * volume, rel=1e-12)
 
 
 def test_a_print_takes_up_water_and_carries_bubbles(ball):

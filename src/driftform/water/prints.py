@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from driftform.agent.mass import hull_mass, mass_properties
 from driftform.agent.offset import offset_contour
-from driftform.types import Body
+from driftform.types import Body, Fittings
 from driftform.water import Fluid
 from driftform.water.disturbances import Condition, Specimen, disturb_fluid
 
@@ -43,19 +43,21 @@ def disturb_body(condition: Condition, body: Body, fluid: Fluid) -> Body:
 
 def _print(condition: Condition, body: Body) -> Body:
     """Return the body as printed."""
-    outer = condition.scale * offset_contour(body.outer, condition.outside)
+    outer = offset_contour(body.outer, condition.outside)
     # Your own body may have a given mass, and no wall.
-    cavity = condition.scale * offset_contour(body.cavity, -condition.wall if body.wall else 0.0)
-    return replace(body, outer=outer, cavity=cavity, hull_density=body.hull_density * condition.mass)
+    cavity = offset_contour(body.cavity, -condition.wall if body.wall else 0.0)
+    made = replace(body, outer=outer, cavity=cavity, hull_density=body.hull_density * condition.mass)
+    return _scale(made, condition.scale)
 
 
 def _immerse(condition: Condition, body: Body) -> Body:
     """Return the same body at the temperature and under the pressure of its flight, at the same mass."""
     factor = 1 + body.expansion * condition.expanded * condition.warmer
-    return replace(
-        body,
-        outer=factor * body.outer,
-        cavity=factor * body.cavity,
-        hull_density=body.hull_density / factor**3,
-        squeeze=condition.squeezed * body.squeeze,
-    )
+    hull = replace(body, hull_density=body.hull_density / factor**3, squeeze=condition.squeezed * body.squeeze)
+    return _scale(hull, factor)
+
+
+def _scale(body: Body, factor: float) -> Body:
+    """Return the body with all lengths of its hull multiplied by a factor, those of its fittings too."""
+    fittings = Fittings(body.fittings.material.scale(factor), body.fittings.displaced.scale(factor))
+    return replace(body, outer=factor * body.outer, cavity=factor * body.cavity, fittings=fittings)
