@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import driftform as df
-from driftform_calibration.designs import calibrate_design
+from driftform_calibration.films import calibrate_design
 
 TRACKS = Path(__file__).parent.parent / "tracks"
 

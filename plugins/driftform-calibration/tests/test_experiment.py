@@ -10,21 +10,22 @@ from driftform.design.design import Design
 from driftform.errors import WorkFailedError
 from driftform.water import Factors
 from driftform_calibration.bench import Bench
-from driftform_calibration.experiment import MARGIN, Plan, Tank, list_candidates, plan_drops
+from driftform_calibration.experiment import MARGIN, drop_design, list_candidates
 from driftform_calibration.fit import fit_factors
+from driftform_calibration.protocol import DropPlan, Tank
 
 pytestmark = pytest.mark.long
 
-TANK = Tank(0.6, 0.4, 0.5)
+SIZE = (0.6, 0.4, 0.5)
+TANK = Tank(*SIZE)
 
 
-def make_plan(design: Design, count: int, noise: float = 0.002) -> Plan:
-    assert design.agent.morphology is not None
-    return plan_drops(design.pipeline, design.agent.morphology, TANK, count, 60.0, noise)
+def make_plan(design: Design, count: int, noise: float = 0.002) -> DropPlan:
+    return drop_design(design, SIZE, drops=count, noise=noise)
 
 
 @pytest.fixture(scope="module")
-def plan(design: Design) -> Plan:
+def plan(design: Design) -> DropPlan:
     return make_plan(design, 3)
 
 
@@ -40,19 +41,19 @@ def test_every_release_that_is_compared_is_in_the_water(design: Design) -> None:
         assert depth < reach + 2 * MARGIN, "an agent that sinks is released near the surface"
 
 
-def test_each_drop_tells_less_than_the_one_before(plan: Plan) -> None:
+def test_each_drop_tells_less_than_the_one_before(plan: DropPlan) -> None:
     gains = [drop.gain for drop in plan.drops]
     assert gains == sorted(gains, reverse=True)
     assert gains[-1] > 0
 
 
-def test_more_drops_and_less_noise_make_intervals_narrower(design: Design, plan: Plan) -> None:
+def test_more_drops_and_less_noise_make_intervals_narrower(design: Design, plan: DropPlan) -> None:
     one, quiet = make_plan(design, 1), make_plan(design, 3, 0.0005)
     for name, (half, _) in plan.expected.items():
         assert quiet.expected[name][0] < half < one.expected[name][0]
 
 
-def test_fits_of_the_planned_drops_have_the_intervals_that_the_plan_expects(design: Design, plan: Plan) -> None:
+def test_fits_of_the_planned_drops_have_the_intervals_that_the_plan_expects(design: Design, plan: DropPlan) -> None:
     assert design.agent.morphology is not None
     bench, rng = Bench.of(design.pipeline, design.agent.morphology), np.random.default_rng(11)
     films = [
@@ -70,6 +71,5 @@ def test_fits_of_the_planned_drops_have_the_intervals_that_the_plan_expects(desi
 
 
 def test_a_tank_in_which_nothing_can_be_filmed_is_refused(design: Design) -> None:
-    assert design.agent.morphology is not None
     with pytest.raises(WorkFailedError, match="take a deeper tank, or more frames"):
-        plan_drops(design.pipeline, design.agent.morphology, Tank(0.1, 0.1, 0.1), 1, 1.0, 0.002)
+        drop_design(design, SIZE, drops=1, fps=1.0)

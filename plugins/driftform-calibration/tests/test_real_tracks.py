@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import driftform as df
-from driftform_calibration.designs import calibrate_design
+from driftform_calibration.films import calibrate_design
 from driftform_calibration.result import CalibrationResult
 
 pytestmark = pytest.mark.long

@@ -21,11 +21,11 @@ from driftform.motion.path.interpolation import interpolate_positions
 from driftform.study import Study
 from driftform.types import Coefficients
 from driftform.water import Fluid, Scenario
+from driftform.water.flow import UniformFlow
 from driftform.water.scenario import FlightLimits
 from driftform_robotics.models.gap import fly_own, fly_reader, read_link
 from driftform_robotics.models.link import make_link
 from driftform_robotics.models.sdf import SdfExporter, SdfOptions
-from driftform_robotics.models.uuv import _describe_current
 
 T = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 
@@ -414,8 +414,10 @@ def test_the_gap_of_the_uuv_simulator_has_the_lag_of_its_added_mass(
     assert stated == step and gap[1.0] == pytest.approx(np.linalg.norm(path[-1] - ours), rel=0.06)
 
 
-def test_the_angles_of_a_current_are_those_by_which_the_simulator_turns_it():
-    current = np.array([0.3, -0.4, 0.2])
-    speed, horizontal, vertical = (mean for _, mean, *_ in _describe_current(current))
-    turned = [np.cos(horizontal) * np.cos(vertical), np.sin(horizontal) * np.cos(vertical), np.sin(vertical)]
-    assert speed * np.array(turned) == pytest.approx(current, rel=1e-12)
+def test_the_angles_of_a_current_are_those_by_which_the_simulator_turns_it(
+    jobs: dict[str, ExportJob], export: Callable
+) -> None:
+    current = (0.3, -0.4, 0.2)
+    flow = UniformFlow(speed=0.0, added=current)
+    job = replace(jobs["skewed"], scenario=jobs["skewed"].scenario.model_copy(update={"flow": flow}))
+    assert UuvSimulator(export("uuv", job)).current == pytest.approx(current, rel=1e-9)

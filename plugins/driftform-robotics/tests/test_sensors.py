@@ -5,11 +5,10 @@ import pytest
 
 from driftform.agent import mass_properties
 from driftform.motion.path.accelerations import accelerations_along
-from driftform.testing.bodies import cylinder_body, hollow_body
+from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Agent, Coefficients, Trajectory
-from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Fluid, Pipe, Scenario, Segment, field
+from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.flow import UniformFlow
 from driftform_robotics import sensors
 
@@ -75,32 +74,6 @@ def test_the_surface_is_the_water_level_or_the_top_of_the_pipe() -> None:
     assert sensors.surface_height(Scenario()) == 0.0
     steep = Segment(start=(0.0, 0.0, 0.0), end=(3.0, 0.0, 4.0), radius=1.0)
     assert sensors.surface_height(Scenario(pipe=Pipe(segments=(steep,)))) == pytest.approx(0.6)
-
-
-def test_clearance_of_a_cylinder_along_the_pipe_and_across_it() -> None:
-    cylinder = cylinder_body(0.4, 0.1)
-    along = sensors.clearance(at((1.0, 0.0, -0.5)), cylinder, PIPE)
-    assert along == pytest.approx([0.4])
-    # Upright in the middle, the rims at z = 0.2 and -0.2 reach farthest from the axis at y = 0.1.
-    across = sensors.clearance(at((1.0, 0.0, 0.0), np.pi / 2), cylinder, PIPE)
-    assert across == pytest.approx([1 - np.hypot(0.2, 0.1)], abs=1e-12)
-
-
-def test_clearance_is_that_of_the_nearest_of_many_points_on_the_rims() -> None:
-    cylinder, rng = cylinder_body(0.5, 0.15), np.random.default_rng(3)
-    count = 40
-    turned = rng.normal(size=(count, 4))
-    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
-    position = np.column_stack([rng.uniform(1, 8, count), rng.uniform(-0.4, 0.4, (count, 2))])
-    flight = Trajectory(np.arange(count) / 10, position, turned, np.zeros((count, 6)), drifting_trajectory().end)
-    around, offset = np.linspace(0, 2 * np.pi, 4001), np.array([0.25, 0.0, 0.0])
-    rim = np.column_stack([0 * around, 0.15 * np.cos(around), 0.15 * np.sin(around)])
-    points = np.concatenate([rim + offset, rim - offset])
-    nearest = [
-        field.wall_distance(place + points @ R.T, Scenario(pipe=PIPE)).min()
-        for place, R in zip(position, matrix_from_quaternion(turned), strict=True)
-    ]
-    assert sensors.clearance(flight, cylinder, PIPE) == pytest.approx(nearest, abs=1e-6)
 
 
 def test_a_sensor_is_where_it_is_mounted() -> None:

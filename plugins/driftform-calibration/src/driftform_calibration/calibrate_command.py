@@ -78,8 +78,7 @@ def calibrate(
     from driftform import open_agent
     from driftform.cli import formats, output
     from driftform.util import files
-    from driftform_calibration.designs import calibrate_design
-    from driftform_calibration.films import find_scenario
+    from driftform_calibration.films import calibrate_design, find_scenario
     from driftform_calibration.tracks import Reading
 
     page = formats.parse_page(style, width_mm)

@@ -42,7 +42,7 @@ def drop(
     from driftform import open_agent
     from driftform.cli import output
     from driftform.util import files, progress
-    from driftform_calibration.designs import drop_design
+    from driftform_calibration.experiment import drop_design
 
     design = open_agent(agent, *(settings or ()), scenario=scenario, use={"hydrodynamics": hydrodynamics})
     directory = files.check_directory(out or Path("drops") / design.name)

@@ -7,20 +7,20 @@ Drops are chosen one after the other; the gain is submodular, so that the choice
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import product
-from typing import Any
 
 import numpy as np
 
-from driftform import Pipeline
-from driftform.errors import WorkFailedError
-from driftform.types import Body, FloatArray, Morphology
+from driftform import Design
+from driftform.errors import InputError, WorkFailedError
+from driftform.types import Body, FloatArray
 from driftform.water import Calibration, Factors, Pipe, Scenario, Segment
 from driftform_calibration.bench import Bench, Path, ReleaseError
 from driftform_calibration.fit import CONTACT, find_max_width, list_reasons
 from driftform_calibration.problem import Filmed, Problem, factor_of
+from driftform_calibration.protocol import CAMERA, Drop, DropPlan, Tank
 from driftform_calibration.tracks import Marker, Track
 
 FLOOR_RADIUS = 100.0
@@ -35,9 +35,6 @@ BALLASTS = (0.0, 0.3, 1.0)
 SINKING = (1.3, 2.0)
 """The same for an agent that floats: enough to make it sink."""
 
-CAMERA = 8.0
-"""Distance of the camera over the length of the tank's picture: nearer, perspective bends the paths."""
-
 MARGIN = 0.02
 """Water that is left around the agent at the release, m."""
 
@@ -51,81 +48,39 @@ MIN_FRAMES = 8
 """Fewest frames of a film that is worth making."""
 
 
-@dataclass(frozen=True)
-class Tank:
-    """Inside of a tank: ``length`` (to the right in the film), ``width`` (towards the camera) and ``depth`` of the water, m."""
-
-    length: float
-    width: float
-    depth: float
-
-
-@dataclass(frozen=True, eq=False)
-class Drop:
-    """One release to film.
-
-    Attributes:
-        pitch_deg: of the axis, positive nose down.
-        depth: of the core's centre below the surface, m.
-        ballast, ballast_x: mass that hangs on the agent (kg), and where along its axis (m).
-        duration: from the release to the end of what is filmed, s.
-        end: where the agent is then: ``"floor"``, ``"surface"``, ``"side"`` or ``"time"``.
-        gain: bits that it adds about the factors, after the drops before it.
-        path: expected path in the picture, to the right of the release and above the surface, m, (k, 2).
-        scenario: of the drop.
-    """
-
-    pitch_deg: float
-    depth: float
-    ballast: float
-    ballast_x: float
-    duration: float
-    end: str
-    gain: float
-    path: FloatArray
-    scenario: Scenario
-
-    def document(self) -> dict[str, Any]:
-        """Return the drop as ``driftform drop --json`` prints it; SI units, degrees where the name says so."""
-        names = ("pitch_deg", "depth", "ballast", "ballast_x", "duration", "end")
-        return {**{name: getattr(self, name) for name in names}, "gain_bits": self.gain}
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """Drops in the order of their gain, and what they are expected to show.
-
-    ``expected`` has for each factor half of its 90 % interval, relative to the factor, and whether it will count as
-    known; ``reasons`` are why some factors cannot be shown at all. ``hull_share`` is the weight of the hull over the net
-    weight.
-    """
-
-    drops: tuple[Drop, ...]
-    expected: dict[str, tuple[float, bool]]
-    reasons: dict[str, str]
-    hull_share: float
-
-
-def plan_drops(
-    pipeline: Pipeline,
-    morphology: Morphology,
-    tank: Tank,
-    count: int,
-    fps: float,
-    noise: float,
-    on_candidate: Callable[[int, int], None] = lambda _, __: None,
-) -> Plan:
-    """Return the drops that show most about the factors of an agent.
+def drop_design(
+    design: Design,
+    tank: tuple[float, float, float] = (1.0, 0.5, 0.5),
+    *,
+    drops: int = 3,
+    fps: float = 60.0,
+    noise: float = 0.002,
+    progress: Callable[[int, int], None] = lambda _, __: None,
+) -> DropPlan:
+    """Return the drops in a tank whose films show most about the model, in the water of an agent's scenario.
 
     Args:
-        pipeline: its scenario has the water, and the coefficients of contact with the floor.
-        count, fps, noise, on_candidate: as ``drops``, ``fps``, ``noise`` and ``progress`` of
-            :func:`driftform_calibration.designs.drop_design`.
+        tank: inside of the tank: along the picture, across it, and the depth of the water, m.
+        drops: number of drops.
+        fps: frames of the films per second.
+        noise: standard deviation of a tracked point, m.
+        progress: called with the number of releases that were examined, and of all.
 
-    Raises WorkFailedError if no release in this tank shows anything.
+    Raises:
+        InputError: if the tank is smaller than the agent.
+        WorkFailedError: if no release can be filmed.
     """
-    bench = Bench.of(pipeline, morphology)
-    candidates = list_candidates(bench, tank)
+    given = f"--tank {' '.join(f'{size:g}' for size in tank)}"
+    if not all(0 < size < 50 for size in tank):
+        raise InputError(f"{given}: sizes should be from 0 to 50 m")
+    if min(tank) < design.max_diameter or max(tank) < max(design.length, design.max_diameter):
+        raise InputError(
+            f"{given}: the agent is {design.length:.3g} m long and {design.max_diameter:.3g} m wide; the tank must be "
+            "larger, in m"
+        )
+    assert design.agent.morphology is not None
+    inside, bench = Tank(*tank), Bench.of(design.pipeline, design.agent.morphology)
+    candidates = list_candidates(bench, inside)
     found: list[tuple[Drop, FloatArray]] = []
     names: tuple[str, ...] = ()
     reasons: dict[str, str] = {}
@@ -133,16 +88,19 @@ def plan_drops(
         there = Bench(bench.body, bench.coefficients, scenario)
         reasons = list_reasons([Filmed(there, _blank(np.zeros(1)))], Factors.names)
         names = tuple(name for name in Factors.names if name not in reasons)
-        examined = _examine(there, tank, names, fps, noise)
+        examined = _examine(there, inside, names, fps, noise)
         if examined is not None:
             found.append(examined)
-        on_candidate(number + 1, len(candidates))
+        progress(number + 1, len(candidates))
     if not found:
         raise WorkFailedError(
-            f"no release in a tank of {tank.length:g} x {tank.width:g} x {tank.depth:g} m can be filmed for "
+            f"no release in a tank of {inside.length:g} x {inside.width:g} x {inside.depth:g} m can be filmed for "
             f"{MIN_FRAMES} frames at {fps:g} frames/s: take a deeper tank, or more frames"
         )
-    return _choose(found, names, reasons, bench, count)
+    plan = design.name, design.agent, inside, design.study.document
+    return DropPlan(
+        *plan, *_choose(found, names, bench, drops), reasons, bench.hull_weight / max(abs(bench.net_weight), 1e-12)
+    )
 
 
 def list_candidates(bench: Bench, tank: Tank) -> list[Scenario]:
@@ -253,8 +211,9 @@ def _half_width(body: Body, pitch: float) -> float:
 
 
 def _choose(
-    found: Sequence[tuple[Drop, FloatArray]], names: tuple[str, ...], reasons: dict[str, str], bench: Bench, count: int
-) -> Plan:
+    found: Sequence[tuple[Drop, FloatArray]], names: tuple[str, ...], bench: Bench, count: int
+) -> tuple[tuple[Drop, ...], dict[str, tuple[float, bool]]]:
+    """Return the drops in the order of their gain, and what they are expected to show of the factors."""
     problem = Problem([Filmed(bench, _blank(np.linspace(0, 1, 8)))], names, [1.0])
     priors = np.array([p.prior for p in problem.parameters[: len(names)]])
     information, drops = np.diag(priors**-2.0), []
@@ -269,5 +228,4 @@ def _choose(
     for name, width in zip(names, Calibration.quantile * deviation, strict=True):
         half = (factor_of(name, width) - factor_of(name, -width)) / 2
         expected[name] = (float(half), bool(half <= find_max_width(bench, name, 1.0)))
-    share = bench.hull_weight / max(abs(bench.net_weight), 1e-12)
-    return Plan(tuple(drops), expected, dict(reasons), float(share))
+    return tuple(drops), expected

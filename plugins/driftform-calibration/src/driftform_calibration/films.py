@@ -1,17 +1,21 @@
-"""Films of an agent: tracks read and checked against the flight that the model expects."""
+"""Films of an agent: tracks read and checked against the flight that the model expects, and the model fitted to them."""
 
-from collections.abc import Sequence
+import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from driftform import Design
 from driftform.agent import hull_mass, mass_properties
 from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
 from driftform.water import Factors
 from driftform_calibration.bench import Bench, ReleaseError
 from driftform_calibration.camera import VIEWS
-from driftform_calibration.problem import Filmed
+from driftform_calibration.fit import fit_factors
+from driftform_calibration.problem import DISTANCE, Filmed
+from driftform_calibration.result import CalibrationResult
 from driftform_calibration.tracks import UNITS, Reading, estimate_noise, read_track
 
 MAX_SPAN, MIN_SPAN = 5.0, 0.02
@@ -22,6 +26,51 @@ SURE_SIGN = 0.2
 
 SCALES = 1e-3
 """Standard deviation of a weight by scales, relative to it."""
+
+
+def calibrate_design(
+    design: Design,
+    *tracks: str | os.PathLike[str],
+    scenario: str | None = None,
+    settings: Sequence[str] = (),
+    use: Mapping[str, str | None] | None = None,
+    reading: Reading | None = None,
+    view: str = "side",
+    scale_error: float = 0.005,
+    distance: float = DISTANCE,
+    fit: Sequence[str] = (),
+    printed_mass: float | None = None,
+) -> CalibrationResult:
+    """Return what films of an agent's flights show of the model, as ``driftform calibrate`` does.
+
+    Args:
+        tracks: files of tracks, one for each film. A study file of the same name in the folder of a track, such
+            as ``drop-1.toml`` for ``drop-1.csv``, is the scenario of that film.
+        scenario: of all films, in place of such files; ``None`` for these, or for that of the agent.
+        settings, use: of the scenarios of the films, as for :meth:`under`.
+        reading: units, frames and points of the tracks; ``None`` for metres and seconds.
+        view: of the camera: ``"side"``, ``"top"`` or ``"front"``; tracks with x, y and z have none.
+        scale_error: standard deviation of a film's scale, relative to it.
+        distance: of the camera, m: the nearer, the more do heights bend if it looks down.
+        fit: names of the factors to fit; empty for all.
+        printed_mass: mass of the print with core and ballast, kg, by scales; ``None`` if it was not weighed.
+
+    Raises:
+        InputError: if a track is not that of a flight of this agent.
+        WorkFailedError: if the agent cannot be flown.
+    """
+    names, films, scenarios = choose_factors(fit), [], []
+    if not tracks:
+        raise InputError("name at least one track")
+    for path in map(Path, tracks):
+        chosen = scenario or find_scenario(path)
+        there = design.under(*settings, scenario=chosen, use=use)
+        assert there.agent.morphology is not None
+        bench = Bench.of(there.pipeline, there.agent.morphology)
+        films.append(film_track(path, bench, reading or Reading(), view, scale_error, distance))
+        scenarios.append(chosen or "")
+    found = fit_factors(films, names, weigh_prior(films[0].bench, printed_mass))
+    return CalibrationResult(design.name, found, design.stored, scenarios)
 
 
 def find_scenario(track: Path) -> str | None:

@@ -14,9 +14,15 @@ from threadpoolctl import threadpool_limits
 from driftform.types import FloatArray
 from driftform.water import Calibration, Factors
 from driftform_calibration.bench import Bench, Path
-from driftform_calibration.lost_frames import find_lost_frames
 from driftform_calibration.problem import RELEASE_RISE, Filmed, Problem, factor_of, parameter_of, shown_name
-from driftform_calibration.solution import Solution, find_best, merge_solutions, place_releases, solve_problem
+from driftform_calibration.solution import (
+    Solution,
+    find_best,
+    find_lost_frames,
+    merge_solutions,
+    place_releases,
+    solve_problem,
+)
 from driftform_calibration.tracks import estimate_noise
 
 CONFIDENCE = 0.9

@@ -6,14 +6,57 @@ from pathlib import Path
 from typing import Any
 
 from driftform.figures import section_svg, svg
-from driftform.types import Agent
+from driftform.types import Agent, FloatArray
 from driftform.util import files, notebook
+from driftform.water import Scenario
 from driftform_calibration.drop_figure import DropPicture, drop_svg, ruler_svg
-from driftform_calibration.experiment import CAMERA, Drop, Plan, Tank
 from driftform_calibration.problem import shown_name
+
+CAMERA = 8.0
+"""Distance of the camera over the length of the tank's picture: nearer, perspective bends the paths."""
 
 TABLES = ("pipe", "flow", "gusts", "fluid", "release", "contact", "flight", "robustness")
 """Tables of a drop's study file; its plugins are those of the study that it was planned in."""
+
+
+@dataclass(frozen=True)
+class Tank:
+    """Inside of a tank: ``length`` (to the right in the film), ``width`` (towards the camera) and ``depth`` of the water, m."""
+
+    length: float
+    width: float
+    depth: float
+
+
+@dataclass(frozen=True, eq=False)
+class Drop:
+    """One release to film.
+
+    Attributes:
+        pitch_deg: of the axis, positive nose down.
+        depth: of the core's centre below the surface, m.
+        ballast, ballast_x: mass that hangs on the agent (kg), and where along its axis (m).
+        duration: from the release to the end of what is filmed, s.
+        end: where the agent is then: ``"floor"``, ``"surface"``, ``"side"`` or ``"time"``.
+        gain: bits that it adds about the factors, after the drops before it.
+        path: expected path in the picture, to the right of the release and above the surface, m, (k, 2).
+        scenario: of the drop.
+    """
+
+    pitch_deg: float
+    depth: float
+    ballast: float
+    ballast_x: float
+    duration: float
+    end: str
+    gain: float
+    path: FloatArray
+    scenario: Scenario
+
+    def document(self) -> dict[str, Any]:
+        """Return the drop as ``driftform drop --json`` prints it; SI units, degrees where the name says so."""
+        names = ("pitch_deg", "depth", "ballast", "ballast_x", "duration", "end")
+        return {**{name: getattr(self, name) for name in names}, "gain_bits": self.gain}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,20 +67,21 @@ class DropPlan:
         name: of the agent.
         agent: as simulated, in the water of the tank, without ballast.
         tank: in which it is dropped.
-        plan: the drops, and what they are expected to show.
         document_base: the study that it was planned in: its plugins fly the drops.
+        drops: in the order of their gain.
+        expected: for each factor half of its 90 % interval, relative to the factor, and whether it will count as known.
+        reasons: why some factors cannot be shown at all.
+        hull_share: weight of the hull over the net weight.
     """
 
     name: str
     agent: Agent
     tank: Tank
-    plan: Plan
     document_base: Mapping[str, Any]
-
-    @property
-    def drops(self) -> tuple[Drop, ...]:
-        """The drops, the most informative first."""
-        return self.plan.drops
+    drops: tuple[Drop, ...]
+    expected: Mapping[str, tuple[float, bool]]
+    reasons: Mapping[str, str]
+    hull_share: float
 
     def document(self, files: Sequence[Path] = ()) -> dict[str, Any]:
         """Return what ``driftform drop --json`` prints; SI units."""
@@ -49,15 +93,15 @@ class DropPlan:
             "expected": {
                 name: {"half_width": half, "known": known} for name, (half, known) in self._expected().items()
             },
-            "reasons": {shown_name(name): reason for name, reason in self.plan.reasons.items()},
+            "reasons": {shown_name(name): reason for name, reason in self.reasons.items()},
             "files": [str(path) for path in files],
         }
 
     def _expected(self) -> dict[str, tuple[float, bool]]:
         """Half intervals and whether they will do; that of the hull's density as one of the net weight."""
         return {
-            shown_name(name): (half * self.plan.hull_share if name == "hull_density" else half, known)
-            for name, (half, known) in self.plan.expected.items()
+            shown_name(name): (half * self.hull_share if name == "hull_density" else half, known)
+            for name, (half, known) in self.expected.items()
         }
 
     def tabulate(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
@@ -84,7 +128,7 @@ class DropPlan:
         for name, (half, known) in self._expected().items():
             unknown = "only if the print is weighed" if name == "net_weight" else "no, it stays at 1"
             rows.append((name.replace("_", " "), f"{100 * half:.0f} %", "yes" if known else unknown))
-        rows += [(shown_name(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()]
+        rows += [(shown_name(n).replace("_", " "), "-", f"no: {why}") for n, why in self.reasons.items()]
         return ("factor", "half of the 90 % interval", "known"), rows
 
     def write(self, directory: Path) -> list[Path]:

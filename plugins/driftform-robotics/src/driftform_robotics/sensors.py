@@ -6,10 +6,9 @@ The sensors are at one ``point`` of the body (m, body frame). The readings have 
 import numpy as np
 
 from driftform.motion import path
-from driftform.types import Body, FloatArray, Trajectory
+from driftform.types import FloatArray, Trajectory
 from driftform.util import rotations
-from driftform.water import Fluid, Pipe, Scenario
-from driftform_robotics.models.pipe import make_bore
+from driftform.water import Fluid, Scenario
 from driftform_robotics.options import ATMOSPHERE
 
 
@@ -53,40 +52,6 @@ def specific_force(trajectory: Trajectory, accelerations: FloatArray, point: Flo
     """
     up = rotations.matrix_from_quaternion(trajectory.quaternion)[:, 2]
     return np.asarray(path.acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64)
-
-
-def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
-    """Return the smallest distance of the hull from the wall of a straight pipe at each sample, m, (k,), negative in contact.
-
-    The bore is convex, so the nearest point is on a rim of the hull's contour.
-    Seen along the pipe a rim is an ellipse, c + p cos(a) + q sin(a). Newton's method finds its greatest distance from
-    the pipe's axis, starting at the farthest of sixteen points of the rim.
-    """
-    if pipe.straight is None:
-        raise ValueError("the distance from the wall needs a straight pipe")
-    bore = pipe.straight
-    across = make_bore(bore).rotation[:, 1:]
-    R = rotations.matrix_from_quaternion(trajectory.quaternion)
-    x, r = body.outer[body.outer[:, 1] > 0.0].T
-    c = ((trajectory.position - bore.start) @ across)[:, None] + x[:, None] * (R[:, None, :, 0] @ across)
-    p, q = (r[:, None] * (R[:, None, :, i] @ across) for i in (1, 2))
-
-    def dot(a: FloatArray, b: FloatArray) -> FloatArray:
-        return np.asarray((a * b).sum(axis=-1), dtype=np.float64)
-
-    # Half of the squared distance is a constant plus a cos(t) + b sin(t) + d cos(2 t) + e sin(2 t).
-    a, b, d, e = dot(c, p), dot(c, q), (dot(p, p) - dot(q, q)) / 4, dot(p, q) / 2
-    t = np.zeros_like(a)
-    best = np.full_like(a, -np.inf)
-    for angle in np.arange(16) * (np.pi / 8):
-        value = a * np.cos(angle) + b * np.sin(angle) + d * np.cos(2 * angle) + e * np.sin(2 * angle)
-        t, best = np.where(value > best, angle, t), np.maximum(value, best)
-    for _ in range(6):
-        slope = b * np.cos(t) - a * np.sin(t) + 2 * e * np.cos(2 * t) - 2 * d * np.sin(2 * t)
-        bend = -a * np.cos(t) - b * np.sin(t) - 4 * d * np.cos(2 * t) - 4 * e * np.sin(2 * t)
-        t = t - np.where(bend < 0, slope / np.where(bend < 0, bend, 1.0), 0.0)
-    farthest = c + p * np.cos(t)[..., None] + q * np.sin(t)[..., None]
-    return np.asarray(bore.radius - np.linalg.norm(farthest, axis=-1).max(axis=1), dtype=np.float64)
 
 
 def add_noise(values: FloatArray, deviation: float, rng: np.random.Generator) -> FloatArray:

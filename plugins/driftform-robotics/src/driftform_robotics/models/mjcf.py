@@ -11,9 +11,9 @@ import numpy as np
 from driftform.interfaces import Table
 from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid
 from driftform_robotics.models.exporter import PIPE, Model, ModelExporter, ModelOptions
-from driftform_robotics.models.gap import COMMON_STEP, measure_gap
+from driftform_robotics.models.gap import COMMON_STEP, Reader, measure_gap
+from driftform_robotics.models.link import Link
 from driftform_robotics.models.meshes import obj_text
-from driftform_robotics.models.mujoco_path import REACH, compare_paths, read_mujoco
 from driftform_robotics.models.text import render
 
 BUOYANT_MASS = 1e-9
@@ -25,7 +25,7 @@ class MjcfExporter(ModelExporter[ModelOptions]):
 
     `scene.xml` holds the pipe and includes `agent.xml`. MuJoCo models the Coriolis forces of added mass, Munk's moment
     among them, but not its inertia: agents accelerate as if they moved no water. A warning states how far the path is from
-    the true one, and whether a sinking agent rises. The body frame and the free joint are at the centre of gravity.
+    the true one. The body frame and the free joint are at the centre of gravity.
     """
 
     name = "mjcf"
@@ -34,11 +34,10 @@ class MjcfExporter(ModelExporter[ModelOptions]):
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return ``scene.xml`` and ``agent.xml``, and the warnings."""
-        ellipsoid = fit_ellipsoid(model.link, model.job.scenario.fluid.density)
-        step = self.options.step or COMMON_STEP
-        gap = measure_gap(read_mujoco(model.job, model.link), model.job, model.link, step)
-        warnings = _list_warnings(model, ellipsoid)
-        warnings.insert(1, gap.describe())
+        density = model.job.scenario.fluid.density
+        ellipsoid, step = fit_ellipsoid(model.link, density), self.options.step or COMMON_STEP
+        gap = measure_gap(read_mujoco(model.link, density), model.job, model.link, step)
+        warnings = [gap.describe(), *_list_warnings(model, ellipsoid)]
         agent = render(
             "mujoco/agent.xml", model=model, ellipsoid=ellipsoid, step=step, warnings=warnings, negligible=BUOYANT_MASS
         )
@@ -51,16 +50,21 @@ class MjcfExporter(ModelExporter[ModelOptions]):
         return files | ({} if wall is None else {PIPE: obj_text(wall.mesh)}), warnings
 
 
+def read_mujoco(link: Link, density: float) -> Reader:
+    """Return MuJoCo in water of a density (kg/m3): without the inertia of added mass, and without linear damping."""
+    none = np.zeros((6, 6))
+    return Reader("MuJoCo", none, link.added_mass, none, link.quadratic_damping, density)
+
+
 def _list_warnings(model: Model, ellipsoid: Ellipsoid) -> list[str]:
     link, scenario = model.link, model.job.scenario
     fluid = scenario.fluid
-    reach = REACH if scenario.pipe.is_open else scenario.pipe.layout.narrowest
     surge, sway = link.added_mass[0, 0] / link.mass, link.added_mass[1, 1] / link.mass
     pitch = float(link.added_mass[4, 4] - link.added_mass[1, 5] ** 2 / link.added_mass[1, 1])
     found = [
-        compare_paths(model.job, link, reach).describe(),
         "MuJoCo ignores the inertia of added mass: it accelerates the agent "
-        f"{1 + surge:.3g} times as fast along its axis, and {1 + sway:.3g} times as fast across it.",
+        f"{1 + surge:.3g} times as fast along its axis, and {1 + sway:.3g} times as fast across it. "
+        "Do not predict with this model where it goes: an agent that sinks may rise.",
         "The ellipsoid has the agent's added mass along and across its axis; in pitch it has "
         f"{ellipsoid.added_inertia(fluid.density):.3g} kg m2, and the agent {pitch:.3g} kg m2.",
         *model.list_warnings(),

@@ -178,7 +178,7 @@ class FlightTopics:
         return self._make_readings("sensor_msgs/Range", "range", found, noise, 2, **seen)
 
     def _make_clearances(self) -> Iterator[tuple[int, Any]]:
-        found = sensors.clearance(self.trajectory, self.job.agent.body, self.job.scenario.pipe)
+        found = path.wall_clearances(self.trajectory, self.job.scenario, self.job.agent)
         return self._make_readings("std_msgs/Float64", "data", found, self.options.distance_noise, 3)
 
     def _make_concentrations(self) -> Iterator[tuple[int, Any]]:
