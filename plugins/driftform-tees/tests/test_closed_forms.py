@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from driftform.types import FloatArray
 from driftform.util import progress
-from driftform.water.parts.tee_wall import INLET, Junction
+from driftform.water.parts.tee_wall import UPSTREAM, Junction
 from driftform_tees import solve
 from driftform_tees.cells import cut_cell, cut_stiffness, gradient_rows, spline_values, value_rows
 from driftform_tees.hierarchy import build_levels, coefficient_matrices
@@ -68,7 +68,7 @@ def test_the_cells_across_a_straight_bore_add_up_to_its_volume_and_its_wall() ->
     inner, outer = [], []
     for y in side:
         for z in side:
-            corner = np.array([wall[INLET] + width, y, z])
+            corner = np.array([-wall[UPSTREAM] + width, y, z])
             inside, edge = cut_cell(corner, width, wall, parts, nodes, weights)
             inner.append(inside)
             outer.append(edge)

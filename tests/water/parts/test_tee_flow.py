@@ -209,6 +209,7 @@ def test_the_flow_decays_to_plug_flow_as_the_slowest_mode_of_a_pipe(junction: Ju
 @settings(max_examples=300)
 @given(number=st.integers(0, len(JUNCTIONS) - 1), place=st.tuples(*[st.floats(-1.0, 1.0)] * 3), share=st.floats(0, 1))
 @example(number=0, place=(-1.0, 0.0, 1.0), share=0.0)
+@example(number=2, place=(0.0, 1.0, 0.0), share=0.0)
 def test_the_velocity_is_finite_and_continuous_in_the_wall_and_beyond_the_ends(
     number: int, place: tuple[float, float, float], share: float
 ) -> None:

@@ -33,7 +33,7 @@ def spline_values(u: float, values: FloatArray, slopes: FloatArray) -> None:
 def _line_axis(p: FloatArray, wall: FloatArray) -> int:
     """Return the axis that is closest to the normal of the boundary near a point."""
     level, normal = tee_wall.wall_level(p[0], p[1], p[2], wall)
-    along = max(wall[tee_wall.INLET] - p[0], p[0] - wall[tee_wall.OUTLET])
+    along = max(-wall[tee_wall.UPSTREAM] - p[0], p[0] - wall[tee_wall.DOWNSTREAM])
     beyond = distance_beyond_ends(p[0], p[1], p[2], wall)
     if beyond > level:
         return 0 if beyond == along or wall[tee_wall.COSINE] > wall[tee_wall.SINE] else 2

@@ -10,18 +10,17 @@ from driftform.water.parts import tee_wall
 @compiled
 def distance_from_ball(x: float, y: float, z: float, wall: FloatArray) -> float:
     """Return the distance of a point from the space through which the ball rolls; negative in it."""
-    across = x * wall[tee_wall.SINE] - z * wall[tee_wall.COSINE]
-    cx, cy, cz = tee_wall.nearest_centre(x, abs(y), z, math.atan2(abs(y), across), wall)
-    return float(math.sqrt((x - cx) ** 2 + (abs(y) - cy) ** 2 + (z - cz) ** 2) - wall[tee_wall.FILLET])
+    cx, cy, cz = tee_wall.nearest_on_edge((x, y, z), wall, 0)
+    return float(math.sqrt((x - cx) ** 2 + (y - cy) ** 2 + (z - cz) ** 2) - wall[tee_wall.FILLET])
 
 
 @compiled
 def distance_beyond_ends(x: float, y: float, z: float, wall: FloatArray) -> float:
     """Return how far a point lies beyond the nearest end, negative between the ends."""
-    along = max(wall[tee_wall.INLET] - x, x - wall[tee_wall.OUTLET])
+    along = max(-wall[tee_wall.UPSTREAM] - x, x - wall[tee_wall.DOWNSTREAM])
     if y * y + z * z <= 1.0:
         return float(along)
-    return float(max(along, x * wall[tee_wall.COSINE] + z * wall[tee_wall.SINE] - wall[tee_wall.END]))
+    return float(max(along, x * wall[tee_wall.COSINE] + z * wall[tee_wall.SINE] - wall[tee_wall.SIDE]))
 
 
 @compiled

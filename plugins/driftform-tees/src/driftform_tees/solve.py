@@ -112,11 +112,11 @@ def _pack_levels(
 def make_levels(junction: tee_wall.Junction) -> list[Level]:
     """Return the grids of a tee."""
     wall, h, r = junction.array(), junction.width, junction.branch
-    c, s, end = wall[tee_wall.COSINE], wall[tee_wall.SINE], wall[tee_wall.END]
+    c, s, end = wall[tee_wall.COSINE], wall[tee_wall.SINE], wall[tee_wall.SIDE]
     # An oblique end may need the next cell.
     more = 0.25 * h if c > 0 else 0.0
-    low = np.array([min(wall[tee_wall.INLET], end * c - r * s - more), -1.0, -1.0])
-    high = np.array([max(wall[tee_wall.OUTLET], end * c + r * s + more), 1.0, end * s + r * c + more])
+    low = np.array([min(-wall[tee_wall.UPSTREAM], end * c - r * s - more), -1.0, -1.0])
+    high = np.array([max(wall[tee_wall.DOWNSTREAM], end * c + r * s + more), 1.0, end * s + r * c + more])
     first, last = np.floor(low / h + 1e-9).astype(np.int64), np.ceil(high / h - 1e-9).astype(np.int64)
     nx, ny, nz = (last - first).tolist()
     finest = junction.finest
@@ -151,7 +151,7 @@ def _reach_levels(points: FloatArray, wall: FloatArray, margin: float) -> FloatA
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         beyond = distance_beyond_ends(x, y, z, wall)
-        if x > wall[tee_wall.INLET] and x < wall[tee_wall.OUTLET]:
+        if x > -wall[tee_wall.UPSTREAM] and x < wall[tee_wall.DOWNSTREAM]:
             beyond -= oblique
         out[i] = max(tee_wall.wall_level(x, y, z, wall)[0] - margin, beyond)
     return out
@@ -250,11 +250,12 @@ def _end_points(wall: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     radius, angle = np.meshgrid((nodes + 1) / 2, np.pi * nodes / 2, indexing="ij")
     y, up = (radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()
     weight = (radius * np.outer(weights, weights) * np.pi / 4).ravel()
-    r, c, s = wall[tee_wall.BRANCH], wall[tee_wall.COSINE], wall[tee_wall.SINE]
+    r, c, s = wall[tee_wall.END_RADIUS], wall[tee_wall.COSINE], wall[tee_wall.SINE]
     inlet, outlet = (
-        np.stack([np.full_like(y, wall[i]), y, up, weight], axis=1) for i in (tee_wall.INLET, tee_wall.OUTLET)
+        np.stack([np.full_like(y, x), y, up, weight], axis=1)
+        for x in (-wall[tee_wall.UPSTREAM], wall[tee_wall.DOWNSTREAM])
     )
-    side = np.stack([wall[tee_wall.END] * c + r * up * s, r * y, wall[tee_wall.END] * s - r * up * c, weight], axis=1)
+    side = np.stack([wall[tee_wall.SIDE] * c + r * up * s, r * y, wall[tee_wall.SIDE] * s - r * up * c, weight], axis=1)
     return inlet, outlet, side
 
 

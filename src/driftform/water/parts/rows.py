@@ -8,6 +8,7 @@ from driftform.types import FloatArray
 from driftform.water.parts import walls as wall
 from driftform.water.parts.layout import BEYOND, Layout
 from driftform.water.parts.shapes import Bend, Opening, PipePart, Reducer, Straight, Tee, exact_cosine, exact_sine
+from driftform.water.parts.tee_wall import fill_edge
 
 UNSEEN_DEPTH = 2e-4
 """Depth (m) to which a wall may bulge between two rims of a body without touching one: about that of a contact."""
@@ -48,9 +49,7 @@ def _row_of_part(part: PipePart) -> FloatArray:
             row[wall.KIND], row[wall.END_RADIUS], row[wall.FILLET] = wall.TEE, part.branch_radius, part.fillet
             row[wall.COSINE], row[wall.SINE] = exact_cosine(part.angle), exact_sine(part.angle)
             row[wall.UPSTREAM], row[wall.DOWNSTREAM], row[wall.SIDE] = part.legs
-            flat = np.concatenate([np.zeros(wall.HEAD), row])
-            for k, phi in enumerate(np.linspace(0, math.pi, wall.EDGE_POINTS)):
-                row[wall.EDGE + 3 * k : wall.EDGE + 3 * k + 3] = wall.edge_point(float(phi), flat, wall.HEAD)[0]
+            fill_edge(row)
     axes = part.list_axes(0.1 * part.radius)
     points = np.concatenate([axis.points for axis in axes])
     widest = max(float(axis.radii.max()) for axis in axes)

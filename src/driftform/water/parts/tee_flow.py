@@ -14,7 +14,8 @@ from driftform.util.compiled import compiled
 from driftform.util.small_vectors import Rotation, Vector
 from driftform.water.parts.tee_spline import HEAD, LEVEL_SIZE, potential_derivatives
 from driftform.water.parts.tee_store import is_stored, load_tee
-from driftform.water.parts.tee_wall import COSINE, END, INLET, OUTLET, SINE, Junction, wall_level
+from driftform.water.parts.tee_wall import Junction, wall_level
+from driftform.water.parts.walls import COSINE, DOWNSTREAM, END_RADIUS, PART, SIDE, SINE, UPSTREAM
 
 MIN_BRANCH, MAX_FILLET, MIN_FILLET = 0.2, 0.5, 0.1
 """Limits of the branch's radius over that of the run, and of the fillet over the branch's radius."""
@@ -24,8 +25,7 @@ MIN_ANGLE, MAX_ANGLE = math.radians(30), math.radians(150)
 RADIUS, MIRRORED, WALL = 0, 1, 2
 """Indices in the array of a field: radius of the run (m), -1 if x is mirrored, otherwise 1, and the wall; then the potential."""
 
-_WALL_SIZE = 7
-_SPLINE = WALL + _WALL_SIZE
+_SPLINE = WALL + PART
 
 
 @lru_cache(maxsize=16)
@@ -96,7 +96,7 @@ def tee_motion(point: Vector, field: FloatArray) -> tuple[Vector, Rotation]:
     A point in the wall has the velocity of the nearest point on its surface, one beyond an end that at the end.
     """
     radius, side = field[RADIUS], field[MIRRORED]
-    wall = field[WALL : WALL + _WALL_SIZE]
+    wall = field[WALL : WALL + PART]
     x, y, z = _keep_in_water(side * point[0] / radius, point[1] / radius, point[2] / radius, wall)
     d = potential_derivatives(x, y, z, field, _SPLINE)
     # Rounding may leave a point on the wall in a cell without water: the next attempts lie further inside.
@@ -123,11 +123,16 @@ def tee_motion(point: Vector, field: FloatArray) -> tuple[Vector, Rotation]:
 @compiled
 def _keep_in_water(x: float, y: float, z: float, wall: FloatArray) -> Vector:
     """Return the nearest point in the water, between the ends."""
-    x = min(max(x, wall[INLET]), wall[OUTLET] - 1e-9)
-    beyond = x * wall[COSINE] + z * wall[SINE] - wall[END] + 1e-9
+    x = min(max(x, -wall[UPSTREAM]), wall[DOWNSTREAM] - 1e-9)
+    beyond = x * wall[COSINE] + z * wall[SINE] - wall[SIDE] + 1e-9
     if beyond > 0.0 and y * y + z * z > 1.0:
         x, z = x - beyond * wall[COSINE], z - beyond * wall[SINE]
     for _ in range(3):
+        # In the bores no search for the wall is needed.
+        across = x * wall[SINE] - z * wall[COSINE]
+        along = x * wall[COSINE] + z * wall[SINE]
+        if y * y + z * z <= 1.0 or (along >= 0.0 and across * across + y * y <= wall[END_RADIUS] * wall[END_RADIUS]):
+            break
         depth, n = wall_level(x, y, z, wall)
         if depth <= 0.0:
             break

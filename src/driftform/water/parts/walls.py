@@ -157,7 +157,7 @@ def local_gap(p: Vector, f: FloatArray, o: int) -> tuple[float, Vector]:
     """Return the gap (m) of a point of the local frame, and the unit vector to the wall, in the local frame."""
     kind = f[o + KIND]
     if kind == TEE:
-        return _gap_in_tee(p, f, o)
+        return gap_in_tee(p, f, o)
     if kind == BEND:
         z = p[2] - f[o + CURVE]
         far = math.hypot(p[0], z)
@@ -214,18 +214,20 @@ def beyond_bores(p: Vector, f: FloatArray, o: int) -> tuple[float, float, float]
 
 
 @compiled
-def _gap_in_tee(p: Vector, f: FloatArray, o: int) -> tuple[float, Vector]:
+def gap_in_tee(p: Vector, f: FloatArray, o: int) -> tuple[float, Vector]:
+    """Return the gap (m) of a point of the local frame of a tee, and the unit vector to the wall, in that frame."""
     a, b, t = beyond_bores(p, f, o)
     fillet, c, s = f[o + FILLET], f[o + COSINE], f[o + SINE]
     rho = a + f[o + RADIUS]
     to_run = (0.0, p[1] / rho, p[2] / rho) if rho > 0.0 else ZERO
-    # A bore's own wall is where the ball that touches it does not reach into the other bore.
-    by_run = beyond_bores(add(p, scale(fillet - a, to_run)), f, o)[1] >= fillet
+    # A bore's own wall is where the ball that touches it does not reach into the other bore; rounding must not decide that.
+    least = fillet * (1.0 - 1e-9)
+    by_run = beyond_bores(add(p, scale(fillet - a, to_run)), f, o)[1] >= least
     across, to_branch, by_branch = b + f[o + END_RADIUS], ZERO, False
     if t > 0.0 and across > 0.0:
         v = (c * p[2] - s * p[0]) / across
         to_branch = (-s * v, p[1] / across, c * v)
-        by_branch = beyond_bores(add(p, scale(fillet - b, to_branch)), f, o)[0] >= fillet
+        by_branch = beyond_bores(add(p, scale(fillet - b, to_branch)), f, o)[0] >= least
     if a > 0.0 and b > 0.0:
         if by_run and not (by_branch and b < a):
             return -a, to_run
