@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
-from driftform.motion.forces import flight_model, release_state
+from driftform.motion.forces import compute_rate, flight_model, release_state
 from driftform.motion.path import finish_trajectory
 from driftform.motion.solver.dense import quintic_between, quintic_point
 from driftform.motion.solver.error import Accuracy, integrate
@@ -65,6 +66,24 @@ def test_a_throw_that_does_not_reach_the_ceiling_follows_its_parabola():
     speed = scenario.release.velocity[2]
     assert flight.contact is None
     assert flight.position[:, 2] == pytest.approx(speed * flight.t - FALL * flight.t**2 / 2, abs=1e-9)
+
+
+@pytest.mark.parametrize("depth", [0.2, 0.13685766449422396])
+def test_a_throw_that_bounces_is_as_exact_as_it_states(depth):
+    """At the second depth two integrations err alike, and differ by an eighth of their error."""
+    scenario, _ = thrown(depth)
+    model, horizon = flight_model(sphere_agent(RADIUS, MASS), scenario), scenario.flight.horizon
+    flight = fly(scenario, Accuracy())
+    truth = solve_ivp(
+        lambda t, y: compute_rate(t, y, model),
+        (0.0, horizon),
+        release_state(model, scenario),
+        "DOP853",
+        rtol=1e-11,
+        atol=1e-12,
+        max_step=1e-3,
+    )
+    assert flight.position[-1, 2] == pytest.approx(truth.y[2, -1], abs=flight.error)
 
 
 VECTORS = st.tuples(*[st.floats(-2, 2)] * 3)

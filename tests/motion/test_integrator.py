@@ -11,10 +11,18 @@ from scipy.stats import binom
 
 from driftform.motion.forces.model import flight_model
 from driftform.motion.forces.state import release_state
-from driftform.motion.solver.error import SAFETY_FACTOR, TOLERANCE_RATIO, Accuracy, greatest_distance, integrate
+from driftform.motion.solver.error import (
+    LEAST_ERROR,
+    SAFETY_FACTOR,
+    TOLERANCE_RATIO,
+    Accuracy,
+    greatest_distance,
+    integrate,
+    tighten,
+)
 from driftform.motion.solver.tableaus import DOP853, DOPRI5
 from driftform.study import load_study
-from driftform.testing.agents import Spheroid, tumbling_agent
+from driftform.testing.agents import Spheroid, sphere_agent, tumbling_agent
 from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.flow import UniformFlow
 from driftform.water.scenario import FlightLimits, Release
@@ -146,19 +154,42 @@ def test_the_estimated_error_covers_the_true_one(default_flights):
     assert most[np.isfinite(most)].max() < 10 * Accuracy().position
 
 
-def test_an_error_falls_no_faster_than_the_tolerance():
-    pipeline = load_study(run={"seed": 1}).make_pipeline()
-    rng = np.random.default_rng(21)
-    shares = []
-    for _ in range(20):
-        model = flight_model(pipeline.make_agent(pipeline.grammar.random(rng)), pipeline.scenario)
-        start = release_state(model, pipeline.scenario)
-        first = integrate(model, start, 9.0, Accuracy(position=1.0))
-        again = integrate(model, start, 9.0, Accuracy(position=0.99 * first.error))
-        assert again.tolerance < first.tolerance
-        shares.append((again.error / first.error) / (again.tolerance / first.tolerance))
-    # Two flights that agree better than that do so by chance: 76 of 200, so that 20 without one are 0.62^20 = 7e-5.
-    assert min(shares) == pytest.approx(1, rel=1e-12)
+@pytest.mark.parametrize(
+    ("height", "offsets", "tolerance", "stated"),
+    [
+        # Clear of the wall, one comparison accepts: twice the distance.
+        (0.0, [math.nan, 1e-4, 0.0], 1e-6, 2e-4),
+        # No comparison shows less than the least error.
+        (0.0, [math.nan, 1e-5, 0.0], 1e-6, LEAST_ERROR),
+        # The error falls from 20 mm by no more than a tenth a tolerance, and what is stated by no more than a fifth.
+        (0.0, [math.nan, 0.0, 2e-2, 2e-2, 2e-2], 1e-8, 1e-3),
+        (0.0, [math.nan, 0.0, 6e-4, 6e-4, 6e-4], 1e-7, 2 * 6e-4 / 5),
+        # At the wall, two integrations that agree are compared with a third.
+        (0.19, [1e-3, 0.0, 0.0], 1e-6, 3 * 1e-3 / 5),
+        (0.19, [1e-2, 0.0, 0.0, 0.0], 1e-7, 1e-3),
+        (0.19, [0.0, 0.0, 0.0], 1e-6, LEAST_ERROR),
+    ],
+)
+def test_integrations_that_agree_by_chance_do_not_state_so(height, offsets, tolerance, stated):
+    pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=0.2),))
+    scenario = Scenario(pipe=pipe, fluid=Fluid(density=1024.0, gravity=9.81), flow=UniformFlow(speed=0.0))
+    model = flight_model(sphere_agent(0.02, 0.1), scenario)
+    tolerances = []
+
+    def fly(at):
+        """A straight path whose error depends on its tolerance."""
+        tolerances.append(at)
+        samples = np.zeros((11, SAMPLE))
+        samples[:, 0], samples[:, 4] = np.linspace(0, 1, 11), 1.0
+        samples[:, 1], samples[:, 8] = samples[:, 0], 1.0
+        samples[:, 3] = height + offsets[round(-math.log10(at)) - 4]
+        return samples
+
+    flown = tighten(fly, fly(1e-5), model, Accuracy())
+    assert flown.tolerance == pytest.approx(tolerance)
+    assert flown.error == pytest.approx(stated, rel=1e-6)
+    # Only where it accepts is a third integration worth its time.
+    assert (np.max(tolerances) > 2e-5) == (height > 0)
 
 
 def test_a_flight_is_repeated_until_it_is_accurate_enough():

@@ -79,7 +79,7 @@ def compare(agent: Agent, scenario: Scenario, use: str) -> Compared | None:
 def evolved(tmp_path_factory):
     """The genomes of an evolution in the paper's setting."""
     use = {"simulator": "native", "strategy": "evolution"}
-    study = load_study("paper", use=use, run={"seed": 1, "evaluations": 1000})
+    study = load_study("paper", use=use, run={"seed": 2, "evaluations": 1000})
     run = df.evolve(study, tmp_path_factory.mktemp("evolved") / "run", progress=False)
     with run.read() as store:
         return [record.candidate.genome for record in store.read_records(study.scenario.target_names)]
@@ -101,7 +101,7 @@ def rows():
 def test_a_flight_is_as_exact_as_it_states(name, evolved, rows, pool, count_of, publish):
     scenario_name, is_evolved, use, usual = POPULATIONS[name]
     count, pipeline = count_of("AGENTS", usual), load_study(scenario_name).make_pipeline()
-    rng, agents = np.random.default_rng(7), []
+    rng, agents = np.random.default_rng(2026), []
     genomes = iter(evolved[-count:]) if is_evolved else iter(lambda: pipeline.grammar.random(rng), None)
     for genome in genomes:
         agent = pipeline.make_agent(genome)
@@ -119,4 +119,5 @@ def test_a_flight_is_as_exact_as_it_states(name, evolved, rows, pool, count_of, 
     )
     head = "| flights | count | stated: median mm | off: median mm | off by more than stated | worst ratio: stated / off mm |"
     publish("stated errors", [head, "|---" * 6 + "|", *rows.values()])
-    assert len(beyond) <= 0.01 * len(flights)
+    # Two of 4000 evolved flights, flown with slightly other tolerances, were.
+    assert len(beyond) <= 0.001 * len(flights)

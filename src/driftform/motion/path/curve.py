@@ -49,6 +49,24 @@ def evaluate_path(t: FloatArray, position: FloatArray, velocity: FloatArray, tim
     return np.asarray(np.einsum("np,npd->nd", u ** np.arange(4), curve[index]), dtype=np.float64)
 
 
+def bound_cubic_error(t: FloatArray, position: FloatArray, velocity: FloatArray) -> float:
+    """Return how far (m) cubics through positions and velocities, (k, 3), at times (s, (k,)) may be from a smooth motion.
+
+    In the middle of a step of h s it is h^4 / 384 times the fourth derivative (Hairer, Norsett and Wanner, *Solving Ordinary
+    Differential Equations I*, section II.6), here the smaller change of the cubics' third derivative at both its ends.
+    """
+    # Rounding may leave a step without length.
+    kept = np.append(True, np.diff(t) > 0)
+    t, position, velocity = t[kept], position[kept], velocity[kept]
+    h = np.diff(t)
+    if len(h) < 2:
+        return 0.0
+    third = 6 * hermite_coefficients(t, position, velocity)[:, 3] / h[:, None] ** 3
+    fourth = np.linalg.norm(np.diff(third, axis=0), axis=1) / ((h[1:] + h[:-1]) / 2)
+    smaller = np.minimum(np.append(fourth, fourth[-1]), np.append(fourth[0], fourth))
+    return float((h**4 * smaller).max() / 384)
+
+
 @compiled
 def stretch_cubic(t: FloatArray, position: FloatArray, velocity: FloatArray, s: int) -> Cubic:
     """Return row ``s`` of :func:`hermite_coefficients`, for kernels."""

@@ -8,11 +8,6 @@ from driftform.motion.path.curve import evaluate_path, hermite_coefficients, loc
 from driftform.types import FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion, quaternion_from_rotation_vector
 
-__all__ = [
-    "Pose", "evaluate_path", "even_times", "interpolate_attitudes", "interpolate_pose",
-    "interpolate_positions", "interpolate_turns", "resample",
-]  # fmt: skip
-
 
 @dataclass(frozen=True, eq=False)
 class Pose:

@@ -40,14 +40,10 @@ def quintic_between(start: Movement, end: Movement, h: float) -> Quintic:
 
 
 @compiled
-def quintic_point(c: Quintic, u: float) -> Vector:
+def quintic_point(quintic: Quintic, u: float) -> Vector:
     """Return the value of a polynomial at the share ``u`` of the step."""
-    point = c[5]
-    point = add(c[4], scale(u, point))
-    point = add(c[3], scale(u, point))
-    point = add(c[2], scale(u, point))
-    point = add(c[1], scale(u, point))
-    return add(c[0], scale(u, point))
+    a, b, c, d, e, f = quintic
+    return add(a, scale(u, add(b, scale(u, add(c, scale(u, add(d, scale(u, add(e, scale(u, f))))))))))
 
 
 @compiled

@@ -66,7 +66,8 @@ def find_touch(
     for k in range(model.surfaces.shape[0]):
         if is_straight and is_clear(model.surfaces, k, before) and is_clear(model.surfaces, k, after):
             continue
-        start, end = _depth(p, a, k, model), _depth(q, b, k, model)
+        start = signed_depth(p, a, k, model, model.fittings)
+        end = signed_depth(q, b, k, model, model.fittings)
         if start > 0.0 or end > 0.0 or max(start, end) < -margin:
             continue
         spins = frame_spin(y[10], model), frame_spin(new[10], model)
@@ -138,14 +139,9 @@ def _first_touch(motion: Motion, k: int, model: FlightModel) -> tuple[float, flo
 
 
 @compiled
-def _depth(position: Vector, axis: Vector, k: int, model: FlightModel) -> float:
-    return signed_depth(position, axis, k, model, model.fittings)
-
-
-@compiled
 def _depth_within(motion: Motion, u: float, k: int, model: FlightModel) -> float:
     position, axis = pose_within(motion, u)
-    return _depth(position, axis, k, model)
+    return signed_depth(position, axis, k, model, model.fittings)
 
 
 @compiled

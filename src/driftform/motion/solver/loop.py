@@ -178,11 +178,8 @@ def _advance(model: FlightModel, limits: Limits, rooms: _Rooms, progress: _Progr
             sharp *= SMOOTH_SHARE
         # What remains of the bristles would only limit the steps.
         straighten_bristles(y, slopes[0], model)
-    h, explicit, stay = (
-        min(progress.control.h, limits.near_step if near else limits.max_step),
-        progress.stiffness.explicit - 1,
-        math.inf,
-    )
+    h = min(progress.control.h, limits.near_step if near else limits.max_step)
+    explicit, stay = progress.stiffness.explicit - 1, math.inf
     while True:
         h = min(h, horizon - t)
         implicit = near and h > longest and explicit < 0
