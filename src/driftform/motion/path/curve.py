@@ -1,5 +1,7 @@
 """The path between the samples of a trajectory: cubic Hermite curves through positions and velocities."""
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -8,7 +10,7 @@ from driftform.types import FloatArray, Trajectory
 from driftform.util.compiled import compiled
 from driftform.util.cubic import Cubic, cubic_between
 from driftform.util.rotations import rotation_from_quaternion
-from driftform.util.small_vectors import Vector, to_world
+from driftform.util.small_vectors import Vector, norm, scale, subtract, to_world
 
 
 def world_velocity(trajectory: Trajectory) -> FloatArray:
@@ -49,24 +51,6 @@ def evaluate_path(t: FloatArray, position: FloatArray, velocity: FloatArray, tim
     return np.asarray(np.einsum("np,npd->nd", u ** np.arange(4), curve[index]), dtype=np.float64)
 
 
-def bound_cubic_error(t: FloatArray, position: FloatArray, velocity: FloatArray) -> float:
-    """Return how far (m) cubics through positions and velocities, (k, 3), at times (s, (k,)) may be from a smooth motion.
-
-    In the middle of a step of h s it is h^4 / 384 times the fourth derivative (Hairer, Norsett and Wanner, *Solving Ordinary
-    Differential Equations I*, section II.6), here the smaller change of the cubics' third derivative at both its ends.
-    """
-    # Rounding may leave a step without length.
-    kept = np.append(True, np.diff(t) > 0)
-    t, position, velocity = t[kept], position[kept], velocity[kept]
-    h = np.diff(t)
-    if len(h) < 2:
-        return 0.0
-    third = 6 * hermite_coefficients(t, position, velocity)[:, 3] / h[:, None] ** 3
-    fourth = np.linalg.norm(np.diff(third, axis=0), axis=1) / ((h[1:] + h[:-1]) / 2)
-    smaller = np.minimum(np.append(fourth, fourth[-1]), np.append(fourth[0], fourth))
-    return float((h**4 * smaller).max() / 384)
-
-
 @compiled
 def stretch_cubic(t: FloatArray, position: FloatArray, velocity: FloatArray, s: int) -> Cubic:
     """Return row ``s`` of :func:`hermite_coefficients`, for kernels."""
@@ -79,6 +63,29 @@ def sample_path(before: FloatArray, after: FloatArray) -> Cubic:
     """Return the cubic path (m, world frame) between two raw samples."""
     h = after[0] - before[0]
     return cubic_between(position_of(before), velocity_of(before), position_of(after), velocity_of(after), h)
+
+
+@compiled
+def bound_cubic_error(samples: FloatArray) -> float:
+    """Return how far (m) the cubic path between raw samples, (k, 14), may be from a smooth motion.
+
+    In the middle of a step of h s it is h^4 / 384 times the fourth derivative (Hairer, Norsett and Wanner, *Solving Ordinary
+    Differential Equations I*, section II.6), here the smaller change of the cubics' third derivative at both its ends.
+    """
+    greatest, last, h, third, fourth = 0.0, 0, 0.0, (0.0, 0.0, 0.0), math.inf
+    for k in range(1, samples.shape[0]):
+        length = samples[k, 0] - samples[last, 0]
+        # Rounding may leave a step without length.
+        if length > 0.0:
+            next_third = scale(6.0 / length**3, sample_path(samples[last], samples[k])[3])
+            if h > 0.0:
+                change = norm(subtract(next_third, third)) / (0.5 * (length + h))
+                greatest = max(greatest, h**4 * min(fourth, change))
+                fourth = change
+            last, h, third = k, length, next_third
+    if fourth < math.inf:
+        greatest = max(greatest, h**4 * fourth)
+    return float(greatest / 384.0)
 
 
 @compiled

@@ -179,8 +179,7 @@ def tighten(
         if error <= accuracy.position or not can_tighten or hopeless:
             if not has_gusts and error <= accuracy.position and len(fine) > 1:
                 # Most accepted flights are as exact as that; what is stated covers the others.
-                bound = factor * bound_distance(distances, TOLERANCE_GAIN)
-                bound += bound_cubic_error(fine[:, 0], fine[:, 1:4], fine[:, 8:11])
+                bound = factor * bound_distance(distances, TOLERANCE_GAIN) + float(bound_cubic_error(fine))
                 error = min(max(bound, LEAST_ERROR), accuracy.position)
             if math.isinf(error) and may_be_chaotic(model):
                 error = TOUCH_FACTOR * float(greatest_distance(coarse, fine, False))
