@@ -305,7 +305,7 @@ def read_both(path: Path) -> None:
 
 
 def read_network(path: Path) -> None:
-    from driftform_networks.hydraulics.reading import open_network
+    from driftform_networks.hydraulics.epanet import open_network
 
     open_network(path, path.parent / "cache")
 

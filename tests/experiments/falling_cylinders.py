@@ -25,8 +25,7 @@ from driftform.water import Fluid, Pipe, Scenario
 from driftform.water.flow import UniformFlow
 from driftform.water.scenario import FlightLimits, Release
 from driftform_native.simulator import NativeOptions, NativeSimulator
-from driftform_panels.coefficients import PanelMethod
-from driftform_panels.solve import PanelOptions
+from driftform_panels.solve import PanelMethod, PanelOptions
 
 FLUID = Fluid(density=998.0, viscosity=1.0e-6)
 DIAMETER = 0.02

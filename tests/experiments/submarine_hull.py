@@ -21,8 +21,7 @@ from driftform.motion.forces.drag import still_water_wrench
 from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import make_body
 from driftform.water import Fluid
-from driftform_panels.coefficients import PanelMethod
-from driftform_panels.solve import PanelOptions
+from driftform_panels.solve import PanelMethod, PanelOptions
 
 LENGTH, RADIUS, STATION, ORIGIN, SCALE = 4.356, 0.254, 0.21336, 2.013, 4.2608
 SPEED = 6.5 * 1852 / 3600

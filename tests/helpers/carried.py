@@ -16,7 +16,7 @@ from driftform.types import Agent, Body, End, FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform.water.velocity import flow_array, pipe_rows, water_motion
 from driftform_native.simulator import NativeOptions, NativeSimulator
-from driftform_panels.coefficients import PanelMethod, PanelOptions
+from driftform_panels.solve import PanelMethod, PanelOptions
 
 NEAR = 1e-4
 """Distance from the wall, m, below which a body counts as touching: it may have rebounded a moment ago."""

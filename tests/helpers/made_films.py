@@ -13,7 +13,7 @@ from driftform import Pipeline
 from driftform.types import FloatArray, Morphology
 from driftform.water import Factors
 from driftform_calibration.bench import Bench, Path, ReleaseError
-from driftform_calibration.camera import Camera, see_points, view_matrix
+from driftform_calibration.camera import VIEWS, Camera, see_points
 from driftform_calibration.problem import RELEASE_ANGLE, RELEASE_RISE, RELEASE_SPEED, Filmed
 from driftform_calibration.tracks import Marker, Track, check_track
 
@@ -92,9 +92,7 @@ def film_flight(
         offset=(rng.normal(0.0, 0.3), rng.normal(0.0, 0.3)),
     )
     blank = Track(name, t, (Marker(0.0, np.zeros((len(t), 2))),), np.full(len(t), np.nan))
-    [seen], _ = see_points(
-        _look_down(path, how, rng) if how.look_down else path, blank, view_matrix(blank, "side"), camera
-    )
+    [seen], _ = see_points(_look_down(path, how, rng) if how.look_down else path, blank, VIEWS["side"], camera)
     if how.barrel:
         seen = _bend(seen, how.barrel, rng)
     noisy: FloatArray = seen + rng.normal(0.0, how.noise, seen.shape)

@@ -11,7 +11,7 @@ from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.flow import LogLawFlow
 from driftform.water.scenario import Contact, FlightLimits, Release
 from driftform_native.simulator import NativeOptions, NativeSimulator
-from driftform_panels.coefficients import PanelMethod, PanelOptions
+from driftform_panels.solve import PanelMethod, PanelOptions
 
 BORE = 1.25 * 0.0254
 """Inner diameter of Ellis' pipe, m."""

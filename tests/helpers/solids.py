@@ -5,6 +5,7 @@ import numpy as np
 from driftform.agent import solid_of_revolution
 from driftform.testing.bodies import make_body
 from driftform.types import Agent, Body, Coefficients, MassProperties
+from driftform_panels.solve import PanelSolution
 
 
 def solid_agent(body: Body, density: float, coefficients: Coefficients, offset: float = 0.0) -> Agent:
@@ -45,3 +46,8 @@ def remus_body(edges: int = 40) -> Body:
     )
     x = 0.611 - np.concatenate([bow, a + b - blunt + stern])
     return make_body([(x[-1], 0.0), *zip(x[::-1], r[::-1], strict=True), (x[0], 0.0)])
+
+
+def reciprocity(solution: PanelSolution) -> float:
+    """The error of the discretisation by panels: abs(A26 - A62) / sqrt(A22 A66); meaningless for a sphere about its centre."""
+    return abs(solution.sway_of_yaw - solution.yaw_of_sway) / float(np.sqrt(solution.sway * solution.yaw))

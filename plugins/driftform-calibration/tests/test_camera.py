@@ -5,7 +5,7 @@ import pytest
 
 from driftform.types import FloatArray
 from driftform_calibration.bench import Path
-from driftform_calibration.camera import Camera, bend_points, see_points, view_matrix
+from driftform_calibration.camera import VIEWS, Camera, bend_points, see_points
 from driftform_calibration.tracks import Marker, Track
 
 T = np.linspace(0.0, 1.0, 31)
@@ -21,7 +21,7 @@ def fall() -> Path:
 
 def see(camera: Camera) -> FloatArray:
     blank = Track("film", T, (Marker(0.0, np.zeros((len(T), 2))),), np.full(len(T), np.nan))
-    [points], _ = see_points(fall(), blank, view_matrix(blank, "side"), camera)
+    [points], _ = see_points(fall(), blank, VIEWS["side"], camera)
     return points
 
 

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.testing.bodies import cylinder_body
-from driftform_calibration.drop_figure import DropPicture, drop_svg, ruler_svg
-from driftform_calibration.interval_figure import intervals_svg
-from driftform_calibration.track_figure import TrackPanel, tracks_svg
+from driftform_calibration.figures import TrackPanel, drop_svg, intervals_svg, ruler_svg, tracks_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -62,8 +60,8 @@ def test_a_ruler_is_as_long_as_it_says():
 
 def test_a_drop_starts_below_the_surface_of_its_tank():
     path = np.array([[0.0, -0.05], [0.02, -0.2], [0.03, -0.38]])
-    drop = DropPicture("Drop 1", "pitch +0 deg", np.array([1.0, 0, 0, 0]), path)
-    svg = drop_svg(drop, cylinder_body(0.1, 0.02), 0.6, 0.4)
+    level = np.array([1.0, 0, 0, 0])
+    svg = drop_svg("Drop 1", "pitch +0 deg", cylinder_body(0.1, 0.02), level, path, (0.6, 0.4))
     [water] = find(svg, "rect", "water")
     top, height = float(water.get("y")), float(water.get("height"))
     [line] = find(svg, "path", "path")

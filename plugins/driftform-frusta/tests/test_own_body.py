@@ -22,8 +22,7 @@ from driftform_frusta.exporters.step import StepExporter
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.own.builder import ProfileBuilder, ProfileOptions, place_profile
 from driftform_frusta.own.profile import read_profile
-from driftform_panels.coefficients import PanelMethod
-from driftform_panels.solve import PanelOptions
+from driftform_panels.solve import PanelMethod, PanelOptions
 
 SLOPED = Rotation.from_euler("xyz", [37, -52, 11], degrees=True).as_matrix()
 

@@ -63,7 +63,7 @@ def find_library_file(name: str) -> Path:
 
 @cache
 def read_library(name: str) -> Network:
-    from driftform_networks.hydraulics.reading import open_network
+    from driftform_networks.hydraulics.epanet import open_network
 
     return open_network(find_library_file(name))
 

@@ -8,8 +8,7 @@ from scipy.optimize import brentq
 
 from driftform_networks.flights.bodies import Traveller, open_traveller
 from driftform_networks.flights.bore import BANDS, MIXED
-from driftform_networks.flights.dividing import divide_bodies
-from driftform_networks.flights.junctions import Junction
+from driftform_networks.flights.junctions import Junction, divide_bodies
 from driftform_networks.passages.routing import TEE
 
 

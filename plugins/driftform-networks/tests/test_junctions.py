@@ -19,8 +19,8 @@ from driftform_networks.flights.junctions import describe_junction, find_bends
 from driftform_networks.flights.straight import StraightFlights, StraightTask, fly
 from driftform_networks.flights.streamtubes import divide_bore, smallest_share
 from driftform_networks.flights.travelling import repeat_cells
+from driftform_networks.hydraulics.epanet import open_network
 from driftform_networks.hydraulics.network import Network
-from driftform_networks.hydraulics.reading import open_network
 from driftform_networks.hydraulics.snapshot import take_snapshot
 from driftform_networks.passages.passage import find_reachable
 from driftform_networks.planning.choosing import bound_steering

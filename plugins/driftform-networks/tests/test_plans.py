@@ -15,13 +15,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError
+from driftform_networks.commands import parse_hours, read_names
 from driftform_networks.flights.bodies import open_traveller
-from driftform_networks.hydraulics.reading import open_network
+from driftform_networks.hydraulics.epanet import open_network
 from driftform_networks.planning.fleets import plan_fleet
 from driftform_networks.planning.following import route, trace
 from driftform_networks.planning.plans import catch, choose_nets, plan_inspection
 from driftform_networks.planning.sights import find_heard, group_sight, read_pipes, read_weights
-from driftform_networks.wording import parse_hours, read_names
 
 
 @given(seed=st.integers(0, 2**32 - 1), places=st.integers(1, 5), size=st.integers(1, 3))

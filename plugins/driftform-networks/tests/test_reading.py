@@ -11,9 +11,8 @@ import pytest
 
 from driftform.errors import InputError
 from driftform_networks.flights.travelling import Travel
-from driftform_networks.hydraulics.epanet import Changes
+from driftform_networks.hydraulics.epanet import Changes, open_network
 from driftform_networks.hydraulics.network import Network
-from driftform_networks.hydraulics.reading import open_network
 from driftform_networks.passages.passage import find_reachable
 from driftform_networks.planning.following import route, trace
 

@@ -25,7 +25,7 @@ from driftform_networks.flights.bodies import open_traveller, trim_design
 from driftform_networks.flights.bore import spread_points
 from driftform_networks.flights.streamtubes import divide_bore
 from driftform_networks.flights.travelling import Travel
-from driftform_networks.hydraulics.reading import open_network
+from driftform_networks.hydraulics.epanet import open_network
 from driftform_networks.planning.following import route, trace
 
 PUMPED = Travel(clearance={"pump": 1.0})

@@ -29,7 +29,7 @@ from driftform_networks.flights.tees import (
     weigh_shares,
 )
 from driftform_networks.flights.travelling import Travel, Traveling
-from driftform_networks.hydraulics.reading import open_network
+from driftform_networks.hydraulics.epanet import open_network
 from driftform_networks.hydraulics.snapshot import take_snapshot
 from driftform_networks.passages.passage import count_passings
 from driftform_networks.passages.routing import JOINT, TEE

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from driftform.types import FloatArray
+from driftform_networks.hydraulics.epanet import open_network
 from driftform_networks.hydraulics.network import Network
-from driftform_networks.hydraulics.reading import open_network
 from driftform_networks.hydraulics.snapshot import STILL, Snapshot, take_snapshot
 from driftform_networks.passages.chain import follow
 from driftform_networks.passages.routing import route_tracers

@@ -11,8 +11,7 @@ from driftform.testing.bodies import make_body
 from driftform.types import Module, Morphology
 from driftform.water import Fluid
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_panels.coefficients import PanelMethod
-from driftform_panels.solve import PanelOptions
+from driftform_panels.solve import PanelMethod, PanelOptions
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
 
 FLUID = Fluid(density=1024.0)

@@ -1,8 +1,7 @@
 """Panels satisfy the contract of a model of hydrodynamics, to the accuracy of their arithmetic."""
 
 from driftform.testing import HydrodynamicsContract
-from driftform_panels.coefficients import PanelMethod
-from driftform_panels.solve import PanelOptions
+from driftform_panels.solve import PanelMethod, PanelOptions
 
 
 class TestPanels(HydrodynamicsContract):

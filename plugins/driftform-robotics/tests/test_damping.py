@@ -10,7 +10,7 @@ from driftform.motion.forces.terminal import terminal_speeds
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Agent, Coefficients, MassProperties
 from driftform.water import Fluid
-from driftform_robotics.models.damping import (
+from driftform_robotics.models.link import (
     MIN_SPEED,
     linear_damping,
     quadratic_damping,

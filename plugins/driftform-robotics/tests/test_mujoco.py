@@ -16,8 +16,8 @@ from driftform.testing.agents import Spheroid
 from driftform.types import Agent, Coefficients
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
-from driftform_robotics.models.damping import quadratic_wrench
 from driftform_robotics.models.ellipsoid import added_mass_factors
+from driftform_robotics.models.link import quadratic_wrench
 
 
 def inertia_of_body(model: Any, body: int) -> np.ndarray:

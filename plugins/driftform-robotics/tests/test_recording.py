@@ -26,8 +26,8 @@ from driftform.types import Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Pipe, Scenario, Segment
 from driftform_robotics import sensors
+from driftform_robotics.options import FlightOptions, Ros2Options, Rosbag2Options
 from driftform_robotics.plume import make_plume
-from driftform_robotics.recording.options import FlightOptions, Ros2Options, Rosbag2Options
 from driftform_robotics.recording.recorders import McapRecorder, Rosbag1Recorder, Rosbag2Recorder
 
 KINDS = {

@@ -15,7 +15,7 @@ from ros1 import listen, run_master, start
 from driftform.interfaces import ExportJob
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
-from driftform_robotics.recording.options import FlightOptions
+from driftform_robotics.options import FlightOptions
 from driftform_robotics.recording.recorders import Rosbag1Recorder
 
 # Stand-ins for packages that Debian does not have. The last xacro of ROS 1 is not on PyPI: that of ROS 2 finds packages

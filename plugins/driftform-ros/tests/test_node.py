@@ -13,8 +13,8 @@ import pytest
 import driftform as df
 from driftform.errors import WorkFailedError
 from driftform.types import End, Trajectory
+from driftform_robotics.options import FlightOptions
 from driftform_robotics.recording.messages import full_name, make_messages
-from driftform_robotics.recording.options import FlightOptions
 from driftform_ros.node import LiveNode
 from driftform_ros.rospy_bus import RospyBus
 

@@ -13,8 +13,7 @@ from driftform.testing.letters import LetterGrammar
 from driftform.testing.strategy import search_space
 from driftform.types import Body, Core, End, Evaluation, FloatArray, Genome, Moments, Morphology, Trajectory
 from driftform.water import Scenario
-from driftform_strategies.direct import DirectStrategy
-from driftform_strategies.tuned import HIT, MAX_UNFIT, Shape, TunedOptions, TunedStrategy
+from driftform_strategies.tuned import HIT, MAX_UNFIT, DirectStrategy, Shape, TunedOptions, TunedStrategy
 
 RADIUS = 0.02
 """Of the bodies, m."""

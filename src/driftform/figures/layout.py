@@ -247,6 +247,11 @@ def tick_values(low: float, high: float, step: float) -> FloatArray:
     return np.asarray(np.arange(first, last + 1) * step + 0.0, dtype=np.float64)
 
 
+def label_ticks(values: FloatArray, step: float) -> list[str]:
+    """Return the texts of values that are multiples of a step, all with the digits that this has."""
+    return [format_signed(value, max(0, -int(np.floor(np.log10(step) + 1e-9)))) for value in values]
+
+
 def format_signed(value: float, digits: int) -> str:
     """Return a number with ``digits`` decimals and :data:`MINUS`, and zero without a sign."""
     text = f"{value:.{digits}f}"

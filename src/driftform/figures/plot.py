@@ -11,7 +11,7 @@ from driftform.figures import svg
 from driftform.figures.layout import (
     Box,
     floor_to_nice_number,
-    format_signed,
+    label_ticks,
     place_labels,
     resample_polyline,
     shorten,
@@ -92,10 +92,9 @@ def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = 
     # Labels of 11 px need about 40 px each.
     steps = [floor_to_nice_number(2.49 * wanted / window.px_per_m) for wanted in (40, 26)]
     for axis, step in enumerate(steps):
-        digits = max(0, -int(np.floor(np.log10(step) + 1e-9)))
-        for value in tick_values(float(low[axis]), float(high[axis]), step):
+        values = tick_values(float(low[axis]), float(high[axis]), step)
+        for value, label in zip(values, label_ticks(values, step), strict=True):
             offset = (value - low[axis]) * window.px_per_m
-            label = format_signed(value, digits)
             if axis == 0:
                 x = box.left + offset
                 svg.add_segment(root, x, box.top, x, box.bottom + 4, GRID, class_="tick-right")

@@ -27,7 +27,7 @@ def driftform_report(job: "ReportJob") -> Mapping[str, str]:
     calibration = job.scenario.calibration
     if not calibration.intervals:
         return {}
-    from driftform_calibration.interval_figure import intervals_svg
+    from driftform_calibration.figures import intervals_svg
 
     title = f"Calibration by {calibration.tracks} filmed flights" if calibration.tracks else "Calibration"
     return {"Calibration": intervals_svg(calibration.intervals, title)}

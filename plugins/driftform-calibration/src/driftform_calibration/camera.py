@@ -43,11 +43,6 @@ class Camera:
     offset: tuple[float, ...] = (0.0, 0.0)
 
 
-def view_matrix(track: Track, view: str) -> FloatArray:
-    """Return the world directions of a track's coordinates, (2, 3) or (3, 3)."""
-    return np.eye(3) if track.is_spatial else VIEWS[view]
-
-
 def see_points(path: Path, track: Track, view: FloatArray, camera: Camera) -> tuple[FloatArray, FloatArray]:
     """Return where a film shows the markers, (markers, n, d) in m, and the angle of the axis in it, (n,) in rad."""
     core, axis = path.points_at(track.t - camera.delay)

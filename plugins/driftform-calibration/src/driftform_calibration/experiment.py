@@ -111,9 +111,9 @@ def list_candidates(bench: Bench, tank: Tank) -> list[Scenario]:
     found = []
     for pitch_deg, share in product(PITCHES_DEG, shares):
         sinks = bench.net_weight > 0 or share > 0
-        reach = _reach_up(body, np.deg2rad(pitch_deg)), _reach_up(body, np.deg2rad(pitch_deg), down=True)
-        depth = reach[0] + MARGIN if sinks else tank.depth - reach[1] - MARGIN
-        if sum(reach) + 3 * MARGIN > tank.depth or 2 * _half_width(body, np.deg2rad(pitch_deg)) > tank.length:
+        above, below, aside = _measure_reach(body, np.deg2rad(pitch_deg))
+        depth = above + MARGIN if sinks else tank.depth - below - MARGIN
+        if above + below + 3 * MARGIN > tank.depth or 2 * aside > tank.length:
             continue
         weight = share * abs(bench.net_weight) / bench.scenario.fluid.gravity
         mass = round(weight / (1 - density / ballast_density), 4)
@@ -183,9 +183,8 @@ def _blank(t: FloatArray) -> Track:
 def _find_end(body: Body, path: Path, tank: Tank) -> tuple[float, str]:
     """Return when (s) a film ends, and where the agent is then."""
     t, position = path.t, path.position
-    pitch = -np.arcsin(np.clip(path.axis[:, 2], -1, 1))
-    top = position[:, 2] + np.array([_reach_up(body, p) for p in pitch])
-    wide = np.abs(position[:, 0]) + np.array([_half_width(body, p) for p in pitch])
+    reach = np.array([_measure_reach(body, p) for p in -np.arcsin(np.clip(path.axis[:, 2], -1, 1))])
+    top, wide = position[:, 2] + reach[:, 0], np.abs(position[:, 0]) + reach[:, 2]
     ends = {"time": float(t[-1])}
     if (top > 0).any():
         ends["surface"] = float(t[np.argmax(top > 0)])
@@ -197,17 +196,11 @@ def _find_end(body: Body, path: Path, tank: Tank) -> tuple[float, str]:
     return ends[first], first
 
 
-def _reach_up(body: Body, pitch: float, down: bool = False) -> float:
-    """Return how far a body reaches above its core's centre, or below it, m; ``pitch`` (rad) is positive nose down."""
-    x, r = body.outer.T
-    along = x * np.sin(pitch) if down else -x * np.sin(pitch)
-    return float((along + r * abs(np.cos(pitch))).max())
-
-
-def _half_width(body: Body, pitch: float) -> float:
-    """Return how far a body reaches to a side of its core's centre, m."""
-    x, r = body.outer.T
-    return float((np.abs(x * np.cos(pitch)) + r * abs(np.sin(pitch))).max())
+def _measure_reach(body: Body, pitch: float) -> tuple[float, float, float]:
+    """Return how far a body reaches above its core's centre, below it and aside, m; ``pitch`` (rad) is positive nose down."""
+    (x, r), c, s = body.outer.T, abs(np.cos(pitch)), np.sin(pitch)
+    above, below, aside = r * c - x * s, r * c + x * s, np.abs(x) * c + r * abs(s)
+    return float(above.max()), float(below.max()), float(aside.max())
 
 
 def _choose(

@@ -28,11 +28,8 @@ from driftform_calibration.tracks import estimate_noise
 CONFIDENCE = 0.9
 """Probability that an interval holds the factor."""
 
-MAX_WIDTH = 0.2
-"""Widest half of an interval of a factor that counts as known, relative to the factor."""
-
-MAX_WIDTH_HULL = 0.02
-"""The same of the density of the hull, if that is wider: prints are not more exact."""
+MAX_WIDTH, MAX_WIDTH_HULL = 0.2, 0.02
+"""Widest half of an interval that counts as known, relative to the factor, and of the hull's density: prints are not more exact."""
 
 PLAUSIBLE = {"axial_drag": (0.25, 4.0), "cross_drag": (0.25, 4.0), "added_mass": (0.5, 2.0)}
 """Factors beyond which a model does not err: something else acts on the agent."""

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from driftform.types import FloatArray
 from driftform.water import Factors
 from driftform_calibration.bench import Bench, Path, ReleaseError
-from driftform_calibration.camera import Camera, see_points, view_matrix
+from driftform_calibration.camera import VIEWS, Camera, see_points
 from driftform_calibration.tracks import Track
 
 PRIOR = 0.5
@@ -86,7 +86,7 @@ class Filmed:
     @cached_property
     def axes(self) -> FloatArray:
         """World directions of the track's coordinates, (2, 3) or (3, 3)."""
-        return view_matrix(self.track, self.view)
+        return np.eye(3) if self.track.is_spatial else VIEWS[self.view]
 
     @cached_property
     def observed(self) -> FloatArray:

@@ -9,7 +9,7 @@ from driftform.figures import section_svg, svg
 from driftform.types import Agent, FloatArray
 from driftform.util import files, notebook
 from driftform.water import Scenario
-from driftform_calibration.drop_figure import DropPicture, drop_svg, ruler_svg
+from driftform_calibration.figures import drop_svg, ruler_svg
 from driftform_calibration.problem import shown_name
 
 CAMERA = 8.0
@@ -40,7 +40,6 @@ class Drop:
         end: where the agent is then: ``"floor"``, ``"surface"``, ``"side"`` or ``"time"``.
         gain: bits that it adds about the factors, after the drops before it.
         path: expected path in the picture, to the right of the release and above the surface, m, (k, 2).
-        scenario: of the drop.
     """
 
     pitch_deg: float
@@ -64,9 +63,7 @@ class DropPlan:
     """Drops to film for an agent.
 
     Attributes:
-        name: of the agent.
         agent: as simulated, in the water of the tank, without ballast.
-        tank: in which it is dropped.
         document_base: the study that it was planned in: its plugins fly the drops.
         drops: in the order of their gain.
         expected: for each factor half of its 90 % interval, relative to the factor, and whether it will count as known.
@@ -152,8 +149,7 @@ class DropPlan:
         alike: dict[tuple[float, float], list[int]] = {}
         for number, drop in enumerate(self.drops, start=1):
             alike.setdefault((drop.pitch_deg, drop.ballast), []).append(number)
-        size = (self.agent.body, self.tank.length, self.tank.depth)
-        pictures = [drop_svg(self._picture(numbers), *size) for numbers in alike.values()]
+        pictures = [self._draw(numbers) for numbers in alike.values()]
         return svg.fill_template(
             __package__,
             "protocol.html",
@@ -171,13 +167,12 @@ class DropPlan:
             section=section_svg(self.agent, self.name),
         )
 
-    def _picture(self, numbers: Sequence[int]) -> DropPicture:
+    def _draw(self, numbers: Sequence[int]) -> str:
         drop = self.drops[numbers[0] - 1]
         title = f"Drop{'s' if len(numbers) > 1 else ''} {' and '.join(map(str, numbers))}"
         ballast = f", {1000 * drop.ballast:.1f} g of ballast" if drop.ballast else ""
-        return DropPicture(
-            title, f"pitch {drop.pitch_deg:+.0f} deg{ballast}", drop.scenario.release_quaternion(), drop.path
-        )
+        caption, size = f"pitch {drop.pitch_deg:+.0f} deg{ballast}", (self.tank.length, self.tank.depth)
+        return drop_svg(title, caption, self.agent.body, drop.scenario.release_quaternion(), drop.path, size)
 
     def __repr__(self) -> str:
         return f"<DropPlan of {self.name}: {len(self.drops)} drops>"

@@ -15,9 +15,8 @@ from driftform.types import FloatArray
 from driftform.util import files, notebook
 from driftform.water import Calibration
 from driftform_calibration.camera import see_points
+from driftform_calibration.figures import TrackPanel, intervals_svg, tracks_svg
 from driftform_calibration.fit import FactorEstimate, Fit, measure_distance
-from driftform_calibration.interval_figure import intervals_svg
-from driftform_calibration.track_figure import TrackPanel, tracks_svg
 
 SHOWN = ("axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", "friction")
 """The factors as tables show them: the density of the hull shows as the net weight that it changes."""
@@ -33,7 +32,6 @@ class CalibrationResult:
     """Factors on the model of an agent, fitted to films of its flights.
 
     Attributes:
-        name: of the agent.
         fit: values and intervals, and the problem that was solved.
         stored: the agent as it was opened.
         scenarios: in which each track was flown, by name.

@@ -1,7 +1,8 @@
 """Solve the least-squares problem of a calibration: a start, the best fit, its noise, its covariance, and lost frames."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -114,9 +115,13 @@ def _approach_from_several(problem: Problem, x: FloatArray) -> FloatArray:
     A release that was placed a second too early, or a hull that is far lighter than the model's, are hollows of their own.
     """
     best = _free_tracks(problem, _approach(problem, x))
-    for start in _list_starts(problem):
+    # Releases and cameras as expected, and each factor in turn aside from what is expected.
+    factors = [name for name in ("hull_density", "cross_drag", "axial_drag") if name in problem.names]
+    for name, aside in product(factors, (ASIDE, -ASIDE)):
         if not _list_stuck(problem, best):
             break
+        start, j = problem.start.copy(), problem.names.index(name)
+        start[j] = np.clip(start[j] + aside * problem.parameters[j].prior, problem.low[j], problem.high[j])
         trial = _approach(problem, place_releases(problem, start), ROUGH)
         if _measure_cost(problem, trial) < ENOUGH * _measure_cost(problem, best):
             best = _free_tracks(problem, find_best(problem, trial))
@@ -140,17 +145,6 @@ def _free_tracks(problem: Problem, x: FloatArray) -> FloatArray:
 def _list_stuck(problem: Problem, x: FloatArray) -> list[int]:
     """Return the numbers of the tracks that are far off."""
     return [k for k, r in enumerate(_split(problem, problem.residuals(x))) if _spread(r) >= STUCK]
-
-
-def _list_starts(problem: Problem) -> Iterator[FloatArray]:
-    """Generate starts with releases and cameras as expected, and each factor in turn aside from what is expected."""
-    for name in ("hull_density", "cross_drag", "axial_drag"):
-        if name in problem.names:
-            j = problem.names.index(name)
-            for aside in (ASIDE, -ASIDE):
-                start = problem.start.copy()
-                start[j] = np.clip(start[j] + aside * problem.parameters[j].prior, problem.low[j], problem.high[j])
-                yield start
 
 
 def _measure_cost(problem: Problem, x: FloatArray) -> float:

@@ -65,7 +65,6 @@ class Track:
     """One filmed flight.
 
     Attributes:
-        name: of its file.
         t: times of the frames, s, increasing, (n,).
         markers: the points that were followed.
         angle: of the axis in the picture, counterclockwise from the right, rad, (n,); NaN where it is not known.

@@ -1,8 +1,9 @@
-"""``driftform network``: the commands, which call the functions of :mod:`driftform_networks.planning.following`."""
+"""``driftform network``: the commands, which call the functions of :mod:`driftform_networks.planning.following`, and their words."""
 
 import os
+import re
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from inspect import Parameter, Signature
 from pathlib import Path
@@ -13,12 +14,13 @@ import typer
 
 from driftform.cli import formats, options
 from driftform.errors import InputError, did_you_mean
-from driftform_networks.wording import parse_hours, parse_time, read_names, split_names
+from driftform.util import files
 
 if TYPE_CHECKING:
     from driftform_networks.flights.bodies import Traveller
     from driftform_networks.hydraulics.network import Network
     from driftform_networks.output.results import Outputs, Sights
+
 
 _SHARED: dict[str, tuple[Any, Any]] = {
     "settings": (options.Settings, None),
@@ -201,8 +203,7 @@ def plan(given: Given) -> None:
 
 
 def _open(given: Given) -> "Network":
-    from driftform_networks.hydraulics.epanet import Changes
-    from driftform_networks.hydraulics.reading import open_network
+    from driftform_networks.hydraulics.epanet import Changes, open_network
 
     changes = Changes.parse(given.close or (), given.open or (), given.set_valve or ())
     return open_network(given.net, given.cache, changes)
@@ -257,3 +258,68 @@ def _pick(given: Given) -> dict[str, Any]:
     seed = given.seed if hasattr(given, "seed") else given.agents_seed
     within = {} if not hasattr(given, "within") else {"within": given.within and parse_time("--within", given.within)}
     return {"unsteady": given.unsteady, "walks": given.walks, "seed": seed, **within}
+
+
+_UNITS = {"s": 1 / 3600, "min": 1 / 60, "h": 1.0, "d": 24.0}
+
+
+def parse_time(option: str, text: str) -> float:
+    """Return a duration in hours.
+
+    Raises InputError if it is not a duration, or not positive.
+
+    >>> parse_time("--within", "90min"), parse_time("--within", "8h"), parse_time("--within", "8")
+    (1.5, 8.0, 8.0)
+    """
+    found = re.fullmatch(r"(\d+\.?\d*) ?(s|min|h|d)?", text.strip())
+    hours = float(found[1]) * _UNITS[found[2] or "h"] if found else 0.0
+    if not 0 < hours < 1e6:
+        raise InputError(f"{option} {text}: expected a time such as 8h, 90min or 2d")
+    return hours
+
+
+def parse_hours(text: str) -> list[float]:
+    """Return hours that ``6-18``, ``6-18/2`` or ``6,12.5`` names, in order.
+
+    Raises InputError if it names none, or more than a thousand.
+
+    >>> parse_hours("6-8,12.5"), parse_hours("0-24/12")
+    ([6.0, 7.0, 8.0, 12.5], [0.0, 12.0, 24.0])
+    """
+    hours = set[float]()
+    for part in text.split(","):
+        found = re.fullmatch(r" *(\d+\.?\d*)(?:-(\d+\.?\d*)(?:/(\d+\.?\d*))?)? *", part)
+        first, last, step = (
+            (float(found[i] or (found[1], found[1], 1)[i - 1]) for i in (1, 2, 3)) if found else (0, -1, 1)
+        )
+        count = (last - first) / step if step > 0 else -1
+        if not 0 <= count < 1000:
+            raise InputError(f"--hours {text}: expected hours such as 6-18, 6-18/2 or 6,12")
+        hours |= {first + step * number for number in range(int(count + 1e-9) + 1)}
+    return sorted(hours)
+
+
+def split_names(texts: Iterable[str], network: "Network", option: str = "--release") -> list[str]:
+    """Return the nodes of options, which commas separate, each once. Raises InputError if there is no such node."""
+    names = [name.strip() for text in texts for name in ([text] if text in network.nodes else text.split(","))]
+    for name in names:
+        network.find_node(name, option)
+    return list(dict.fromkeys(names))
+
+
+def read_names(path: Path, network: "Network") -> list[str]:
+    """Return the nodes that a text names at the begin of its lines; a first line that names none is a heading.
+
+    Raises InputError if the file cannot be read, or another line names no node.
+    """
+    found = list[str]()
+    for number, line in enumerate(files.read_text(path).splitlines(), 1):
+        name = re.split(r"[,;\t]", line)[0].strip().strip('"')
+        if not name or name.startswith("#") or (number == 1 and name not in network.nodes):
+            continue
+        if name not in network.nodes:
+            raise InputError(f"{path}: line {number}: {network.name} has no node {name!r}")
+        found.append(name)
+    if not found:
+        raise InputError(f"{path}: names no node of {network.name}: expected one on each line")
+    return list(dict.fromkeys(found))

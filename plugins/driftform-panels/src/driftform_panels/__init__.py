@@ -11,6 +11,6 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_hydrodynamics() -> "type[Hydrodynamics[Any]]":
     """Return the axisymmetric boundary-element method."""
-    from driftform_panels.coefficients import PanelMethod
+    from driftform_panels.solve import PanelMethod
 
     return PanelMethod

@@ -1,20 +1,22 @@
-"""Contour -> potential on its surface -> added mass of the body of revolution."""
+"""Added mass of a body of revolution by panels: contour -> potential on its surface -> added mass."""
 
 import math
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from driftform.agent import solid_of_revolution
-from driftform.interfaces import HydrodynamicsOptions, option
-from driftform.types import FloatArray
+from driftform.interfaces import Hydrodynamics, HydrodynamicsOptions, option
+from driftform.types import Body, Coefficients, FloatArray
+from driftform.water import Fluid
 from driftform_panels.meridian import Panels, make_panels
 
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
+
 
 MIN_WALL = 0.02
 """Least thickness of a wall relative to the length of its panels: thinner walls are not resolved."""
@@ -52,15 +54,6 @@ class PanelSolution:
     yaw_of_sway: float
     yaw: float
     unknowns: int
-
-    @property
-    def reciprocity(self) -> float:
-        """Indicator of the discretisation error: abs(A26 - A62) / sqrt(A22 A66), about ``origin``.
-
-        It is meaningless for a sphere about its centre, which rotates without moving any water.
-        """
-        size = math.sqrt(max(self.sway * self.yaw, 0.0))
-        return abs(self.sway_of_yaw - self.yaw_of_sway) / size if size > 0 else math.inf
 
     def matrix(self) -> FloatArray:
         """Return the added mass for density 1, (6, 6): symmetric, and positive semi-definite.
@@ -137,3 +130,29 @@ def _find_libraries() -> "ThreadpoolController":
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
+
+
+class PanelMethod(Hydrodynamics[PanelOptions]):
+    """Added mass of any body of revolution in unbounded potential flow, about the centre of buoyancy.
+
+    Boundary elements on the meridian, with the integral over the circle in closed form: Green's identity for the
+    potentials of surge, which are axisymmetric, and of sway and yaw, which vary as the cosine; three collocation points
+    on each panel. With the default panels, 141 unknowns in the median, M11 of 200 random agents is within
+    0.1 % of the result with `panels = 100` and `corner = 0.02`; M22, M55 and M26 (relative to the root of M22 M66) are
+    within 0.03 %. A wall must be at least a fiftieth as thick as its panels are long.
+    """
+
+    name = "panels"
+    Options = PanelOptions
+
+    def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
+        """Return the added mass about the centre of buoyancy."""
+        contour = np.ascontiguousarray(body.outer, dtype=np.float64)
+        solution = _solve_once(contour.tobytes(), self.options.panels, self.options.corner)
+        return Coefficients(fluid.density * solution.matrix(), origin=np.array([solution.origin, 0.0, 0.0]))
+
+
+@lru_cache(maxsize=128)
+def _solve_once(contour: bytes, panels: int, corner: float) -> PanelSolution:
+    """Solve for a contour, (n, 2) as bytes; the same hull is flown in water of many densities."""
+    return solve(np.frombuffer(contour).reshape(-1, 2), PanelOptions(panels=panels, corner=corner))

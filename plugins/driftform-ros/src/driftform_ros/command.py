@@ -38,7 +38,7 @@ def ros(
     and 'evaluate' take an agent or a genome from the parameter 'agent', all in the namespace of the agent.
     """
     from driftform import open_agent
-    from driftform_robotics.recording.options import FlightOptions
+    from driftform_robotics.options import FlightOptions
     from driftform_ros.node import LiveNode
     from driftform_ros.rospy_bus import RospyBus
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from driftform.errors import DriftformError, WorkFailedError, describe_error
+from driftform_robotics.options import FlightOptions
 from driftform_robotics.recording.messages import make_messages
-from driftform_robotics.recording.options import FlightOptions
 from driftform_robotics.recording.topics import WORLD, FlightTopics, Topic, list_plumes
 from driftform_ros.rospy_bus import RospyBus
 
@@ -60,7 +60,6 @@ class LiveNode:
     """Flies one agent at a time.
 
     Args:
-        bus: connection to ROS.
         open_other: opens an agent by its name or genome.
         options: namespace, sensors, and the time of the first release.
         interval: between two messages of a topic, in the time of the flight, s.

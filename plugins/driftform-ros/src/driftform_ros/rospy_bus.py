@@ -49,11 +49,8 @@ def find_rospy() -> None:
 class RospyBus:
     """A node of ROS 1; it ends with the context. Callbacks run in threads of rospy.
 
-    Messages are bytes, encoded by :class:`driftform_robotics.recording.messages.Messages`.
-
-    Attributes:
-        address: of the master.
-        has_clock: whether the flight publishes the time of ROS.
+    Messages are bytes, encoded by :class:`driftform_robotics.recording.messages.Messages`. ``has_clock`` is whether the
+    flight publishes the time of ROS, and ``address`` that of the master.
     """
 
     def __init__(self, name: str, has_clock: bool = True) -> None:

@@ -11,9 +11,8 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_strategy() -> "list[type[Strategy[Any]]]":
     """Return evolution by single symbols, random search, and the searches of tuned bodies."""
-    from driftform_strategies.direct import DirectStrategy
     from driftform_strategies.evolution import EvolutionStrategy
     from driftform_strategies.random import RandomStrategy
-    from driftform_strategies.tuned import TunedStrategy
+    from driftform_strategies.tuned import DirectStrategy, TunedStrategy
 
     return [DirectStrategy, EvolutionStrategy, RandomStrategy, TunedStrategy]

@@ -281,7 +281,9 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         """Return members of the elite's family with numbers of changes, in the order of their expected distance from its path."""
         if elite.early is None or not self._moved:
             return iter(())
-        numbers, moved, size = self._smallest_changes()
+        if self._small is None:
+            self._small = self._moved.find_smallest(COMBINED)
+        numbers, moved, size = self._small
         away = elite.family.early - elite.early
         near = smallest_indices(np.einsum("ij,ij->i", away, away), COMBINED)
         # Coordinate by coordinate: loops over three numbers would take twice the time.
@@ -290,15 +292,6 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         rows, columns = np.divmod(smallest_indices(miss.ravel(), MAX_GUESSES), len(numbers))
         nearest = list(map(elite.family.members.__getitem__, near.tolist()))
         return zip(map(nearest.__getitem__, rows.tolist()), map(numbers.__getitem__, columns.tolist()), strict=True)
-
-    def _smallest_changes(self) -> tuple[list[int], FloatArray, FloatArray]:
-        """Return the numbers of the changes that moved the early path least, their displacements, and the lengths of those.
-
-        Both are in m, (n, 3) and (n,).
-        """
-        if self._small is None:
-            self._small = self._moved.find_smallest(COMBINED)
-        return self._small
 
     def _draw_random(self) -> _Request:
         for _ in range(MAX_DRAWS):

@@ -14,6 +14,7 @@ from typing import Any
 from urllib.parse import quote
 
 import numpy as np
+import tomli_w
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -28,7 +29,7 @@ from driftform.water.parts import shapes
 from driftform_frusta.cores import CORES, CUSTOM
 from driftform_frusta.materials import MATERIALS
 from driftform_frusta.own.profile import read_profile
-from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
+from driftform_studio.draft import check_draft, load_draft, locate_errors
 from driftform_studio.folder import DATABASE, RunsFolder
 from driftform_studio.guard import check_values
 from driftform_studio.searches import Searches
@@ -72,7 +73,8 @@ class Studio:
         self.tasks.close()
         self._made.cleanup()
 
-    def _find(self, parameters: Parameters) -> Any:
+    def find(self, parameters: Parameters) -> Any:
+        """Return the run that an address names. Raises InputError if it does not exist."""
         from driftform_studio.live import LiveRun
 
         name = parameters["run"]
@@ -128,7 +130,7 @@ class Studio:
         core = builder.get("core", CUSTOM) if isinstance(builder, dict) else CUSTOM
         if core not in (CUSTOM, *CORES):
             self.folder.check_file(core)
-        return draft, write_draft(draft)
+        return draft, tomli_w.dumps(draft)
 
     def check(self, parameters: Parameters, document: Any) -> Any:
         """Check a draft: its study file, its outline, and its errors at the keys that caused them."""
@@ -139,7 +141,7 @@ class Studio:
             errors = locate_errors([str(line) for line in error.args], text)
             try:
                 # Without targets, so that those that are wrong can be moved.
-                outline = _outline(load_draft(write_draft({**draft, "targets": {}})).scenario)
+                outline = _outline(load_draft(tomli_w.dumps({**draft, "targets": {}})).scenario)
             except InputError:
                 outline = None
             return {"text": text, "errors": errors, "outline": outline}
@@ -180,7 +182,7 @@ class Studio:
         if "seed" not in draft.get("run", {}):
             # The study file that the run keeps gives the same run again.
             draft = {**draft, "run": {**draft.get("run", {}), "seed": study.seed}}
-            study = load_draft(write_draft(draft))
+            study = load_draft(tomli_w.dumps(draft))
         directory = self.folder.make_run_directory(str(document.get("name", "")) or "pipe")
         with Run.create(directory, study):
             pass
@@ -189,7 +191,7 @@ class Studio:
 
     def show_run(self, parameters: Parameters, document: Any) -> Any:
         """Return the fixed facts of a run: its study, surroundings and commands."""
-        live = self._find(parameters)
+        live = self.find(parameters)
         run = live.run
         scenario = run.study.scenario
         paths = []
@@ -209,22 +211,14 @@ class Studio:
             "conditions": scenario.robustness.conditions,
         }
 
-    def show_status(self, parameters: Parameters, document: Any) -> Any:
-        """Return the progress of the search of a run."""
-        return self._find(parameters).read_status(self.searches)
-
-    def show_path(self, parameters: Parameters, document: Any) -> Any:
-        """Return the path of a flight."""
-        return {"path": self._find(parameters).read_path(int(parameters["evaluation"]))}
-
     def pause(self, parameters: Parameters, document: Any) -> Any:
         """Ask the search of a run to pause."""
-        self.searches.pause(self._find(parameters).directory)
+        self.searches.pause(self.find(parameters).directory)
         return {}
 
     def resume(self, parameters: Parameters, document: Any) -> Any:
         """Continue the search of a run, with more flights if the document has ``more``."""
-        live = self._find(parameters)
+        live = self.find(parameters)
         more = document.get("more", 0) if isinstance(document, dict) else 0
         if not isinstance(more, int) or more < 0:
             raise InputError(f"more = {more!r}: should be a number of flights")
@@ -239,7 +233,7 @@ class Studio:
         name = parameters.get("work", "show")
         if not isinstance(document, dict) or name not in (*WORK, "make"):
             raise InputError(f"the request to {name} is not a table, or unknown")
-        live, key = self._find(parameters), parameters.get("agent", "")
+        live, key = self.find(parameters), parameters.get("agent", "")
 
         def make() -> dict[str, str]:
             folder = Path(self._made.name) / token_hex(8)
@@ -248,13 +242,6 @@ class Studio:
             return {"made": folder.name, "file": file.name}
 
         return {"task": self.tasks.start(make if name == "make" else lambda: WORK[name](live, key, document))}
-
-    def show_task(self, parameters: Parameters, document: Any) -> Any:
-        """Return the progress of a task."""
-        task = self.tasks.find(parameters["task"])
-        if task is None:
-            raise InputError("the server was started again meanwhile: ask once more")
-        return task
 
     def take_made(self, parameters: Parameters, document: Any) -> Response:
         """Answer with a file that a task made."""
@@ -267,7 +254,7 @@ class Studio:
 
     def take_report(self, parameters: Parameters, document: Any) -> Response:
         """Answer with the report of a run, in a sandbox."""
-        live = self._find(parameters)
+        live = self.find(parameters)
         path = live.directory / "report.html"
         if not path.is_file() or path.is_symlink():
             raise InputError(f"{live.directory.name}: has no report yet")
@@ -276,17 +263,17 @@ class Studio:
 
     def take_study(self, parameters: Parameters, document: Any) -> Response:
         """Answer with the study file of a run."""
-        live = self._find(parameters)
+        live = self.find(parameters)
         return _attach(self.folder.read_text(live.directory, "study.toml"), f"{live.directory.name}.toml")
 
     def take_agent(self, parameters: Parameters, document: Any) -> Response:
         """Answer with the ``agent.json`` of an agent."""
-        design = self._find(parameters).find_agent(parameters["agent"])
+        design = self.find(parameters).find_agent(parameters["agent"])
         return _attach(design.stored.to_text(), f"{design.name}.json")
 
     def take_section(self, parameters: Parameters, document: Any) -> Response:
         """Answer with the drawing of an agent's section."""
-        design = self._find(parameters).find_agent(parameters["agent"])
+        design = self.find(parameters).find_agent(parameters["agent"])
         return Response(design._repr_svg_(), media_type="image/svg+xml")
 
 
@@ -301,15 +288,19 @@ def make_app(studio: Studio) -> Starlette:
         ("GET", "/api/runs", studio.list_runs),
         ("POST", "/api/runs", studio.create),
         ("GET", run, studio.show_run),
-        ("GET", f"{run}/status", studio.show_status),
-        ("GET", f"{run}/flights/{{evaluation:int}}", studio.show_path),
+        ("GET", f"{run}/status", lambda given, _: studio.find(given).read_status(studio.searches)),
+        (
+            "GET",
+            f"{run}/flights/{{evaluation:int}}",
+            lambda given, _: {"path": studio.find(given).read_path(int(given["evaluation"]))},
+        ),
         ("POST", f"{run}/pause", studio.pause),
         ("POST", f"{run}/resume", studio.resume),
         ("POST", f"{run}/{{work}}", studio.begin_work),
         ("POST", agent, studio.begin_work),
         ("POST", f"{agent}/{{work}}", studio.begin_work),
         ("POST", f"{agent}/{{work}}/{{kind}}", studio.begin_work),
-        ("GET", "/api/tasks/{task}", studio.show_task),
+        ("GET", "/api/tasks/{task}", lambda given, _: studio.tasks.find(given["task"])),
         ("GET", "/take/made/{made}/{file}", studio.take_made),
         ("GET", "/take/{run}/report.html", studio.take_report),
         ("GET", "/take/{run}/study.toml", studio.take_study),

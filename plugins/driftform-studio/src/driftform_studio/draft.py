@@ -1,12 +1,9 @@
 """The draft that the page edits, as a study file and as a study."""
 
 import re
-from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
-
-import tomli_w
 
 from driftform import Study, load_study
 from driftform.errors import InputError, did_you_mean
@@ -34,11 +31,6 @@ def check_draft(draft: Any) -> dict[str, Any]:
         if key not in ("base", "title", "description", *TABLES):
             raise InputError(f"{FILE}: the page cannot set '{key}'; save the study, and edit the file")
     return {key: _drop_nothing(draft[key]) for key in ("title", "description", "base", *TABLES) if key in draft}
-
-
-def write_draft(draft: Mapping[str, Any]) -> str:
-    """Return a draft as the text of a study file."""
-    return tomli_w.dumps(dict(draft))
 
 
 def load_draft(text: str) -> Study:

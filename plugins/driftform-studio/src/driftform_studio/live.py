@@ -9,15 +9,13 @@ import numpy as np
 from driftform import Design, Run, StoredAgent
 from driftform.errors import InputError
 from driftform.figures import scene
+from driftform.runs.monitor import FINISHED, RUNNING, STOPPED, WRITING
 from driftform.util import files
 from driftform_studio.folder import DATABASE
-from driftform_studio.searches import PROGRESS, Searches
-
-RUNNING, WRITING, FINISHED, STOPPED = "running", "writing the best agents", "finished", "stopped"
-"""States of the monitor of a run."""
+from driftform_studio.searches import PAUSE, PROGRESS, Searches
 
 STARTING, PAUSING, PAUSED, FAILED = "starting", "pausing", "paused", "failed"
-"""States that the page has besides these."""
+"""States that the page has besides those of the monitor of a run."""
 
 PATH_TOLERANCE = 2e-3
 """Tolerance to which a path is simplified for a side view, m: a tenth of the detail that a screen shows of a pipe."""
@@ -92,7 +90,7 @@ class LiveRun:
     def _name_state(self, run: Run, searches: Searches, failure: str, targets: list[dict[str, Any]]) -> str:
         state = self._monitor.state
         if state in (RUNNING, WRITING):
-            return PAUSING if searches.is_pausing(self.directory) else state
+            return PAUSING if (self.directory / PAUSE).exists() else state
         if searches.is_alive(self.directory):
             return STARTING
         if failure:

@@ -68,10 +68,6 @@ class Searches:
         """Return whether the search of a run listens to the page, whichever server began it."""
         return files.is_locked(directory / HELD) or self.is_alive(directory)
 
-    def is_pausing(self, directory: Path) -> bool:
-        """Return whether the search of a run was asked to pause."""
-        return (directory / PAUSE).exists()
-
     def read_failure(self, directory: Path) -> str:
         """Return the last lines that a search printed which this server began and which failed; empty if it did not."""
         process = self._processes.get(directory)

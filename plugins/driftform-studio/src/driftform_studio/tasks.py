@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from secrets import token_hex
 from typing import Any
 
-from driftform.errors import DriftformError, describe_error
+from driftform.errors import DriftformError, InputError, describe_error
 from driftform.util import progress
 
 KEPT = 50
@@ -34,9 +34,11 @@ class Tasks:
         self._pool.submit(self._run, task, work)
         return name
 
-    def find(self, name: str) -> Task | None:
-        """Return a task, ``None`` if no task has this name."""
-        return self._tasks.get(name)
+    def find(self, name: str) -> Task:
+        """Return a task. Raises InputError if no task has this name."""
+        if name not in self._tasks:
+            raise InputError("the server was started again meanwhile: ask once more")
+        return self._tasks[name]
 
     def close(self) -> None:
         """Begin nothing more."""

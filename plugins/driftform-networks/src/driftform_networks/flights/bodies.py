@@ -36,7 +36,6 @@ class Traveller:
     """A body that travels through a network.
 
     Attributes:
-        name: its name.
         agent: the body, with its masses and coefficients.
         scenario: fluid, wall and flow profile; pipe, speed and release are those of each flight.
         simulator: flies it.

@@ -1,6 +1,7 @@
 """Flights of a body in a straight pipe: transfer between its bands, speed, and where it rests; and releases in any bore."""
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -75,31 +76,28 @@ class StraightTask:
 
     def __call__(self) -> StraightFlights:
         """Make the flights, or read them."""
-        return keep_result(
-            self.path, StraightFlights, lambda: fly_straight(self.traveller, self.bore, self.speed, self.slope)
-        )
+        return keep_result(self.path, StraightFlights, partial(_fly_straight, self))
 
 
-def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) -> StraightFlights:
+def _fly_straight(task: StraightTask) -> StraightFlights:
     """Return what flights of a body through a straight pipe show.
 
     Raises WorkFailedError if the simulator can fly none of them.
     """
+    traveller, bore, speed = task.traveller, task.bore, task.speed
     cell = min(CELL_BORES * bore, CELL_S * speed)
-    scenarios = _make_scenarios(traveller, bore, speed, slope, cell)
+    scenarios = _make_scenarios(traveller, bore, speed, task.slope, cell)
     if not scenarios:
         # It fits in no attitude: it is held at once.
         return StraightFlights(cell, np.zeros((BANDS, BANDS)), np.ones(BANDS), np.zeros((0, 13)))
     flights = fly(traveller, scenarios, f"in a bore of {1000 * bore:.0f} mm")
     room = max(1 - traveller.agent.body.max_diameter / bore, 1e-3)
     counts, held = np.zeros((BANDS, BANDS)), np.zeros(BANDS)
-    times, passed = np.zeros(BANDS), np.zeros(BANDS)
-    states = []
+    times, states = np.zeros(BANDS), []
 
     def count(before: int, after: int, time: float) -> None:
         counts[before, after] += 1
         times[before] += time
-        passed[before] += 1
 
     frame = scenarios[0].release_frame()
     for flight in flights:
@@ -121,8 +119,8 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
                 held[bands[-1]] += 1
             else:
                 count(bands[-1], bands[-1], cell / pace)
-    total = counts.sum(axis=1) + held
-    water = cell / speed
+    passed, water = counts.sum(axis=1), cell / speed
+    total = passed + held
     with np.errstate(invalid="ignore", divide="ignore"):
         # A band in which no flight has been is like all others together.
         transfer = np.where(total[:, None] > 0, counts / total[:, None], counts.sum(axis=0) / total.sum())
@@ -154,13 +152,8 @@ def _make_scenarios(traveller: Traveller, bore: float, speed: float, slope: floa
 def _cross_cells(flight: Trajectory, frame: FloatArray, start: float, cell: float) -> list[int]:
     """Return the samples at which a flight is first at the begin, and at the ends of its cells."""
     along = (flight.position @ frame)[:, 0] - start
-    rows = [0]
-    for number in range(1, CELLS + 1):
-        beyond = np.flatnonzero(along >= number * cell - 1e-6)
-        if not len(beyond):
-            break
-        rows.append(int(beyond[0]))
-    return rows
+    beyond = (np.flatnonzero(along >= number * cell - 1e-6) for number in range(1, CELLS + 1))
+    return [0, *(int(rows[0]) for rows in beyond if len(rows))]
 
 
 def release(
@@ -172,7 +165,9 @@ def release(
     yaw_deg: float,
     velocity: FloatArray | None = None,
 ) -> Scenario | None:
-    """Return the scenario of a release; its place moves to the axis, and its attitude along the pipe, until it fits.
+    """Return the scenario of a release, ``None`` if the body fits in no attitude.
+
+    Its place moves to the axis, and its attitude along the pipe, until it fits.
 
     Args:
         document: the scenario without a release.
@@ -180,9 +175,6 @@ def release(
         place: of the core's centre to the right and upward, m, (2,).
         pitch_deg, yaw_deg: attitude relative to the pipe.
         velocity: relative to the pipe, m/s, (3,); ``None`` for that of the water.
-
-    Returns:
-        scenario: ``None`` if the body fits in no attitude.
     """
     # An end may lead: the body keeps its head or its tail downstream.
     turned = yaw_deg if abs(yaw_deg) <= 90 else yaw_deg - np.copysign(180, yaw_deg)

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.types import FloatArray
-from driftform_networks.flights.bore import BANDS
 from driftform_networks.flights.junctions import Junction
 from driftform_networks.flights.streamtubes import smallest_share
 
@@ -135,10 +133,3 @@ def weigh_shares(share: float, size: float) -> list[tuple[float, float]]:
     weight = float(np.clip((share - steps[above - 1]) / (steps[above] - steps[above - 1]), 0, 1))
     found = [(names[above - 1], round(1 - weight, 6)), (names[above], round(weight, 6))]
     return [(step, part) for step, part in found if part > 0]
-
-
-def send_all(outlet: int) -> FloatArray:
-    """Return the probability of each outlet and band where all bodies take one outlet, in their bands, (bands, 2, bands)."""
-    onward = np.zeros((BANDS, 2, BANDS))
-    onward[:, outlet] = np.eye(BANDS)
-    return onward

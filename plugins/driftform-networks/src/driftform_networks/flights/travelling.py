@@ -16,9 +16,8 @@ from driftform_networks.cache import find_cache
 from driftform_networks.flights import tees
 from driftform_networks.flights.bodies import SCENARIO, Traveller
 from driftform_networks.flights.bore import BANDS, MIRROR, MIXED
-from driftform_networks.flights.dividing import divide_bodies
 from driftform_networks.flights.fits import find_gate, find_obstacle, read_gates
-from driftform_networks.flights.junctions import SIDES, Junction, describe_junction, find_bends
+from driftform_networks.flights.junctions import SIDES, Junction, describe_junction, divide_bodies, find_bends
 from driftform_networks.flights.straight import StraightFlights, StraightTask
 from driftform_networks.flights.tee_flights import TeeTask
 from driftform_networks.flights.tees import Tee
@@ -256,9 +255,10 @@ class Traveling:
         for branch, tasks in outlets:
             table = np.zeros((BANDS, 2, BANDS))
             for task, weight in tasks:
-                table += weight * (
-                    tees.send_all(_ALL_INTO[task.tee.share]) if _is_whole(task) else self._read_tee(task).onward
-                )
+                if _is_whole(task):
+                    table[:, _ALL_INTO[task.tee.share]] += weight * np.eye(BANDS)
+                else:
+                    table += weight * self._read_tee(task).onward
             table = _mirror(table, junction.directions[branch, 0] < -1e-6)
             onward[:, branch] = here @ table[:, tees.BRANCH]
             here = here @ table[:, tees.RUN]

@@ -82,7 +82,6 @@ class Network:
         start, end: index of the nodes at the ends of each link, (links,).
         length: length of each link, m, (links,); 0 for pumps and valves.
         diameter: inner diameter of each link, m, (links,); 0 for pumps.
-        hydraulics: flows.
         weight: how much each metre of a link counts, (links,); ``None`` for all alike.
     """
 
@@ -164,10 +163,6 @@ class Network:
         """Return the points of a link on the map, from its start to its end, (k, 2)."""
         ends = self.places[[self.start[link], self.end[link]]]
         return np.vstack([ends[:1], self.vertices[link].reshape(-1, 2), ends[1:]])
-
-    def wkt(self, link: int) -> str:
-        """Return the line of a link as text that programs for maps read."""
-        return f"LINESTRING ({', '.join(f'{x:.12g} {y:.12g}' for x, y in self.polyline(link))})"
 
     def tabulate_links(self, kept: BoolArray, **values: FloatArray) -> dict[str, list[Any]]:
         """Return names, lengths and further values of some links as columns; ``kept`` and each value are (links,)."""

@@ -22,8 +22,6 @@ class Snapshot:
     """The links of a network in which water flows at one moment, each directed downstream.
 
     Attributes:
-        network: the network.
-        hour: hour of the simulation.
         step: index of the hydraulic step.
         links: index of each of these links in the network, (n,).
         tail, head: nodes at the upstream and the downstream end of each link, (n,).

@@ -1,7 +1,9 @@
-"""What the commands print and write of passages and fleets: lines, tables, maps, reports."""
+"""What the commands print and write of passages and fleets: lines, tables, maps, layers, reports."""
 
 import csv
 import io
+import json
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,7 +23,6 @@ from driftform.util import files
 from driftform_networks.flights.bodies import Traveller
 from driftform_networks.hydraulics.network import BoolArray, Network
 from driftform_networks.hydraulics.snapshot import warn_of_pressure
-from driftform_networks.output.gis import check_crs, write_geojson
 from driftform_networks.output.map import curve_svg, fleet_svg, format_time, passage_svg, plan_svg
 from driftform_networks.passages.passage import Passage, count_passings
 from driftform_networks.planning.candidates import save_agents
@@ -64,7 +65,10 @@ class Outputs:
             if path.suffix != suffix:
                 raise InputError(f"{option} {path}: the name of this file must end in {suffix}")
             files.check_directory(path.parent, option)
-        check_crs(self.crs)
+        if self.crs is not None and not re.fullmatch(r"EPSG:\d{4,6}", self.crs):
+            raise InputError(
+                f"--crs {self.crs}: expected the number of a coordinate reference system, such as EPSG:25832"
+            )
         for option, path in (("--tables", self.tables), ("--agents", self.agents), ("--gis", self.gis)):
             if path is not None:
                 files.check_directory(path, option)
@@ -324,3 +328,42 @@ def _table_curves(fleet: Fleet) -> TextTable:
     rows = [[f"{count}", *(f"{100 * curve[count - 1]:.1f}" for curve in curves)] for count in counts]
     header = ("bodies see %", "tracers", "retained", "fleet", "any choice", "steered")
     return TextTable(header, rows, right=(0, 1, 2, 3, 4, 5))
+
+
+def write_geojson(
+    folder: Path, network: Network, tables: Mapping[str, Mapping[str, Sequence[Any]]], crs: str | None
+) -> list[Path]:
+    """Write the tables of nodes and links, each as the layer of its name, and return the files.
+
+    Points and lines have the coordinates of the network's file. A ``crs`` is named as GeoJSON of 2008 does, which GDAL
+    and QGIS read; in RFC 7946 coordinates are longitude and latitude, and nothing is named.
+    The first column of a table, ``node`` or ``link``, has the names of what each row is about.
+
+    Raises InputError if the network has no coordinates.
+    """
+    if not np.isfinite(network.places).any():
+        raise InputError(f"{network.name}: the file gives its nodes no coordinates: leave out --gis")
+    named = {"name": f"urn:ogc:def:crs:{(crs or '').replace(':', '::')}"}
+    system = {} if crs in (None, "EPSG:4326") else {"crs": {"type": "name", "properties": named}}
+    written = []
+    for name, columns in tables.items():
+        kind = next(iter(columns))
+        if kind not in ("node", "link"):
+            continue
+        known = {key: row for row, key in enumerate(network.nodes if kind == "node" else network.links)}
+        features = []
+        for row in zip(*columns.values(), strict=True):
+            index = known[row[0]]
+            line = network.places[[index]] if kind == "node" else network.polyline(index)
+            # JSON has no NaN.
+            values = [None if isinstance(value, float) and not np.isfinite(value) else value for value in row]
+            place = line.tolist() if kind == "link" else line[0].tolist()
+            shape = {"type": "LineString" if kind == "link" else "Point", "coordinates": place}
+            features.append(
+                {"type": "Feature", "properties": dict(zip(columns, values, strict=True))}
+                | {"geometry": shape if np.isfinite(line).all() else None}
+            )
+        document = {"type": "FeatureCollection", "name": name, **system, "features": features}
+        written.append(folder / f"{name}.geojson")
+        files.write_text(written[-1], json.dumps(document, ensure_ascii=False) + "\n")
+    return written

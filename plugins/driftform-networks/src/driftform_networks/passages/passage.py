@@ -44,9 +44,7 @@ class Passage:
     """Where a body goes that enters a network at a node.
 
     Attributes:
-        network: the network.
         release: node of the release.
-        hour: hour of the release.
         visits: mean number of its arrivals at each node, (nodes,); the release is one.
         probability: probability that it ever arrives at each node, (nodes,).
         age: mean time from the release to its arrivals at each node, s, (nodes,); NaN where it never comes.
@@ -140,6 +138,7 @@ class Passage:
     def link_table(self) -> dict[str, list[Any]]:
         """Return the reachable links as columns."""
         rows, network = np.flatnonzero(self.reachable), self.network
+        corners = ([f"{x:.12g} {y:.12g}" for x, y in network.polyline(row)] for row in rows.tolist())
         return {
             "link": [network.links[row] for row in rows],
             "kind": [network.link_kinds[row] for row in rows],
@@ -148,7 +147,7 @@ class Passage:
             "length_m": network.length[rows].tolist(),
             "diameter_m": network.diameter[rows].tolist(),
             "seen": self.seen[rows].tolist(),
-            "wkt": [network.wkt(row) for row in rows.tolist()],
+            "wkt": [f"LINESTRING ({', '.join(line)})" for line in corners],
         }
 
     def end_table(self) -> dict[str, list[Any]]:

@@ -23,7 +23,6 @@ class Walks:
     """The routes of bodies through a network.
 
     Attributes:
-        network: the network.
         release: node where they enter the water.
         began: time of the release of each walk, s, (walks,).
         walk, link, node: of each move from node to node: whose it is, the link, and the node that is reached, -1 if

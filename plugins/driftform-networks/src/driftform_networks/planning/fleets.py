@@ -23,7 +23,6 @@ class Member:
     """A member of a fleet.
 
     Attributes:
-        agent: name of the body.
         passage: where it goes, with node and hour of its release.
         coverage: share of the length within reach of the fleet that it sees alone.
         gain: what it adds to that of the members before it.
@@ -45,11 +44,9 @@ class Fleet:
     """A fleet compared with tracers and steered bodies; a curve has the share of the reachable length that 1, 2, ... bodies see, (size,).
 
     Attributes:
-        network: the network.
         reachable: whether water from any of the releases reaches each link, (links,).
         seen: probability that any member sees each link, (links,).
         members: in the order of the choice.
-        curve: of the fleet.
         choice_bound: of the best choice among the same candidates, an upper bound.
         tracers: of point tracers, which divide like the water, at the best releases.
         retained: of bodies that divide like the water but stay in the pipes where demand leaves them, at the best

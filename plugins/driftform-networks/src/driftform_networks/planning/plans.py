@@ -31,7 +31,6 @@ class Plan:
     """A plan of an inspection.
 
     Attributes:
-        network: the network.
         members: agent, node and hour of each release.
         nets: nodes of the nets, in the order of the choice.
         catches: share of the bodies that each net is the first to catch, (nets,).

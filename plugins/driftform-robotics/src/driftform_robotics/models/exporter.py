@@ -69,7 +69,6 @@ class Model:
         job: the agent and the scenario that it is meant for.
         title: the agent's name, valid in every format.
         link: the rigid body in water, at its release.
-        pieces: the convex pieces of the hull.
     """
 
     job: ExportJob

@@ -28,7 +28,6 @@ def make_package(
 
     Args:
         package: name, in lower-case letters, digits and underscores.
-        description: one sentence.
         others: paths of the other files in the folder: shell scripts are installed as programs, the others to be
             shared.
         launch: path of the launch file's template, without its copyright notice; a README is in the same folder.

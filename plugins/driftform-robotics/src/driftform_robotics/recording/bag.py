@@ -9,8 +9,8 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
+from driftform_robotics.options import Storage
 from driftform_robotics.recording.messages import Messages, full_name
-from driftform_robotics.recording.options import Storage
 from driftform_robotics.recording.topics import Topic
 
 VERSION: Literal[8] = 8

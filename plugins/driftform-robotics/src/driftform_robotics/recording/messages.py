@@ -8,7 +8,7 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from driftform.types import FloatArray
-from driftform_robotics.recording.options import Release
+from driftform_robotics.options import Release
 
 SECOND = 1_000_000_000
 """Nanoseconds in a second."""

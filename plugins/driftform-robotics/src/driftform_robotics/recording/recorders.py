@@ -8,7 +8,7 @@ from pathlib import Path
 from driftform.interfaces import ExportJob, Recorder
 from driftform.types import Trajectory, WrittenFile
 from driftform.util import files
-from driftform_robotics.recording.options import FlightOptions, Ros2Options, Rosbag2Options, Storage
+from driftform_robotics.options import FlightOptions, Ros2Options, Rosbag2Options, Storage
 
 
 class McapRecorder(Recorder[Ros2Options]):

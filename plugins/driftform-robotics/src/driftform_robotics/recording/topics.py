@@ -10,14 +10,13 @@ import numpy as np
 from driftform.interfaces import ExportJob
 from driftform.motion import path
 from driftform.types import FloatArray, Trajectory
-from driftform.util import rotations
 from driftform.water import Scenario, field
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.models.pipe import list_bores
+from driftform_robotics.options import FlightOptions, Ros2Options
 from driftform_robotics.plume import Plume, make_plume
 from driftform_robotics.recording.messages import SECOND, make_messages
-from driftform_robotics.recording.options import FlightOptions, Ros2Options
 
 WORLD = "world"
 
@@ -198,10 +197,13 @@ class FlightTopics:
         return self.ros.make_header(stamp, f"{self.options.namespace}/sensors")
 
     def _make_markers(self) -> Iterator[tuple[int, Any]]:
-        scenario, stamp = self.job.scenario, self.stamps[0]
-        found = []
+        from scipy.spatial.transform import Rotation
+
+        scenario, stamp, found = self.job.scenario, self.stamps[0], []
         for bore in list_bores(scenario.pipe):
-            pose = self.ros.make_pose(bore.position, _turn_z_to(bore.rotation[:, 0]))
+            # The axis of a cylinder is its z, and that of a bore its x.
+            turned = Rotation.from_matrix(bore.rotation[:, [1, 2, 0]]).as_quat()
+            pose = self.ros.make_pose(bore.position, np.roll(turned, 1))
             size = np.array([2 * bore.radius, 2 * bore.radius, bore.length])
             found.append(self._make_marker(stamp, "pipe", "CYLINDER", GREY, pose=pose, size=size))
         straight = np.array([1.0, 0.0, 0.0, 0.0])
@@ -261,13 +263,3 @@ def list_plumes(scenario: Scenario, options: FlightOptions) -> list[Plume]:
         for point, gap in zip(scenario.target_points().values(), gaps, strict=True)
         if gap < ON_WALL * straight.radius
     ]
-
-
-def _turn_z_to(direction: FloatArray) -> FloatArray:
-    """Return the quaternion that rotates z, the axis of a cylinder, to a direction, (4,)."""
-    axis = direction / np.linalg.norm(direction)
-    across = np.array([-axis[1], axis[0], 0.0])
-    sine = np.linalg.norm(across)
-    angle = np.arctan2(sine, axis[2])
-    turn = angle * across / sine if sine > 0 else np.array([angle, 0.0, 0.0])
-    return np.asarray(rotations.quaternion_from_rotation_vector(turn[None])[0], dtype=np.float64)
