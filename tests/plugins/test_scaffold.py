@@ -241,7 +241,7 @@ def test_existing_files_are_left_unchanged(refused: Callable[..., str], tmp_path
     assert "not an empty directory" in refused("plugins", "new", "driftform-dwell", "--seam", "fitness")
     (tmp_path / "file").write_text("mine")
     line = refused("plugins", "new", "driftform-dwell", "--seam", "fitness", "--out", "file")
-    assert "it is a file" in line
+    assert "file is a file" in line
 
 
 # Installed for real.

@@ -85,16 +85,14 @@ def new(
     import shlex
 
     from driftform.cli.output import print_json
-    from driftform.errors import InputError
     from driftform.plugins.scaffold import list_files, list_uses, make_names
     from driftform.plugins.scaffold.installation import list_installation
-    from driftform.util.files import write_folder, write_text
+    from driftform.util.files import check_new_directory, write_folder, write_text
 
     parts = [make_names(name, one) for one in dict.fromkeys(seam)]
     names = parts[0]
     folder = out if out is not None else Path(names.distribution)
-    if folder.is_dir() and any(folder.iterdir()):
-        raise InputError(f"{folder} is not an empty directory; choose another --out")
+    check_new_directory(folder)
     files = list_files(parts)
     with write_folder(folder) as part:
         for path, text in files.items():

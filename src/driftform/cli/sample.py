@@ -22,14 +22,13 @@ def sample(
     import numpy as np
 
     from driftform.cli.output import print_json
-    from driftform.errors import InputError, find_commonest
+    from driftform.errors import find_commonest
     from driftform.runs.agent_file import StoredAgent
     from driftform.study import load_study
-    from driftform.util.files import make_directory
+    from driftform.util.files import check_new_directory, make_directory
 
     study = load_study(scenario, settings or ())
-    if out.is_dir() and any(out.iterdir()):
-        raise InputError(f"{out} is not an empty directory; choose another --out")
+    check_new_directory(out)
     pipeline = study.make_pipeline()
     grammar = pipeline.grammar
     make_directory(out)

@@ -19,7 +19,7 @@ from driftform.figures.layout import (
     tick_values,
     write,
 )
-from driftform.figures.projection import View, convex_hull, silhouette, simplify_polyline
+from driftform.figures.projection import View, across_in_view, convex_hull, silhouette, simplify_polyline
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
 from driftform.motion.path.interpolation import Pose
 from driftform.types import Body, FloatArray
@@ -151,18 +151,9 @@ def pipe_points(pipe: Pipe, view: View) -> FloatArray:
 
 def list_rims(pipe: Pipe) -> list[FloatArray]:
     """Return circles on the wall of each bore of a pipe with parts, in the order of its axis, m, (k, n, 3) each."""
-    rims = []
-    angle = np.linspace(0, 2 * np.pi, _RIM, endpoint=False)
-    for placed in pipe.layout.parts:
-        part = placed.part
-        step = part.length if isinstance(part, Straight) else 0.2 * part.end_radius
-        for axis in part.list_axes(step):
-            along = np.gradient(axis.points, axis=0)
-            first = np.cross(along, part.axes[1])
-            first /= np.linalg.norm(first, axis=1, keepdims=True)
-            circle = np.cos(angle)[:, None] * first[:, None] + np.sin(angle)[:, None] * part.axes[1]
-            rims.append(axis.points[:, None] + axis.radii[:, None, None] * circle)
-    return rims
+    parts = [placed.part for placed in pipe.layout.parts]
+    steps = [part.length if isinstance(part, Straight) else 0.2 * part.end_radius for part in parts]
+    return [rim for part, step in zip(parts, steps, strict=True) for rim in part.list_rims(step, _RIM)]
 
 
 def list_openings(pipe: Pipe) -> list[Opening]:
@@ -184,25 +175,14 @@ def _part_hulls(window: Window, pipe: Pipe) -> list[FloatArray]:
 
 def _widest_line(opening: Opening, view: View) -> FloatArray:
     """Return the two points of the rim of an opening that are farthest apart in a view, m, (2, 3)."""
-    across = np.zeros(3)
-    along = opening.axes[0]
-    across[view[0]], across[view[1]] = -along[view[1]], along[view[0]]
-    if np.linalg.norm(across) < 1e-9:
-        across[view[0]] = 1.0
-    across *= opening.radius / np.linalg.norm(across)
+    across = opening.radius * across_in_view(opening.axes[0], view)
     return np.array([opening.centre + across, opening.centre - across])
 
 
 def _section_corners(row: FloatArray, view: View) -> FloatArray:
     """Return the corners of a segment's long section, in the view's plane: start, end, end, start; (4, 3)."""
     start, end, radius = row[:3], row[3:6], row[6]
-    across = np.zeros(3)
-    along = end - start
-    # This direction lies in the view and is perpendicular to the axis: the wall is one radius away along it.
-    across[view[0]], across[view[1]] = -along[view[1]], along[view[0]]
-    if not across.any():
-        across[view[0]] = 1.0
-    across *= radius / np.linalg.norm(across)
+    across = radius * across_in_view(end - start, view)
     return np.array([start + across, end + across, end - across, start - across])
 
 

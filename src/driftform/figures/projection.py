@@ -26,6 +26,15 @@ def drawing_times(trajectory: Trajectory, start: float = 0.0, stop: float = np.i
     return np.concatenate([[start], fine[(fine > start) & (fine < stop)], [stop]])
 
 
+def across_in_view(along: FloatArray, view: View) -> FloatArray:
+    """Return a unit vector in the plane of a view that is perpendicular to a direction, (3,)."""
+    across = np.zeros(3)
+    across[view[0]], across[view[1]] = -along[view[1]], along[view[0]]
+    if np.linalg.norm(across) < 1e-9:
+        across[view[0]] = 1.0
+    return np.asarray(across / np.linalg.norm(across))
+
+
 def silhouette(body: Body, quaternion: FloatArray, view: View, tolerance: float) -> list[FloatArray]:
     """Return convex polygons whose union is the silhouette of ``body`` in ``view``, in m from the core's centre.
 
@@ -33,12 +42,7 @@ def silhouette(body: Body, quaternion: FloatArray, view: View, tolerance: float)
     of those of its two rims. All polygons turn the same way: in one path with the nonzero rule, they merge.
     """
     axis = matrix_from_quaternion(quaternion)[:, 0]
-    across = np.zeros(3)
-    across[view[0]], across[view[1]] = -axis[view[1]], axis[view[0]]
-    size = float(np.linalg.norm(across))
-    if size < 1e-9:
-        across[view[0]], size = 1.0, 1.0
-    across /= size
+    across = across_in_view(axis, view)
     # Angles 0 and pi are the silhouette's edges, so the width is exact with any number of points.
     angles = np.linspace(0, 2 * np.pi, 20, endpoint=False)
     circle = np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * np.cross(axis, across)

@@ -50,6 +50,9 @@ class PipeGrid:
         shape: number of cells along the axis, and across it.
     """
 
+    is_straight: ClassVar = True
+    """Whether the map is a plane of the world."""
+
     origin: FloatArray
     axes: FloatArray
     size: FloatArray
@@ -86,11 +89,6 @@ class PipeGrid:
             raise InputError("a map of what flights reach needs a pipe; this scenario is open water")
         segment = scenario.pipe.straight
         return UnrolledGrid.of_pipe(scenario.pipe, side) if segment is None else cls.of_segment(segment, side)
-
-    @property
-    def is_straight(self) -> bool:
-        """Whether the map is a plane of the world."""
-        return True
 
     @property
     def cell_count(self) -> int:
@@ -163,6 +161,8 @@ class UnrolledGrid(PipeGrid):
             (parts,).
     """
 
+    is_straight: ClassVar = False
+
     layout: Layout
     starts: FloatArray
 
@@ -188,11 +188,6 @@ class UnrolledGrid(PipeGrid):
         size = np.array([at / columns, 2 * radius / rows, 2 * radius / rows])
         axes = inlet.axes[[0, 2, 1]] * [[1], [1], [-1]]
         return cls(inlet.centre, axes, size, (columns, rows), layout, starts)
-
-    @property
-    def is_straight(self) -> bool:
-        """Whether the map is a plane of the world."""
-        return False
 
     def to_map(self, points: FloatArray) -> FloatArray:
         """Return world points (n, 3) as place along, height above and distance aside of the axis, m, (n, 3).

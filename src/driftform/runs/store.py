@@ -210,11 +210,8 @@ class Store:
 
     def replace_study(self, study: Mapping[str, Any]) -> None:
         """Put another document in the place of the study's; when this returns it survives a crash."""
-        try:
-            with self._writing():
-                self._connection.execute("UPDATE meta SET value = ? WHERE key = 'study'", (json.dumps(study),))
-        except sqlite3.Error as error:
-            raise WorkFailedError(f"{self._path}: the study cannot be written: {error}") from None
+        with self._writing("the study"):
+            self._connection.execute("UPDATE meta SET value = ? WHERE key = 'study'", (json.dumps(study),))
 
     def compute_digest(self) -> str:
         """Return a digest of all that is stored except the samples of flights, of which only the size counts."""
@@ -240,7 +237,7 @@ class Store:
     def mark_ended(self, facts: Mapping[str, Any]) -> None:
         """Store that the run has ended as it is now, with facts about that."""
         ended = {**facts, "digest": self.compute_digest()}
-        with suppress(sqlite3.Error):
+        with suppress(WorkFailedError):
             self.write_facts("ended", ended)
 
     def read_ended(self) -> dict[str, Any]:
@@ -250,7 +247,7 @@ class Store:
 
     def write_facts(self, name: str, facts: Mapping[str, Any]) -> None:
         """Store facts about the run under a name, in place of older ones."""
-        with self._writing():
+        with self._writing("facts about the run"):
             self._connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (name, json.dumps(facts)))
 
     def read_facts(self, name: str) -> dict[str, Any]:
@@ -278,23 +275,13 @@ class Store:
         """
         self.check_place()
         # One fsync for all of them: on a disk that makes each wait 4 ms it is what a write costs.
-        try:
-            with self._writing():
-                for record in records:
-                    fitness = zip(targets, record.evaluation.fitness.tolist(), strict=True)
-                    scores = [(record.index, target, value) for target, value in fitness]
-                    try:
-                        self._connection.execute(_INSERT, _row(record))
-                        self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", scores)
-                    except sqlite3.Error as error:
-                        raise WorkFailedError(
-                            f"{self._path}: evaluation {record.index} {_describe_unwritten(error, self._path)}"
-                        ) from None
-        except sqlite3.Error as error:
-            first, last = records[0].index, records[-1].index
-            raise WorkFailedError(
-                f"{self._path}: evaluations {first} to {last} {_describe_unwritten(error, self._path)}"
-            ) from None
+        with self._writing(f"evaluations {records[0].index} to {records[-1].index}"):
+            for record in records:
+                fitness = zip(targets, record.evaluation.fitness.tolist(), strict=True)
+                scores = [(record.index, target, value) for target, value in fitness]
+                with self._naming(f"evaluation {record.index}"):
+                    self._connection.execute(_INSERT, _row(record))
+                    self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", scores)
 
     def add_disturbed(self, flights: Sequence[DisturbedResult], targets: Sequence[str]) -> None:
         """Write the results of flights under disturbed conditions, all or none; as :meth:`add` writes evaluations."""
@@ -305,11 +292,8 @@ class Store:
             # SQLite stores NaN as NULL.
             for target, value, offset in zip(targets, flight.fitness.tolist(), flight.offsets.tolist(), strict=True)
         ]
-        try:
-            with _transaction(self._connection):
-                self._connection.executemany("INSERT INTO disturbed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", rows)
-        except sqlite3.Error as error:
-            raise WorkFailedError(f"{self._path}: disturbed flights {_describe_unwritten(error, self._path)}") from None
+        with self._writing("disturbed flights"):
+            self._connection.executemany("INSERT INTO disturbed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", rows)
 
     def list_disturbed(self) -> set[tuple[int, int]]:
         """Return the pairs of evaluation and condition that were flown disturbed."""
@@ -438,11 +422,23 @@ class Store:
             return _ask(self._connection, query)
 
     @contextmanager
-    def _writing(self) -> Iterator[None]:
-        """A transaction that readers do not hold up, nor it them: the first one begins the write-ahead log."""
-        self._connection.execute("PRAGMA journal_mode = WAL")
-        with _transaction(self._connection):
+    def _writing(self, what: str) -> Iterator[None]:
+        """A transaction that readers do not hold up, nor it them: the first one begins the write-ahead log.
+
+        Raises WorkFailedError if ``what`` cannot be written.
+        """
+        with self._naming(what):
+            self._connection.execute("PRAGMA journal_mode = WAL")
+            with _transaction(self._connection):
+                yield
+
+    @contextmanager
+    def _naming(self, what: str) -> Iterator[None]:
+        """Turn errors of writing into a line for users that names what cannot be written."""
+        try:
             yield
+        except sqlite3.Error as error:
+            raise WorkFailedError(f"{self._path}: {what} {_describe_unwritten(error, self._path)}") from None
 
     @contextmanager
     def _reading(self) -> Iterator[None]:

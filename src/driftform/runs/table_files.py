@@ -39,29 +39,11 @@ _OUTCOME = _read_columns("outcome")
 BODY_COLUMNS = _read_columns("body")
 """The columns of the body of a genome."""
 
-FLIGHT_COLUMNS = (
-    *("t", "x", "y", "z"),
-    *("qw", "qx", "qy", "qz"),
-    *("surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate"),
-)
-"""The columns of a Trajectory: time, position, quaternion and velocity."""
-
-_FLIGHT_UNITS = ("s", *("m",) * 3, *("",) * 4, *("m/s",) * 3, *("rad/s",) * 3)
-_FLIGHT_MEANINGS = (
-    "time",
-    *("of the core's centre, world frame",) * 3,
-    *("attitude, body to world",) * 4,
-    *("over ground, body frame",) * 6,
-)
-
-SAMPLE_COLUMNS = (
-    Column("evaluation", "integer", "", "whose flight it is"),
-    *(
-        Column(name, "single", unit, meaning)
-        for name, unit, meaning in zip(FLIGHT_COLUMNS, _FLIGHT_UNITS, _FLIGHT_MEANINGS, strict=True)
-    ),
-)
+SAMPLE_COLUMNS = _read_columns("sample")
 """The columns of the samples of trajectories, in single precision as stored."""
+
+FLIGHT_COLUMNS = tuple(column.name for column in SAMPLE_COLUMNS[1:])
+"""The columns of a Trajectory: time, position, quaternion and velocity."""
 
 
 def evaluation_columns(targets: Sequence[str]) -> tuple[Column, ...]:

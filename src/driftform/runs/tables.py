@@ -31,7 +31,7 @@ from driftform.runs.table_files import (
 )
 from driftform.study import Study
 from driftform.types import Genome
-from driftform.util.files import write_together
+from driftform.util.files import check_new_directory, write_together
 from driftform.util.progress import count_progress
 from driftform.water import Fluid
 
@@ -81,10 +81,8 @@ def check_output(format: str, folder: Path | None = None) -> None:
     if format not in FORMATS:
         raise InputError(f"--format {format}: unknown format of tables{did_you_mean(format, FORMATS)}")
     check_format(format)
-    if folder is not None and folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file; choose another --out")
-    if folder is not None and folder.is_dir() and any(folder.iterdir()):
-        raise InputError(f"{folder} is not an empty directory; choose another --out")
+    if folder is not None:
+        check_new_directory(folder)
 
 
 def _write(part: Path, study: Study, store: Store, format: str, trajectories: bool) -> dict[str, int]:

@@ -149,6 +149,14 @@ def make_directory(path: Path, option: str = "--out") -> Path:
     return path
 
 
+def check_new_directory(path: Path) -> None:
+    """Refuse a directory that is not empty. Raises InputError also if it is a file."""
+    if path.exists() and not path.is_dir():
+        raise InputError(f"{path} is a file; choose another --out")
+    if path.is_dir() and any(path.iterdir()):
+        raise InputError(f"{path} is not an empty directory; choose another --out")
+
+
 def check_directory(path: Path, option: str = "--out") -> Path:
     """Refuse what :func:`make_directory` could not make, without making it, before work that takes time; return it.
 

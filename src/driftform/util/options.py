@@ -1,10 +1,11 @@
 """The options of a plugin: a pydantic model in which every field has a help text and a unit."""
 
 import reprlib
+from collections.abc import Mapping
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 MAX_SEED = 2**63 - 1
@@ -32,6 +33,18 @@ def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
         # Neither true nor "1000" is accepted as a number.
         constraints.setdefault("strict", True)
     return Field(default, description=help, json_schema_extra={"unit": unit}, **constraints)
+
+
+def read_kind(usual: str) -> Discriminator:
+    """Return what chooses a table of a union by its ``kind``, which is ``usual`` where a study file has none."""
+    return Discriminator(
+        lambda value: value.get("kind", usual) if isinstance(value, Mapping) else getattr(value, "kind", None)
+    )
+
+
+def list_kinds(union: Any) -> dict[str, type[Table]]:
+    """Return the tables of a union whose members have tags, by these."""
+    return {member.__metadata__[0].tag: member.__origin__ for member in get_args(get_args(union)[0])}
 
 
 def describe(model: type[BaseModel]) -> list[dict[str, Any]]:

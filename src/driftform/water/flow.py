@@ -1,12 +1,11 @@
 """The velocity profiles of the current."""
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
-from pydantic import Discriminator, Tag, model_validator
+from pydantic import Tag, model_validator
 
-from driftform.util.options import MAX_SEED, Table, option
+from driftform.util.options import MAX_SEED, Table, list_kinds, option, read_kind
 from driftform.util.validity import RANGES
 from driftform.water.pipe import Vector
 
@@ -141,23 +140,6 @@ class Gusts(Table):
     )
 
 
-FLOWS: dict[str, type[Table]] = {
-    "uniform": UniformFlow,
-    "power_law": PowerLawFlow,
-    "log_law": LogLawFlow,
-    "developed": DevelopedFlow,
-    "developing": DevelopingFlow,
-    "turbulent": TurbulentFlow,
-    "grid": GridFlow,
-}
-"""The flow profiles by name."""
-
-
-def _read_kind(value: Any) -> Any:
-    """Return the ``kind`` of a table, ``uniform`` by default."""
-    return value.get("kind", "uniform") if isinstance(value, Mapping) else getattr(value, "kind", None)
-
-
 Flow: TypeAlias = Annotated[
     Annotated[UniformFlow, Tag("uniform")]
     | Annotated[PowerLawFlow, Tag("power_law")]
@@ -166,9 +148,12 @@ Flow: TypeAlias = Annotated[
     | Annotated[DevelopingFlow, Tag("developing")]
     | Annotated[TurbulentFlow, Tag("turbulent")]
     | Annotated[GridFlow, Tag("grid")],
-    Discriminator(_read_kind),
+    read_kind("uniform"),
 ]
 """The velocity of the water: one of :data:`FLOWS`, by its ``kind``."""
+
+FLOWS = list_kinds(Flow)
+"""The flow profiles by name."""
 
 KARMAN = 0.4
 """Von Karman's constant kappa."""

@@ -10,7 +10,7 @@ from driftform.errors import did_you_mean
 from driftform.types import FloatArray
 from driftform.util.options import Table, option
 from driftform.water.parts.layout import Layout
-from driftform.water.parts.shapes import Axis, exact_cosine, exact_sine, upright_axes
+from driftform.water.parts.shapes import exact_cosine, exact_sine, upright_axes
 
 _STEPS = 400
 """Points of a part's axis."""
@@ -48,7 +48,7 @@ class Place(Table):
         if self.branch and len(axes) == 1:
             raise ValueError(f"'{self.part}' has no branch")
         axis = axes[int(self.branch)]
-        along = measure_along(axis)
+        along = axis.lengths
         if self.at > along[-1] + 1e-9:
             raise ValueError(f"at = {self.at:g} is beyond the end of '{self.part}', which is {along[-1]:.4g} m long")
         centre = np.array([np.interp(self.at, along, column) for column in axis.points.T])
@@ -64,12 +64,6 @@ class Place(Table):
         turn = np.pi / 6 * self.clock
         outward = exact_cosine(turn) * up - exact_sine(turn) * left
         return np.asarray(centre + (radius - self.off_wall) * outward)
-
-
-def measure_along(axis: Axis) -> FloatArray:
-    """Return the distance of each point of an axis from its first one, along it, m, (n,)."""
-    steps = np.linalg.norm(np.diff(axis.points, axis=0), axis=1)
-    return np.concatenate(([0.0], np.cumsum(steps)))
 
 
 def resolve_place(value: Any, layout: Layout) -> Any:

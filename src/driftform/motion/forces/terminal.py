@@ -51,33 +51,19 @@ def _balance_speed(
     viscosity: float,
 ) -> float:
     """Return the speed (m/s) in a direction of the body at which its drag in still water is ``force``, N."""
+    area, diameter, rubbing = sphere
+    water = (density, viscosity * rubbing * rubbing, 1.0)
     low, high = 0.0, _MAX_SPEED
     for _ in range(60):
         middle = (low + high) / 2
-        drag = _drag_against(scale(middle, direction), strips, axial, sphere, creeping, density, viscosity)
+        moving = scale(middle, direction)
+        drag = sphere_drag(moving, density, viscosity, area, diameter)
+        drag = add(drag, creeping_drag(moving, ZERO, ZERO, ZERO, density * viscosity, creeping)[0])
+        drag = add(drag, (axial_drag(moving[0], density, viscosity, axial), 0.0, 0.0))
+        for k in range(strips.shape[0]):
+            drag = add(drag, strip_drag(moving, ZERO, ZERO, 0.0, water, strips[k]))
         if -dot(drag, direction) < force:
             low = middle
         else:
             high = middle
     return (low + high) / 2
-
-
-@compiled
-def _drag_against(
-    moving: Vector,
-    strips: FloatArray,
-    axial: FloatArray,
-    sphere: tuple[float, float, float],
-    creeping: FloatArray,
-    density: float,
-    viscosity: float,
-) -> Vector:
-    """Return the drag (N) of a motion along the axis, or across it: that of the ends, of the sphere and of the strips."""
-    area, diameter, rubbing = sphere
-    total = sphere_drag(moving, density, viscosity, area, diameter)
-    total = add(total, creeping_drag(moving, ZERO, ZERO, ZERO, density * viscosity, creeping)[0])
-    total = add(total, (axial_drag(moving[0], density, viscosity, axial), 0.0, 0.0))
-    water = (density, viscosity * rubbing * rubbing, 1.0)
-    for k in range(strips.shape[0]):
-        total = add(total, strip_drag(moving, ZERO, ZERO, 0.0, water, strips[k]))
-    return total

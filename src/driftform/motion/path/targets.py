@@ -117,27 +117,14 @@ def name_outlet(trajectory: Trajectory, scenario: Scenario) -> str | None:
 def _farthest_distances(pipe: Pipe, targets: tuple[Vector, ...]) -> FloatArray:
     if pipe.is_open or pipe.straight is not None:
         return np.array([pipe.farthest_distance(np.array(target)) for target in targets])
-    walls = [_sample_wall(pipe, index) for index in range(len(pipe.layout.parts))]
+    parts = [placed.part for placed in pipe.layout.parts]
+    walls = [np.concatenate(part.list_rims(0.1 * part.radius, _AROUND)).reshape(-1, 3) for part in parts]
     farthest = []
     for target in targets:
         firsts, rests = _ways_to(pipe, target)
         ways = zip(walls, firsts, rests, strict=True)
         farthest.append(max(float(np.linalg.norm(wall - first, axis=1).max()) + rest for wall, first, rest in ways))
     return np.array(farthest)
-
-
-def _sample_wall(pipe: Pipe, index: int) -> FloatArray:
-    """Return points of the wall of a part, m, (n, 3)."""
-    part = pipe.layout.parts[index].part
-    angle = np.linspace(0, 2 * np.pi, _AROUND, endpoint=False)
-    points = []
-    for axis in part.list_axes(0.1 * part.radius):
-        along = np.gradient(axis.points, axis=0)
-        first = np.cross(along, part.axes[1])
-        first /= np.linalg.norm(first, axis=1, keepdims=True)
-        circle = np.cos(angle)[:, None] * first[:, None] + np.sin(angle)[:, None] * part.axes[1]
-        points.append((axis.points[:, None] + axis.radii[:, None, None] * circle).reshape(-1, 3))
-    return np.concatenate(points)
 
 
 @lru_cache(maxsize=64)

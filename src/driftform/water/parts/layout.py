@@ -352,9 +352,7 @@ def _sample_axes(layout: Layout) -> Iterator[_Samples]:
         part = placed.part
         for number, axis in enumerate(part.list_axes(max(0.25 * part.narrowest, part.length / _MAX_SAMPLES))):
             begin = part.legs[0] if isinstance(part, Tee) and number == 1 else 0.0
-            steps = np.linalg.norm(np.diff(axis.points, axis=0), axis=1)
-            lengths = begin + np.concatenate([[0.0], np.cumsum(steps)])
-            yield _Samples(index, axis.points, axis.radii, lengths, number == 1)
+            yield _Samples(index, axis.points, axis.radii, begin + axis.lengths, number == 1)
         if placed.outlet is not None:
             opening = part.list_exits()[0]
             x = np.linspace(0, BEYOND * opening.radius, 17)[1:]

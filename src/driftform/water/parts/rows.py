@@ -44,7 +44,7 @@ def _row_of_part(part: PipePart) -> FloatArray:
         case Bend():
             row[wall.KIND], row[wall.CURVE], row[wall.ANGLE] = wall.BEND, part.bend_radius, part.angle
         case Reducer():
-            row[wall.KIND], row[wall.CURVE] = wall.REDUCER, part.arc_radius
+            row[wall.KIND], row[wall.CURVE] = wall.REDUCER, part.bulge
         case Tee():
             row[wall.KIND], row[wall.END_RADIUS], row[wall.FILLET] = wall.TEE, part.branch_radius, part.fillet
             row[wall.COSINE], row[wall.SINE] = exact_cosine(part.angle), exact_sine(part.angle)

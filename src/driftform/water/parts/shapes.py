@@ -42,6 +42,12 @@ class Axis:
     points: FloatArray
     radii: FloatArray
 
+    @property
+    def lengths(self) -> FloatArray:
+        """Distance of each point from the first one along the axis, m, (k,)."""
+        steps = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
 
 @dataclass(frozen=True, eq=False)
 class PipePart(ABC):
@@ -90,9 +96,23 @@ class PipePart(ABC):
         x = _divide(0.0, self.length, step)
         return (Axis(self.to_world(_along_x(x)), self.bore_radii(x)),)
 
-    @abstractmethod
     def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
         """Return whether points of the local frame (m, (n, 3)) lie in the part or within ``margin`` (m) of its ends, (n,)."""
+        x, across = local[:, 0], np.hypot(local[:, 1], local[:, 2])
+        return np.asarray(
+            (x >= -margin) & (x <= self.length + margin) & (across <= self.bore_radii(x) + 1e-12 * self.radius)
+        )
+
+    def list_rims(self, step: float, count: int) -> list[FloatArray]:
+        """Return circles of ``count`` points on the wall of each bore, at most ``step`` apart along its axis, m, (k, count, 3) each."""
+        angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+        rims = []
+        for axis in self.list_axes(step):
+            first = np.cross(np.gradient(axis.points, axis=0), self.axes[1])
+            first /= np.linalg.norm(first, axis=1, keepdims=True)
+            circle = np.cos(angle)[:, None] * first[:, None] + np.sin(angle)[:, None] * self.axes[1]
+            rims.append(axis.points[:, None] + axis.radii[:, None, None] * circle)
+        return rims
 
     @property
     def entry(self) -> FloatArray:
@@ -118,11 +138,6 @@ class Straight(PipePart):
     def length(self) -> float:
         """Length, m."""
         return self.straight
-
-    def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
-        """Return whether points of the local frame lie inside, (n,)."""
-        x, across = local[:, 0], np.hypot(local[:, 1], local[:, 2])
-        return np.asarray((x >= -margin) & (x <= self.straight + margin) & (across <= self.radius))
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,30 +201,19 @@ class Reducer(PipePart):
         return self.taper
 
     @property
-    def arc_radius(self) -> float:
+    def bulge(self) -> float:
         """Radius of the two arcs, m: that of a chord of half the ogee which starts along the axis."""
         change = abs(self.narrow - self.radius)
         return (self.taper**2 + change**2) / (4 * change)
-
-    @property
-    def bulge(self) -> float:
-        """Radius of the arcs, m."""
-        return self.arc_radius
 
     def bore_radii(self, x: FloatArray) -> FloatArray:
         """Return the radius of the bore at ``x`` (m) from the entry, m, (n,)."""
         x = np.clip(x, 0.0, self.taper)
         # Both arcs end half way.
         near = np.minimum(x, self.taper - x)
-        rise = math.copysign(1.0, self.narrow - self.radius) * (self.arc_radius - np.sqrt(self.arc_radius**2 - near**2))
-        return np.asarray(np.where(2 * x < self.taper, self.radius + rise, self.narrow - rise))
-
-    def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
-        """Return whether points of the local frame lie inside, (n,)."""
-        x, across = local[:, 0], np.hypot(local[:, 1], local[:, 2])
-        return np.asarray(
-            (x >= -margin) & (x <= self.taper + margin) & (across <= self.bore_radii(x) + 1e-12 * self.radius)
-        )
+        rise = math.copysign(1.0, self.narrow - self.radius) * (self.bulge - np.sqrt(self.bulge**2 - near**2))
+        radii = np.where(2 * x < self.taper, self.radius + rise, self.narrow - rise)
+        return np.asarray(radii)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,11 +1,10 @@
 """The parts of a pipe as a study file gives them: ``[[pipe.parts]]``, from the inlet on."""
 
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
-from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, Field, Tag
 
-from driftform.util.options import Table, option
+from driftform.util.options import Table, list_kinds, option, read_kind
 
 
 def _check_name(name: str) -> str:
@@ -92,29 +91,18 @@ class WyePart(_Junction):
     angle_deg: float = option(60.0, "angle between the run's downstream axis and the branch", "deg", ge=30, le=150)
 
 
-PARTS: dict[str, type[_Part]] = {
-    "straight": StraightPart,
-    "bend": BendPart,
-    "reducer": ReducerPart,
-    "tee": TeePart,
-    "wye": WyePart,
-}
-"""The kinds of parts by name."""
-
-
-def _read_kind(value: Any) -> Any:
-    return value.get("kind", "straight") if isinstance(value, Mapping) else getattr(value, "kind", None)
-
-
 PartTable: TypeAlias = Annotated[
     Annotated[StraightPart, Tag("straight")]
     | Annotated[BendPart, Tag("bend")]
     | Annotated[ReducerPart, Tag("reducer")]
     | Annotated[TeePart, Tag("tee")]
     | Annotated[WyePart, Tag("wye")],
-    Discriminator(_read_kind),
+    read_kind("straight"),
 ]
 """One part of a pipe: one of :data:`PARTS`, by its ``kind``; a straight without it."""
+
+PARTS = list_kinds(PartTable)
+"""The kinds of parts by name."""
 
 TeePart.model_rebuild()
 WyePart.model_rebuild()
