@@ -9,13 +9,15 @@ import numpy as np
 from driftform import Design, Run, StoredAgent
 from driftform.errors import InputError
 from driftform.figures import scene
-from driftform.runs.monitor import FINISHED, RUNNING, STOPPED, WRITING
 from driftform.util import files
 from driftform_studio.folder import DATABASE
 from driftform_studio.searches import PAUSE, PROGRESS, Searches
 
+RUNNING, WRITING, FINISHED, STOPPED = "running", "writing the best agents", "finished", "stopped"
+"""States of the monitor of a run."""
+
 STARTING, PAUSING, PAUSED, FAILED = "starting", "pausing", "paused", "failed"
-"""States that the page has besides those of the monitor of a run."""
+"""States that the page has besides these."""
 
 PATH_TOLERANCE = 2e-3
 """Tolerance to which a path is simplified for a side view, m: a tenth of the detail that a screen shows of a pipe."""
