@@ -16,28 +16,25 @@ from driftform.cli.options import (
     StrategyName,
     StudyName,
     Workers,
+    make_option,
 )
 
 
 def evolve(
     study: StudyName = "pipe-inspection",
-    target: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Search for this target only; repeatable.")
-    ] = None,
+    target: Annotated[list[str] | None, make_option("NAME", "Search for this target only; repeatable.")] = None,
     strategy: StrategyName = None,
     evaluations: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Total number of flights; by default 50 per target.")
+        int | None, make_option("N", "Total number of flights; by default 50 per target.", min=1)
     ] = None,
     seed: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=0, help="Seed of the random numbers; by default random, and recorded."),
+        int | None, make_option("N", "Seed of the random numbers; by default random, and recorded.", min=0)
     ] = None,
     robust: Robust = None,
     within: Annotated[
         float | None,
-        typer.Option(
-            metavar="M",
-            help="Largest miss of a flight that counts as a hit, m; by default 5 % of the largest possible miss.",
+        make_option(
+            "M", "Largest miss of a flight that counts as a hit, m; by default 5 % of the largest possible miss."
         ),
     ] = None,
     workers: Workers = None,
@@ -47,14 +44,11 @@ def evolve(
     hydrodynamics: Hydrodynamics = None,
     calibration: Annotated[
         str | None,
-        typer.Option(
-            metavar="FILE",
-            help="Corrections of the model by filmed flights: the calibration.toml of 'driftform calibrate'.",
+        make_option(
+            "FILE", "Corrections of the model by filmed flights: the calibration.toml of 'driftform calibrate'."
         ),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Directory of the run; by default runs/STUDY-N.")
-    ] = None,
+    out: Annotated[Path | None, make_option("DIR", "Directory of the run; by default runs/STUDY-N.")] = None,
     settings: Settings = None,
     json: Json = False,
 ) -> None:

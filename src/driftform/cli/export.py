@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from driftform.cli.options import AGENT_HELP, Bed, ExporterOptions, Json, Settings
+from driftform.cli.options import AGENT_HELP, Bed, ExporterOptions, Json, Settings, make_option
 
 ANY_AGENT = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 """The fit coupon is the same for all agents with a core."""
@@ -13,10 +13,8 @@ ANY_AGENT = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 
 def export(
     agent: Annotated[str | None, typer.Argument(metavar="AGENT", help=AGENT_HELP)] = None,
-    format: Annotated[
-        str, typer.Option(metavar="NAME[,NAME...]", help="Exporters, as 'driftform plugins' lists them.")
-    ] = "stl",
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for the files.")] = Path("parts"),
+    format: Annotated[str, make_option("NAME[,NAME...]", "Exporters, as 'driftform plugins' lists them.")] = "stl",
+    out: Annotated[Path, make_option("DIR", "Directory for the files.")] = Path("parts"),
     kit: Annotated[
         bool, typer.Option("--kit", help="Cut the hull into parts that hold the core and are joined after printing.")
     ] = False,

@@ -5,17 +5,13 @@ from typing import Annotated
 
 import typer
 
-from driftform.cli.options import Json, RunArgument
+from driftform.cli.options import Json, RunArgument, make_option
 
 
 def export_data(
     run: RunArgument,
-    format: Annotated[
-        str, typer.Option(metavar="NAME", help="Format of the tables: csv, or parquet (needs pyarrow).")
-    ] = "csv",
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="New directory for the files; by default RUN/data.")
-    ] = None,
+    format: Annotated[str, make_option("NAME", "Format of the tables: csv, or parquet (needs pyarrow).")] = "csv",
+    out: Annotated[Path | None, make_option("DIR", "New directory for the files; by default RUN/data.")] = None,
     trajectories: Annotated[
         bool, typer.Option("--trajectories", help="Write the samples of all flights too, hundreds per flight.")
     ] = False,

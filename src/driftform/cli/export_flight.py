@@ -3,21 +3,26 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from driftform.cli.options import Agent, FlightDirectory, Hydrodynamics, Json, ScenarioOption, Settings, Simulator
+from driftform.cli.options import (
+    Agent,
+    FlightDirectory,
+    Hydrodynamics,
+    Json,
+    ScenarioOption,
+    Settings,
+    Simulator,
+    make_option,
+)
 
 
 def export_flight(
     agent: Agent,
-    format: Annotated[
-        str, typer.Option(metavar="NAME[,NAME...]", help="Recorders, as 'driftform plugins' lists them.")
-    ] = "csv",
+    format: Annotated[str, make_option("NAME[,NAME...]", "Recorders, as 'driftform plugins' lists them.")] = "csv",
     scenario: ScenarioOption = None,
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
     rate_hz: Annotated[
-        float, typer.Option(metavar="HZ", help="Samples per second of flight; 0 for the simulator's own samples.")
+        float, make_option("HZ", "Samples per second of flight; 0 for the simulator's own samples.")
     ] = 100.0,
     out: FlightDirectory = None,
     settings: Settings = None,

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings
+from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings, make_option
 
 if TYPE_CHECKING:
     from driftform.interfaces import Fitness
@@ -20,9 +20,9 @@ def inspect(
     ] = False,
     block: Annotated[
         str | None,
-        typer.Option(
-            metavar="FORMAT",
-            help="Print only added mass, damping and buoyancy in a format such as sdf, uuv, urdf or fossen, to paste "
+        make_option(
+            "FORMAT",
+            "Print only added mass, damping and buoyancy in a format such as sdf, uuv, urdf or fossen, to paste "
             "into another model.",
         ),
     ] = None,

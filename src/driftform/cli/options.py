@@ -9,8 +9,11 @@ import typer
 from driftform.cli.complete import complete_plugin, complete_run, complete_setting, complete_study
 
 
-def _name(metavar: str, help: str, complete: Callable[[str], list[str]]) -> Any:
-    return typer.Option(metavar=metavar, help=help, autocompletion=complete)
+def make_option(
+    metavar: str, help: str, *names: str, complete: Callable[[str], list[str]] | None = None, **more: Any
+) -> Any:
+    """Return an option that takes a value, to be written into an ``Annotated``; ``more`` is as ``typer.Option`` has it."""
+    return typer.Option(*names, metavar=metavar, help=help, autocompletion=complete, **more)
 
 
 AGENT_HELP = (
@@ -26,24 +29,21 @@ RunArgument: TypeAlias = Annotated[
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print only one JSON document on stdout.")]
 Settings: TypeAlias = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="Set any key of the study, such as flow.speed=0.8; repeatable.",
-        autocompletion=complete_setting,
+    make_option(
+        "KEY=VALUE", "Set any key of the study, such as flow.speed=0.8; repeatable.", "--set", complete=complete_setting
     ),
 ]
 ScenarioOption: TypeAlias = Annotated[
-    str | None, _name("NAME|FILE", help="Scenario of the flight; by default the agent's own.", complete=complete_study)
+    str | None, make_option("NAME|FILE", "Scenario of the flight; by default the agent's own.", complete=complete_study)
 ]
 Simulator: TypeAlias = Annotated[
-    str | None, _name("NAME", help="Simulator to use.", complete=complete_plugin("simulator"))
+    str | None, make_option("NAME", "Simulator to use.", complete=complete_plugin("simulator"))
 ]
 Hydrodynamics: TypeAlias = Annotated[
-    str | None, _name("NAME", help="Hydrodynamic model to use.", complete=complete_plugin("hydrodynamics"))
+    str | None, make_option("NAME", "Hydrodynamic model to use.", complete=complete_plugin("hydrodynamics"))
 ]
 StrategyName: TypeAlias = Annotated[
-    str | None, _name("NAME", help="Search strategy to use.", complete=complete_plugin("strategy"))
+    str | None, make_option("NAME", "Search strategy to use.", complete=complete_plugin("strategy"))
 ]
 StudyName: TypeAlias = Annotated[
     str,
@@ -52,79 +52,68 @@ StudyName: TypeAlias = Annotated[
     ),
 ]
 Bed: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="X,Y,Z", help="Largest part that the printer can make, mm; larger hulls are cut.")
+    str | None, make_option("X,Y,Z", "Largest part that the printer can make, mm; larger hulls are cut.")
 ]
 ExporterOptions: TypeAlias = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="KEY=VALUE|FILE",
-        help="Set an option of all formats, such as joint=rabbet, or all options in a file such as printer.toml; "
+    make_option(
+        "KEY=VALUE|FILE",
+        "Set an option of all formats, such as joint=rabbet, or all options in a file such as printer.toml; "
         "repeatable.",
     ),
 ]
 Film: TypeAlias = Annotated[
     Path | None,
-    typer.Option(
-        metavar="FILE", help="File for a film of the flight; its suffix, such as .mp4 or .gif, sets the format."
-    ),
+    make_option("FILE", "File for a film of the flight; its suffix, such as .mp4 or .gif, sets the format."),
 ]
 Still: TypeAlias = Annotated[
     Path | None,
-    typer.Option(
-        metavar="FILE", help="File for a picture of the flight in 3D; its suffix, such as .png, sets the format."
-    ),
+    make_option("FILE", "File for a picture of the flight in 3D; its suffix, such as .png, sets the format."),
 ]
 StillAt: TypeAlias = Annotated[
     float | None,
-    typer.Option(
-        metavar="SECONDS",
-        help="Time of the still after the release, s; by default that of the closest approach to any target.",
+    make_option(
+        "SECONDS", "Time of the still after the release, s; by default that of the closest approach to any target."
     ),
 ]
 Renderer: TypeAlias = Annotated[
-    str, _name("NAME", help="Renderer of the film and the still.", complete=complete_plugin("renderer"))
+    str, make_option("NAME", "Renderer of the film and the still.", complete=complete_plugin("renderer"))
 ]
 Robust: TypeAlias = Annotated[
     int | None,
-    typer.Option(
-        metavar="N",
-        min=0,
-        max=10_000,
-        help="Number of flights under disturbed conditions, which [robustness] of the study defines.",
+    make_option(
+        "N", "Number of flights under disturbed conditions, which [robustness] of the study defines.", min=0, max=10_000
     ),
 ]
 Style: TypeAlias = Annotated[
     str,
-    typer.Option(
-        metavar="screen|paper",
-        help="Style of pictures: screen has titles; paper is for publications, SVG and PDF with text of 8 pt.",
+    make_option(
+        "screen|paper",
+        "Style of pictures: screen has titles; paper is for publications, SVG and PDF with text of 8 pt.",
     ),
 ]
 WidthMm: TypeAlias = Annotated[
-    float | None,
-    typer.Option(metavar="MM", min=60, max=300, help="Width of figures with --style paper, mm; by default 180."),
+    float | None, make_option("MM", "Width of figures with --style paper, mm; by default 180.", min=60, max=300)
 ]
 MAX_WORKERS = 1024
 """Largest number of worker processes on one machine."""
 
 Workers: TypeAlias = Annotated[
-    int | None,
-    typer.Option(metavar="N", min=1, max=MAX_WORKERS, help="Number of worker processes; by default one per processor."),
+    int | None, make_option("N", "Number of worker processes; by default one per processor.", min=1, max=MAX_WORKERS)
 ]
 ExecutorName: TypeAlias = Annotated[
     str | None,
-    typer.Option(
-        metavar="NAME",
-        help="Where evaluations run: local, in processes on this machine (the default), or dask, on a Dask cluster.",
+    make_option(
+        "NAME", "Where evaluations run: local, in processes on this machine (the default), or dask, on a Dask cluster."
     ),
 ]
 Scheduler: TypeAlias = Annotated[
     str | None,
-    typer.Option(
-        metavar="ADDRESS",
-        help="Scheduler for --executor dask, such as tcp://host:8786; by default a cluster starts on this machine.",
+    make_option(
+        "ADDRESS",
+        "Scheduler for --executor dask, such as tcp://host:8786; by default a cluster starts on this machine.",
     ),
 ]
 FlightDirectory: TypeAlias = Annotated[
-    Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default flights/AGENT.")
+    Path | None, make_option("DIR", "Directory for the files; by default flights/AGENT.")
 ]

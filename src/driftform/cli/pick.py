@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from driftform.cli.options import Json, RunArgument
+from driftform.cli.options import Json, RunArgument, make_option
 
 NUMBERS = {"ignore_unknown_options": True}
 """A coordinate such as -0.9 begins like an option."""
@@ -18,14 +18,12 @@ def pick(
     z: Annotated[float | None, typer.Argument(metavar="Z", help="z of the point, m.")] = None,
     place: Annotated[
         str | None,
-        typer.Option(
-            metavar="TOML",
-            help="Place in the pipe instead of X Y Z, such as 'part = \"straight 2\", at = 1.2, clock = 12, off_wall = 0.03'.",
+        make_option(
+            "TOML",
+            "Place in the pipe instead of X Y Z, such as 'part = \"straight 2\", at = 1.2, clock = 12, off_wall = 0.03'.",
         ),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Directory for the agent; by default RUN/picks/X_Y_Z.")
-    ] = None,
+    out: Annotated[Path | None, make_option("DIR", "Directory for the agent; by default RUN/picks/X_Y_Z.")] = None,
     json: Json = False,
 ) -> None:
     """Find the agent of a run whose flight passes closest to a point, which need not be a target.

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from driftform.cli.help import Command, make_group
-from driftform.cli.options import Json
+from driftform.cli.options import Json, make_option
 
 KINDS = (
     "grammar, builder, hydrodynamics, simulator, fitness, strategy, exporter, recorder, "
@@ -77,8 +77,8 @@ def show(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plu
 @app.command("new", cls=Command)
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the distribution, such as driftform-dwell.")],
-    seam: Annotated[list[str], typer.Option(metavar="SEAM", help=f"Seam to implement: {KINDS}; repeatable.")],
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Directory for the files; by default NAME.")] = None,
+    seam: Annotated[list[str], make_option("SEAM", f"Seam to implement: {KINDS}; repeatable.")],
+    out: Annotated[Path | None, make_option("DIR", "Directory for the files; by default NAME.")] = None,
     json: Json = False,
 ) -> None:
     """Create a plugin of your own to start from: a small distribution that installs, works, and passes its tests."""

@@ -3,18 +3,16 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from driftform.cli.options import Json, RunArgument, Style, WidthMm
+from driftform.cli.options import Json, RunArgument, Style, WidthMm, make_option
 
 
 def report(
     run: RunArgument,
     out: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="File to write; by default RUN/report.html. With --style paper, directory for the figures; by default "
+        make_option(
+            "FILE",
+            "File to write; by default RUN/report.html. With --style paper, directory for the figures; by default "
             "RUN/figures/paper.",
         ),
     ] = None,

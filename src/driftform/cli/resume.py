@@ -2,18 +2,13 @@
 
 from typing import Annotated
 
-import typer
-
-from driftform.cli.options import ExecutorName, Json, RunArgument, Scheduler, Workers
+from driftform.cli.options import ExecutorName, Json, RunArgument, Scheduler, Workers, make_option
 
 
 def resume(
     run: RunArgument,
     evaluations: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, help="Total number of flights, including finished ones; by default unchanged."
-        ),
+        int | None, make_option("N", "Total number of flights, including finished ones; by default unchanged.", min=1)
     ] = None,
     workers: Workers = None,
     executor: ExecutorName = None,

@@ -3,17 +3,15 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from driftform.cli.options import Json, Settings
+from driftform.cli.options import Json, Settings, make_option
 
 
 def sample(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for the agents.")],
-    count: Annotated[int, typer.Option(metavar="N", min=1, max=1_000_000, help="Number of agents.")] = 10,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the random numbers.")] = 0,
+    out: Annotated[Path, make_option("DIR", "Directory for the agents.")],
+    count: Annotated[int, make_option("N", "Number of agents.", min=1, max=1_000_000)] = 10,
+    seed: Annotated[int, make_option("N", "Seed of the random numbers.", min=0)] = 0,
     scenario: Annotated[
-        str | None, typer.Option(metavar="NAME|FILE", help="Study with the grammar and the builder of the agents.")
+        str | None, make_option("NAME|FILE", "Study with the grammar and the builder of the agents.")
     ] = None,
     settings: Settings = None,
     json: Json = False,

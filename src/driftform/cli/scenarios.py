@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from driftform.cli.help import Command, make_group
-from driftform.cli.options import Json, Settings, StudyName
+from driftform.cli.options import Json, Settings, StudyName, make_option
 from driftform.errors import InputError
 
 
@@ -57,8 +57,7 @@ def show(
 def check(
     file: StudyName,
     picture: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="SVG file for a picture of the pipe with its targets and errors."),
+        Path | None, make_option("FILE", "SVG file for a picture of the pipe with its targets and errors.")
     ] = None,
     settings: Settings = None,
     json: Json = False,

@@ -20,6 +20,7 @@ from driftform.cli.options import (
     StillAt,
     Style,
     WidthMm,
+    make_option,
 )
 
 BAR = 20
@@ -47,7 +48,7 @@ def simulate(
     still_at: StillAt = None,
     renderer: Renderer = "exudyn",
     robust: Robust = None,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the conditions of --robust.")] = 0,
+    seed: Annotated[int, make_option("N", "Seed of the conditions of --robust.", min=0)] = 0,
     style: Style = "screen",
     width_mm: WidthMm = None,
     settings: Settings = None,

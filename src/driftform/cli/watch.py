@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from driftform.cli.options import Json, RunArgument
+from driftform.cli.options import Json, RunArgument, make_option
 
 if TYPE_CHECKING:
     from driftform.cli.display import View
@@ -16,9 +16,7 @@ def watch(
     once: Annotated[bool, typer.Option("--once", help="Print the state of the run now, and exit.")] = False,
     interval: Annotated[
         float | None,
-        typer.Option(
-            metavar="S", min=0.1, help="Time between two readings, s; by default 1 on a terminal, 10 elsewhere."
-        ),
+        make_option("S", "Time between two readings, s; by default 1 on a terminal, 10 elsewhere.", min=0.1),
     ] = None,
     json: Json = False,
 ) -> None:

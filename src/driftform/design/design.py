@@ -337,13 +337,7 @@ class Design:
         Raises:
             InputError, WorkFailedError: as :meth:`check_picture`, or if the flight fails.
         """
-        file = Path(path)
-        self.check_picture(file, renderer, film=True)
-        flight = flight or self.simulate()
-        camera: Renderer[Any] = self.study.make_renderer(renderer)
-        written = camera.film(self.agent, flight.trajectory, self.scenario, make_parent(file), progress)
-        require_file(written, camera, "film")
-        return file
+        return self._take(Path(path), renderer, flight, "film", lambda _: progress)
 
     def still(
         self,
@@ -365,14 +359,22 @@ class Design:
             InputError, WorkFailedError: as :meth:`check_picture`, if the flight fails, or if it does not last until
                 ``at``.
         """
-        file = Path(path)
-        self.check_picture(file, renderer, film=False)
-        flight = flight or self.simulate()
-        check_moment(flight, at)
-        camera: Renderer[Any] = self.study.make_renderer(renderer)
-        moment = flight.closest_time if at is None else at
-        written = camera.still(self.agent, flight.trajectory, self.scenario, make_parent(file), moment)
-        require_file(written, camera, "still")
+
+        def choose_moment(flown: Flight) -> float:
+            check_moment(flown, at)
+            return flown.closest_time if at is None else at
+
+        return self._take(Path(path), renderer, flight, "still", choose_moment)
+
+    def _take(
+        self, file: Path, renderer: str, flight: Flight | None, what: str, how: Callable[[Flight], object]
+    ) -> Path:
+        """Make a film or a still by the method ``what`` of a renderer; ``how`` gives its last argument."""
+        self.check_picture(file, renderer, film=what == "film")
+        flight, camera = flight or self.simulate(), self.study.make_renderer(renderer)
+        last = how(flight)
+        make_directory(file.parent, "path")
+        require_file(getattr(camera, what)(self.agent, flight.trajectory, self.scenario, file, last), camera, what)
         return file
 
     def __repr__(self) -> str:
@@ -390,9 +392,3 @@ def check_moment(flight: Flight, at: float | None) -> None:
     """Refuse a moment outside a flight. Raises InputError with how long the flight lasts."""
     if at is not None and not 0 <= at <= flight.duration:
         raise InputError(f"--still-at {at:g}: the flight goes from 0 to {flight.duration:.3f} s")
-
-
-def make_parent(path: Path) -> Path:
-    """Make the directory of a file, and return the file's path."""
-    make_directory(path.parent, "path")
-    return path

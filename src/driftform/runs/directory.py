@@ -92,20 +92,6 @@ def _is_own(name: str) -> bool:
     return name in (_LOCK, *INPUTS) or (name.startswith(beginnings) and ".part" in name)
 
 
-def check_unbegun(directory: Path) -> Path:
-    """Return the file with the study of a run that was stopped before it made its database.
-
-    Raises InputError if the directory holds no such run, with the next step.
-    """
-    check_run(directory, begun=False)
-    if not (directory / RESOLVED).is_file():
-        raise InputError(
-            f"{directory}: its run was stopped before it wrote what it is to do; start it again with the same "
-            f"'driftform evolve' and --out {quote(str(directory))}"
-        )
-    return directory / RESOLVED
-
-
 def remove_leftovers(directory: Path) -> None:
     """Remove what a process left in part that was killed before its run began."""
     for entry in list(directory.iterdir()):

@@ -4,14 +4,15 @@ import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from shlex import quote
 from typing import Any, Self
 
 from driftform.errors import InputError
 from driftform.runs.directory import (
     DATABASE,
+    RESOLVED,
     check_new,
     check_run,
-    check_unbegun,
     is_worked_on,
     lock_run,
     remove_leftovers,
@@ -41,14 +42,17 @@ class StoredRun:
         self.study = study
 
     @classmethod
-    def open(cls, directory: Path, *, check: bool = True) -> Self:
-        """Open a run to read it, finished or not.
+    def open(cls, directory: Path, evaluations: int | None = None, *, check: bool = True) -> Self:
+        """Open a run to read it, finished or not; ``evaluations`` replace its budget.
 
         Without ``check`` the database is not searched for damage first; damage is then reported where it is read.
 
         Raises InputError if the directory is not a run, or its study cannot be carried out here.
         """
-        return cls._load(directory, check=check)
+        database = check_run(directory)
+        with Store.open(database, read_only=True, check=check) as store:
+            document = Document(str(database), store.read_study())
+        return cls(directory, load_study(document, run={"evaluations": evaluations}))
 
     @classmethod
     @contextmanager
@@ -79,7 +83,7 @@ class StoredRun:
         with lock_run(directory):
             if not (directory / DATABASE).exists():
                 cls._begin_again(directory)
-            run = cls._load(directory, evaluations)
+            run = cls.open(directory, evaluations)
             run.study.check_formats()
             if evaluations is not None:
                 run._check_budget(evaluations)
@@ -97,23 +101,21 @@ class StoredRun:
         make_directory(directory)
         with lock_run(directory):
             if (directory / DATABASE).is_file():
-                run = cls._load(directory)
+                run = cls.open(directory)
                 run._check_same(study)
             else:
                 run = cls._begin(directory, study)
             yield run
 
     @classmethod
-    def _load(cls, directory: Path, evaluations: int | None = None, *, check: bool = True) -> Self:
-        database = check_run(directory)
-        with Store.open(database, read_only=True, check=check) as store:
-            document = Document(str(database), store.read_study())
-        return cls(directory, load_study(document, run={"evaluations": evaluations}))
-
-    @classmethod
     def _begin_again(cls, directory: Path) -> None:
         """Begin a run that was stopped after its study was written, and before its database was."""
-        path = check_unbegun(directory)
+        path = directory / RESOLVED
+        if not path.is_file():
+            raise InputError(
+                f"{directory}: its run was stopped before it wrote what it is to do; start it again with the same "
+                f"'driftform evolve' and --out {quote(str(directory))}"
+            )
         try:
             document = tomllib.loads(path.read_text(encoding="utf-8"))
         except ValueError as error:

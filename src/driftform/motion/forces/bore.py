@@ -44,11 +44,8 @@ def transverse_parts(position: Vector, axis: Vector, pipe: FloatArray) -> tuple[
 def axis_line(parts: tuple[Vector, Vector], pipe: FloatArray) -> AxisLine:
     """Return the position in the bore of a body's axis with these ``parts`` o and a.
 
-    The point x of the body's axis is sqrt(o.o + 2 o.a x + a.a x^2) away from the axis of the bore. In a pipe of
-    several segments this formula does not hold, and the radius is 0.
+    The point x of the body's axis is sqrt(o.o + 2 o.a x + a.a x^2) away from the axis of the bore.
     """
-    if pipe.shape[0] != 1:
-        return 0.0, 0.0, 0.0, 0.0
     o, a = parts
     return dot(o, o), dot(o, a), dot(a, a), pipe[0, 7]
 

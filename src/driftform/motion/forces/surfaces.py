@@ -24,9 +24,6 @@ Vertices at equal distances along the axis are far apart near the pole.
 ROUNDNESS = 5e-5
 """Largest distance of a dome's vertices from their circle, relative to its radius: coordinates are written with few digits."""
 
-SURFACE = 6
-"""Numbers of a surface."""
-
 
 def touching_vertices(body: Body) -> FloatArray:
     """Return the vertices (x, r) of the body's convex hull, from aft to fore, m, (k, 2).

@@ -162,7 +162,8 @@ def _sort_nodes(points: FloatArray, velocities: FloatArray) -> VelocityGrid:
         raise ValueError("has several velocities at one node; the current must be steady")
     velocity = np.full((*shape, 3), np.nan)
     velocity.reshape(-1, 3)[flat] = velocities
-    return VelocityGrid(np.array([o for o, _, _ in axes]), np.array([s for _, s, _ in axes]), velocity)
+    origin, spacing, _ = np.array(axes).T
+    return VelocityGrid(origin, spacing, velocity)
 
 
 def _check_axis(name: str, values: FloatArray) -> tuple[float, float, int]:
@@ -210,9 +211,8 @@ def _read_netcdf(path: Path) -> VelocityGrid:
             )
         values = values.reshape([values.shape[dimensions.index(d)] for d in kept])
         parts.append(values.transpose([kept.index(n) for n in names])[np.ix_(*order)])
-    return VelocityGrid(
-        np.array([o for o, _, _ in found]), np.array([s for _, s, _ in found]), np.stack(parts, axis=-1)
-    )
+    origin, spacing, _ = np.array(found).T
+    return VelocityGrid(origin, spacing, np.stack(parts, axis=-1))
 
 
 def _read_netcdf3(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
