@@ -16,7 +16,7 @@ from driftform.cli.app import app
 pytestmark = pytest.mark.long
 
 PAGE = "calibration.md"
-PICTURES = {"e4": "calibration-ten-cate-e4.svg", "gondret": "calibration-gondret-152.svg"}
+PICTURES = {"e4": "calibration-ten-cate-e4.svg"}
 
 
 NUMBER = re.compile(r"\d+\.?\d*")
