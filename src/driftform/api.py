@@ -80,8 +80,7 @@ class Run(StoredRun, Mapping[str, Design]):
     def pick(self, x: float, y: float, z: float) -> Design:
         """Return the agent whose flight passes closest to a point of the world, m; its ``result`` says how close.
 
-        Raises:
-            InputError: if no flight can pass the point, or every evaluation has failed so far.
+        Raises InputError if no flight can pass the point, or every evaluation has failed so far.
         """
         return Design.build(pick_agent(self, (x, y, z)), f"{self.path}: {x:g} {y:g} {z:g}")
 
@@ -117,8 +116,7 @@ class Run(StoredRun, Mapping[str, Design]):
     def search(self, executor: Executor, observer: Observer | None = None) -> None:
         """Ask, evaluate and store until the budget is spent; for a run that is created, resumed or ensured.
 
-        Raises:
-            InputError: if the stored evaluations are not those that the study asks for.
+        Raises InputError if the stored evaluations are not those that the study asks for.
         """
         search_run(self, executor, observer)
 
@@ -139,8 +137,7 @@ class Run(StoredRun, Mapping[str, Design]):
         Args:
             path: of the page; ``None`` for ``report.html`` in the run.
 
-        Raises:
-            WorkFailedError: if no evaluation succeeded yet.
+        Raises WorkFailedError if no evaluation succeeded yet.
         """
         return write_report(self, None if path is None else Path(path))[1]
 
@@ -163,8 +160,7 @@ class Run(StoredRun, Mapping[str, Design]):
             format: ``"csv"`` or ``"parquet"``.
             trajectories: whether the samples of all flights are written too.
 
-        Raises:
-            InputError: if the format is unknown, or the folder is not empty.
+        Raises InputError if the format is unknown, or the folder is not empty.
         """
         return write_tables(self, None if folder is None else Path(folder), format, trajectories)
 
@@ -253,8 +249,7 @@ def evolve(study: Study, directory: str | os.PathLike[str], *, workers: int = 1,
 def open_run(directory: str | os.PathLike[str]) -> Run:
     """Open a run directory, also while another process continues it.
 
-    Raises:
-        InputError: if it is not a run.
+    Raises InputError if it is not a run.
     """
     return Run.open(Path(directory))
 
@@ -274,8 +269,7 @@ def open_agent(
         scenario: another scenario than its own, as there.
         use: other plugins than its own, as there.
 
-    Raises:
-        InputError: if the agent does not exist.
+    Raises InputError if the agent does not exist.
     """
     return opening.open_agent(os.fspath(text), scenario, settings, use)
 

@@ -75,8 +75,7 @@ class Grammar(Plugin[OptionsT_co]):
     def express(self, genome: Genome) -> Morphology:
         """Return the modules that the genome describes.
 
-        Raises:
-            ValueError: if the genome does not belong to this grammar; the message names the symbol and its position.
+        Raises ValueError if the genome does not belong to this grammar; the message names the symbol and its position.
         """
 
     @abstractmethod
@@ -87,8 +86,7 @@ class Grammar(Plugin[OptionsT_co]):
     def parse(self, text: str) -> Genome:
         """Return the genome that :meth:`to_text` wrote.
 
-        Raises:
-            InputError: if the text is not a genome of this grammar; the message names the symbol and its position.
+        Raises InputError if the text is not a genome of this grammar; the message names the symbol and its position.
         """
 
     def mutate(self, genome: Genome, rng: np.random.Generator, rate: float) -> Genome:
@@ -349,15 +347,13 @@ class Exporter(Plugin[OptionsT_co]):
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file at ``path``, or several files, and return a description of each; create missing parent folders.
 
-        Raises:
-            WorkFailedError: if the agent cannot be exported in this format; the message gives the reason.
+        Raises WorkFailedError if the agent cannot be exported in this format; the message gives the reason.
         """
 
     def describe_water(self, job: ExportJob) -> str:
         """Return the part of the format that describes the forces of water, for ``driftform inspect --block``.
 
-        Raises:
-            WorkFailedError: if the format has none.
+        Raises WorkFailedError if the format has none.
         """
         raise WorkFailedError(f"the format '{self.name}' has no part for the forces of water")
 
@@ -393,8 +389,7 @@ class Renderer(Plugin[OptionsT_co]):
 
         Call ``progress(done, total)`` with the number of finished frames and the number of all frames.
 
-        Raises:
-            InputError, WorkFailedError: like :meth:`check`, and if the film cannot be made or written.
+        Raises InputError or WorkFailedError like :meth:`check`, and if the film cannot be made or written.
         """
 
     def check_still(self, path: Path) -> None:
@@ -414,8 +409,7 @@ class Renderer(Plugin[OptionsT_co]):
 
         Override this method if ``stills`` is not empty.
 
-        Raises:
-            InputError, WorkFailedError: like :meth:`check_still`, and if the still cannot be made or written.
+        Raises InputError or WorkFailedError like :meth:`check_still`, and if the still cannot be made or written.
         """
         self.check_still(path)
         raise NotImplementedError(f"{type(self).__name__} lists stills, but does not implement still()")
@@ -437,8 +431,7 @@ class Recorder(Plugin[OptionsT_co]):
         The trajectory may have a single sample, or be that of a failed flight: write all its samples. A file must be
         written completely or not at all.
 
-        Raises:
-            WorkFailedError: if the flight cannot be written in this format; the message gives the reason.
+        Raises WorkFailedError if the flight cannot be written in this format; the message gives the reason.
         """
 
 
@@ -495,8 +488,7 @@ class Checker(Plugin[OptionsT_co]):
         A fault of a part is a finding. So is a check that could not be made, for example because a program is not
         installed. Report each fault once: checks that it makes impossible are ``skipped``.
 
-        Raises:
-            InputError: if a file cannot be read at all.
+        Raises InputError if a file cannot be read at all.
         """
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from driftform.agent import hull_mass, mass_properties
 from driftform.design.design import Design
+from driftform.design.inspection import GRAM, measure_gram_sensitivity
 from driftform.design.opening import open_agent
-from driftform.design.sensitivity import GRAM, measure_gram_sensitivity
 
 WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveB"
 NATIVE = {"simulator": "native"}
@@ -38,13 +38,13 @@ def test_a_gram_of_hull_is_a_denser_hull(opened: Design, neutral: str) -> None:
     found = measure_gram_sensitivity(opened.pipeline, opened.agent, "agent")
     assert found is not None
     hull = hull_mass(opened.agent.body)
-    for change, errors in ((-GRAM, found.lighter), (0.0, found.as_simulated), (GRAM, found.heavier)):
+    for change, errors in ((-GRAM, found["lighter"]), (0.0, found["as_simulated"]), (GRAM, found["heavier"])):
         density = opened.agent.body.hull_density * (hull + change) / hull
         other = open_agent(WORD, "paper", settings=[neutral, SHORT, f"builder.hull_density={density!r}"], use=NATIVE)
         [flight] = other.pipeline.simulate([other.agent], "agent")
         np.testing.assert_allclose(errors, 100 - flight.fitness, atol=PERCENT)
     # A gram is 2 % of its mass, and takes it to another wall.
-    assert np.abs(found.heavier - found.lighter).max() > 1
+    assert np.abs(found["heavier"] - found["lighter"]).max() > 1
 
 
 def test_ballast_stays_where_it_is_when_the_hull_is_a_gram_heavier() -> None:
@@ -57,7 +57,7 @@ def test_ballast_stays_where_it_is_when_the_hull_is_a_gram_heavier() -> None:
     assert ballast.volume * agent.body.ballast_density > hull and abs(ballast.centroid) > 0.01
     found = measure_gram_sensitivity(opened.pipeline, agent, "agent")
     assert found is not None
-    for change, errors in ((-GRAM, found.lighter), (GRAM, found.heavier)):
+    for change, errors in ((-GRAM, found["lighter"]), (GRAM, found["heavier"])):
         denser = replace(agent.body, hull_density=agent.body.hull_density * (hull + change) / hull)
         [flight] = opened.pipeline.simulate([replace(agent, body=denser, mass=mass_properties(denser))], "agent")
         np.testing.assert_allclose(errors, 100 - flight.fitness, atol=PERCENT)

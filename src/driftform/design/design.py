@@ -175,8 +175,7 @@ class Design:
             scenario: path of a study file or the name of a built-in scenario.
             use: plugin by seam, such as ``{"simulator": "native"}``.
 
-        Raises:
-            InputError: if a setting is not sound.
+        Raises InputError if a setting is not sound.
         """
         # What was found out elsewhere does not hold there.
         stored = replace(self.stored, environment=self.study.environment(), result={})
@@ -239,8 +238,7 @@ class Design:
             format: name of an exporter, such as ``"stl"`` or ``"3mf"``.
             path: of the file; ``None`` for the agent's name in the working directory. An older file is replaced.
 
-        Raises:
-            InputError: if there is no such format, or nothing can be written there.
+        Raises InputError if there is no such format, or nothing can be written there.
         """
         files = self.export_files(format, path)
         if note := self.describe_missing_kit(files):
@@ -310,8 +308,7 @@ class Design:
     def check_picture(self, path: Path, renderer: str = "exudyn", *, film: bool) -> None:
         """Refuse a film, or else a still, that cannot be made, before anything is flown for it.
 
-        Raises:
-            InputError, WorkFailedError: if there is no such renderer, or it cannot make such a picture.
+        Raises InputError or WorkFailedError if there is no such renderer, or it cannot make such a picture.
         """
         camera: Renderer[Any] = self.study.make_renderer(renderer)
         (camera.check if film else camera.check_still)(path)
@@ -334,8 +331,7 @@ class Design:
             flight: the flight; ``None`` to fly it now.
             progress: called with the number of frames that are done, and of all.
 
-        Raises:
-            InputError, WorkFailedError: as :meth:`check_picture`, or if the flight fails.
+        Raises InputError or WorkFailedError as :meth:`check_picture`, or if the flight fails.
         """
         return self._take(Path(path), renderer, flight, "film", lambda _: progress)
 
@@ -355,9 +351,8 @@ class Design:
             renderer: name of a renderer.
             flight: the flight; ``None`` to fly it now.
 
-        Raises:
-            InputError, WorkFailedError: as :meth:`check_picture`, if the flight fails, or if it does not last until
-                ``at``.
+        Raises InputError or WorkFailedError as :meth:`check_picture`, if the flight fails, or if it does not last until
+        ``at``.
         """
 
         def choose_moment(flown: Flight) -> float:

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.agent import hull_mass
-from driftform.design.sensitivity import measure_gram_sensitivity
+from driftform.agent import MassElement, hull_mass
 from driftform.errors import WorkFailedError, describe_error
 from driftform.motion.forces.body_drag import estimate_drag, wake_factor
 from driftform.motion.forces.inertia import added_mass_at, largest_added_mass_ratio, rigid_body_mass
@@ -27,6 +26,9 @@ LEAD = 11_340.0
 
 BED = 0.25
 """Travel of a common desktop printer, m."""
+
+GRAM = 1e-3
+"""kg"""
 
 LARGEST_LAGGED_RATIO = 17 / 3
 """Largest eigenvalue of M_RB^-1 M_A up to which added mass from a filtered acceleration is stable: 2/0.3 - 1."""
@@ -103,8 +105,7 @@ def compare_added_mass(pipeline: Pipeline, agent: Agent, name: str) -> dict[str,
 
     The pipeline's own model has its options, the others have their defaults.
 
-    Raises:
-        WorkFailedError: if a model cannot compute it.
+    Raises WorkFailedError if a model cannot compute it.
     """
     own, found = pipeline.hydrodynamics, {}
     for row in registry().seam("hydrodynamics"):
@@ -145,12 +146,29 @@ def _measure_sensitivity(pipeline: Pipeline, agent: Agent, name: str, target: st
         return None
     if found is None:
         return None
-    columns = ("as_simulated", "lighter", "heavier")
-    rows = zip(*(getattr(found, column) for column in columns), strict=True)
-    errors = {name: dict(zip(columns, row, strict=True)) for name, row in zip(names, rows, strict=True)}
+    errors = {
+        name: dict(zip(found, row, strict=True))
+        for name, row in zip(names, zip(*found.values(), strict=True), strict=True)
+    }
     if target not in errors:
         target = min(errors, key=lambda name: float(errors[name]["as_simulated"]))
     return {"target": target, "errors": errors}
+
+
+def measure_gram_sensitivity(pipeline: Pipeline, agent: Agent, name: str) -> dict[str, FloatArray] | None:
+    """Return the errors (100 less the fitness) for each target, (targets,): as simulated, with a gram of hull less, and more.
+
+    ``None`` if its hull has no gram to lose. The two are given apart and not as one slope: about the mass that was evolved
+    for a target the error grows on either side. Raises WorkFailedError as :meth:`driftform.pipeline.Pipeline.simulate`.
+    """
+    if hull_mass(agent.body) <= GRAM:
+        return None
+    others = [
+        MassElement.reweigh(agent, (MassElement.of_agent(agent), MassElement.of_hull(agent.body, gram)))
+        for gram in (-GRAM, GRAM)
+    ]
+    errors = [100 - one.fitness for one in pipeline.simulate([agent, *others], name)]
+    return dict(zip(("as_simulated", "lighter", "heavier"), errors, strict=True))
 
 
 def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max: float) -> list[str]:

@@ -1,7 +1,8 @@
 """One body to scale, as a half section: the outside above the axis, the section below it."""
 
+from fractions import Fraction
 from itertools import accumulate
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -31,22 +32,10 @@ _AROUND = 10.0
 """Width of the water that is drawn around the body, px."""
 
 
-class Ratio(NamedTuple):
-    """A drawing scale, paper to body: 1 : 2 is half size."""
-
-    paper: int
-    body: int
-
-    @property
-    def text(self) -> str:
-        """The ratio as drawings write it."""
-        return f"{self.paper} : {self.body}"
-
-
-# The scales that ISO 5455 recommends.
+# The scales that ISO 5455 recommends, paper over body.
 _RATIOS = tuple(
-    [Ratio(a * 10**n, 1) for n in (2, 1, 0) for a in (5, 2, 1)]
-    + [Ratio(1, a * 10**n) for n in range(6) for a in (2, 5, 10)]
+    [Fraction(a * 10**n) for n in (2, 1, 0) for a in (5, 2, 1)]
+    + [Fraction(1, a * 10**n) for n in range(6) for a in (2, 5, 10)]
 )
 
 
@@ -66,7 +55,8 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
     """
     body = agent.body
     ratio = _choose_ratio(body)
-    px_per_m = 1000 * PX_PER_MM * ratio.paper / ratio.body
+    written = f"{ratio.numerator} : {ratio.denominator}"
+    px_per_m = 1000 * PX_PER_MM * ratio.numerator / ratio.denominator
     if page.is_paper:
         room = page.width - _LEFT - _RIGHT
         px_per_m = min(room / body.length, room / body.max_diameter)
@@ -87,7 +77,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
 
     size = f"{_format_mm(body.length)} long, {_format_mm(body.max_diameter)} in diameter"
     values = "; ".join(f"{name} {value}" for name, value in block)
-    scale = "" if page.is_paper else f", at a scale of {ratio.text}"
+    scale = "" if page.is_paper else f", at a scale of {written}"
     root = svg.start_document(
         width,
         height + (0 if page.is_paper else _BLOCK),
@@ -117,7 +107,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
     bar = draw_scale_bar(root, width - MARGIN, base, px_per_m, 130)
     if page.is_paper:
         return svg.render(root)
-    write(root, bar - 16, base, f"Scale {ratio.text}", 11, MUTED, anchor="end", class_="scale")
+    write(root, bar - 16, base, f"Scale {written}", 11, MUTED, anchor="end", class_="scale")
     if rest is not None:
         if surface is not None:
             line = svg.path_data([(MARGIN, base - 4), (MARGIN + 26, base - 4)])
@@ -130,14 +120,9 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
     return svg.render(root)
 
 
-def _choose_ratio(body: Body) -> Ratio:
-    fits = (
-        ratio
-        for ratio in _RATIOS
-        if 1000 * PX_PER_MM * body.length * ratio.paper / ratio.body <= _WIDEST
-        and 1000 * PX_PER_MM * body.max_diameter * ratio.paper / ratio.body <= _TALLEST
-    )
-    return next(fits, _RATIOS[-1])
+def _choose_ratio(body: Body) -> Fraction:
+    largest = min(_WIDEST / body.length, _TALLEST / body.max_diameter) / (1000 * PX_PER_MM)
+    return next((ratio for ratio in _RATIOS if ratio <= largest), _RATIOS[-1])
 
 
 def _describe_agent(agent: Agent) -> str:
