@@ -29,11 +29,8 @@ FLOOR_RADIUS = 100.0
 PITCHES_DEG = (-90.0, -60.0, -30.0, 0.0, 30.0, 60.0, 90.0)
 """Pitches of a release that are tried."""
 
-BALLASTS = (0.0, 0.3, 1.0)
-"""Weights in water of a ballast that are tried, over the net weight of the agent."""
-
-SINKING = (1.3, 2.0)
-"""The same for an agent that floats: enough to make it sink."""
+BALLASTS, SINKING = (0.0, 0.3, 1.0), (1.3, 2.0)
+"""Weights in water of a ballast that are tried, over the agent's net weight; the latter make an agent sink that floats."""
 
 MARGIN = 0.02
 """Water that is left around the agent at the release, m."""

@@ -14,6 +14,11 @@ LEFT, TOP, TALLEST, LOWEST, GAP = 62.0, 138.0, 300.0, 150.0, 88.0
 MIDDLE = 420.0
 """Left edge of the plots of distances, px; on a narrower page they are below the paths."""
 
+ROW, NAMES_WIDTH = 30.0, 190.0
+
+WIDTH, TITLE, CAPTION = 300.0, 26.0, 20.0
+"""Of a picture and of the lines above and below the tank, px."""
+
 
 @dataclass(frozen=True, eq=False)
 class TrackPanel:
@@ -128,9 +133,6 @@ class _Chart:
         }
 
 
-ROW, NAMES_WIDTH = 30.0, 190.0
-
-
 def intervals_svg(
     intervals: Mapping[str, tuple[float, float, float]],
     title: str,
@@ -172,10 +174,6 @@ def intervals_svg(
     sides = {"left": left, "bottom": top + ROW * count, "one": x_of(1), "edge": width - layout.MARGIN}
     svg.draw_template(root, __package__, "intervals", rows=rows, ticks=ticks, **sides)
     return svg.render(root)
-
-
-WIDTH, TITLE, CAPTION = 300.0, 26.0, 20.0
-"""Of a picture and of the lines above and below the tank, px."""
 
 
 def drop_svg(

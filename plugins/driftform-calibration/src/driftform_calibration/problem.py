@@ -47,11 +47,8 @@ DISTANCE = 2.5
 BARREL = 0.01
 """Standard deviation of what a lens bends at the ends of a track: 3 % at the corner of a wide picture that it fills."""
 
-RELEASE_SPEED = 0.005
-"""Standard deviation of the speed of a release from rest, in each direction, m/s."""
-
-RELEASE_RISE = 0.005
-"""Standard deviation of the height of a release above a floor, m."""
+RELEASE_SPEED, RELEASE_RISE = 0.005, 0.005
+"""Standard deviations of the speed of a release from rest in each direction, m/s, and of its height above a floor, m."""
 
 ANGLE_ERROR = np.deg2rad(1.5)
 """Standard deviation of an angle that was measured in a film, rad."""

@@ -48,6 +48,8 @@ app = typer.Typer(
     no_args_is_help=True,
 )
 
+_UNITS = {"s": 1 / 3600, "min": 1 / 60, "h": 1.0, "d": 24.0}
+
 
 def declare_option(name: str) -> Parameter:
     """Return the parameter of an option of ``options.toml``, or of one that commands of driftform share."""
@@ -68,12 +70,13 @@ def declare_option(name: str) -> Parameter:
     return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[taken, declared])
 
 
-def declare(*names: str) -> Callable[[Callable[[Given], None]], Callable[[Given], None]]:
-    """Return a decorator that adds a command with these options; it takes their values by these names."""
+def declare(*names: str) -> Callable[[Callable[[Given, "Outputs"], None]], Callable[[Given, "Outputs"], None]]:
+    """Return a decorator that adds a command with these options: it takes their values by these names, and the files."""
 
-    def add(run: Callable[[Given], None]) -> Callable[[Given], None]:
+    def add(run: Callable[[Given, "Outputs"], None]) -> Callable[[Given, "Outputs"], None]:
         def command(**values: Any) -> None:
-            run(Given(**values))
+            given = Given(**values)
+            run(given, _find_outputs(given))
 
         command.__doc__ = run.__doc__
         command.__signature__ = Signature([declare_option(name) for name in names])  # type: ignore[attr-defined]
@@ -92,16 +95,15 @@ FILES = ("map", "style", "width_mm", "tables", "gis", "crs", "report", "cache", 
 
 
 @declare("net", "at", *CHANGES, "map", "style", "width_mm", "cache", "json")
-def show(given: Given) -> None:
+def show(given: Given, outputs: "Outputs") -> None:
     """Show the pipes, flows, sources, loops and reversals of a network."""
     from driftform_networks.output.show import show_network
 
-    outputs = _find_outputs(given)
     show_network(_open(given), given.at, outputs, given.json)
 
 
 @declare("net", "release", "at", *WATER, *CHANGES, *SIGHT, *FILES)
-def tracers(given: Given) -> None:
+def tracers(given: Given, outputs: "Outputs") -> None:
     """Compute where point tracers go, which divide like the water: probability and age at each node.
 
     The result is that of EPANET's own quality engine; bodies take other routes (driftform network route).
@@ -109,7 +111,6 @@ def tracers(given: Given) -> None:
     from driftform_networks.output.results import present_passage
     from driftform_networks.planning.following import trace
 
-    outputs = _find_outputs(given)
     network, sights = _look(given, _open(given))
     passage = trace(network, given.release, hour=given.at, **_pick(given))
     title = f"{network.name}: tracers from {given.release} at hour {given.at:g}"
@@ -117,7 +118,7 @@ def tracers(given: Given) -> None:
 
 
 @declare("net", "agent", "release", "at", "buoyancy", *WATER, *CHANGES, *BODY, *SIGHT, *FILES)
-def route(given: Given) -> None:
+def route(given: Given, outputs: "Outputs") -> None:
     """Compute where an agent goes: probability and age at each node, what it sees, where it is stuck.
 
     Flights of the agent in the bores of the network are made first and kept; after an interruption, the same command
@@ -127,7 +128,6 @@ def route(given: Given) -> None:
     from driftform_networks.output.results import present_passage
     from driftform_networks.planning import following
 
-    outputs = _find_outputs(given)
     network, sights = _look(given, _open(given))
     network.find_node(given.release)
     traveller = open_traveller(given.agent, given.scenario, given.settings or (), given.buoyancy)
@@ -141,7 +141,7 @@ def route(given: Given) -> None:
     "net", "releases", "size", *CHOICE, "hours_at", "unsteady", "within", "walks", *CHANGES, *BODY, "agents_seed",
     *SIGHT, "agents", *FILES,
 )  # fmt: skip
-def fleet(given: Given) -> None:
+def fleet(given: Given, outputs: "Outputs") -> None:
     """Choose a fleet: which agents, released where and when, see most of the pipes together.
 
     Each member adds most to those before it. Its coverage is compared with drifters that divide like the water, and with
@@ -151,7 +151,6 @@ def fleet(given: Given) -> None:
     from driftform_networks.planning.candidates import BUOYANCIES
     from driftform_networks.planning.fleets import plan_fleet
 
-    outputs = _find_outputs(given)
     network, sights = _look(given, _open(given))
     releases = split_names(given.releases, network)
     travellers = _collect(given, given.agents_from or (), BUOYANCIES)
@@ -165,7 +164,7 @@ def fleet(given: Given) -> None:
     "net", "plan_releases", "hydrants", "hours", "plan_within", "battery", "plan_size", "nets", "aim", *CHOICE,
     "unsteady", "walks", *CHANGES, *BODY, "agents_seed", *SIGHT, *FILES,
 )  # fmt: skip
-def plan(given: Given) -> None:
+def plan(given: Given, outputs: "Outputs") -> None:
     """Plan an inspection: where and at which hour to release bodies, and where to catch them in nets.
 
     Bodies see until their battery ends or a net catches them. The nets are compared with an upper bound for any choice,
@@ -176,7 +175,6 @@ def plan(given: Given) -> None:
     from driftform_networks.output.results import present_plan
     from driftform_networks.planning.plans import AIMS, plan_inspection
 
-    outputs = _find_outputs(given)
     if given.aim not in AIMS:
         raise InputError(f"--aim {given.aim}: no such aim{did_you_mean(given.aim, AIMS)}")
     network, sights = _look(given, _open(given))
@@ -258,9 +256,6 @@ def _pick(given: Given) -> dict[str, Any]:
     seed = given.seed if hasattr(given, "seed") else given.agents_seed
     within = {} if not hasattr(given, "within") else {"within": given.within and parse_time("--within", given.within)}
     return {"unsteady": given.unsteady, "walks": given.walks, "seed": seed, **within}
-
-
-_UNITS = {"s": 1 / 3600, "min": 1 / 60, "h": 1.0, "d": 24.0}
 
 
 def parse_time(option: str, text: str) -> float:

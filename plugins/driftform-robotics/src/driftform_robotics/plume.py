@@ -60,11 +60,6 @@ class Plume:
     diffusivity: float
     rate: float
 
-    @property
-    def mixed_concentration(self) -> float:
-        """Concentration of an even mixture, Q / (U A), kg/m3."""
-        return float(self.rate / (self.speed * np.pi * self.radius**2))
-
     def concentration(self, points: FloatArray) -> FloatArray:
         """Return the concentration at points of the world (n, 3), kg/m3, (n,): 0 upstream of the leak.
 
@@ -77,7 +72,8 @@ class Plume:
         z = off @ np.cross(self.axis, self.outward)
         r, phi = np.minimum(np.hypot(y, z) / self.radius, 1.0), np.arctan2(z, y)
         tau = self.diffusivity * x / (self.speed * self.radius**2)
-        return self.mixed_concentration * relative_concentration(tau, r, phi)
+        # Relative to an even mixture, Q / (U A).
+        return self.rate / (self.speed * np.pi * self.radius**2) * relative_concentration(tau, r, phi)
 
 
 def relative_concentration(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:

@@ -190,7 +190,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             batch = [self._draw_random() for _ in range(self.options.random)]
         requests = batch[:limit]
         for request in requests:
-            self._remember(hash(request.candidate.genome.symbols), request.body)
+            remember(self._known, (hash(request.candidate.genome.symbols), request.body))
         self._requests.append(requests)
         self._generation += 1
         return [request.candidate for request in requests]
@@ -313,18 +313,14 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             body = hash(self.space.grammar.express(genome))
         except ValueError:
             # A grammar may forbid some combinations of symbols.
-            self._remember(name)
-            return None
-        if body in self._known:
-            self._remember(name)
+            body = None
+        if body is None or body in self._known:
+            remember(self._known, [name])
             return None
         if body in self._requested_bodies:
             return None
         self._requested_bodies.add(body)
         return body
-
-    def _remember(self, *hashes: int | None) -> None:
-        remember(self._known, (known for known in hashes if known is not None))
 
 
 def _find_change(parent: Genome, child: Genome, place: int) -> Change | None:
@@ -335,9 +331,9 @@ def _find_change(parent: Genome, child: Genome, place: int) -> Change | None:
     return change if change.apply(parent.symbols) == child.symbols else None
 
 
-def remember(known: dict[int, None], hashes: Iterable[int]) -> None:
+def remember(known: dict[int, None], hashes: Iterable[int | None]) -> None:
     """Add hashes to those that are known, and forget the earlier half once there are more than :data:`MAX_HASHES`."""
-    known.update(dict.fromkeys(hashes))
+    known.update((name, None) for name in hashes if name is not None)
     if len(known) > MAX_HASHES:
         for early in list(islice(known, MAX_HASHES // 2)):
             del known[early]

@@ -26,6 +26,9 @@ MAX_UNFIT = 10
 DRAG = 1.0
 """Drag coefficient, on length times greatest diameter, by which the first response to a change of weight is guessed."""
 
+PLAIN = 30
+"""Random shapes of which the plainest is taken."""
+
 
 class TunedOptions(Table):
     """Options of the evolution of tuned bodies."""
@@ -342,10 +345,6 @@ class TunedStrategy(Strategy[TunedOptions]):
         threshold[job.target] = float(self._bars[job.target])
         genome = replace(job.shape.genome, tuning=job.tuning)
         return Candidate(genome, job.parents, generation, self.space.targets[job.target], tuple(threshold))
-
-
-PLAIN = 30
-"""Random shapes of which the plainest is taken."""
 
 
 class DirectStrategy(TunedStrategy):

@@ -43,7 +43,8 @@ def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any
     names = list(scenario.targets)
     number = names.index(key) if is_best else len(names)
     colour = style.SERIES[number % len(style.SERIES)] if is_best else style.SERIES[-1]
-    misses = run.misses(key) if is_best else None
+    found = _describe_misses(run.misses(key) if is_best else None, 0)
+    found["promise"]["nominal"] = float(distance)
     return {
         "key": key,
         "target": key if is_best else None,
@@ -52,8 +53,7 @@ def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any
         **scene.agent_data(agent, flight, [float(t)], colour),
         "longest": round(agent.body.length, 4),
         "end": str(flight.end),
-        "promise": {"nominal": float(distance), **_summarise(misses, 0)},
-        "effects": _list_effects(misses, 0),
+        **found,
         "limits": design.list_limits(),
         "facts": {
             "length": design.length,
@@ -74,7 +74,7 @@ def disturb_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]
     flights = design.scenario.robustness.checks
     with progress.count_progress("disturbed flights") as show:
         misses = design.disturb(flights, progress=show)
-    return {"promise": _summarise(misses, number), "effects": _list_effects(misses, number)}
+    return _describe_misses(misses, number)
 
 
 def trim_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
@@ -211,13 +211,9 @@ WORK: dict[str, Callable[[LiveRun, str, Document], dict[str, Any]]] = {
 """Functions that run as tasks; they take a run, the key of an agent, and the document of the request."""
 
 
-def _summarise(misses: Any, target: int) -> dict[str, Any]:
+def _describe_misses(misses: Any, target: int) -> dict[str, Any]:
+    """Return what disturbed flights promise for a target, and the effects of each disturbance."""
     if misses is None:
-        return {"median": None, "p90": None, "flights": 0, "failed": 0}
-    found: dict[str, Any] = misses.describe(target)
-    return found
-
-
-def _list_effects(misses: Any, target: int) -> list[dict[str, Any]]:
-    effects = None if misses is None else misses.list_effects(target)
-    return [asdict(effect) for effect in effects or []]
+        return {"promise": {"median": None, "p90": None, "flights": 0, "failed": 0}, "effects": []}
+    effects = [asdict(effect) for effect in misses.list_effects(target) or []]
+    return {"promise": dict(misses.describe(target)), "effects": effects}

@@ -26,6 +26,8 @@ AHEAD_DEG = 45.0
 BRANCH_DEG = 90.0
 """Turn into a branch where the map is not to scale, degrees."""
 
+_HELD = {TEE: "held in a tee, where the flow divides", JOINT: "held in a bend or reducer"}
+
 
 @dataclass(frozen=True, eq=False)
 class Junction:
@@ -120,9 +122,6 @@ def _direction(snapshot: Snapshot, link: int, at_end: bool) -> FloatArray:
         return np.zeros(2)
     part = course[-1] if forward == at_end else course[0]
     return np.asarray(part if forward else -part)
-
-
-_HELD = {TEE: "held in a tee, where the flow divides", JOINT: "held in a bend or reducer"}
 
 
 def divide_bodies(

@@ -10,6 +10,7 @@ import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.types import End, FloatArray, Trajectory
+from driftform.util import rotations
 from driftform.water import Scenario
 from driftform_networks.cache import keep_result
 from driftform_networks.flights.bodies import Traveller
@@ -207,13 +208,6 @@ def draw_attitude(numbers: FloatArray) -> tuple[float, float]:
     return float(np.rad2deg(np.arcsin(2 * numbers[0] - 1))), float(360 * numbers[1] - 180)
 
 
-def turn(quaternion: FloatArray, vector: FloatArray) -> FloatArray:
-    """Return vectors of the body frame in the world frame, (n, 3)."""
-    w, axis = quaternion[:, :1], quaternion[:, 1:]
-    turned = np.cross(axis, vector)
-    return np.asarray(vector + 2 * (w * turned + np.cross(axis, turned)))
-
-
 def fly(traveller: Traveller, scenarios: list[Scenario], pipe: str) -> list[Trajectory | None]:
     """Return the flights of a body, ``None`` for those that the simulator cannot fly.
 
@@ -231,7 +225,7 @@ def fly(traveller: Traveller, scenarios: list[Scenario], pipe: str) -> list[Traj
 
 def locate_middle(flight: Trajectory, rows: list[int] | IntArray, middle: FloatArray) -> FloatArray:
     """Return where the centre of the displaced water is: the core may lie at one end of a long body, (rows, 3) in m."""
-    return np.asarray(flight.position[rows] + turn(flight.quaternion[rows], middle))
+    return np.asarray(flight.position[rows] + rotations.matrix_from_quaternion(flight.quaternion[rows]) @ middle)
 
 
 def measure_pace(flight: Trajectory, downstream: FloatArray) -> float:

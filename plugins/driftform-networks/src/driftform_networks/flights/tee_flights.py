@@ -8,19 +8,12 @@ from typing import Any
 import numpy as np
 
 from driftform.types import FloatArray, Trajectory
+from driftform.util import rotations
 from driftform.water import Scenario
 from driftform_networks.cache import keep_result
 from driftform_networks.flights.bodies import Traveller
 from driftform_networks.flights.bore import BANDS, find_band, spread_points
-from driftform_networks.flights.straight import (
-    StraightTask,
-    draw_attitude,
-    fly,
-    locate_middle,
-    release,
-    spread_numbers,
-    turn,
-)
+from driftform_networks.flights.straight import StraightTask, draw_attitude, fly, locate_middle, release, spread_numbers
 from driftform_networks.flights.tees import BRANCH, RUN, Tee
 from driftform_networks.hydraulics.network import IntArray
 
@@ -170,10 +163,9 @@ def _continue(traveller: Traveller, tee: Tee, states: FloatArray, slope: float) 
     picked = states[_pick_states(states[:, 0].astype(np.int64))]
     x, z = np.sqrt(1 - slope**2), slope
     pipe = np.array([[x, 0.0, z], [0.0, 1.0, 0.0], [-z, 0.0, x]])
-    ahead, middle, velocity = (
-        turn(picked[:, 3:7], vector) @ pipe.T
-        for vector in (np.array([1.0, 0.0, 0.0]), traveller.agent.mass.cob, picked[:, 7:10])
-    )
+    turned = pipe @ rotations.matrix_from_quaternion(picked[:, 3:7])
+    ahead, middle = turned[..., 0], turned @ traveller.agent.mass.cob
+    velocity = np.einsum("nij,nj->ni", turned, picked[:, 7:10])
     # The states have the place of the centre of the displaced water, and a release that of the core.
     places = picked[:, 1:3] * tee.bore / 2 - np.column_stack([-middle[:, 1], middle[:, 2]])
     pitch = -np.rad2deg(np.arcsin(np.clip(ahead[:, 2], -1, 1)))

@@ -25,6 +25,9 @@ SECONDS, MEMORY = 1800.0, 6 << 30
 _BEYOND = re.compile(r"[-+]?(nan|inf|infinity|\d[\d.]*e\+?\d\d+)", re.IGNORECASE)
 """Numbers that no network has."""
 
+_FORMAT = 3
+"""Increase it whenever a network is computed or stored differently."""
+
 
 @dataclass(frozen=True)
 class Changes:
@@ -138,12 +141,6 @@ def _find_suspect(text: str) -> str:
     return ""
 
 
-_FORMAT = 3
-"""Increase it whenever a network is computed or stored differently."""
-
-_HYDRAULICS = "hydraulics."
-
-
 def open_network(source: str | Path, cache: Path | None = None, changes: Changes | None = None) -> Network:
     """Return a network with its flows; EPANET runs only if the cache does not hold them.
 
@@ -154,7 +151,13 @@ def open_network(source: str | Path, cache: Path | None = None, changes: Changes
 
     Raises InputError if there is no such file, or EPANET refuses it.
     """
-    path = _find_file(str(source))
+    path, text = Path(source), str(source)
+    if not files.is_file(path):
+        shipped = {file.stem: file for file in Path(__file__).with_name("examples").glob("*.inp")}
+        if text not in shipped:
+            known = did_you_mean(text, shipped)
+            raise InputError(f"NET '{text}': no such file, and no network of that name comes with driftform{known}")
+        path = shipped[text]
     content = [hashlib.sha256(path.read_bytes()).hexdigest(), _FORMAT, asdict(changes or Changes())]
     digest = hash_content({"network": content})
     stored = find_cache(cache) / f"{digest}.npz"
@@ -166,17 +169,5 @@ def open_network(source: str | Path, cache: Path | None = None, changes: Changes
         for key, array in arrays.items()
     }
     corners = np.split(values.pop("vertices"), np.cumsum(values.pop("counts"))[:-1])
-    flows = {key: values.pop(f"{_HYDRAULICS}{key}") for key in Hydraulics.__dataclass_fields__}
+    flows = {key: values.pop(f"hydraulics.{key}") for key in Hydraulics.__dataclass_fields__}
     return Network(path.stem, digest, vertices=tuple(corners), hydraulics=Hydraulics(**flows), **values)
-
-
-def _find_file(text: str) -> Path:
-    path = Path(text)
-    if files.is_file(path):
-        return path
-    shipped = {file.stem: file for file in Path(__file__).with_name("examples").glob("*.inp")}
-    if text in shipped:
-        return shipped[text]
-    raise InputError(
-        f"NET '{text}': no such file, and no network of that name comes with driftform{did_you_mean(text, shipped)}"
-    )

@@ -13,11 +13,8 @@ from driftform.types import FloatArray
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
-TOLERANCE = 0.1
-"""Largest deviation of drawn from given length at which a link counts as drawn to scale."""
-
-MAX_OFF = 0.2
-"""Largest share of the total length that is not to scale."""
+TOLERANCE, MAX_OFF = 0.1, 0.2
+"""Largest deviation of drawn from given length at which a link is to scale, and largest share of the length that is not."""
 
 MAX_KNOWN = 12
 """Nodes of a network up to which an error names all."""

@@ -11,6 +11,12 @@ from driftform.types import Agent, Body, FloatArray
 from driftform.water import Fluid, Scenario
 from driftform_robotics.models.meshes import folds_back
 
+LAGS = {"Gazebo Fortress": 1.0, "the UUV simulator": 0.3}
+"""Programs that multiply added mass by an acceleration, and the weight of the previous step's in that."""
+
+MIN_SPEED = 0.05
+"""Least speed, m/s, at which drag is converted: a neutral agent does not move through the water."""
+
 
 @dataclass(frozen=True, eq=False)
 class Link:
@@ -140,10 +146,6 @@ def describe_link(name: str, link: Link, axes: str = "y to port, z up") -> list[
     ]
 
 
-LAGS = {"Gazebo Fortress": 1.0, "the UUV simulator": 0.3}
-"""Programs that multiply added mass by an acceleration, and the weight of the previous step's in that."""
-
-
 def find_limit(smoothing: float) -> float:
     """Return the ratio of added to own mass at which smoothed accelerations diverge.
 
@@ -162,10 +164,6 @@ def warn_of_divergence(link: Link, smoothing: float) -> Iterator[str]:
             f"for any step if the added mass is {limit:.2f} times the agent's own mass or more; "
             f"here it is {link.added_mass_ratio:.2f} times."
         )
-
-
-MIN_SPEED = 0.05
-"""Least speed, m/s, at which drag is converted: a neutral agent does not move through the water."""
 
 
 def linear_damping(agent: Agent) -> FloatArray:
