@@ -46,6 +46,15 @@ def test_what_no_quantity_explains_is_left_to_gusts():
     assert sum(effects[name] ** 2 for name in ("current", "water density", "release point")) < 0.02**2
 
 
+def test_chance_is_no_effect_on_average_and_does_not_make_the_rest_smaller():
+    drawn = [effects_of(misses_of(200, lambda _: [0, 0, 0], noise=0.1, seed=seed)) for seed in range(60)]
+    # Sums of three squares are below their mean in 61 % of all draws (chi-squared), a little less if columns are correlated.
+    for name in ("drag", "current"):
+        assert np.mean([effects[name] == 0 for effects in drawn]) > 0.3
+    # Of 540 squares or so the relative deviation is 6 %, and that of the mean over 60 draws 0.8 %.
+    assert np.mean([effects[REST] ** 2 for effects in drawn]) == pytest.approx(3 * 0.1**2, rel=0.04)
+
+
 def test_the_squares_of_all_effects_add_up_to_the_variance():
     misses = misses_of(300, lambda c: [c.current, 0.3 * c.drag, 2 * c.pitch], noise=0.05)
     variance = misses.offsets[:, 0].var(axis=0).sum()
