@@ -129,6 +129,10 @@ class PhenotypeBuilder(Plugin[OptionsT_co]):
         """
         return None
 
+    def describe_strength(self, body: Body, fluid: Fluid) -> Mapping[str, Any] | None:
+        """Return, as JSON, what the hull of a body withstands from outside, with a ``summary``; ``None``, the default, if unknown."""
+        return None
+
 
 class HydrodynamicsOptions(Table):
     """The options that every hydrodynamic model has; a model with more options derives from this class."""

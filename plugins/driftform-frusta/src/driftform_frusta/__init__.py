@@ -1,5 +1,6 @@
 """Bodies of conical frustums, their solids and mesh files, as driftform plugins."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from driftform import hookimpl
@@ -7,7 +8,7 @@ from driftform import hookimpl
 if TYPE_CHECKING:
     import typer
 
-    from driftform.interfaces import Exporter, Grammar, PhenotypeBuilder
+    from driftform.interfaces import Exporter, Grammar, PhenotypeBuilder, ReportJob
 
 
 @hookimpl
@@ -54,3 +55,15 @@ def driftform_exporter() -> "list[type[Exporter[Any]]]":
         SvgExporter,
         ThreeMfExporter,
     ]
+
+
+@hookimpl
+def driftform_report(job: "ReportJob") -> Mapping[str, str]:
+    """Return a table of what the hulls of a run withstand from outside; nothing if none is sealed."""
+    from html import escape
+
+    from driftform_frusta.strength import describe_strength
+
+    hulls = {target: describe_strength(best.agent.body, job.scenario.fluid) for target, best in job.best.items()}
+    rows = "".join(f"<li>{escape(target)}: {hull['summary']}</li>" for target, hull in hulls.items() if hull)
+    return {"Hulls under pressure": f"<ul>{rows}</ul>"} if rows else {}

@@ -11,15 +11,18 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import field_validator, model_validator
 
+from driftform.agent import solid_of_revolution
 from driftform.errors import InputError, WorkFailedError
-from driftform.interfaces import PhenotypeBuilder, Table, option
+from driftform.interfaces import PhenotypeBuilder, Printer, Table, option
 from driftform.types import Body, Core, Fittings, FloatArray, Module, Morphology
+from driftform.water import Fluid
 from driftform_frusta.ballast_seat import LESS, SPARE, find_max_ballast, name_ball, place_ballast
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit_options import LEAD, KitOptions
-from driftform_frusta.materials import MATERIALS, find_expansion
+from driftform_frusta.materials import MATERIALS, find_expansion, find_material
 from driftform_frusta.own.builder import Profile, check_profile
 from driftform_frusta.section import hull_section, lay_chains, open_section
+from driftform_frusta.strength import describe_strength, list_parts, thicken_ends
 
 _PAPERS = Core(radius=0.01, mass=0.05)
 """The paper's core."""
@@ -27,6 +30,10 @@ _PAPERS = Core(radius=0.01, mass=0.05)
 
 KEPT_BODIES = 256
 """Bodies that are kept: a search asks for the same shape with many tunings."""
+
+
+_PRESSURE = """gauge pressure, such as 3e5 in a main; each hull then has the least wall of whole `line_width`s, in place of `wall`, \
+and plates at its ends, that withstand `safety` times this; 0: not asked for"""
 
 
 class FrustaOptions(Table):
@@ -70,7 +77,10 @@ class FrustaOptions(Table):
         "what a search adjusts after the shape: 'ballast', the mass (kg) of a ball of lead beside the core, with its "
         "seat; 'wall', by how much (m) the wall is thinner than `wall`, from inside, down to `thinnest`",
     )
-    thinnest: float = option(0.0008, "minimum thickness of the wall, if tuning = 'wall'", "m", ge=1e-5, le=1)
+    thinnest: float = option(0.0008, "minimum wall, if tuning = 'wall' or under `pressure`", "m", ge=1e-5, le=1)
+    pressure: float = option(0.0, _PRESSURE, "Pa", ge=0, le=1e8)
+    safety: float = option(2.0, "factor on `pressure`", ge=1, le=100)
+    line_width: float = option(Printer().nozzle, "width of a printed line, that of the nozzle", "m", ge=1e-5, le=0.01)
 
     @field_validator("core")
     @classmethod
@@ -117,6 +127,14 @@ class FrustaOptions(Table):
             raise ValueError(
                 "made_as is 'kit', but no kit can be made of the open ends of wall_model 'paper': set it to 'mitred'"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _can_be_pressed(self) -> "FrustaOptions":
+        if self.pressure and self.wall_model == "paper":
+            raise ValueError("wall_model 'paper' withstands no pressure, as its ends are open: set it to 'mitred'")
+        if self.pressure and find_material(self.hull_density) is None:
+            raise ValueError(f"the strength of a material of {self.hull_density:g} kg/m3 is not known: set material")
         return self
 
     @model_validator(mode="after")
@@ -203,18 +221,22 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         """Return the meridian section of the morphology.
 
         Raises ValueError if a module has no length, or turns back, and WorkFailedError if the body is weighed as a kit, and
-        no kit can be made of it; the message names the module or has the reason.
+        no kit can be made of it, or if no wall withstands the pressure; the message names the module or has the reason.
         """
-        o = self.options
+        o = _size_wall(self.options, replace(morphology, tuning=0.0))
         thinner = morphology.tuning if o.tuning == "wall" else 0.0
         body = _build_untuned(o, replace(morphology, tuning=0.0), thinner)
         if o.tuning == "ballast" and morphology.tuning:
             return replace(body, ballast=place_ballast(body, morphology.tuning), ballast_density=LEAD)
         return body
 
+    def describe_strength(self, body: Body, fluid: Fluid) -> Mapping[str, Any] | None:
+        """Return what the hull withstands by :mod:`driftform_frusta.strength`; ``None`` if that is not known."""
+        return describe_strength(body, fluid)
+
     def find_tunings(self, morphology: Morphology) -> tuple[float, float] | None:
         """Return 0, and the maximum by which the wall may be thinner (m) or the maximum ballast (kg)."""
-        o = self.options
+        o = _size_wall(self.options, replace(morphology, tuning=0.0))
         if o.tuning == "wall":
             return (0.0, max(0.0, o.wall - o.thinnest))
         if o.tuning == "ballast":
@@ -235,6 +257,29 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
             if most and can_hold(most / SPARE):
                 return (0.0, next(m for m in (most, *(most * s / SPARE for s in LESS)) if can_hold(m)))
         return None
+
+
+@lru_cache(maxsize=KEPT_BODIES)
+def _size_wall(o: FrustaOptions, morphology: Morphology) -> FrustaOptions:
+    """Return the options with the least wall that withstands the pressure; the same ones if none is asked for."""
+    if not o.pressure:
+        return o
+    lines, needed = math.ceil(o.thinnest / o.line_width - 1e-9), o.safety * o.pressure
+    while True:
+        wall = lines * o.line_width
+        # A thick wall needs a wider chain, or it pinches the cavity.
+        sized = o.model_copy(update={"wall": wall, "thinnest": wall, "min_radius": max(o.min_radius, 1.6 * wall)})
+        bare = _draw(sized, morphology, 0.0)
+        holds = min((part.holds for part in list_parts(bare)), default=0.0)
+        # A cavity that is hardly larger than its core makes no hull, but a coat of the core.
+        if not holds or solid_of_revolution(bare.cavity).volume < 1.2 * bare.core.volume:
+            raise WorkFailedError(
+                f"no wall withstands {needed / 1e5:g} bar and leaves room beside the core: {1000 * wall:g} mm fill the hull"
+            )
+        if holds >= needed:
+            return sized
+        # No part gains more than by the cube of its wall.
+        lines = max(lines + 1, math.ceil(lines * (needed / holds) ** (1 / 3) - 1e-9))
 
 
 @lru_cache(maxsize=KEPT_BODIES)
@@ -262,7 +307,7 @@ def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
     chains = lay_chains(morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2, shoulders)
     section = hull_section if o.wall_model == "mitred" else open_section
     outer, cavity = section(chains, over, o.wall - thinner)
-    return Body(
+    body = Body(
         outer=outer,
         cavity=cavity,
         joints=chains[:, 0],
@@ -271,6 +316,9 @@ def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
         hull_density=o.hull_density,
         expansion=find_expansion(o.hull_density),
     )
+    if not o.pressure:
+        return body
+    return replace(body, cavity=thicken_ends(body, o.clearance, o.safety * o.pressure, o.line_width))
 
 
 def _measure_fittings(o: FrustaOptions, bare: Body, ballast: tuple[tuple[float, float], ...] = ()) -> Fittings:

@@ -19,6 +19,7 @@ from driftform.search import PipeGrid
 from driftform.types import FloatArray
 from driftform.util import progress
 from driftform.water import Pipe
+from driftform_frusta.strength import describe_strength
 from driftform_kit.hang import describe_hanging, trim_in_water
 from driftform_kit.trim import trim_design
 from driftform_studio.live import LiveRun
@@ -45,6 +46,7 @@ def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any
     colour = style.SERIES[number % len(style.SERIES)] if is_best else style.SERIES[-1]
     found = _describe_misses(run.misses(key) if is_best else None, 0)
     found["promise"]["nominal"] = float(distance)
+    strength = describe_strength(agent.body, scenario.fluid) or {}
     return {
         "key": key,
         "target": key if is_best else None,
@@ -63,6 +65,7 @@ def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any
             "core": agent.body.core.mass,
             "buoyancy": design.net_buoyancy,
             "modules": len(agent.morphology.modules) if agent.morphology else 0,
+            "pressure": strength.get("summary", ""),
         },
         "number": number,
     }

@@ -12,6 +12,7 @@ from driftform.types import Finding, FloatArray, State
 from driftform_frusta.csg import MM
 from driftform_frusta.hull import MM3_PER_M3, hull_volume
 from driftform_frusta.kit_options import KitOptions
+from driftform_frusta.strength import describe_strength
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_kit.checks.shells import Shell, find_shells, orient_outward
@@ -114,6 +115,11 @@ class MeshChecker(Checker[MeshOptions]):
             for one in studied:
                 name = one.part.name if len(studied) > 1 else ""
                 yield Finding(check, *judge(one, job, len(studied)), name)
+        if job.export is not None and (facts := describe_strength(job.export.agent.body, job.export.scenario.fluid)):
+            builder = job.export.document.get("environment", {}).get("builder", {})
+            needed = builder.get("pressure", 0.0) * builder.get("safety", 1.0)
+            more = f"; builder.pressure and safety ask for {needed / 1e5:g} bar" if facts["pressure"] < needed else ""
+            yield Finding("pressure", State.FAIL if more else State.PASS, facts["summary"] + more)
 
     def _check_slenderness(self, one: AnalysedPart, job: PrintJob, count: int) -> Verdict:
         if not one.shells:

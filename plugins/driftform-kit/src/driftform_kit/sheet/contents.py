@@ -10,6 +10,7 @@ from driftform.types import MassProperties
 from driftform_frusta.cores import CUSTOM, name_core
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.materials import MATERIALS, find_material
+from driftform_frusta.strength import describe_strength
 from driftform_kit.ballast import name_material
 from driftform_kit.cutting.accounting import held_mass, measure_flooding, piece_mass, weigh_kit
 from driftform_kit.cutting.held_ballast import HeldBall
@@ -129,7 +130,8 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
     printed = weigh_kit(job.agent, kit, options)
     bought = [("core", body.core.mass), *((f"ball {ball.mark}", ball.mass) for ball in balls)]
     (_, remedy), *texts = _write_texts(job, options, format, kit, parts, balls, core)
-    get = "get "
+    get, strength = "get ", describe_strength(body, job.scenario.fluid)
+    hulls = [] if strength is None else [strength]
     return Sheet(
         title=job.name,
         kit=kit,
@@ -156,6 +158,8 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
             ("nozzle", f"{MM * options.nozzle:g} mm"),
             ("filament", name_filament(body.hull_density)),
             ("clearance of joints", f"{MM * options.clearance:g} mm"),
+            *(("withstands", f"{hull['pressure'] / 1e5:.3g} bar ({hull['part']})") for hull in hulls),
+            *(("lost per bar", f"{1000 * hull['lost_per_bar']:.2g} g") for hull in hulls),
         ),
     )
 

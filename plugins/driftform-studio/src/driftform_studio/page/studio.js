@@ -454,6 +454,7 @@ function showAgent(key, data) {
     ["length", length(facts.length)], ["diameter", length(facts.diameter)], ["modules", `${facts.modules}`],
     ["mass", grams(facts.mass)], ["of it printed", grams(facts.hull)], ["core", grams(facts.core)],
     ...(ballast > 5e-5 ? [["ballast", grams(ballast)]] : []), ["in water", `${facts.buoyancy >= 0 ? "rises" : "sinks"} with ${Math.abs(1000 * facts.buoyancy).toFixed(0)} mN`],
+    ...(facts.pressure ? [["under pressure", facts.pressure]] : []),
   ].map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
   showTakes(key);
   if (!again) showWeighing(facts);
