@@ -35,6 +35,15 @@ def test_a_body_wider_than_the_bore_is_refused_with_both_widths():
     assert misfit == "it is too wide for the pipe: 120 mm across, in a bore of 100 mm"
 
 
+def test_a_body_that_is_wider_than_the_port_is_told_by_how_much() -> None:
+    narrow = make_scenario(release={"port": 0.045})
+    assert find_misfit(make_body(0.2, 0.045), narrow) is None
+    misfit = find_misfit(make_body(0.2, 0.0523), narrow)
+    assert misfit is not None
+    assert misfit.startswith("it does not pass the port: 52.3 mm across, 7.3 mm more than release.port = 0.045 m")
+    assert find_misfit(make_body(0.2, 0.0523), make_scenario()) is None
+
+
 def test_a_release_across_the_bore_is_refused_with_reach_and_radius():
     misfit = find_misfit(make_body(0.204, 0.02), make_scenario(release={"pitch_deg": 90.0}))
     assert misfit is not None

@@ -16,7 +16,16 @@ BUILDERS = {
     "default": {},
     "wall of the paper": {"wall_model": "paper"},
     "thick wall": {"wall": 0.003, "min_radius": 0.006, "core_radius": 0.015},
+    "tuned by the cavity": {"tuning": "wall", "core_radius": 0.01, "core_mass": 0.033},
+    "tuned by balls of steel": {"tuning": "ballast", "max_radius": 0.02},
     "capsule": {"core_profile": CAPSULE, "core_radius": 0.0125, "core_mass": 0.02, "core_cog": 0.03},
+    "capsule that is tuned": {
+        "core_profile": CAPSULE,
+        "core_radius": 0.0125,
+        "core_mass": 0.02,
+        "core_cog": 0.03,
+        "tuning": "wall",
+    },
 }
 EXPORTERS = (GlbExporter, ObjExporter, PlyExporter, ScadExporter, StlExporter, SvgExporter, ThreeMfExporter)
 

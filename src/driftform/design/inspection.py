@@ -179,6 +179,8 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
     core_density = body.core.mass / body.core.volume if body.core.mass else 0.0
     if core_density > LEAD:
         warnings.append(f"the core is denser than lead: {core_density:.0f} kg/m3")
+    if (misfit := scenario.find_misfit(body)) is not None:
+        warnings.append(misfit)
     net = mass.net_buoyancy(scenario.fluid)
     if not scenario.pipe.is_open and net != 0:
         time = math.sqrt(2 * scenario.pipe.layout.inlet.radius * heaving / abs(net))

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.agent import hull_mass
-from driftform.agent.distance import radius_at
+from driftform.agent.distance import distance_from, radius_at
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
 from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, text_width, write, write_title
@@ -24,6 +24,9 @@ _HEADER, _LABELS, _CALLOUTS, _DIMENSION, _FOOTER, _BLOCK = 62.0, 44.0, 34.0, 46.
 _LEFT, _RIGHT = 138.0, 62.0
 _SCALE = 280.0
 """Width kept free for the scale and its bar, px."""
+
+_THICKER = 1.05
+"""Thickness of a wall, over its minimum, from which it is dimensioned as it is."""
 
 _NARROW, _BESIDE = 230.0, 160.0
 """If the body is shorter than the first (px), the labels of wall and core are next to it and take the second (px)."""
@@ -232,7 +235,8 @@ def _plot_callouts(body: Body, place: Placement) -> dict[str, Any]:
     core = f"core Ø {_format_number(2000 * body.core.radius)}{long} mm"
     labels = [("core", place.x, core)] if body.core.radius > 0 else []
     if wall is not None:
-        labels.append(("wall", float(wall[0][0]), f"wall {_format_number(1000 * body.wall)} mm"))
+        thickness = float(np.hypot(*(wall[0] - wall[1]))) / place.px_per_m
+        labels.append(("wall", float(wall[0][0]), f"wall {_format_number(1000 * thickness)} mm"))
     labels.sort(key=lambda label: label[1])
     widths = [text_width(text, 12) + 8 for _, _, text in labels]
     if right - left >= _NARROW and sum(widths) + 20 < right - left:
@@ -271,7 +275,11 @@ def _find_wall_spot(body: Body, place: Placement) -> tuple[FloatArray, FloatArra
     worth *= np.where(np.abs(middle[:, 0]) > 0.6 * body.core.radius, 1.0, 0.2)
     best = int(np.argmax(worth))
     normal = np.array([-edge[best, 1], edge[best, 0]]) / np.hypot(*edge[best])
-    outside, inside = place.to_page(np.array([middle[best] + body.wall * normal, middle[best]]) * (1.0, -1.0))
+    # The wall is thicker than its minimum where the cavity is narrow.
+    thickness = float(distance_from(middle[best : best + 1], body.outer)[0])
+    if thickness < _THICKER * body.wall:
+        thickness = body.wall
+    outside, inside = place.to_page(np.array([middle[best] + thickness * normal, middle[best]]) * (1.0, -1.0))
     return outside, inside
 
 

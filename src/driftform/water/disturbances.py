@@ -227,6 +227,8 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
             "position": _shift_release(scenario, condition.across),
             "pitch_deg": scenario.release.pitch_deg + float(np.rad2deg(condition.pitch)),
             "yaw_deg": scenario.release.yaw_deg + float(np.rad2deg(condition.yaw)),
+            # Designs pass the port with play; a print that is a little wider does too.
+            "port": 0.0,
         }
     )
     return scenario.model_copy(

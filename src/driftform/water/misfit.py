@@ -1,4 +1,4 @@
-"""Whether a body fits into its pipe where it is released, and is in the water there."""
+"""Whether a body passes the port, fits into its pipe where it is released, and is in the water there."""
 
 import math
 from itertools import pairwise
@@ -25,6 +25,8 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
 
     The body is compared with the bore by its contour, exactly; beyond the inlet the bore continues.
     """
+    if (too_wide := _find_excess_width(body, scenario)) is not None:
+        return too_wide
     position, axis = scenario.release_position(), scenario.release_axis()
     level = scenario.fluid.water_level
     if level is not None:
@@ -37,9 +39,6 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
     if scenario.pipe.is_open:
         return None
     inlet = scenario.pipe.layout.inlet
-    bore = 2 * inlet.radius
-    if body.max_diameter > bore * (1 + _ROUNDING):
-        return f"it is too wide for the pipe: {show_length(body.max_diameter)} across, in a bore of {show_length(bore)}"
     if not _lies_in_first_straight(body, scenario):
         return _find_misfit_in_parts(body, scenario)
     reach = _reach_from_axis(body, position, axis, inlet)
@@ -48,6 +47,20 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
             f"it is released in the wall: it reaches {show_length(reach)} from the axis of a bore with the radius "
             f"{show_length(inlet.radius)}; it is {show_length(body.length)} long: change release.position, pitch_deg or yaw_deg"
         )
+    return None
+
+
+def _find_excess_width(body: Body, scenario: Scenario) -> str | None:
+    """Return by how much a body is wider than the port or the bore, in one line; ``None`` if it is not."""
+    port, wide = scenario.release.port, body.max_diameter
+    if port and wide > port * (1 + _ROUNDING):
+        return (
+            f"it does not pass the port: {show_length(wide)} across, {show_length(wide - port)} more than release.port = "
+            f"{port:g} m: make it narrower (builder.max_radius), or the port wider"
+        )
+    bore = math.inf if scenario.pipe.is_open else 2 * scenario.pipe.layout.inlet.radius
+    if wide > bore * (1 + _ROUNDING):
+        return f"it is too wide for the pipe: {show_length(wide)} across, in a bore of {show_length(bore)}"
     return None
 
 

@@ -106,6 +106,13 @@ class Release(Table):
     velocity: Literal["current", "rest"] | Vector = option(
         "current", "'current' (moving with the water), 'rest', or a velocity", "m/s"
     )
+    port: float = option(
+        0.0,
+        "diameter that passes what the agent is put in by, such as a valve; a wider body is infeasible; 0: no limit",
+        "m",
+        ge=0,
+        le=100,
+    )
     ballast: float = option(
         0.0, "mass that hangs on the agent's outside, such as a sinker on a tape", "kg", ge=0, le=1e4
     )

@@ -18,10 +18,12 @@ from driftform.types import Body, Core, Fittings, FloatArray, Module, Morphology
 from driftform.water import Fluid
 from driftform_frusta.ballast_seat import LESS, SPARE, find_max_ballast, name_ball, place_ballast
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
-from driftform_frusta.kit_options import LEAD, KitOptions
+from driftform_frusta.kit_options import KitOptions
+from driftform_frusta.load import Load, list_loads
 from driftform_frusta.materials import MATERIALS, find_expansion, find_material
 from driftform_frusta.own.builder import Profile, check_profile
-from driftform_frusta.section import hull_section, lay_chains, open_section
+from driftform_frusta.pieces import BallastOptions
+from driftform_frusta.section import draw_room, hull_section, lay_chains, open_section
 from driftform_frusta.strength import describe_strength, list_parts, thicken_ends
 
 _PAPERS = Core(radius=0.01, mass=0.05)
@@ -30,6 +32,9 @@ _PAPERS = Core(radius=0.01, mass=0.05)
 
 KEPT_BODIES = 256
 """Bodies that are kept: a search asks for the same shape with many tunings."""
+
+_ROUNDING = 1e-9
+"""kg: rounding of sums of masses is less than this."""
 
 
 _PRESSURE = """gauge pressure, such as 3e5 in a main; each hull then has the least wall of whole `line_width`s, in place of `wall`, \
@@ -61,6 +66,9 @@ class FrustaOptions(Table):
     hull_density: float = option(1050.0, "density of the hull's material (ABS)", "kg/m3", ge=1, le=30_000)
     clearance: float = option(0.0002, "gap between core and hull", "m", ge=0, le=1)
     min_radius: float = option(0.0025, "minimum radius of the chain, to the middle of its wall", "m", ge=1e-5, le=1)
+    max_radius: float = option(
+        0.0, "maximum outer radius of the chain, such as half of `release.port`; 0: none", "m", ge=0, le=10
+    )
     wall_model: Literal["mitred", "paper"] = option(
         "mitred",
         "'mitred': the wall is measured normal to itself and the ends are closed by caps; 'paper': radial "
@@ -74,10 +82,17 @@ class FrustaOptions(Table):
     kit: KitOptions | None = option(None, "options of that kit, the same as those of the exporters")
     tuning: Literal["none", "ballast", "wall"] = option(
         "none",
-        "what a search adjusts after the shape: 'ballast', the mass (kg) of a ball of lead beside the core, with its "
-        "seat; 'wall', by how much (m) the wall is thinner than `wall`, from inside, down to `thinnest`",
+        "what a search adjusts after the shape, as mass (kg) that is added: 'wall', by a narrower cavity, and by a ball of "
+        "ballast beside the core if that is not enough; 'ballast', by such a ball, and a narrower cavity for the rest",
     )
-    thinnest: float = option(0.0008, "minimum wall, if tuning = 'wall' or under `pressure`", "m", ge=1e-5, le=1)
+    thinnest: float = option(
+        0.0008,
+        "minimum thickness of the wall, if tuning = 'wall', where a thinner wall takes mass away, or under `pressure`",
+        "m",
+        ge=1e-5,
+        le=1,
+    )
+    ballast: BallastOptions = option(BallastOptions(), "ballast that may be added")
     pressure: float = option(0.0, _PRESSURE, "Pa", ge=0, le=1e8)
     safety: float = option(2.0, "factor on `pressure`", ge=1, le=100)
     line_width: float = option(Printer().nozzle, "width of a printed line, that of the nozzle", "m", ge=1e-5, le=0.01)
@@ -98,7 +113,7 @@ class FrustaOptions(Table):
     @classmethod
     def _fill_in(cls, values: Any) -> Any:
         if isinstance(values, Mapping):
-            for fill_in in (_take_density_of_material, _take_capsule, _take_size_of_core, _take_default_kit):
+            for fill_in in _FILLING_IN:
                 values = fill_in(dict(values))
         return values
 
@@ -135,6 +150,15 @@ class FrustaOptions(Table):
             raise ValueError("wall_model 'paper' withstands no pressure, as its ends are open: set it to 'mitred'")
         if self.pressure and find_material(self.hull_density) is None:
             raise ValueError(f"the strength of a material of {self.hull_density:g} kg/m3 is not known: set material")
+        return self
+
+    @model_validator(mode="after")
+    def _leaves_room_for_the_core(self) -> "FrustaOptions":
+        dome = self.core_radius + self.clearance + self.wall
+        if self.max_radius and self.max_radius < dome:
+            raise ValueError(
+                f"max_radius {self.max_radius} m is less than core, clearance and wall, {dome:g} m: make it wider"
+            )
         return self
 
     @model_validator(mode="after")
@@ -207,6 +231,23 @@ def _take_density_of_material(values: dict[str, Any]) -> dict[str, Any]:
     return {**values, "hull_density": material.density}
 
 
+def _take_ballast_of_older_runs(values: dict[str, Any]) -> dict[str, Any]:
+    """Fill in the ball of lead, of any mass, that 0.2.0 tuned: its resolved studies have `thinnest`, and no `ballast`."""
+    if values.get("tuning") == "ballast" and "thinnest" in values and "ballast" not in values:
+        return {**values, "ballast": {"material": "lead", "most": 1e4}}
+    return values
+
+
+_FILLING_IN = (
+    _take_density_of_material,
+    _take_capsule,
+    _take_size_of_core,
+    _take_default_kit,
+    _take_ballast_of_older_runs,
+)
+"""What fills in options that follow from others, in this order."""
+
+
 class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
     """The outline is the union of the chains and of a dome over the core; the cavity is its inward offset by the wall.
 
@@ -223,40 +264,57 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         Raises ValueError if a module has no length, or turns back, and WorkFailedError if the body is weighed as a kit, and
         no kit can be made of it, or if no wall withstands the pressure; the message names the module or has the reason.
         """
-        o = _size_wall(self.options, replace(morphology, tuning=0.0))
-        thinner = morphology.tuning if o.tuning == "wall" else 0.0
-        body = _build_untuned(o, replace(morphology, tuning=0.0), thinner)
-        if o.tuning == "ballast" and morphology.tuning:
-            return replace(body, ballast=place_ballast(body, morphology.tuning), ballast_density=LEAD)
-        return body
+        untuned = replace(morphology, tuning=0.0)
+        o = _size_wall(self.options, untuned)
+        if o.tuning == "none" or not morphology.tuning:
+            return _build_untuned(o, untuned)
+        if _loads_any_mass(o):
+            body, density = _build_untuned(o, untuned), o.ballast.density
+            return replace(body, ballast=place_ballast(body, morphology.tuning, density), ballast_density=density)
+        return _build_loaded(o, untuned, morphology.tuning)
 
     def describe_strength(self, body: Body, fluid: Fluid) -> Mapping[str, Any] | None:
         """Return what the hull withstands by :mod:`driftform_frusta.strength`; ``None`` if that is not known."""
         return describe_strength(body, fluid)
 
     def find_tunings(self, morphology: Morphology) -> tuple[float, float] | None:
-        """Return 0, and the maximum by which the wall may be thinner (m) or the maximum ballast (kg)."""
-        o = _size_wall(self.options, replace(morphology, tuning=0.0))
-        if o.tuning == "wall":
-            return (0.0, max(0.0, o.wall - o.thinnest))
-        if o.tuning == "ballast":
-            untuned = replace(morphology, tuning=0.0)
-            body = _build_untuned(o, untuned, 0.0)
-            most = find_max_ballast(body)
+        """Return the least and the greatest mass (kg) that can be added to the hull; the least is negative for a thinner wall."""
+        untuned = replace(morphology, tuning=0.0)
+        o = _size_wall(self.options, untuned)
+        if o.tuning == "none":
+            return None
+        if not _loads_any_mass(o):
+            low, high = _find_range(_list_loads(o, untuned))
+            return (low, high) if high - low > _ROUNDING else None
+        density, body = o.ballast.density, _build_untuned(o, untuned)
+        most = min(find_max_ballast(body, density), o.ballast.most)
 
-            def can_hold(mass: float) -> bool:
-                """Return whether the kit of the body, if it is one, has a seat for ballast of some mass, kg."""
-                ball = name_ball(place_ballast(body, mass))
-                try:
-                    _measure_fittings(o, _draw(o, untuned, 0.0), (ball,))
-                except WorkFailedError:
-                    return False
-                return True
+        def can_hold(mass: float) -> bool:
+            """Return whether the kit of the body, if it is one, has a seat for ballast of some mass, kg."""
+            try:
+                _measure_fittings(o, _draw(o, untuned), (name_ball(place_ballast(body, mass, density)),))
+            except WorkFailedError:
+                return False
+            return True
 
-            # The ball that lets the body float freely, and the largest one: those between them fit if both do.
-            if most and can_hold(most / SPARE):
-                return (0.0, next(m for m in (most, *(most * s / SPARE for s in LESS)) if can_hold(m)))
+        # The ball that lets the body float freely, and the largest one: those between them fit if both do.
+        if most and can_hold(most / SPARE):
+            return (0.0, next(m for m in (most, *(most * s / SPARE for s in LESS)) if can_hold(m)))
         return None
+
+
+def _loads_any_mass(o: FrustaOptions) -> bool:
+    """Return whether a ball of ballast alone has the mass that is added."""
+    return o.tuning == "ballast" and not o.ballast.is_sold_in_sizes
+
+
+def _find_range(loads: Sequence[Load]) -> tuple[float, float]:
+    """Return the least and the greatest mass (kg) that loads add, without a gap in between."""
+    low, high = loads[0].masses
+    for least, most in sorted(load.masses for load in loads):
+        high = max(high, most) if least <= high else high
+        low = min(low, least)
+    return low, high
 
 
 @lru_cache(maxsize=KEPT_BODIES)
@@ -269,7 +327,7 @@ def _size_wall(o: FrustaOptions, morphology: Morphology) -> FrustaOptions:
         wall = lines * o.line_width
         # A thick wall needs a wider chain, or it pinches the cavity.
         sized = o.model_copy(update={"wall": wall, "thinnest": wall, "min_radius": max(o.min_radius, 1.6 * wall)})
-        bare = _draw(sized, morphology, 0.0)
+        bare = _draw(sized, morphology)
         holds = min((part.holds for part in list_parts(bare)), default=0.0)
         # A cavity that is hardly larger than its core makes no hull, but a coat of the core.
         if not holds or solid_of_revolution(bare.cavity).volume < 1.2 * bare.core.volume:
@@ -283,42 +341,72 @@ def _size_wall(o: FrustaOptions, morphology: Morphology) -> FrustaOptions:
 
 
 @lru_cache(maxsize=KEPT_BODIES)
-def _build_untuned(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
-    """Return a body without ballast, with a wall that is thinner by so much (m)."""
-    bare = _draw(o, morphology, thinner)
+def _build_untuned(o: FrustaOptions, morphology: Morphology) -> Body:
+    """Return a body to which no mass is added."""
+    bare = _draw(o, morphology)
     return replace(bare, fittings=_measure_fittings(o, bare))
 
 
 @lru_cache(maxsize=KEPT_BODIES)
-def _draw(o: FrustaOptions, morphology: Morphology, thinner: float) -> Body:
-    """Return the same without what the kit has in addition to the wall."""
+def _build_loaded(o: FrustaOptions, morphology: Morphology, added: float) -> Body:
+    """Return a body with a mass (kg) that is added to its hull."""
+    loads = _list_loads(o, morphology)
+    chosen = next((load for load in loads if load.masses[0] - _ROUNDING <= added <= load.masses[1] + _ROUNDING), None)
+    if chosen is None:
+        low, high = (1000 * mass for mass in _find_range(loads))
+        raise ValueError(f"{1000 * added:.4g} g cannot be added to this hull: it takes {low:.4g} to {high:.4g} g")
+    body = chosen.add_to(_draw(o, morphology), added)
+    held = (name_ball(body.ballast),) if body.ballast.volume else ()
+    return replace(body, fittings=_measure_fittings(o, body, held))
+
+
+@lru_cache(maxsize=KEPT_BODIES)
+def _list_loads(o: FrustaOptions, morphology: Morphology) -> tuple[Load, ...]:
+    bare = _draw(o, morphology)
+    widest, wall = bare.cavity, o.wall
+    if o.tuning == "wall" and o.wall_model == "mitred" and not o.pressure:
+        from driftform_frusta.envelope import offset_inward
+
+        widest, wall = offset_inward(bare.outer, o.thinnest), min(o.wall, o.thinnest)
+    loads = list_loads(replace(bare, wall=wall), widest, draw_room(_place_core(o)[1], o.wall), o.ballast, o.clearance)
+    return loads if o.tuning == "wall" else loads[::-1]
+
+
+@lru_cache(maxsize=KEPT_BODIES)
+def _draw(o: FrustaOptions, morphology: Morphology) -> Body:
+    """Return a body without what is added to it, and without what its kit has in addition to the wall."""
     _check_modules("fore", morphology.fore)
     _check_modules("aft", morphology.aft)
-    core, dome, shoulders = Core(o.core_radius, o.core_mass), o.core_radius + o.clearance + o.wall, (0.0, 0.0)
-    over: float | FloatArray = dome
-    if o.core_profile:
-        # manifold3d takes a while to import, and a ball needs no offset.
-        from driftform_frusta.own.core import find_shoulders, outline_core, place_capsule
-
-        core = place_capsule(o.core_profile, o.core_mass, o.core_cog or 0.0)
-        over = outline_core(core.contour, o.clearance + o.wall)
-        shoulders = find_shoulders(np.array(core.contour))
-        dome = float(over[:, 1].max())
-    chains = lay_chains(morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2, shoulders)
+    core, over, shoulders = _place_core(o)
+    dome = over if isinstance(over, float) else float(over[:, 1].max())
+    chains = lay_chains(
+        morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2, shoulders, o.max_radius or math.inf
+    )
     section = hull_section if o.wall_model == "mitred" else open_section
-    outer, cavity = section(chains, over, o.wall - thinner)
+    outer, cavity = section(chains, over, o.wall)
     body = Body(
         outer=outer,
         cavity=cavity,
         joints=chains[:, 0],
         core=core,
-        wall=o.wall - thinner,
+        wall=o.wall,
         hull_density=o.hull_density,
         expansion=find_expansion(o.hull_density),
     )
     if not o.pressure:
         return body
     return replace(body, cavity=thicken_ends(body, o.clearance, o.safety * o.pressure, o.line_width))
+
+
+def _place_core(o: FrustaOptions) -> tuple[Core, float | FloatArray, tuple[float, float]]:
+    """Return the core, the radius or the contour of the dome over it, and where chains start at its ends, m."""
+    if not o.core_profile:
+        return Core(o.core_radius, o.core_mass), o.core_radius + o.clearance + o.wall, (0.0, 0.0)
+    # manifold3d takes a while to import, and a ball needs no offset.
+    from driftform_frusta.own.core import find_shoulders, outline_core, place_capsule
+
+    core = place_capsule(o.core_profile, o.core_mass, o.core_cog or 0.0)
+    return core, outline_core(core.contour, o.clearance + o.wall), find_shoulders(np.array(core.contour))
 
 
 def _measure_fittings(o: FrustaOptions, bare: Body, ballast: tuple[tuple[float, float], ...] = ()) -> Fittings:

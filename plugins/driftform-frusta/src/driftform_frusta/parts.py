@@ -11,6 +11,7 @@ from driftform_frusta.ballast_seat import name_ball
 from driftform_frusta.csg import Node
 from driftform_frusta.hull import build_printable_hull
 from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.pieces import is_sold
 from driftform_frusta.solid import Solid
 
 KIT_FILE = "kit.json"
@@ -52,11 +53,15 @@ def find_maker() -> ModuleType:
 def settle_ballast(body: Body, options: PartOptions) -> PartOptions:
     """Return options with the ballast of a body; the same ones if it has none, or if the options have ballast.
 
+    A ball that is sold in sizes is the one of the body, which counts its seat; one of any mass is smaller by its seat.
+
     Raises WorkFailedError if a kit cannot hold it; the message has the reason.
     """
     if not body.ballast.volume or options.ballast:
         return options
-    ball = find_maker().place_ballast(body, options) if options.kit else name_ball(body.ballast)
+    ball, options = name_ball(body.ballast), options.model_copy(update={"ballast_density": body.ballast_density})
+    if options.kit and not is_sold(ball[1], body.ballast_density):
+        ball = find_maker().place_ballast(body, options)
     return options.model_copy(update={"ballast": (ball,)})
 
 

@@ -18,14 +18,16 @@ def lay_chains(
     start_radius: float,
     min_radius: float,
     shoulders: tuple[float, float] = (0.0, 0.0),
+    max_radius: float = math.inf,
 ) -> FloatArray:
     """Return the contour of the modules on both sides of the core, from aft to fore, (n, 2), m.
 
-    On each side they lie end to end outward from the equator, or from ``shoulders``, x of the aft and of the fore one. Lengths run along the slant. If the radius would fall below
-    ``min_radius`` it stays at that, and the module keeps its axial length.
+    On each side they lie end to end outward from the equator, or from ``shoulders``, x of the aft and of the fore one. Lengths
+    run along the slant. If the radius would fall below ``min_radius``, or exceed ``max_radius``, it stays at that, and the
+    module keeps its axial length.
     """
-    ahead, radii = _lay_modules(fore, start_radius, min_radius)
-    back, radii_aft = _lay_modules(aft, start_radius, min_radius)
+    ahead, radii = _lay_modules(fore, start_radius, min_radius, max_radius)
+    back, radii_aft = _lay_modules(aft, start_radius, min_radius, max_radius)
     chains = np.empty((len(aft) + len(fore) + 1, 2))
     chains[:, 0] = [*[-x for x in back[:0:-1]], *ahead]
     chains[:, 1] = [*radii_aft[:0:-1], *radii]
@@ -36,13 +38,15 @@ def lay_chains(
     return chains
 
 
-def _lay_modules(modules: Sequence[Module], start_radius: float, min_radius: float) -> tuple[list[float], list[float]]:
+def _lay_modules(
+    modules: Sequence[Module], start_radius: float, min_radius: float, max_radius: float
+) -> tuple[list[float], list[float]]:
     """Distance of each end of a module from the core's equator, and outer radius there, from the core outward; m."""
     x, r = [0.0], [start_radius]
     for module in modules:
         x.append(x[-1] + module.length * math.cos(module.tilt))
         radius = r[-1] + module.length * math.sin(module.tilt)
-        r.append(radius if radius > min_radius else min_radius)
+        r.append(min(radius if radius > min_radius else min_radius, max_radius))
     return x, r
 
 
@@ -76,6 +80,11 @@ def open_section(chains: FloatArray, dome: float | FloatArray, wall: float) -> t
     bore[:, 1] = np.maximum(bore[:, 1] - np.repeat(radial, 2), 0.0)
     over, room = _place_dome(dome, wall, wall)
     return _require_core(unite_contours(chains, over)), _require_core(unite_contours(bore, room))
+
+
+def draw_room(dome: float | FloatArray, wall: float) -> FloatArray:
+    """Return the contour of the room of the core in a dome, as :func:`hull_section` keeps it."""
+    return _place_dome(dome, wall, wall / math.cos(DOME_STEP / 2))[1]
 
 
 def _place_dome(dome: float | FloatArray, wall: float, thick: float) -> tuple[FloatArray, FloatArray]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from driftform.errors import InputError
 from driftform.interfaces import SearchSpace, Strategy, Table, option
-from driftform.types import Candidate, Evaluation, FloatArray, Genome
+from driftform.types import Candidate, Evaluation, FloatArray, Genome, MassProperties
 from driftform_strategies.evolution import remember
 from driftform_strategies.tuning import find_next, root_weight, square_root_weight
 
@@ -319,6 +319,10 @@ class TunedStrategy(Strategy[TunedOptions]):
 
         builder, water = self.space.builder, self.space.scenario.fluid.density
         assert builder is not None
+
+        def weigh(tuning: float) -> MassProperties:
+            return mass_properties(builder.build(replace(morphology, tuning=tuning)))
+
         try:
             morphology = self.space.grammar.express(genome)
             body = builder.build(morphology)
@@ -329,13 +333,16 @@ class TunedStrategy(Strategy[TunedOptions]):
             bounds = builder.find_tunings(morphology)
             if bounds is None or not bounds[0] < bounds[1]:
                 return None
-            light, heavy = (mass_properties(builder.build(replace(morphology, tuning=at))) for at in bounds)
+            light, heavy = (weigh(at) for at in bounds)
+            rate = (heavy.mass - light.mass) / (bounds[1] - bounds[0])
+            neutral = bounds[0] + (water * light.volume - light.mass) / rate
+            if not bounds[0] < neutral < bounds[1]:
+                return None
+            # Joints and seats that follow the cavity make the weight not quite linear.
+            near = weigh(neutral)
+            neutral += (water * near.volume - near.mass) / rate
         except Exception:
             # A grammar or a builder may refuse some shapes, each with an error of its own.
-            return None
-        rate = (heavy.mass - light.mass) / (bounds[1] - bounds[0])
-        neutral = bounds[0] + (water * light.volume - light.mass) / rate
-        if not bounds[0] < neutral < bounds[1]:
             return None
         return Shape(genome, bounds, neutral, rate, body.length * body.max_diameter)
 

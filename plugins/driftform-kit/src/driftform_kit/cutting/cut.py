@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from driftform.agent import distance_from
 from driftform.errors import WorkFailedError
 from driftform_frusta.kit_options import KitOptions
 from driftform_kit.cutting.bay import core_ball
@@ -23,6 +24,9 @@ MIN_BORE = 0.35
 
 SLIM_BORE = 4.0
 """mm: a plug with a narrower bore is a weak joint, made only if all joints are slim."""
+
+MAX_STEP = 3.0
+"""mm: a thicker step of a rabbet is not stronger than its glue."""
 
 _TINY = 1e-9
 """mm: rounding of sums of lengths is less than this."""
@@ -171,6 +175,17 @@ def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Jo
     return (*aft[::-1], *fore)
 
 
+def _make_step(hull: Hull, z: float, side: int, options: KitOptions) -> Joint | None:
+    """Return a rabbet as long as a sleeve in a wall that has room for twice its thickness; ``None`` if that is too thin."""
+    plug, lap, gap = MM * options.sleeve, MM * options.lap, MM * options.clearance
+    along = z - side * np.linspace(-plug, lap + gap, 2 * math.ceil(lap / STEP))
+    line = np.column_stack((along, np.maximum(hull.bore_radius(along), hull.bore_at(z))))
+    wall = float(distance_from(line, hull.skin).min())
+    if options.o_ring or not hull.bore_at(z) or wall < 2 * plug + gap:
+        return None
+    return Joint(z, side, "rabbet", lap, min((wall - gap) / 2, MAX_STEP), gap)
+
+
 def _seat_end(hull: Hull, side: int) -> float:
     """Largest distance of a seat from the core's equator, mm: a cone of 45 degrees ends at the wall."""
     foot = side * core_ball(hull).find_foot(math.pi / 4, side)
@@ -188,11 +203,12 @@ def _cut_side(hull: Hull, first: Joint, side: int, height: float, options: KitOp
     margin = 2 * (MM * options.lap + 3 * MM * options.sleeve)
     keep = max(_seat_end(hull, side), side * first.z) + margin
     places = [side * z for z in hull.joints if keep <= side * z <= side * end - 2 * MM * options.sleeve]
-    joints = [make_sleeve(side * z, side, options) for z in sorted(places)]
+    joints = [_make_step(hull, side * z, side, options) or make_sleeve(side * z, side, options) for z in sorted(places)]
     while True:
         chosen = _choose_fewest(hull, joints, side * start, side * end, height, margin, _name_side(side))
         # Few joints are chosen, and nearly all are rooted: only those chosen are traced.
-        loose = [joint for joint in chosen if not _is_rooted(hull, joint, trace_mouth(hull, joint))]
+        sleeves = [joint for joint in chosen if joint.kind == "sleeve"]
+        loose = [joint for joint in sleeves if not _is_rooted(hull, joint, trace_mouth(hull, joint))]
         if not loose:
             return chosen
         joints = [joint for joint in joints if joint not in loose]
