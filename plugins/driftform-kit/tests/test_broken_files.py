@@ -23,8 +23,10 @@ LINES = ["unit", "duplicate faces", "closed", "oriented", "shells", "mass", "wal
 
 
 def states(found: dict[str, Finding]) -> dict[str, str]:
-    assert list(found) == LINES
-    return {check: str(finding.state) for check, finding in found.items()}
+    # What the hull withstands is a line about the agent, not about its file.
+    of_file = {check: str(finding.state) for check, finding in found.items() if check != "pressure"}
+    assert list(of_file) == LINES
+    return of_file
 
 
 def known(opened: Design) -> dict[str, object]:

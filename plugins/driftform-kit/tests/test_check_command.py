@@ -45,7 +45,7 @@ def test_a_sound_agent_is_printable(call: Call, tmp_path: Path) -> None:
     assert result.exit_code == 0, result.stderr
     found = lines(result)
     assert found["mass"]["state"] == found["shells"]["state"] == found["wall"]["state"] == "pass"
-    assert "3.1 lines of 0.4 mm" in found["wall"]["detail"]
+    assert "6.0 lines of 0.4 mm" in found["wall"]["detail"]
     slicer = {"check": "prusa-slicer", "part": "", "state": "skipped", "detail": "not run, by --no-programs"}
     assert found["prusa-slicer"] == slicer
     assert list(tmp_path.iterdir()) == []

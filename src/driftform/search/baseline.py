@@ -1,6 +1,7 @@
 """The baseline of each target: the plainest body, printed, weighed and tuned for it in the same way as what a run found.
 
-What a shape is worth is the difference to it. It has the volume of the winner; its net weight is that of the best undisturbed flight.
+What a shape is worth is the difference to it. It is as wide as the port lets in, since what remains of errors in net weight counts
+least in the largest; without a port it has the volume of the winner. Its net weight is that of the best undisturbed flight.
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,7 +46,7 @@ def tune_baselines(study: Study, executor: Executor, aims: Sequence[Aim]) -> dic
     """Return the baseline by the number of the target; without it where no plain body floats the core, or none could fly."""
     scenario, speed = study.scenario, abs(study.scenario.flow.speed) or STILL
     density = scenario.fluid.density
-    sizes = {aim: _choose_size(aim.body, density) for aim in aims}
+    sizes = {aim: _choose_size(aim.body, density, scenario.release.port) for aim in aims}
     found: dict[int, tuple[float, float, float]] = {}
     step = SPEEDS[1] - SPEEDS[0]
     for level in range(1 + HALVINGS):
@@ -89,8 +90,8 @@ def write_baselines(store: Store, baselines: Mapping[tuple[int, int], PlainBody]
     store.write_facts(FACTS, {"all": rows})
 
 
-def _choose_size(like: Body, density: float) -> PlainBody | None:
-    return find_size(like, density, float(np.cbrt(6 * mass_properties(like).volume / np.pi)))
+def _choose_size(like: Body, density: float, port: float) -> PlainBody | None:
+    return find_size(like, density, port or float(np.cbrt(6 * mass_properties(like).volume / np.pi)))
 
 
 def _weigh(size: PlainBody, sinking: float, density: float, gravity: float) -> PlainBody:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import field_validator, model_validator
 
-from driftform.agent import solid_of_revolution
+from driftform.agent import mass_properties, solid_of_revolution
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import PhenotypeBuilder, Printer, Table, option
 from driftform.types import Body, Core, Fittings, FloatArray, Module, Morphology
@@ -24,7 +24,7 @@ from driftform_frusta.materials import MATERIALS, find_expansion, find_material
 from driftform_frusta.own.builder import Profile, check_profile
 from driftform_frusta.pieces import BallastOptions
 from driftform_frusta.section import draw_room, hull_section, lay_chains, open_section
-from driftform_frusta.strength import describe_strength, list_parts, thicken_ends
+from driftform_frusta.strength import describe_strength, find_loss, list_parts, thicken_ends
 
 _PAPERS = Core(radius=0.01, mass=0.05)
 """The paper's core."""
@@ -267,11 +267,15 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         untuned = replace(morphology, tuning=0.0)
         o = _size_wall(self.options, untuned)
         if o.tuning == "none" or not morphology.tuning:
-            return _build_untuned(o, untuned)
-        if _loads_any_mass(o):
+            body = _build_untuned(o, untuned)
+        elif _loads_any_mass(o):
             body, density = _build_untuned(o, untuned), o.ballast.density
-            return replace(body, ballast=place_ballast(body, morphology.tuning, density), ballast_density=density)
-        return _build_loaded(o, untuned, morphology.tuning)
+            body = replace(body, ballast=place_ballast(body, morphology.tuning, density), ballast_density=density)
+        else:
+            body = _build_loaded(o, untuned, morphology.tuning)
+        return (
+            replace(body, squeeze=o.pressure * find_loss(body) / mass_properties(body).volume) if o.pressure else body
+        )
 
     def describe_strength(self, body: Body, fluid: Fluid) -> Mapping[str, Any] | None:
         """Return what the hull withstands by :mod:`driftform_frusta.strength`; ``None`` if that is not known."""

@@ -143,7 +143,7 @@ def describe_strength(body: Body, fluid: Fluid) -> dict[str, Any] | None:
     weakest = min(parts, key=lambda part: (round(part.holds), -part.radius))
     fails = "yields" if weakest.holds == weakest.yields else "buckles"
     where = f"{weakest.name} {fails} at {weakest.holds / 1e5:.3g} bar"
-    lost = 1e5 * fluid.density * sum(part.loss for part in parts)
+    lost = 1e5 * fluid.density * find_loss(body)
     depth = weakest.holds / (fluid.density * fluid.gravity)
     return {
         "pressure": weakest.holds,
@@ -153,6 +153,11 @@ def describe_strength(body: Body, fluid: Fluid) -> dict[str, Any] | None:
         "summary": f"{where}, {depth:.3g} m down; a bar takes {1000 * lost:.2g} g of buoyancy",
         "parts": [part._asdict() for part in parts],
     }
+
+
+def find_loss(body: Body) -> float:
+    """Return the volume that a hull loses under pressure, m3/Pa: the sum over the parts of :func:`list_parts`."""
+    return sum(part.loss for part in list_parts(body))
 
 
 def list_parts(body: Body) -> list[HullPart]:
@@ -188,9 +193,8 @@ def list_parts(body: Body) -> list[HullPart]:
     yields, buckles = np.where(ball, sphere_yield(material, away[1:], wall), yields), np.where(ball, dome, buckles)
     loss = cone_loss(material, r, wall, slant, tilt)
     parts = []
-    for name, places in groupby(
-        range(len(r)), lambda k: _name_edge(body.joints, middle[k, 0], bool(flat[k]), bool(ball[k]))
-    ):
+    names = _name_edges(body.joints, middle[:, 0], flat, ball)
+    for name, places in groupby(range(len(r)), names.__getitem__):
         i = np.array(list(places))
         if name.endswith("end"):
             beside = i[0] + 1 if steps[i[0], 1] > 0 else i[0] - 1
@@ -239,8 +243,14 @@ def _find_bays(hoop: FloatArray, slant: FloatArray, flat: npt.NDArray[np.bool_])
     return length, (areas[last] - areas[first]) / length
 
 
-def _name_edge(joints: FloatArray, x: float, flat: bool, ball: bool) -> str:
-    """Return the part that an edge belongs to, by the x of its middle: an end, the dome, or a module, counted from the core."""
-    side, outward = "fore" if x > 0 else "aft", np.sort(joints * np.sign(x))
-    number = int(np.searchsorted(outward[outward > 1e-9], abs(x))) + int((np.abs(joints) < 1e-9).any())
-    return f"{side} end" if flat else "dome" if ball or not number else f"module {number} {side}"
+def _name_edges(
+    joints: FloatArray, x: FloatArray, flat: npt.NDArray[np.bool_], ball: npt.NDArray[np.bool_]
+) -> list[str]:
+    """Return the part that each edge belongs to, by the x of its middle: an end, the dome, or a module, counted from the core."""
+    inner = int((np.abs(joints) < 1e-9).any())
+    fore, aft = np.sort(joints[joints > 1e-9]), np.sort(-joints[joints < -1e-9])
+    number = inner + np.where(x > 0, np.searchsorted(fore, x), np.searchsorted(aft, -x))
+    return [
+        f"{side} end" if f else "dome" if b or not n else f"module {n} {side}"
+        for side, n, f, b in zip(np.where(x > 0, "fore", "aft").tolist(), number.tolist(), flat, ball, strict=True)
+    ]

@@ -21,6 +21,9 @@ from driftform_kit.cutting.meridian import MM
 CLEARANCES = (0.1, 0.15, 0.2, 0.25, 0.3)
 """mm, of the plugs."""
 
+MAX_LINES = 4
+"""Printed lines of its wall: a hull under pressure may have more."""
+
 CORD = 1.5
 """mm: diameter of the O-ring whose groove is cut if a kit has none."""
 
@@ -46,7 +49,9 @@ def make_coupon(body: Body, options: PartOptions) -> Part:
     # The sleeve is thinnest at the largest clearance, and a seat ends at the wall, at 45 degrees.
     bore = core + 2 * CLEARANCES[-1] + thick
     low, high = -(bore + 2 * SEAT), lap + 1.0
-    hull = meridian.draw_tube(bore, MM * body.wall, core, low, high)
+    # A wall of more lines fits alike, and takes longer to print.
+    wall = MM * min(body.wall, MAX_LINES * options.nozzle)
+    hull = meridian.draw_tube(bore, wall, core, low, high)
     cells = []
     for gap in CLEARANCES:
         # The core passes the plug with this clearance.
