@@ -56,7 +56,8 @@ def test_five_hundred_flights_pass_most_points(printed: Callable[[str, str], lis
     ("script", "pattern", "expected"),
     [
         ("own_grammar", r"fitness ([\d.]+) %", pytest.approx([98.9], abs=1)),
-        ("junction", r"(\d+) % by riser", pytest.approx([100, 5, 0], abs=10)),
+        # The second is neutral, and as likely too light as too heavy: 20 flights scatter by 11 %.
+        ("junction", r"(\d+) % by riser", pytest.approx([100, 50, 0], abs=25)),
         ("kit", r"ballast of ([\d.]+) g", [2.0]),
         ("calibration", r"drag ([\d.]+) times", pytest.approx([1.14], abs=0.02)),
         ("network", r"five spheres see ([\d.]+) %", pytest.approx([45.1], abs=0.2)),

@@ -44,6 +44,18 @@ def test_a_body_that_is_wider_than_the_port_is_told_by_how_much() -> None:
     assert find_misfit(make_body(0.2, 0.0523), make_scenario()) is None
 
 
+def test_a_print_of_a_body_as_wide_as_the_port_may_be_a_little_wider() -> None:
+    usual = make_scenario(release={"port": 0.045})
+    body = make_body(0.2, 0.045)
+    assert find_misfit(body, usual) is None
+    wider = make_body(0.2, 0.0452)
+    assert find_misfit(wider, usual) is not None
+    deviated = Condition((0.01, 0.0), 0.1, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0)
+    disturbed = disturb_scenario(deviated, usual)
+    assert ease_release(wider, usual, disturbed) == disturbed
+    assert disturbed.release.pitch_deg != usual.release.pitch_deg
+
+
 def test_a_release_across_the_bore_is_refused_with_reach_and_radius():
     misfit = find_misfit(make_body(0.204, 0.02), make_scenario(release={"pitch_deg": 90.0}))
     assert misfit is not None

@@ -52,13 +52,13 @@ def test_a_sound_agent_is_printable(call: Call, tmp_path: Path) -> None:
 
 
 def test_a_line_that_fails_is_exit_code_1_and_named_in_the_verdict(call: Call) -> None:
-    result = call("check", WORD, "--no-programs", "--bed", "10,10,10", "--nozzle", "0.8")
+    result = call("check", WORD, "--no-programs", "--bed", "10,10,10", "--nozzle", "2")
     assert result.exit_code == 1
     verdict = result.stdout.splitlines()[-1]
     assert verdict.startswith("not printable as it is, for bed: ") and "1 fail" in verdict
     shouted = [line for line in result.stdout.splitlines() if line.startswith("FAIL")]
     assert len(shouted) == 1 and "bed" in shouted[0]
-    assert any(line.startswith("warn") and "lines of the 0.8 mm nozzle" in line for line in result.stdout.splitlines())
+    assert any(line.startswith("warn") and "lines of the 2 mm nozzle" in line for line in result.stdout.splitlines())
     assert "\x1b" not in result.stdout
 
 
