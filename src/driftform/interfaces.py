@@ -38,7 +38,12 @@ __all__ = [
     "Renderer", "ReportJob", "SearchSpace", "Simulator", "Strategy", "Table", "option",
 ]  # fmt: skip
 
+T = TypeVar("T")
+
 OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
+
+Begin = Callable[..., Callable[[], Any]]
+"""Begins a call of a function with arguments, and returns what waits for its result."""
 
 
 class Plugin(ABC, Generic[OptionsT_co]):
@@ -265,6 +270,7 @@ class SearchSpace:
         rng: the only source of randomness that a strategy may use.
         scenario: the environment of the flights; open water by default.
         builder: makes bodies, for a strategy that compares or tunes them; ``None`` where only genomes are known.
+        begin_elsewhere: begins a call in a worker, as :meth:`begin` asks for it; ``None`` without workers.
     """
 
     grammar: Grammar[Any]
@@ -272,6 +278,19 @@ class SearchSpace:
     rng: np.random.Generator
     scenario: Scenario = field(default_factory=Scenario)
     builder: PhenotypeBuilder[Any] | None = None
+    begin_elsewhere: Begin | None = None
+
+    def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
+        """Begin ``function(grammar, builder, *args)`` in a worker of the run; return what waits for its result, and returns it.
+
+        What costs more than a millisecond belongs there: a run has one strategy, and many workers. The function must be
+        importable, its arguments and its result picklable, and the result must follow from the arguments: randomness
+        arrives as a seed. Without workers it is called at once.
+        """
+        if self.begin_elsewhere is not None:
+            return self.begin_elsewhere(function, *args)
+        result = function(self.grammar, self.builder, *args)
+        return lambda: result
 
 
 class Strategy(Plugin[OptionsT_co]):

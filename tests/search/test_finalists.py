@@ -259,6 +259,7 @@ class Table:
         self.conditions = draw_rounds(study)
         self.undisturbed, self.disturbed = undisturbed, disturbed
         self.rows: dict[Genome, int] = {}
+        self.begin = None
 
     def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
         for job in jobs:

@@ -14,9 +14,9 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.pipeline import MARGIN
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
-from driftform.search.jobs import Job, Outcome
+from driftform.search.jobs import UNWRITTEN_S, Job, Outcome
 from driftform.search.local import InProcess
-from driftform.search.loop import UNWRITTEN_S, BestFitness, run_search
+from driftform.search.loop import BestFitness, run_search
 from driftform.search.results import write_results
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, Genome
@@ -57,6 +57,7 @@ class Counting:
 
     def __init__(self, study: Study, breaks_after: int | None = None) -> None:
         self._executor = InProcess(study.make_pipeline())
+        self.begin = self._executor.begin
         self._left = breaks_after
         self.asked: list[int] = []
 

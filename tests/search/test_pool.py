@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform.search.jobs import ATTEMPTS, KILLS, STARTS, Job, Outcome, WorkersLostError
-from driftform.search.pool import Cause, PoolExecutor, WorkerDiedError
+from driftform.search.jobs import ATTEMPTS, KILLS, STARTS, Cause, Job, Outcome, WorkerDiedError, WorkersLostError
+from driftform.search.pool import PoolExecutor
 from driftform.types import Evaluation, Genome
 
 CRASH, KILL = WorkerDiedError(Cause.CRASH, "SIGSEGV"), WorkerDiedError(Cause.KILL, "SIGKILL")
@@ -29,7 +29,8 @@ class FakePool(PoolExecutor):
         self.seen: list[list[list[int]]] = []
         """Before each end, the jobs of each task."""
 
-    def _submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
+    def _submit(self, function):
+        [batch] = function.args
         self._tasks.append((Future(), batch))
         return self._tasks[-1][0]
 
@@ -139,3 +140,27 @@ def test_a_call_that_was_given_up_does_not_disturb_the_next() -> None:
     next(given_up)
     given_up.close()
     assert sorted(flat(executor.evaluate(jobs_of("next", 5)))) == [(index, "next") for index in range(5)]
+
+
+class Dying(FakePool):
+    """Each call ends at once, as the script says."""
+
+    def _submit(self, function):
+        self.seen.append(function)
+        future: Future[str] = Future()
+        error = self._script.popleft() if self._script else None
+        future.set_result("a shape") if error is None else future.set_exception(error)
+        return future
+
+
+def test_a_call_is_repeated_where_its_process_dies_and_so_is_its_result():
+    executor = Dying(KILL, START, WorkerDiedError(Cause.NONE))
+    wait_for_shape = executor.begin(min, 1)
+    assert wait_for_shape() == wait_for_shape() == "a shape"
+    assert len(executor.seen) == 4
+    with pytest.raises(WorkerDiedError, match="SIGSEGV"):
+        Dying(*[CRASH] * KILLS).begin(min, 1)()
+    broken = Dying(InputError("it has no plugin"))
+    with pytest.raises(InputError, match="no plugin"):
+        broken.begin(min, 1)()
+    assert len(broken.seen) == 1

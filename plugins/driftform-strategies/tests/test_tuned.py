@@ -13,7 +13,8 @@ from driftform.testing.letters import LetterGrammar
 from driftform.testing.strategy import search_space
 from driftform.types import Body, Core, End, Evaluation, FloatArray, Genome, Moments, Morphology, Trajectory
 from driftform.water import Scenario
-from driftform_strategies.tuned import HIT, MAX_UNFIT, DirectStrategy, Shape, TunedOptions, TunedStrategy
+from driftform_strategies.shapes import Shape
+from driftform_strategies.tuned import HIT, MAX_UNFIT, DirectStrategy, TunedOptions, TunedStrategy
 
 RADIUS = 0.02
 """Of the bodies, m."""
@@ -123,24 +124,48 @@ def test_a_body_for_an_outlet_is_tuned_until_it_leaves_there() -> None:
     scenario = Scenario.model_validate(
         {"pipe": {"parts": parts, "radius": 0.1}, "flow": {"kind": "log_law"}, "targets": {n: n for n in outlets}}
     )
-    space = replace(search_space(LetterGrammar(Table()), tuple(outlets)), scenario=scenario, builder=Cigars(Table()))
-    strategy = TunedStrategy(TunedOptions(batch=1), space)
     openings = scenario.target_points()
     weights: dict[bool, list[float]] = {True: [], False: []}
+    for seed in range(4):
+        space = search_space(LetterGrammar(Table()), tuple(outlets), seed)
+        strategy = TunedStrategy(TunedOptions(batch=1), replace(space, scenario=scenario, builder=Cigars(Table())))
+        for number in range(60):
+            [candidate] = strategy.ask(1)
+            # What is lighter than water rises into the branch.
+            light = fly(candidate.genome).velocity[0, 2] > 0
+            left = "riser" if light else "main"
+            if number >= 10:
+                weights[candidate.target == left].append(candidate.genome.tuning)
+            path = np.linspace((0.0, 0.0, 0.0), openings[left], 5)
+            turn = np.tile([1.0, 0.0, 0.0, 0.0], (5, 1))
+            flight = Trajectory(np.arange(5.0), path, turn, np.zeros((5, 6)), End.OUTLET)
+            scores = np.array([100.0 if name == left else 50.0 for name in outlets])
+            strategy.tell(number, [Evaluation(candidate.genome, scores, flight)])
+    # Once a body has left there, those that descend from it do, too.
+    assert len(weights[True]) > 1.5 * len(weights[False])
+
+
+def test_where_nothing_can_hit_those_that_pass_nearest_have_descendants() -> None:
+    space = make_space(Cigars(Table()))
+    strategy = TunedStrategy(TunedOptions(random=0.0, batch=1), space)
+    matters, born = [], 0
     for number in range(60):
         [candidate] = strategy.ask(1)
-        # What is lighter than water rises into the branch.
-        light = fly(candidate.genome).velocity[0, 2] > 0
-        left = "riser" if light else "main"
-        if number >= 10:
-            weights[candidate.target == left].append(candidate.genome.tuning)
-        path = np.linspace((0.0, 0.0, 0.0), openings[left], 5)
+        at = space.targets.index(candidate.target)
+        assert candidate.threshold is not None
+        # Bodies with more letters a pass nearer, whatever their ballast, and all pass beside the target.
+        miss = 0.3 / (1 + candidate.genome.symbols.count("a"))
+        fitness = np.zeros(2)
+        fitness[at] = 100 * (1 - miss / strategy._reach[at])
+        matters.append(fitness[at] > candidate.threshold[at])
+        born += bool(candidate.parents) and number > 30
+        path = np.linspace((0.0, miss, 0.0), (9.0, miss, 0.0), 5) + np.array([0, 0, (-0.3, 0.5)[at]])
         turn = np.tile([1.0, 0.0, 0.0, 0.0], (5, 1))
-        flight = Trajectory(np.arange(5.0), path, turn, np.zeros((5, 6)), End.OUTLET)
-        scores = np.array([100.0 if name == left else 50.0 for name in outlets])
-        strategy.tell(number, [Evaluation(candidate.genome, scores, flight)])
-    # Once a body has left there, those that descend from it do, too.
-    assert len(weights[True]) > 2 * len(weights[False])
+        flight = Trajectory(np.linspace(0, 9, 5), path, turn, np.zeros((5, 6)), End.OUTLET)
+        strategy.tell(number, [Evaluation(candidate.genome, fitness, flight)])
+    # None of the first ones races, and later only those that are nearer than all before.
+    assert not any(matters[:3]) and 2 <= sum(matters) <= 20
+    assert strategy._elites[0] and strategy._elites[1] and born > 5
 
 
 def test_a_body_that_hits_matters_and_a_body_on_its_way_does_not() -> None:
@@ -178,7 +203,8 @@ def test_ten_shapes_are_drawn_once_for_a_target_that_none_is_heavy_enough_for() 
         candidates = strategy.ask(3)
         flown |= {candidate.genome.symbols for candidate in candidates}
         strategy.tell(0, [Evaluation.failed(candidate.genome, 1, "the flight failed") for candidate in candidates])
-    assert Light.measured == MAX_UNFIT - 1 + len(flown)
+    ahead = strategy.options.batch
+    assert Light.measured == MAX_UNFIT - 1 + len(flown) + ahead
 
 
 def test_a_long_search_keeps_no_more_than_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -197,7 +223,7 @@ def test_one_flight_shows_the_response_because_a_body_without_net_weight_passes_
     strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
     shape = Shape(Genome("letters", ()), (0.0, 100.0), 50.0, 1.0, 0.01)
     # The first target lies 0.3 m below the release, and this body responds half as much again as is guessed.
-    response = -1.5 * strategy._guess_response(shape, 0)
+    response = -1.5 * strategy._aims[0].guess_response(shape.size)
     shape.points.append((1.0, np.array([0.3 + response, 0.0])))
     assert strategy._find_tuning(shape, 0) == pytest.approx(shape.tune(-0.3 / response), rel=1e-12)
 

@@ -285,6 +285,8 @@ class Store:
 
     def add_disturbed(self, flights: Sequence[DisturbedResult], targets: Sequence[str]) -> None:
         """Write the results of flights under disturbed conditions, all or none; as :meth:`add` writes evaluations."""
+        if not flights:
+            return
         self.check_place()
         rows = [
             (flight.evaluation, flight.condition, target, value, *offset, flight.failure)

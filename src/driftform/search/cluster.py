@@ -18,15 +18,14 @@ import zlib
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import closing, suppress
-from functools import partial
 from typing import Any
 
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
-from driftform.search.jobs import Job, Outcome, T, WorkersLostError
+from driftform.search.jobs import Cause, T, WorkerDiedError, WorkersLostError
 from driftform.search.local import LocalProcesses
-from driftform.search.pool import POLL_S, Cause, PoolExecutor, WorkerDiedError
+from driftform.search.pool import POLL_S, PoolExecutor
 from driftform.search.versions import find_versions
-from driftform.search.worker import LocalProcess, hold_back_interrupts, work
+from driftform.search.worker import LocalProcess, hold_back_interrupts
 from driftform.study import Document, load_study
 from driftform.util.cores import count_cores
 
@@ -132,11 +131,11 @@ class Cluster(PoolExecutor):
         self._count = len(self._client.nthreads())
         self.processes = max(1, self._count)
 
-    def _submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
-        future: Future[list[Outcome]] = self._tasks.submit(_work, self._study, self._versions, batch)
+    def _submit(self, function: Callable[[], T]) -> "Future[T]":
+        future: Future[T] = self._tasks.submit(_call, self._study, self._versions, function)
         return future
 
-    def _find_error(self, future: "Future[list[Outcome]]") -> BaseException | None:
+    def _find_error(self, future: "Future[Any]") -> BaseException | None:
         from distributed.scheduler import KilledWorker
 
         if future.cancelled():
@@ -242,13 +241,13 @@ _processes: dict[bytes, LocalProcess] = {}
 """The process that evaluates, by the study that it has loaded: one at a time."""
 
 
-def _work(study: bytes, expected: Mapping[str, str], batch: Sequence[Job]) -> list[Outcome]:
+def _call(study: bytes, expected: Mapping[str, str], function: Callable[[], T]) -> T:
     with _one_at_a_time:
         if study not in _processes:
             while _processes:
                 _processes.popitem()[1].close()
             _processes[study] = _open_process(json.loads(zlib.decompress(study)), expected)
-        return _processes[study].start(partial(work, batch)).result()
+        return _processes[study].start(function).result()
 
 
 def _open_process(document: Mapping[str, Any], expected: Mapping[str, str]) -> LocalProcess:

@@ -1,6 +1,7 @@
 """Flights of evaluations under disturbed conditions: each is flown once, and stored as it arrives."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from driftform.agent.plain import PlainBody
 from driftform.motion.path.targets import find_offsets
 from driftform.runs.store import DisturbedResult, Store
-from driftform.search.jobs import Executor, Job
+from driftform.search.jobs import UNWRITTEN_S, Executor, Job
 from driftform.study import Study
 from driftform.types import BoolArray
 from driftform.util.latest import keep_latest
@@ -87,14 +88,20 @@ def fly_disturbed(
     ]
     count = len(pairs) - len(missing)
     on_flights(count)
-    for arrived in executor.evaluate(jobs):
-        results = list[DisturbedResult]()
-        for number, evaluation in arrived:
-            index, condition = missing[number]
-            at, offsets = flown_for[index], find_offsets(evaluation, study.scenario)
-            fitness, offsets = np.where(at, evaluation.fitness, 0.0), np.where(at[:, None], offsets, np.nan)
-            results.append(DisturbedResult(index, condition, fitness, offsets, evaluation.failure))
-        store.add_disturbed(results, targets)
-        count += len(arrived)
-        on_flights(count)
+    unwritten, seconds = list[DisturbedResult](), 0.0
+    with ExitStack() as at_end:
+        # Also where the run is interrupted.
+        at_end.callback(lambda: store.add_disturbed(unwritten, targets))
+        for arrived in executor.evaluate(jobs):
+            for number, evaluation in arrived:
+                index, condition = missing[number]
+                at, offsets = flown_for[index], find_offsets(evaluation, study.scenario)
+                fitness, offsets = np.where(at, evaluation.fitness, 0.0), np.where(at[:, None], offsets, np.nan)
+                unwritten.append(DisturbedResult(index, condition, fitness, offsets, evaluation.failure))
+                seconds += evaluation.seconds
+            if seconds > UNWRITTEN_S:
+                store.add_disturbed(unwritten, targets)
+                unwritten, seconds = [], 0.0
+            count += len(arrived)
+            on_flights(count)
     return len(pairs)

@@ -4,7 +4,8 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeVar
+from enum import Enum
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -59,6 +60,12 @@ class Executor(Protocol):
         Raises FunctionDiedError if one of them ends its process.
         """
 
+    def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
+        """Begin a call of a function with the study's grammar, its builder and arguments; return what waits for its result.
+
+        All must be picklable. What the function raises, the waiting raises.
+        """
+
 
 ATTEMPTS = 2
 """A genome fails if its process ends itself this often, by a crash or an exit, while it evaluates this genome alone."""
@@ -83,8 +90,37 @@ MAX_TASK_S = 1.0
 """Longest duration of a task of several genomes, s: the work that a crash repeats."""
 
 
+UNWRITTEN_S = 0.5
+"""Most time that flights took which are not written yet, s: a kill repeats that much work.
+
+A disk takes milliseconds to keep what is written, as long as some flights take, whether one or many are written.
+"""
+
+
 class WorkersLostError(WorkFailedError):
     """The workers are lost, and no genome is to blame; the run can be resumed."""
+
+
+class Cause(Enum):
+    """What ended a task without a result."""
+
+    NONE = "its process died while the task was waiting"
+    START = "its process died before it could evaluate anything"
+    CRASH = "its process ended itself"
+    KILL = "its process was killed, by somebody or by the kernel"
+    TIMEOUT = "it took longer than allowed"
+
+
+class WorkerDiedError(WorkFailedError):
+    """The process that had a task died: the ``cause``, as this task saw it, and a few words on it."""
+
+    def __init__(self, cause: Cause, detail: str = "") -> None:
+        # The arguments as they are: a worker of a cluster sends this error on.
+        super().__init__(cause, detail)
+        self.cause, self.detail = cause, detail
+
+    def __str__(self) -> str:
+        return f"its process died ({self.detail})"
 
 
 class FunctionDiedError(WorkFailedError):

@@ -8,9 +8,19 @@ from itertools import cycle
 from typing import Any
 
 from driftform.pipeline import Pipeline
-from driftform.search.jobs import ATTEMPTS, FunctionDiedError, Job, Outcome, T, evaluate_batch, task_size
-from driftform.search.pool import Cause, PoolExecutor, WorkerDiedError
-from driftform.search.worker import LocalProcess, prepare, work
+from driftform.search.jobs import (
+    ATTEMPTS,
+    Cause,
+    FunctionDiedError,
+    Job,
+    Outcome,
+    T,
+    WorkerDiedError,
+    evaluate_batch,
+    task_size,
+)
+from driftform.search.pool import PoolExecutor
+from driftform.search.worker import LocalProcess, prepare
 from driftform.util.files import keep_directory
 
 
@@ -36,6 +46,12 @@ class InProcess:
         with keep_directory():
             return [function() for function in functions]
 
+    def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
+        """Call a function with the study's grammar, its builder and arguments, and return what returns its result."""
+        with keep_directory():
+            result = function(self._pipeline.grammar, self._pipeline.builder, *args)
+        return lambda: result
+
     def close(self) -> None:
         """Do nothing: there are no workers to stop."""
 
@@ -53,8 +69,8 @@ class LocalProcesses(PoolExecutor):
             # If that fails, the first evaluation fails alike, and reports it.
             process.start(partial(prepare, rehearses=number == 0))
 
-    def _submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
-        return min(self._processes, key=lambda process: process.tasks).start(partial(work, batch))
+    def _submit(self, function: Callable[[], T]) -> "Future[T]":
+        return min(self._processes, key=lambda process: process.tasks).start(function)
 
     def call(self, functions: "Sequence[Callable[[], T]]") -> list[T]:
         """Call functions in the worker processes, in turn, and return what they return, in their order.

@@ -15,7 +15,7 @@ from driftform.interfaces import Strategy
 from driftform.plugins.faults import report_faults
 from driftform.plugins.seams import require_candidates
 from driftform.runs.store import Record, Store
-from driftform.search.jobs import Executor, Job
+from driftform.search.jobs import UNWRITTEN_S, Executor, Job
 from driftform.search.survey import Survey, count_survey
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation
@@ -26,12 +26,6 @@ _log = logging.getLogger(__name__)
 
 AHEAD = 1
 """Batches that a strategy may be asked for while the outcomes of another are missing, so that no worker waits for it."""
-
-UNWRITTEN_S = 0.05
-"""Most time that evaluations took which are not written yet, s: a kill repeats that much work.
-
-A disk takes milliseconds to keep what is written, as long as some evaluations take, whether one or many are written.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +69,7 @@ def run_search(
         InputError: where the stored evaluations are not those that this study asks for.
         WorkFailedError: where the strategy fails.
     """
-    strategy, targets = study.make_strategy(), study.scenario.target_names
+    strategy, targets = study.make_strategy(executor.begin), study.scenario.target_names
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
     survey, waiting = Survey(study), deque[Job]()
     # What is added while outcomes arrive is evaluated too; the next is asked for only if there is one.

@@ -5,14 +5,25 @@ limit no task's time, and leave their processes behind when the coordinator is k
 """
 
 from collections import Counter, deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
-from enum import Enum
+from functools import partial
 from typing import Any
 
-from driftform.errors import WorkFailedError
-from driftform.search.jobs import ATTEMPTS, KILLS, STARTS, Job, Outcome, WorkersLostError, task_size
+from driftform.search.jobs import (
+    ATTEMPTS,
+    KILLS,
+    STARTS,
+    Cause,
+    Job,
+    Outcome,
+    T,
+    WorkerDiedError,
+    WorkersLostError,
+    task_size,
+)
+from driftform.search.worker import compute, work
 from driftform.types import Evaluation
 
 TASKS_PER_PROCESS = 2
@@ -20,28 +31,6 @@ TASKS_PER_PROCESS = 2
 
 POLL_S = 2.0
 """Time between two polls of the workers while no task finishes, s."""
-
-
-class Cause(Enum):
-    """What ended a task without a result."""
-
-    NONE = "its process died while the task was waiting"
-    START = "its process died before it could evaluate anything"
-    CRASH = "its process ended itself"
-    KILL = "its process was killed, by somebody or by the kernel"
-    TIMEOUT = "it took longer than allowed"
-
-
-class WorkerDiedError(WorkFailedError):
-    """The process that had a task died: the ``cause``, as this task saw it, and a few words on it."""
-
-    def __init__(self, cause: Cause, detail: str = "") -> None:
-        # The arguments as they are: a worker of a cluster sends this error on.
-        super().__init__(cause, detail)
-        self.cause, self.detail = cause, detail
-
-    def __str__(self) -> str:
-        return f"its process died ({self.detail})"
 
 
 @dataclass(eq=False)
@@ -87,12 +76,12 @@ class PoolExecutor:
         self._failed_starts = 0
         self._seconds: float | None = None
 
-    def _submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
-        """Start a task."""
+    def _submit(self, function: Callable[[], T]) -> "Future[T]":
+        """Call a function in the process that is free first."""
         raise NotImplementedError
 
-    def _find_error(self, future: "Future[list[Outcome]]") -> BaseException | None:
-        """Return the error of a finished task, ``None`` if it succeeded."""
+    def _find_error(self, future: "Future[Any]") -> BaseException | None:
+        """Wait for a task, and return its error, ``None`` if it succeeded."""
         return future.exception()
 
     def _poll(self) -> None:
@@ -109,7 +98,7 @@ class PoolExecutor:
         try:
             while call.waiting or call.running or call.arrived:
                 while len(self._running) < TASKS_PER_PROCESS * self.processes and (task := self._next_task()):
-                    self._running[self._submit(task.jobs)] = task
+                    self._running[self._submit(partial(work, task.jobs))] = task
                 if not call.arrived:
                     self._collect()
                 if call.arrived:
@@ -118,6 +107,22 @@ class PoolExecutor:
                     yield outcomes
         finally:
             self._calls.remove(call)
+
+    def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
+        """Begin a call in a worker; see :meth:`driftform.search.jobs.Executor.begin`. It is repeated where a process dies."""
+        call = partial(compute, function, args)
+        futures = [self._submit(call)]
+
+        def wait_for_result() -> T:
+            error = self._find_error(futures[-1])
+            while isinstance(error, WorkerDiedError) and len(futures) < KILLS:
+                futures.append(self._submit(call))
+                error = self._find_error(futures[-1])
+            if error is not None:
+                raise error
+            return futures[-1].result()
+
+        return wait_for_result
 
     def _next_task(self) -> _Task | None:
         if self._repeated:

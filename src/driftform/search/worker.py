@@ -24,8 +24,7 @@ from typing import TYPE_CHECKING, Any
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.pipeline import Pipeline
 from driftform.plugins import faults
-from driftform.search.jobs import Job, Outcome, T, WorkersLostError, evaluate_batch, rehearse
-from driftform.search.pool import Cause, WorkerDiedError
+from driftform.search.jobs import Cause, Job, Outcome, T, WorkerDiedError, WorkersLostError, evaluate_batch, rehearse
 from driftform.study import Document, load_study
 from driftform.util.files import keep_directory
 from driftform.util.preparation import observe_preparation
@@ -328,3 +327,10 @@ def work(batch: Sequence[Job]) -> list[Outcome]:
     pipeline = _load_pipeline()
     _report("begun")
     return evaluate_batch(pipeline, batch)
+
+
+def compute(function: Callable[..., T], args: Sequence[Any]) -> T:
+    """Call a function with the grammar and the builder of the study, and arguments, in a worker process."""
+    pipeline = _load_pipeline()
+    _report("begun")
+    return function(pipeline.grammar, pipeline.builder, *args)

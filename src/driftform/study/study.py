@@ -21,6 +21,7 @@ from driftform.errors import DriftformError, InputError, did_you_mean
 from driftform.interfaces import (
     NAMED,
     SEAMS,
+    Begin,
     Checker,
     Exporter,
     Grammar,
@@ -133,11 +134,11 @@ class Study:
         check_wording(steps["fitness"])
         return Pipeline(scenario=self.scenario, **steps)
 
-    def make_strategy(self) -> Strategy[Any]:
-        """Create a strategy in its initial state, with a random generator from the seed."""
+    def make_strategy(self, begin: Begin | None = None) -> Strategy[Any]:
+        """Create a strategy in its initial state, with a random generator from the seed, and what ``begin`` calls for it."""
         rng = np.random.default_rng(self.seed)
         grammar, builder = self.make_plugin("grammar"), self.make_plugin("builder")
-        space = SearchSpace(grammar, self.scenario.target_names, rng, self.scenario, builder)
+        space = SearchSpace(grammar, self.scenario.target_names, rng, self.scenario, builder, begin)
         made = registry().create("strategy", *_split_selection(self.document, "strategy"), space=space)
         return cast("Strategy[Any]", made)
 

@@ -2,29 +2,31 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import count
 from math import inf, sqrt
+from typing import Any
 
 import numpy as np
 
 from driftform.errors import InputError
 from driftform.interfaces import SearchSpace, Strategy, Table, option
-from driftform.types import Candidate, Evaluation, FloatArray, Genome, MassProperties
+from driftform.types import Candidate, Evaluation
 from driftform_strategies.evolution import remember
-from driftform_strategies.tuning import find_next, root_weight, square_root_weight
+from driftform_strategies.shapes import Aim, Shape, draw_plain, draw_random, vary
+from driftform_strategies.tuning import find_next
+
+Drawn = Callable[[], Shape | None]
+"""Waits until a shape is drawn."""
 
 HIT = 0.001
 """m: a tuned body that passes its target this near has hit it."""
 
-MAX_DRAWS = 200
-"""Number of genomes that are drawn in the search for a new shape that can be tuned."""
-
 MAX_UNFIT = 10
 """Random shapes that are drawn at most to find one that can be heavy or light enough for a target."""
 
-DRAG = 1.0
-"""Drag coefficient, on length times greatest diameter, by which the first response to a change of weight is guessed."""
+MAX_KNOWN = 20
+"""Shapes that are drawn at most to find one that was not drawn before."""
 
 PLAIN = 30
 """Random shapes of which the plainest is taken."""
@@ -53,45 +55,34 @@ class TunedOptions(Table):
 
 
 @dataclass(eq=False)
-class Shape:
-    """A shape, and how its flights passed the targets.
+class Job:
+    """A shape on its way to hit a target.
 
     Attributes:
-        genome: untuned.
-        bounds: least and greatest tuning.
-        neutral, rate: tuning without net weight, and net weight (kg) for each unit of tuning above that.
-        size: length times greatest diameter, m2.
-        points: of each flight the root of its net weight, and its height above each target, m, (targets,).
-        tried: targets that it was tuned for.
+        shape, target: of the flights.
+        tuning: of the next flight.
+        parents: of the shape.
+        flights: number that it had.
+        bar: miss below which the next flight matters, m.
     """
-
-    genome: Genome
-    bounds: tuple[float, float]
-    neutral: float
-    rate: float
-    size: float
-    points: list[tuple[float, FloatArray]] = field(default_factory=list)
-    tried: set[int] = field(default_factory=set)
-
-    def tune(self, root: float) -> float:
-        """Return the tuning that gives a root of the net weight, within the bounds."""
-        low, high = self.bounds
-        return min(max(self.neutral + square_root_weight(root) / self.rate, low), high)
-
-    def find_root(self, tuning: float) -> float:
-        """Return the root of the net weight that a tuning gives."""
-        return root_weight((tuning - self.neutral) * self.rate)
-
-
-@dataclass(eq=False)
-class Job:
-    """A shape on its way to hit a target: the tuning of its next flight, and how many it had; ``parents`` of the shape."""
 
     shape: Shape
     target: int
     tuning: float
     parents: tuple[int, ...] = ()
     flights: int = 0
+    bar: float = HIT
+
+
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """A body that is about to be tuned: its target, the elite that it descends from, and its shape, or what draws it."""
+
+    target: int
+    elite: "_Elite | None"
+    shape: Shape | None
+    draw: "Callable[[], Drawn] | None" = None
+    drawn: "Drawn | None" = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +98,7 @@ class TunedStrategy(Strategy[TunedOptions]):
 
     The tuning, such as the mass of ballast, is found by a secant on the height at which the body passes the target, with
     3 to 6 flights; for an outlet it is drawn until the body leaves there. Bodies that hit race against each other: under few disturbed conditions all of them, under many only
-    the best. New shapes are those of the best bodies with one symbol changed, mixtures of two of them, shapes that are
+    the best. Where none hits, those that pass nearer than all before race too. New shapes are those of the best bodies with one symbol changed, mixtures of two of them, shapes that are
     good for another target, and random ones. No body flies twice.
     """
 
@@ -122,28 +113,36 @@ class TunedStrategy(Strategy[TunedOptions]):
             raise InputError("strategy 'tuned' needs a builder")
         self._elites: list[list[_Elite]] = [[] for _ in space.targets]
         self._started = [0] * len(space.targets)
-        self._fresh: deque[Shape] = deque()
+        self._nearest = [inf] * len(space.targets)
+        self._fresh: list[Shape] = []
+        self._coming: deque[_Start] = deque()
         self._ready: deque[Job] = deque()
         self._asked: deque[list[Job]] = deque()
         self._bodies: dict[int, None] = {}
         self._numbers = count()
         self._unfit: set[int] = set()
-        release = space.scenario.release_position()
-        points = space.scenario.target_array().reshape(-1, 3)
-        self._ways = np.linalg.norm(points - release, axis=1)
-        # How far below the release each target is: in a straight pipe, by how much a neutral body passes above it.
-        straight = space.scenario.pipe.straight is not None
-        self._drops = release[2] - points[:, 2] if straight else np.zeros(len(points))
-        # An outlet is hit by leaving there, however far from its centre.
-        wanted = map(space.scenario.targets.get, space.targets)
-        self._outlets = [target if isinstance(target, str) else None for target in wanted]
-        self._bars = 100 * (1 - HIT / path.farthest_distances(space.scenario)) if space.targets else np.zeros(0)
+        scenario = space.scenario
+        release, points = scenario.release_position(), scenario.target_array().reshape(-1, 3)
+        # In a straight pipe a neutral body passes a target by as much above it as this lies below the release.
+        drops = release[2] - points[:, 2] if scenario.pipe.straight is not None else np.zeros(len(points))
+        self._aims = [
+            Aim(float(drop), float(way), scenario.flow.speed, scenario.fluid, at if isinstance(at, str) else None)
+            for drop, way, at in zip(
+                drops, np.linalg.norm(points - release, axis=1), map(scenario.targets.get, space.targets), strict=True
+            )
+        ]
+        self._reach = path.farthest_distances(scenario) if space.targets else np.zeros(0)
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return the next flights of bodies that are being tuned, and the first ones of new bodies."""
         jobs = [self._ready.popleft() for _ in range(min(len(self._ready), self.options.batch))]
         while len(jobs) < self.options.batch:
-            jobs.append(self._start_job(self._choose_target()))
+            if not self._coming:
+                self._coming.append(self._prepare(self._choose_target()))
+            jobs.append(self._start_job(self._coming.popleft()))
+        # The workers draw the next shapes while they fly these.
+        while len(self._coming) < self.options.batch:
+            self._coming.append(self._prepare(self._choose_target()))
         generation = next(self._numbers)
         candidates = [self._make_candidate(job, generation) for job in jobs[:limit]]
         self._asked.append(jobs[:limit])
@@ -165,18 +164,21 @@ class TunedStrategy(Strategy[TunedOptions]):
         from driftform.motion import path
 
         shape, root = job.shape, job.shape.find_root(job.tuning)
-        offsets, outlet = path.find_offsets(evaluation, self.space.scenario), self._outlets[job.target]
+        offsets, outlet = path.find_offsets(evaluation, self.space.scenario), self._aims[job.target].outlet
         shape.points.append((root, offsets[:, 2]))
-        if outlet is None:
-            hits = bool(np.linalg.norm(offsets[job.target]) <= HIT)
-        else:
+        miss = float(np.linalg.norm(offsets[job.target]))
+        hits = miss <= HIT
+        if outlet is not None:
             flight = evaluation.trajectory
             hits = flight is not None and path.name_outlet(flight, self.space.scenario) == outlet
-        if hits:
+            miss = 0.0 if hits else inf
+        self._nearest[job.target] = min(miss, self._nearest[job.target])
+        if hits or miss < job.bar:
             elites = self._elites[job.target]
             elites.append(_Elite(float(evaluation.fitness[job.target]), index, shape, root))
             elites.sort(key=lambda elite: -elite.fitness)
             del elites[self.options.elites :]
+        if hits:
             return
         if job.flights < self.options.flights and (tuning := self._find_tuning(shape, job.target)) is not None:
             job.tuning = tuning
@@ -184,14 +186,15 @@ class TunedStrategy(Strategy[TunedOptions]):
 
     def _find_tuning(self, shape: Shape, target: int) -> float | None:
         """Return the tuning of the next flight of a shape for a target; ``None`` if it cannot come nearer."""
-        if self._outlets[target] is not None:
+        aim = self._aims[target]
+        if aim.outlet is not None:
             return self._draw_tuning(shape)
         points = [(root, float(heights[target])) for root, heights in shape.points]
-        response = -self._guess_response(shape, target)
+        response = -aim.guess_response(shape.size)
         if len(points) == 1 and points[0][0]:
             # With what a body without net weight should do, one flight shows the response.
             [(root, height)] = points
-            seen = (height - self._drops[target]) / root
+            seen = (height - aim.drop) / root
             response = min(max(seen, 5 * response), response / 5)
         found = find_next(points, response)
         if found is None:
@@ -204,58 +207,89 @@ class TunedStrategy(Strategy[TunedOptions]):
         light, heavy = map(shape.find_root, shape.bounds)
         return shape.tune(float(self.space.rng.uniform(light, heavy)))
 
-    def _guess_root(self, shape: Shape, target: int) -> float:
-        """Return the root of the net weight with which a body should hit, by its size alone, kg^1/2."""
-        return float(self._drops[target]) / self._guess_response(shape, target)
-
-    def _may_hit(self, shape: Shape, target: int) -> bool:
-        """Return whether a shape can be made as light or as heavy as it should have to be."""
-        if self._outlets[target] is not None:
-            return True
-        root = self._guess_root(shape, target)
-        return abs(shape.find_root(shape.tune(root)) - root) < 1e-6
-
-    def _guess_response(self, shape: Shape, target: int) -> float:
-        """Return by how much a body should pass lower for each kg^1/2 of the root of its net weight, m."""
-        fluid = self.space.scenario.fluid
-        sinking = sqrt(2 * fluid.gravity / (fluid.density * DRAG * shape.size))
-        return sinking * float(self._ways[target]) / max(self.space.scenario.flow.speed, 1e-6)
-
-    def _start_job(self, target: int) -> Job:
-        rng, options = self.space.rng, self.options
+    def _prepare(self, target: int) -> _Start:
+        """Choose what a body for a target descends from, and let its shape be drawn."""
+        rng, options, elites = self.space.rng, self.options, self._elites[target]
         self._started[target] += 1
-        elites = self._elites[target]
-        shape, elite, draw = None, None, rng.random()
-        if elites and draw >= options.random:
-            if draw < options.random + options.retune:
-                others = [one for them in self._elites for one in them if target not in one.shape.tried]
-                if others:
-                    elite = others[int(rng.integers(len(others)))]
-                    shape = elite.shape
-            if shape is None:
-                elite = self._draw_elite(elites)
-                shape = self._vary(elite, target)
-        if shape is None:
+        if elites and (draw := rng.random()) >= options.random:
+            others = [one for them in self._elites for one in them if target not in one.shape.tried]
+            if others and draw < options.random + options.retune:
+                elite = others[int(rng.integers(len(others)))]
+                return self._take(target, elite, elite.shape)
+            elite = self._draw_elite(elites)
+            other = self._draw_elite(self._elites[int(rng.integers(len(self._elites)))] or [elite])
+            if elite.shape.genome.symbols:
+                parents = elite.shape.genome, other.shape.genome
+                return self._let_draw(target, elite, vary, parents, options.cross)
+        return self._prepare_random(target)
+
+    def _prepare_random(self, target: int) -> _Start:
+        """Let a random shape be drawn, or take one of the first that serve all targets."""
+        untried = [shape for shape in self._fresh if target not in shape.tried and self._aims[target].may_be_hit(shape)]
+        coming = sum(start.elite is None and start.shape is None for start in self._coming)
+        if len(self._fresh) + coming < self.options.shapes or not untried:
             # Where so many were in vain before, the next will hardly be fit: each costs more than the flights of a body.
-            draws = 1 if target in self._unfit else MAX_UNFIT
-            shape, elite = self._take_random(target, draws), None
-            if len(self._fresh) < self.options.shapes and shape not in self._fresh:
+            return self._let_draw(target, None, draw_random, 1 if target in self._unfit else MAX_UNFIT)
+        return self._take(target, None, untried[int(self.space.rng.integers(len(untried)))])
+
+    def _take(self, target: int, elite: _Elite | None, shape: Shape) -> _Start:
+        shape.tried.add(target)
+        return _Start(target, elite, shape)
+
+    def _let_draw(self, target: int, elite: _Elite | None, draw: Callable[..., Shape | None], *args: Any) -> _Start:
+        """Let a worker call a function of :mod:`driftform_strategies.shapes` with an aim, arguments, and a seed."""
+
+        def begin() -> Drawn:
+            return self.space.begin(draw, self._aims[target], *args, int(self.space.rng.integers(2**63)))
+
+        return _Start(target, elite, None, begin, begin())
+
+    def _receive(self, start: _Start) -> Shape | None:
+        """Return the shape of a body, or ``None`` if no new one could be drawn."""
+        if start.shape is not None or start.draw is None or start.drawn is None:
+            return start.shape
+        shape = start.drawn()
+        for _ in range(MAX_KNOWN):
+            if shape is None or shape.name not in self._bodies:
+                break
+            shape = start.draw()()
+        if shape is None or shape.name in self._bodies:
+            return None
+        remember(self._bodies, [shape.name])
+        return shape
+
+    def _start_job(self, start: _Start) -> Job:
+        target, aim, elite, shape = start.target, self._aims[start.target], start.elite, self._receive(start)
+        if shape is None:
+            # In a small space all shapes may be known: one of them is tried again.
+            elite, known = None, [one for one in self._fresh if target not in one.tried] or self._fresh
+            if not known:
+                raise InputError(
+                    f"strategy '{self.name}': no shape of the grammar can be tuned: set [builder] tuning to 'ballast' or "
+                    "'wall', or use the strategy 'evolution'"
+                )
+            shape = known[int(self.space.rng.integers(len(known)))]
+        elif start.shape is None and elite is None:
+            if not aim.may_be_hit(shape):
+                self._unfit.add(target)
+            if len(self._fresh) < self.options.shapes:
                 self._fresh.append(shape)
         shape.tried.add(target)
         tuning = self._find_tuning(shape, target) if shape.points else None
         if tuning is None and elite is not None and not shape.points:
             tuning = shape.tune(elite.root * sqrt(shape.size / elite.shape.size))
-        if tuning is None and self._outlets[target] is not None:
+        if tuning is None and aim.outlet is not None:
             tuning = self._draw_tuning(shape)
         if tuning is None:
-            tuning = shape.tune(self._guess_root(shape, target))
+            tuning = shape.tune(aim.guess_root(shape.size))
         return Job(shape, target, tuning, () if elite is None else (elite.index,))
 
     def _choose_target(self) -> int:
         """Return the target that a new body is made for: at first each in turn, then by the miss of its best body."""
         first, least = self.options.first, min(self._started)
         if least < first:
-            coming = {job.target for jobs in (self._ready, *self._asked) for job in jobs}
+            coming = {start.target for start in self._coming}
+            coming |= {job.target for jobs in (self._ready, *self._asked) for job in jobs}
             # Until each target is hit by one body: 2 * first bodies are enough to find that none can.
             lacking = [
                 k
@@ -271,87 +305,15 @@ class TunedStrategy(Strategy[TunedOptions]):
         """Return the best with probability 1/2, the second with 1/4, and so on."""
         return elites[min(int(self.space.rng.geometric(0.5)), len(elites)) - 1]
 
-    def _take_random(self, target: int, draws: int = MAX_UNFIT) -> Shape:
-        """Return a random shape, of some draws the first that may hit; at first one of a few that serve all targets."""
-        untried = [shape for shape in self._fresh if target not in shape.tried and self._may_hit(shape, target)]
-        if len(self._fresh) < self.options.shapes or not untried:
-            found = None
-            for _ in range(draws):
-                shape = self._draw_shape(lambda: self.space.grammar.random(self.space.rng))
-                found = shape or found
-                if shape is not None and self._may_hit(shape, target):
-                    break
-            else:
-                self._unfit.add(target)
-            if found is not None:
-                return found
-        # In a small space all shapes may be known: one of them is tried again.
-        known = untried or list(self._fresh)
-        if not known:
-            raise InputError(
-                f"strategy '{self.name}': no shape of the grammar can be tuned: set [builder] tuning to 'ballast' or 'wall', "
-                "or use the strategy 'evolution'"
-            )
-        return known[int(self.space.rng.integers(len(known)))]
-
-    def _vary(self, elite: _Elite, target: int) -> Shape | None:
-        rng, grammar, genome = self.space.rng, self.space.grammar, elite.shape.genome
-
-        def change() -> Genome:
-            if rng.random() < self.options.cross:
-                other = self._draw_elite(self._elites[int(rng.integers(len(self._elites)))] or [elite])
-                child = grammar.crossover(genome, other.shape.genome, rng)[0]
-                if child != genome:
-                    return child
-            return grammar.flip(genome, int(rng.integers(len(genome.symbols))), rng)
-
-        return self._draw_shape(change) if genome.symbols else None
-
-    def _draw_shape(self, draw: Callable[[], Genome]) -> Shape | None:
-        """Return the first new shape that can be tuned to float freely, of some that are drawn."""
-        for _ in range(MAX_DRAWS):
-            if (shape := self._examine(draw())) is not None:
-                return shape
-        return None
-
-    def _examine(self, genome: Genome) -> Shape | None:
-        from driftform.agent import mass_properties
-
-        builder, water = self.space.builder, self.space.scenario.fluid.density
-        assert builder is not None
-
-        def weigh(tuning: float) -> MassProperties:
-            return mass_properties(builder.build(replace(morphology, tuning=tuning)))
-
-        try:
-            morphology = self.space.grammar.express(genome)
-            body = builder.build(morphology)
-            name = hash((body.outer.tobytes(), body.cavity.tobytes()))
-            if name in self._bodies:
-                return None
-            remember(self._bodies, [name])
-            bounds = builder.find_tunings(morphology)
-            if bounds is None or not bounds[0] < bounds[1]:
-                return None
-            light, heavy = (weigh(at) for at in bounds)
-            rate = (heavy.mass - light.mass) / (bounds[1] - bounds[0])
-            neutral = bounds[0] + (water * light.volume - light.mass) / rate
-            if not bounds[0] < neutral < bounds[1]:
-                return None
-            # Joints and seats that follow the cavity make the weight not quite linear.
-            near = weigh(neutral)
-            neutral += (water * near.volume - near.mass) / rate
-        except Exception:
-            # A grammar or a builder may refuse some shapes, each with an error of its own.
-            return None
-        return Shape(genome, bounds, neutral, rate, body.length * body.max_diameter)
-
     def _make_candidate(self, job: Job, generation: int) -> Candidate:
-        # Only a hit matters, and what else passes near is not tuned.
+        """Return the next flight of a body, which matters if it hits, or, where none did, if it passes nearer than all before."""
+        target = job.target
+        missed = self._started[target] > self.options.first and self._aims[target].outlet is None
+        job.bar = max(HIT, self._nearest[target]) if missed else HIT
         threshold = [inf] * len(self.space.targets)
-        threshold[job.target] = float(self._bars[job.target])
+        threshold[target] = 100 * (1 - job.bar / float(self._reach[target]))
         genome = replace(job.shape.genome, tuning=job.tuning)
-        return Candidate(genome, job.parents, generation, self.space.targets[job.target], tuple(threshold))
+        return Candidate(genome, job.parents, generation, self.space.targets[target], tuple(threshold))
 
 
 class DirectStrategy(TunedStrategy):
@@ -362,20 +324,9 @@ class DirectStrategy(TunedStrategy):
 
     name = "direct"
 
-    def _start_job(self, target: int) -> Job:
+    def _prepare(self, target: int) -> _Start:
         self._started[target] += 1
-        shape = next((shape for shape in self._fresh if target not in shape.tried), None)
-        if shape is None:
-            found = [self._take_random(target) for _ in range(PLAIN)]
-            shape = min(found, key=self._measure_incline)
-            if shape not in self._fresh:
-                self._fresh.append(shape)
-        shape.tried.add(target)
-        tuning = self._find_tuning(shape, target) if shape.points else None
-        return Job(shape, target, shape.tune(self._guess_root(shape, target)) if tuning is None else tuning)
-
-    def _measure_incline(self, shape: Shape) -> float:
-        """Return the mean inclination of the wall of a shape, rad."""
-        modules = self.space.grammar.express(shape.genome).modules
-        length = sum(module.length for module in modules)
-        return sum(abs(module.tilt) * module.length for module in modules) / max(length, 1e-9)
+        for shape in self._fresh:
+            if target not in shape.tried:
+                return self._take(target, None, shape)
+        return self._let_draw(target, None, draw_plain, PLAIN)
