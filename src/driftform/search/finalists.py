@@ -7,11 +7,12 @@ conditions show how far it misses.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import partial
-from math import ceil, inf, isnan
-from typing import Any
+from math import ceil, inf, isnan, nan
+from typing import Any, TypeVar
 
 import numpy as np
 
+from driftform.agent import mass_properties
 from driftform.agent.plain import PlainBody
 from driftform.interfaces import Fitness
 from driftform.motion.path.targets import find_offsets, find_within
@@ -24,12 +25,15 @@ from driftform.search.disturbed import draw_baseline, draw_rounds, fly_disturbed
 from driftform.search.jobs import Executor
 from driftform.search.survey import read_flights, read_scores
 from driftform.study import Study
-from driftform.types import BoolArray, FloatArray, Verdict
+from driftform.types import Body, BoolArray, FloatArray, Verdict
 from driftform.water.disturbances import FLOWN, Specimen
 from driftform.water.scenario import Robustness
 
 ROUND = 5
 """Conditions of the choice between two looks at who can still win."""
+
+EQUAL = 0.05
+"""Promises are equal if what they lack to 100 % differs by less than this, relative to it: 20 flights do not tell them apart."""
 
 
 def fly_finalists(
@@ -151,13 +155,26 @@ def _race(
     racing = sorted(set(finalists).difference(leaders))
     done = fly_on(sorted(set(leaders)), 0, count, len(racing) * count)
     reached = find_bounds(count)
-    bars = np.array([reached[leader][number] for number, leader in enumerate(leaders)])
+    bars = lower_bar(np.array([reached[leader][number] for number, leader in enumerate(leaders)]))
     for first in range(0, count, ROUND):
         end = min(first + ROUND, count)
         done = fly_on(racing, first, end, len(racing) * (count - end))
         bounds = find_bounds(end)
         racing = [index for index in racing if (bounds[index] >= bars)[finalists[index]].any()]
     return done
+
+
+Score = TypeVar("Score", float, FloatArray)
+
+
+def lower_bar(best: Score) -> Score:
+    """Return the least score (%) that is equal to the best."""
+    return best - EQUAL * (100.0 - best)
+
+
+def _weigh_print(body: Body) -> float:
+    """Return the mass of a body without core and ballast, kg."""
+    return mass_properties(body).mass - body.core.mass - body.ballast_density * body.ballast.volume
 
 
 def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
@@ -236,8 +253,8 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     """Return the finalist that was chosen for a target; ``None`` before the choice is complete.
 
     One that reaches the target undisturbed goes before all that do not, and one that comes near it before the others: a body that always passes half a metre above its
-    target can be relied on, and is of no use. Of those with equal scores, such as all that leave by an outlet, it is the one
-    with the best undisturbed flight, and then the earliest.
+    target can be relied on, and is of no use. Of those with equal scores, by :data:`EQUAL`, it is the one whose print is the lightest;
+    then that with the best score, the best undisturbed flight, and the earliest.
     """
     robustness = study.scenario.robustness
     if not robustness.conditions:
@@ -255,16 +272,23 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     eligible = [index for index, reaches in zip(judged_all, reaching, strict=True) if reaches]
     judged_fitness = np.array([[flown[index][number] for number in judged] for index in eligible])
     scores = dict(zip(eligible, robust_fitness(judged_fitness.T, robustness).tolist(), strict=True))
-    best = max(scores.values())
-    equals = sorted((index for index in scores if scores[index] == best), key=lambda i: (-undisturbed[i], i))
-    flights = flown[equals[0]]
+    bar = lower_bar(max(scores.values()))
+    equals = sorted((index for index in scores if scores[index] >= bar), key=lambda i: (-scores[i], -undisturbed[i], i))
+    # What has flown under the conditions of the promise was chosen before.
+    decided = [i for i in equals if not all(isnan(flown[i].get(number, nan)) for number in checked)]
+    if not decided and len(equals) > 1:
+        pipeline = study.make_pipeline()
+        masses = {i: _weigh_print(pipeline.make_agent(store.read_genome(i)).body) for i in equals}
+        equals.sort(key=lambda i: masses[i])
+    chosen = (decided or equals)[0]
+    flights = flown[chosen]
     if not all(number in flights for number in checked):
-        return Winner(equals[0], best)
-    offsets, promises = store.read_offsets(target, equals[0]), dict[Specimen, Promise]()
+        return Winner(chosen, scores[chosen])
+    offsets, promises = store.read_offsets(target, chosen), dict[Specimen, Promise]()
     # A run of an earlier version has no flights in known gusts, and no baseline.
     known = [at for at in range(checked.stop, len(conditions)) if at in flights]
     at_target, numbered = study.scenario.target_names.index(target), dict(enumerate(conditions[: checked.stop]))
-    plain = read_baselines(store).get((at_target, equals[0]))
+    plain = read_baselines(store).get((at_target, chosen))
     if plain is not None:
         numbered |= draw_baseline(study, at_target, plain)
     for specimen in (*FLOWN, Specimen.BASELINE):
@@ -280,7 +304,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
             if not isnan(flights[at])
         ]
         promises[specimen] = Promise(misses, sum(sound) / len(sound) if sound else None)
-    return Winner(equals[0], best, promises, plain)
+    return Winner(chosen, scores[chosen], promises, plain)
 
 
 def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
