@@ -131,9 +131,11 @@ def test_disturbed_flights_through_a_junction_are_counted_by_outlet(call: Call) 
     assert list(shares) == ["up", "on"]
     assert all(3 * share == pytest.approx(round(3 * share)) for share in shares.values())
     assert sum(shares.values()) <= 1 + 1e-9
-    # A flight that passes an outlet has no distance left to it.
-    passed = [[d < 0.1 for d in told["disturbed"][name]["distances"]] for name in ("branch", "main")]
-    assert [sum(flights) / 3 for flights in passed] == pytest.approx(list(shares.values()))
+    # Who leaves by an outlet has passed it within its bore; who passed it may lie there still when the time is over.
+    for target, outlet, bore in (("branch", "up", 0.05), ("main", "on", 0.1)):
+        passed = [d < bore for d in told["disturbed"][target]["distances"]]
+        assert shares[outlet] <= sum(passed) / 3 + 1e-9
+    assert max(shares.values()) > 0
     shown = call(*arguments).stdout
     lines = [line.split() for line in shown.splitlines()]
     assert ["up", f"{100 * shares['up']:.0f}"] in lines and ["on", f"{100 * shares['on']:.0f}"] in lines

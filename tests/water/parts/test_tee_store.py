@@ -70,5 +70,5 @@ def test_a_search_solves_the_tees_of_its_pipe_before_its_first_flight(solved: li
         return InProcess(study.make_pipeline()).evaluate(jobs)
 
     with StoredRun.create(tmp_path / "run", study) as run:
-        search_run(run, SimpleNamespace(evaluate=evaluate))
+        search_run(run, SimpleNamespace(evaluate=evaluate, begin=None))
     assert len(solved) == 1 and flown[0] == solved

@@ -149,7 +149,7 @@ class FrustaOptions(Table):
         if self.pressure and self.wall_model == "paper":
             raise ValueError("wall_model 'paper' withstands no pressure, as its ends are open: set it to 'mitred'")
         if self.pressure and find_material(self.hull_density) is None:
-            raise ValueError(f"the strength of a material of {self.hull_density:g} kg/m3 is not known: set material")
+            raise ValueError(f"the strength of a material of {self.hull_density:g} kg/m3 is not known: set material, or pressure = 0")
         return self
 
     @model_validator(mode="after")
@@ -333,13 +333,13 @@ def _size_wall(o: FrustaOptions, morphology: Morphology) -> FrustaOptions:
         sized = o.model_copy(update={"wall": wall, "thinnest": wall, "min_radius": max(o.min_radius, 1.6 * wall)})
         bare = _draw(sized, morphology)
         holds = min((part.holds for part in list_parts(bare)), default=0.0)
-        # A cavity that is hardly larger than its core makes no hull, but a coat of the core.
+        if holds >= needed:
+            return sized
+        # A cavity that is hardly larger than its core does not become smaller.
         if not holds or solid_of_revolution(bare.cavity).volume < 1.2 * bare.core.volume:
             raise WorkFailedError(
                 f"no wall withstands {needed / 1e5:g} bar and leaves room beside the core: {1000 * wall:g} mm fill the hull"
             )
-        if holds >= needed:
-            return sized
         # No part gains more than by the cube of its wall.
         lines = max(lines + 1, math.ceil(lines * (needed / holds) ** (1 / 3) - 1e-9))
 
