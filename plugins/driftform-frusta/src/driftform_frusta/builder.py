@@ -149,7 +149,9 @@ class FrustaOptions(Table):
         if self.pressure and self.wall_model == "paper":
             raise ValueError("wall_model 'paper' withstands no pressure, as its ends are open: set it to 'mitred'")
         if self.pressure and find_material(self.hull_density) is None:
-            raise ValueError(f"the strength of a material of {self.hull_density:g} kg/m3 is not known: set material, or pressure = 0")
+            raise ValueError(
+                f"the strength of a material of {self.hull_density:g} kg/m3 is not known: set material, or pressure = 0"
+            )
         return self
 
     @model_validator(mode="after")
