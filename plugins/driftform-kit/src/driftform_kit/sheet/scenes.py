@@ -100,6 +100,15 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[Shape]:
         yield from _lay(sheet, [part], shift)
         at = float(heights.mean()) + shift
         yield from _draw_arrow((at, 0.75 * wide), (at - 1.2 * shift, 0.75 * wide))
+    elif kind == "hang":
+        low, high, top = sheet.aft - wide / 2, sheet.aft + length + wide / 2, 2.4 * wide
+        water, at = 1.2 * wide, 1e3 * float(sheet.target.cog[0])
+        yield Shape([np.array([[low, -wide], [high, -wide], [high, water], [low, water]])], WATER)
+        yield Shape([np.array([[low, 1.5 * wide], [low, -wide], [high, -wide], [high, 1.5 * wide]])], width=1.4)
+        yield from _lay(sheet, parts, core=True)
+        yield Shape([np.array([[at, hull.skin_radius(at)], [at, top]])])
+        box = np.array([[-1.0, 0.0], [1.0, 0.0], [1.0, 0.7], [-1.0, 0.7]]) * wide + (at, top)
+        yield Shape([box], _PALE)
     else:
         yield from _lay(sheet, parts, core=True)
         ends = ((-1.0, sheet.aft), (1.0, sheet.aft + length)) if kind == "drain" else ()
