@@ -33,7 +33,8 @@ BRACKET = Union(
 
 
 def print_source(tree, segments=64):
-    return f"{write_definitions([tree], segments)}{write_module('tree', tree)}tree();\n"
+    module = write_module("tree", tree)
+    return f"{write_definitions(module, segments)}{module}tree();\n"
 
 
 def frustum_volume(height, r0, r1):

@@ -90,7 +90,6 @@ class ExudynRenderer(Renderer[FilmOptions]):
 
     @property
     def _letter_height(self) -> float:
-        """Height of letters, px."""
         return min(24.0, max(8.0, self._size[0] / 64), min(self._size) / 16)
 
     def _make_view(self, scene: "Scene") -> "Callable[[int], Image]":
@@ -118,7 +117,6 @@ def _even_times(duration: float, step: float) -> FloatArray:
 
 
 def _save(path: Path, write: Callable[[Path], object]) -> None:
-    """Write a file completely or not at all."""
     try:
         files.write_whole(path, write)
     except OSError as error:

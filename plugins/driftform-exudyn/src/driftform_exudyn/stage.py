@@ -81,7 +81,6 @@ class Stage:
         return image
 
     def _aim(self, size: tuple[int, int], extent: float) -> None:
-        """Set the size of the image, the view and the largest distance."""
         view: Any = self._container.visualizationSettings.view0
         view.window.renderWindowSize = list(size)
         half = size[1] / 2 / UNIT

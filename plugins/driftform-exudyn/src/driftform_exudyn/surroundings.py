@@ -102,7 +102,6 @@ class Bore:
         return [place(inside, 1.0, self.start), self._make_section(first, last), *rings, *stripes]
 
     def _make_section(self, first: float, last: float) -> Shape:
-        """Return the cut through the wall, above and below."""
         angles = np.array(self.edges)[:, None, None]
         rims = self.radius * np.array([1.0, 1 + THICKNESS])[:, None]
         grid = self.point(np.array([first, last]), rims, angles)
@@ -162,7 +161,6 @@ def list_bores(pipe: Pipe, viewer: FloatArray) -> list[Bore]:
 
 
 def _is_in_run(point: FloatArray, part: shapes.Tee) -> bool:
-    """Return whether a point of the branch's axis lies in the run."""
     return bool(np.linalg.norm(point - part.origin) * np.sin(part.angle) < part.radius)
 
 

@@ -47,7 +47,6 @@ def volume_of(shape: Any) -> float:
 
 
 def _measure(shape: Any, what: str) -> float:
-    """Return the volume, or the area of the surface, of a shape."""
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
 
@@ -105,7 +104,6 @@ def _move(node: csg.Translate | csg.Rotate) -> Any:
 
 
 def _revolve(polygons: Sequence[FloatArray]) -> Any:
-    """Revolve polygons of (r, z) about the z axis."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeRevol
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt
 

@@ -131,7 +131,7 @@ class FrustaOptions(Table):
         return self
 
     @model_validator(mode="after")
-    def _can_be_a_kit(self) -> "FrustaOptions":
+    def _go_together(self) -> "FrustaOptions":
         if self.made_as == "hull" and self.kit is not None:
             raise ValueError("kit has options, but made_as is 'hull': set made_as to 'kit', or leave them out")
         if self.kit is not None and self.kit.ballast:
@@ -142,29 +142,17 @@ class FrustaOptions(Table):
             raise ValueError(
                 "made_as is 'kit', but no kit can be made of the open ends of wall_model 'paper': set it to 'mitred'"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _can_be_pressed(self) -> "FrustaOptions":
         if self.pressure and self.wall_model == "paper":
             raise ValueError("wall_model 'paper' withstands no pressure, as its ends are open: set it to 'mitred'")
         if self.pressure and find_material(self.hull_density) is None:
             raise ValueError(
                 f"the strength of a material of {self.hull_density:g} kg/m3 is not known: set material, or pressure = 0"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _leaves_room_for_the_core(self) -> "FrustaOptions":
         dome = self.core_radius + self.clearance + self.wall
         if self.max_radius and self.max_radius < dome:
             raise ValueError(
                 f"max_radius {self.max_radius} m is less than core, clearance and wall, {dome:g} m: make it wider"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _leaves_a_bore(self) -> "FrustaOptions":
         if self.wall_model == "mitred" and self.min_radius <= 1.5 * self.wall:
             raise ValueError(
                 f"min_radius {self.min_radius} m must exceed 1.5 times the wall ({1.5 * self.wall:g} m), "
@@ -174,7 +162,7 @@ class FrustaOptions(Table):
 
 
 def _take_default_kit(values: dict[str, Any]) -> dict[str, Any]:
-    """Fill in the options of the kit that is weighed, so that a resolved study states them, and drop them for a hull."""
+    """Fill in the options of the kit that is weighed, and drop them for a hull."""
     kit, made_as = values.get("kit"), values.get("made_as")
     if made_as == "kit" and kit is None:
         return {**values, "kit": {}}
@@ -184,7 +172,6 @@ def _take_default_kit(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def _take_size_of_core(values: dict[str, Any]) -> dict[str, Any]:
-    """Fill in radius and mass of a core by name, so that a resolved study states them."""
     core = CORES.get(values.get("core", CUSTOM))
     if core is None:
         return values
@@ -220,7 +207,6 @@ def _take_capsule(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def _take_density_of_material(values: dict[str, Any]) -> dict[str, Any]:
-    """Fill in the density of a material by name, so that a resolved study states it."""
     material = MATERIALS.get(str(values.get("material")))
     if material is None:
         return values
@@ -247,7 +233,7 @@ _FILLING_IN = (
     _take_default_kit,
     _take_ballast_of_older_runs,
 )
-"""What fills in options that follow from others, in this order."""
+"""What fills in options that follow from others, in this order, so that a resolved study states them."""
 
 
 class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
@@ -296,7 +282,6 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         most = min(find_max_ballast(body, density), o.ballast.most)
 
         def can_hold(mass: float) -> bool:
-            """Return whether the kit of the body, if it is one, has a seat for ballast of some mass, kg."""
             try:
                 _measure_fittings(o, _draw(o, untuned), (name_ball(place_ballast(body, mass, density)),))
             except WorkFailedError:
@@ -348,7 +333,6 @@ def _size_wall(o: FrustaOptions, morphology: Morphology) -> FrustaOptions:
 
 @lru_cache(maxsize=KEPT_BODIES)
 def _build_untuned(o: FrustaOptions, morphology: Morphology) -> Body:
-    """Return a body to which no mass is added."""
     bare = _draw(o, morphology)
     return replace(bare, fittings=_measure_fittings(o, bare))
 

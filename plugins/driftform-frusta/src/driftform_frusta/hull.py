@@ -95,8 +95,15 @@ def check_printable_section(body: Body) -> None:
     Raises WorkFailedError if the contours have no wall between them, or touch the axis; the message has the reason.
     """
     read_contours(body)
-    _refuse_without_wall(body)
-    _refuse_pinched(body)
+    if len(body.cavity):
+        _refuse_without_wall(body)
+    off_axis = np.flatnonzero(body.outer[:, 1] > _NO_WALL)
+    gaps = np.flatnonzero(np.diff(off_axis) > 1)
+    if len(gaps):
+        x = body.outer[off_axis[gaps[0]] + 1, 0]
+        raise WorkFailedError(
+            f"the hull is not one printable part: its outer contour touches the axis at x = {x:.6f} m"
+        )
 
 
 def refuse_other_volume(volume: float, expected: float, what: str) -> None:
@@ -113,8 +120,6 @@ def refuse_other_volume(volume: float, expected: float, what: str) -> None:
 
 
 def _refuse_without_wall(body: Body) -> None:
-    if not len(body.cavity):
-        return
     to_outer = distance_from(body.cavity, body.outer)
     to_cavity = distance_from(body.outer, body.cavity)
     if min(to_outer.min(), to_cavity.min()) >= _NO_WALL:
@@ -127,13 +132,3 @@ def _refuse_without_wall(body: Body) -> None:
         f"the hull has no closed printable solid: the cavity touches the outer contour {where}, so that the "
         "hull is open there; give it a wall all round, and caps at its ends"
     )
-
-
-def _refuse_pinched(body: Body) -> None:
-    off_axis = np.flatnonzero(body.outer[:, 1] > _NO_WALL)
-    gaps = np.flatnonzero(np.diff(off_axis) > 1)
-    if len(gaps):
-        x = body.outer[off_axis[gaps[0]] + 1, 0]
-        raise WorkFailedError(
-            f"the hull is not one printable part: its outer contour touches the axis at x = {x:.6f} m"
-        )

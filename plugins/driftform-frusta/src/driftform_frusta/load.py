@@ -1,4 +1,8 @@
-"""What makes a hull heavier: a narrower cavity, and a ball of ballast in a pocket beside the core."""
+"""What makes a hull heavier: a cavity that is no wider than a bore, and a ball of ballast in a pocket beside the core.
+
+The cavity is nowhere nearer to the outside than a wall. A narrower bore makes the hull heavier, continuously: the cavity stays
+connected, and a bore prints without support.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -7,20 +11,54 @@ import numpy as np
 from driftform.agent import distance_from, solid_of_revolution
 from driftform.types import Body, FloatArray, Moments
 from driftform_frusta.ballast_seat import BESIDE, ball_moments
-from driftform_frusta.cavity import Cavity, draw_pocket
 from driftform_frusta.pieces import BallastOptions
+from driftform_frusta.section import DOME_STEP
+
+MIN_BORE = 0.002
+"""m: least radius of a bore that stays open in print."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cavity:
+    """The widest cavity that a hull may have, and the rooms that it must have; contours as in a body, (n, 2), m."""
+
+    widest: FloatArray
+    room: FloatArray
+
+    def narrow(self, bore: float) -> FloatArray:
+        """Return the cavity that is no wider than a bore of some radius (m), but for the rooms."""
+        from driftform_frusta.envelope import unite_contours
+
+        return unite_contours(_cut_off(self.widest, bore), self.room)
+
+    def measure(self, bore: float) -> float:
+        """Return the volume of the cavity with some bore, m3."""
+        return solid_of_revolution(self.narrow(bore)).volume
+
+    @property
+    def bores(self) -> tuple[float, float]:
+        """The radii of the narrowest and of the widest bore, m."""
+        widest = float(self.widest[:, 1].max())
+        return min(MIN_BORE, widest), widest
+
+    def fit(self, volume: float) -> FloatArray:
+        """Return the cavity of some volume (m3) between the least and the greatest."""
+        from scipy.optimize import brentq
+
+        least, widest = self.bores
+        if volume >= self.measure(widest):
+            return self.narrow(widest)
+        if volume <= self.measure(least):
+            return self.narrow(least)
+        bore = brentq(lambda radius: self.measure(radius) - volume, least, widest, xtol=1e-12, rtol=1e-12)
+        return self.narrow(float(bore))
 
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """A ball or none, and the cavity with its pocket.
+    """A ball or none, its density (kg/m3, 0 without one), the cavity with its pocket, and the least thickness of the wall, m.
 
-    Attributes:
-        cavity: of the hull.
-        masses: least and greatest mass (kg) that it adds to the hull, by the cavity that goes with the ball.
-        ball: volume integrals of the ball.
-        density: of the ball, kg/m3; 0 without one.
-        wall: minimum thickness of the wall, m.
+    ``masses`` are the least and the greatest mass (kg) that it adds to the hull, by the cavity that goes with the ball.
     """
 
     cavity: Cavity
@@ -81,3 +119,25 @@ def _find_place(body: Body, widest: FloatArray, radius: float, clearance: float)
         rooms[side] = min(free, between.min(initial=np.inf), np.interp(place, *widest.T))
     best = int(rooms.argmax())
     return float(places[best]) if rooms[best] >= radius + clearance else None
+
+
+def draw_pocket(start: float, x: float, radius: float) -> FloatArray:
+    """Return the room of a ball at ``x`` on the axis, and of its way there from ``start`` (m): a bore with a round end."""
+    side = 1.0 if x > start else -1.0
+    angles = np.arange(0.0, np.pi / 2 + DOME_STEP / 2, DOME_STEP)
+    # The polygon encloses the circle.
+    corner = radius / np.cos(DOME_STEP / 2)
+    end = np.column_stack((x + side * corner * np.sin(angles), corner * np.cos(angles)))
+    end[-1, 1] = 0.0
+    contour = np.vstack(([(start, 0.0), (start, corner)], end))
+    return contour if side > 0 else contour[::-1]
+
+
+def _cut_off(contour: FloatArray, radius: float) -> FloatArray:
+    x, r = contour.T
+    edges = np.flatnonzero(np.diff(r > radius))
+    share = (radius - r[edges]) / (r[edges + 1] - r[edges])
+    crossings = np.column_stack((x[edges] + share * (x[edges + 1] - x[edges]), np.full(len(edges), radius)))
+    cut = np.insert(contour, edges + 1, crossings, axis=0)
+    cut[:, 1] = np.minimum(cut[:, 1], radius)
+    return cut

@@ -84,7 +84,6 @@ class _View:
         return cls(scale, page / 2 - scale * (low + high) / 2)
 
     def project(self, points: FloatArray) -> FloatArray:
-        """Return the places of points on the page, (n, 2) in px."""
         seen: FloatArray = self.scale * (points @ _PAGE.T) + self.shift
         return seen
 
@@ -109,7 +108,6 @@ def _depth(points: FloatArray) -> FloatArray:
 
 
 def _add_bed(root: ET.Element, view: _View, bed: tuple[float, float], page: FloatArray, meshes: Sequence[Mesh]) -> None:
-    """Draw the bed, its lines, and the shadows of the meshes."""
     half = np.array([bed[0], bed[1], 0.0]) / 2
     corners = view.project(half * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]))
     svg.add(root, "path", d=svg.path_data(corners, closed=True), fill=_BED)
@@ -136,7 +134,6 @@ def _add_bed(root: ET.Element, view: _View, bed: tuple[float, float], page: Floa
 
 
 def _facing(mesh: Mesh, direction: FloatArray) -> tuple[npt.NDArray[np.int64], FloatArray]:
-    """Return the triangles that face a direction, and their unit normals."""
     normals = mesh.area_vectors
     chosen = normals @ direction > 0
     normals = normals[chosen]
@@ -161,7 +158,6 @@ def _add_mesh(root: ET.Element, view: _View, mesh: Mesh, colour: str) -> None:
 
 
 def _shade(colour: str, light: float) -> str:
-    """Return a colour under light, 1 for the brightest."""
     return "#" + "".join(f"{round(255 * min(light * (0.25 + 0.75 * c), 1)):02x}" for c in channels(colour))
 
 

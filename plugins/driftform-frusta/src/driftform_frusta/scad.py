@@ -43,37 +43,15 @@ def fill_source(name: str, **values: object) -> str:
     return re.sub(r"<(\w+)>", lambda found: str(values[found[1]]), text)
 
 
-def write_definitions(nodes: Sequence[Node], segments: int) -> str:
-    """Return the definitions that the source of trees uses: the number of corners, factors on radii, and modules."""
-    kinds = {type(n) for node in nodes for n in _walk(node)}
-    parts = [f"$fn = {segments};\n"]
-    if csg.Revolve in kinds:
-        parts.append(_AREA_FACTOR)
-    if csg.Text in kinds:
-        parts.append(_LETTERS)
-    return "\n".join(parts)
+def write_definitions(source: str, segments: int) -> str:
+    """Return the definitions that source of :func:`write_module` uses: the number of corners, factors on radii, and modules."""
+    used = [text for call, text in (("area_factor", _AREA_FACTOR), (" letters(", _LETTERS)) if call in source]
+    return "\n".join([f"$fn = {segments};\n", *used])
 
 
 def write_module(name: str, node: Node) -> str:
     """Return a module of OpenSCAD that makes the solid of a tree."""
     return "\n".join(_block(f"module {name}()", [_lines(node)])) + "\n"
-
-
-def _walk(node: Node) -> Iterator[Node]:
-    yield node
-    match node:
-        case csg.Union() | csg.Intersection():
-            children: tuple[Node, ...] = node.children
-        case csg.Difference():
-            children = (node.base, *node.tools)
-        case csg.Translate() | csg.Rotate() | csg.Named():
-            children = (node.child,)
-        case csg.Revolve() | csg.Text():
-            children = ()
-        case _:
-            assert_never(node)
-    for child in children:
-        yield from _walk(child)
 
 
 def _lines(node: Node) -> list[str]:

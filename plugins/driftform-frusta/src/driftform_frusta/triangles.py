@@ -197,11 +197,9 @@ def _area_vectors(corners: FloatArray) -> FloatArray:
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Vector products, (3, m)."""
     return np.stack([a[i] * b[j] - a[j] * b[i] for i, j in ((1, 2), (2, 0), (0, 1))])
 
 
 def _lengths(vectors: FloatArray) -> FloatArray:
-    """Lengths of vectors, (m,)."""
     lengths: FloatArray = np.sqrt((vectors * vectors).sum(axis=0))
     return lengths

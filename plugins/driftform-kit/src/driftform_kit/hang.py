@@ -1,4 +1,13 @@
-"""Trim in water: what a sealed print lacks by its net weight, and how it flies without."""
+"""Trim in water: what a sealed print lacks by its net weight, and how it flies without.
+
+The net weight decides a flight, and a scale shows it whatever the outside of the print is. Mass m and volume V of the design
+weigh m - rho V in the fluid of the scenario. In a bucket of that fluid at another temperature the same agent weighs
+
+    m - rho_b V_b,    V_b = V (1 + 3 alpha dT),
+
+and more by what it displaces more there, since no pressure squeezes it. The volume of a print differs by some millilitres from V,
+and this by a thousandth of that.
+"""
 
 import math
 from typing import Any
@@ -6,16 +15,44 @@ from typing import Any
 from driftform import Design
 from driftform.agent import MassElement
 from driftform.errors import InputError
-from driftform.types import Body
-from driftform_kit.ballast import FOAM
-from driftform_kit.net_weight import find_net_weight, find_reading, weigh_added
+from driftform.types import Agent, Body
+from driftform.water import Fluid
+from driftform_kit.ballast import FOAM, MATERIALS, PUTTY
+from driftform_kit.templates import fill_template
 from driftform_kit.trim import fly_cases
+
+ADDED = {**MATERIALS, "epoxy putty": PUTTY}
+"""Densities of what can be added outside, kg/m3."""
 
 SCALE = 0.00005
 """Smallest step of a kitchen scale, kg."""
 
 MAX_DEVIATION = 0.2
 """Largest deviation of a net weight, relative to the mass of the agent: more was weighed in air, or in another unit."""
+
+
+def find_net_weight(agent: Agent, fluid: Fluid) -> float:
+    """Return mass less that of the displaced fluid, kg; positive for what sinks."""
+    return agent.mass.mass - fluid.density * agent.mass.volume
+
+
+def find_reading(agent: Agent, fluid: Fluid, celsius: float) -> float:
+    """Return the net weight (kg) that an agent of the design shows in a bucket of the fluid at a temperature, degrees C."""
+    body, volume = agent.body, agent.mass.volume / (1 - agent.body.squeeze)
+    warmed = volume * (1 + body.expansion * (celsius - fluid.celsius)) ** 3
+    return agent.mass.mass - fluid.density_at(celsius) * warmed
+
+
+def weigh_added(missing: float, fluid_density: float) -> dict[str, float]:
+    """Return the mass (kg) of each of :data:`ADDED` that weighs ``missing`` (kg) under water: it displaces water too."""
+    return {name: missing / (1 - fluid_density / density) for name, density in ADDED.items() if density > fluid_density}
+
+
+def list_readings(
+    agent: Agent, fluid: Fluid, degrees: tuple[float, ...] = (5.0, 10.0, 15.0, 20.0, 25.0)
+) -> dict[float, float]:
+    """Return the wanted net weight (kg) by the temperature of the bucket, degrees C."""
+    return {celsius: find_reading(agent, fluid, celsius) for celsius in degrees}
 
 
 def trim_in_water(design: Design, net_weight: float, celsius: float | None = None) -> dict[str, Any]:
@@ -57,6 +94,4 @@ def trim_in_water(design: Design, net_weight: float, celsius: float | None = Non
 
 def describe_hanging(facts: dict[str, Any], body: Body) -> list[str]:
     """Return what is to be done by the document of :func:`trim_in_water`, one line each."""
-    from driftform_kit.templates import fill_template
-
     return fill_template("hang.txt", **facts, step=SCALE, core=body.core.cog - float(body.outer[0, 0]))

@@ -178,8 +178,6 @@ class _Plan:
 
 @dataclass(frozen=True)
 class _Planner:
-    """Plans the ballast of a print: a density (kg/m3), and what measures its kit with seats for balls."""
-
     agent: Agent
     weight: PrintWeight
     density: float

@@ -71,8 +71,6 @@ def search_all(studies: Mapping[Path, Study], executor: Executor, progress: Call
 
 
 class _Counter(Observer):
-    """Counts the flights of all repeats."""
-
     def __init__(self, progress: Callable[[int, int], None], before: int, total: int) -> None:
         self._progress, self._done, self._total = progress, before, total
 

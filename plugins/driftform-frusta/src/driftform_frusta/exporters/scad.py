@@ -50,13 +50,14 @@ def write_source(
             f'    ["{part.name}", {low[2]:.6f}, {high[2] - low[2]:.6f}, {turned}, {x:.3f}, "{colour_of(index)}"],'
         )
         x += radius + GAP
+    source = "\n".join(write_module(modules[part.name], part.tree) for part in parts)
     return fill_source(
         "kit",
         title=" ".join(job.name.split()),
         count=len(parts),
         names=", ".join(modules),
-        definitions=write_definitions([part.tree for part in parts], segments),
-        modules="\n".join(write_module(modules[part.name], part.tree) for part in parts),
+        definitions=write_definitions(source, segments),
+        modules=source,
         choices="\n".join(f'    if (name == "{name}") {module}();' for name, module in modules.items()),
         table="\n".join(rows),
         core=f"{MM * body.core.radius:.6g}",

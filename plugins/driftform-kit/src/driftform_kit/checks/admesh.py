@@ -9,7 +9,7 @@ from typing import ClassVar
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, State
-from driftform_kit.checks.programs import explain_missing, last_line, run_program
+from driftform_kit.checks.programs import last_line, require_program, run_program
 from driftform_kit.reading import provide_stl
 
 _FAULTS = {
@@ -37,26 +37,22 @@ class AdmeshChecker(Checker[AdmeshOptions]):
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Report its counts, summed over all files."""
-        if reason := explain_missing(self.program):
-            yield Finding(self.name, State.SKIPPED, reason)
-            return
+        try:
+            require_program(self.program)
+            yield Finding(self.name, *self._judge(job))
+        except WorkFailedError as error:
+            yield Finding(self.name, State.SKIPPED, str(error))
+
+    def _judge(self, job: PrintJob) -> tuple[State, str]:
         counts = dict.fromkeys(_FAULTS.values(), 0)
         with TemporaryDirectory() as folder:
             for path in provide_stl(job.files, Path(folder)):
-                try:
-                    said = run_program([self.program, str(path)], Path(folder), self.options.timeout)
-                except WorkFailedError as error:
-                    yield Finding(self.name, State.SKIPPED, str(error))
-                    return
+                said = run_program([self.program, str(path)], Path(folder), self.options.timeout)
                 for title, name in _FAULTS.items():
                     # It prints two columns for some: before and after the repair.
                     found = re.search(rf"{title}\s*:\s*(\d+)", said)
                     if found is None:
-                        yield Finding(self.name, State.FAIL, f"{path.name}: {last_line(said)}")
-                        return
+                        return State.FAIL, f"{path.name}: {last_line(said)}"
                     counts[name] += int(found[1])
-        faults = [f"{count} {name}" for name, count in counts.items() if count]
-        if faults:
-            yield Finding(self.name, State.FAIL, f"facets that it would repair: {', '.join(faults)}")
-        else:
-            yield Finding(self.name, State.PASS, "nothing to repair")
+        faults = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+        return (State.FAIL, f"facets that it would repair: {faults}") if faults else (State.PASS, "nothing to repair")

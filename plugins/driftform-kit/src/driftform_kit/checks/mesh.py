@@ -15,9 +15,8 @@ from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.strength import describe_strength
 from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
-from driftform_kit.checks.shells import Shell, find_shells, orient_outward
+from driftform_kit.checks.shells import Shell, Topology, analyse_topology, find_shells, orient_outward
 from driftform_kit.checks.slenderness import ADHESION, BRIMS, PUSH, find_brim, measure_slenderness
-from driftform_kit.checks.topology import Topology, analyse_topology
 from driftform_kit.checks.walls import REACH, Wall, find_thinnest_wall
 from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.reading import read_meshes

@@ -9,7 +9,7 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, State
 from driftform_frusta.hull import MM3_PER_M3
-from driftform_kit.checks.programs import TIMEOUT, explain_missing, render
+from driftform_kit.checks.programs import TIMEOUT, render, require_program
 from driftform_kit.reading import read_meshes
 
 
@@ -33,14 +33,12 @@ class OpenScadChecker(Checker[OpenScadOptions]):
 
     def _judge(self, job: PrintJob) -> tuple[State, str]:
         if job.withheld is not None:
-            detail = f"the {job.withheld} is not rendered; add --attached if you trust it"
-            return State.SKIPPED, detail
+            return State.SKIPPED, f"the {job.withheld} is not rendered; add --attached if you trust it"
         if job.source is None:
             return State.SKIPPED, "no OpenSCAD source to render"
-        if reason := explain_missing(self.program):
-            return State.SKIPPED, reason
         with TemporaryDirectory() as folder:
             try:
+                require_program(self.program)
                 rendered = read_meshes(render(job.source, Path(folder), self.options.timeout))
             except InputError as error:
                 return State.FAIL, str(error).removeprefix(f"{job.source}: OpenSCAD: ")

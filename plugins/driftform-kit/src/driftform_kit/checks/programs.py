@@ -17,9 +17,10 @@ TIMEOUT = 300.0
 """Time limit of OpenSCAD, s."""
 
 
-def explain_missing(program: str) -> str:
-    """Return the reason why a program cannot be run, ``""`` if it can."""
-    return "" if shutil.which(program) else f"{program} is not on PATH"
+def require_program(program: str) -> None:
+    """Check that a program is on PATH. Raises WorkFailedError if it is not."""
+    if shutil.which(program) is None:
+        raise WorkFailedError(f"{program} is not on PATH")
 
 
 def run_program(command: Sequence[str], folder: Path, timeout: float, memory: int = MEMORY) -> str:
@@ -38,8 +39,10 @@ def render(source: Path, folder: Path, timeout: float = TIMEOUT) -> Path:
     Raises WorkFailedError if OpenSCAD is not installed or does not end in time, and InputError with its reason if the
     source has no solid, or a part of it is left out.
     """
-    if reason := explain_missing("openscad"):
-        raise WorkFailedError(f"{source}: only OpenSCAD can read it: {reason}")
+    try:
+        require_program("openscad")
+    except WorkFailedError as error:
+        raise WorkFailedError(f"{source}: only OpenSCAD can read it: {error}") from None
     mesh = folder / "rendered.stl"
     said = run_program(["openscad", "-o", str(mesh), str(source.resolve())], folder, timeout)
     # OpenSCAD leaves out a part that it cannot make, and prints such a line only.

@@ -11,7 +11,7 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, Printer, PrintJob, Table, option
 from driftform.types import Finding, State
 from driftform_frusta.csg import MM
-from driftform_kit.checks.programs import explain_missing, last_line, run_program
+from driftform_kit.checks.programs import last_line, require_program, run_program
 from driftform_kit.reading import provide_stl, read_meshes
 
 _FILAMENT = 1.75
@@ -50,9 +50,10 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Report faults of the meshes, and the filament and the time of their g-code."""
         mesh, gcode = f"{self.name} mesh", f"{self.name} g-code"
-        if reason := explain_missing(self.program):
-            yield Finding(mesh, State.SKIPPED, reason)
-            yield Finding(gcode, State.SKIPPED, reason)
+        try:
+            require_program(self.program)
+        except WorkFailedError as error:
+            yield from (Finding(check, State.SKIPPED, str(error)) for check in (mesh, gcode))
             return
         with TemporaryDirectory() as name:
             folder = Path(name)

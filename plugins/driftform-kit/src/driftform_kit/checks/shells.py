@@ -1,4 +1,4 @@
-"""The closed surfaces of a part: which lies within which, and whether each faces the right way.
+"""The closed surfaces of a part: copies, open edges and neighbours of opposite orientation, and which surface lies within which.
 
 A solid's outside faces outward and its volume is positive; a hollow within faces into the hollow and its volume is
 negative; a loose piece within a hollow is positive again. A mesh whose hollow is inside out is closed and manifold
@@ -10,11 +10,110 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform_frusta.triangles import Mesh
-from driftform_kit.checks.topology import IntArray, Topology, winding_numbers
+from driftform_frusta.triangles import IntArray, Mesh
 
 _PROBES = 32
 """Vertices of a surface that are tested for lying within another."""
+
+
+@dataclass(frozen=True, eq=False)
+class Topology:
+    """Properties of a mesh that do not depend on the coordinates of its vertices.
+
+    ``triangles`` (m, 3) are those on other vertices than all before: the rest are ``copies``, whichever way they face. Open
+    edges have one triangle, and are the rims of holes; crowded ones have three or more. Flipped triangles face opposite to
+    most of their surface; ``surface`` is the number of the connected one of each triangle, (m,).
+    """
+
+    triangles: IntArray
+    copies: int
+    open_edges: int
+    holes: int
+    crowded_edges: int
+    flipped: int
+    surface: IntArray
+
+    @property
+    def closed(self) -> bool:
+        """True if every edge has two triangles."""
+        return len(self.triangles) > 0 and not self.open_edges and not self.crowded_edges
+
+    @property
+    def oriented(self) -> bool:
+        """True if no two neighbours face opposite ways."""
+        return not self.flipped
+
+
+def analyse_topology(triangles: IntArray) -> Topology:
+    """Return the topology of triangles (m, 3) that share vertices."""
+    _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    kept = triangles[np.sort(first)]
+    start = kept.reshape(-1)
+    end = np.roll(kept, -1, axis=1).reshape(-1)
+    face = np.repeat(np.arange(len(kept)), 3)
+    ends = np.sort(np.column_stack((start, end)), axis=1)
+    edges, edge, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+    edge = edge.reshape(-1)
+
+    order = np.argsort(edge, kind="stable")
+    place = np.concatenate(([0], np.cumsum(count)))[:-1]
+    pairs = order[place[count == 2, None] + [0, 1]]
+    # Neighbours that agree run along their common edge in opposite directions.
+    agree = start[pairs[:, 0]] == end[pairs[:, 1]]
+    surface = _label_connected(face[pairs], len(kept))
+    patch = _label_connected(face[pairs[agree]], len(kept))
+
+    rim = edges[count == 1]
+    vertices, index = np.unique(rim, return_inverse=True)
+    holes = _label_connected(index.reshape(-1, 2), len(vertices)) if len(rim) else rim
+    return Topology(
+        triangles=kept,
+        copies=len(triangles) - len(kept),
+        open_edges=len(rim),
+        holes=len(np.unique(holes)),
+        crowded_edges=int((count > 2).sum()),
+        flipped=_count_minority(surface, patch),
+        surface=surface,
+    )
+
+
+def _label_connected(pairs: IntArray, count: int) -> IntArray:
+    """The number of the group of each of ``count`` things, of which pairs (k, 2) are connected."""
+    from trimesh.graph import connected_component_labels
+
+    labels = connected_component_labels(pairs, node_count=count)  # type: ignore[no-untyped-call]
+    return np.asarray(labels, dtype=np.int64)
+
+
+def _count_minority(surface: IntArray, patch: IntArray) -> int:
+    """Return the number of triangles outside the largest patch of their surface; in a patch, neighbours agree."""
+    if not len(patch):
+        return 0
+    size = np.bincount(patch)
+    largest = np.zeros(int(surface.max()) + 1, dtype=np.int64)
+    np.maximum.at(largest, surface, size[patch])
+    return len(patch) - int(largest.sum())
+
+
+def winding_numbers(points: FloatArray, corners: FloatArray) -> FloatArray:
+    """Return how often a closed surface winds round points (k, 3): 0 outside, 1 inside, -1 inside if it is inside out.
+
+    The sum of the solid angles of its triangles, whose ``corners`` are (m, 3, 3), over 4 pi (van Oosterom and Strackee, "The
+    solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 1983, eq. 8).
+    """
+    found = np.empty(len(points))
+    for index, point in enumerate(points):
+        a, b, c = np.moveaxis(corners - point, 1, 0)
+        la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+        triple = np.einsum("ij,ij->i", a, np.cross(b, c))
+        rest = (
+            la * lb * lc
+            + np.einsum("ij,ij->i", a, b) * lc
+            + np.einsum("ij,ij->i", b, c) * la
+            + np.einsum("ij,ij->i", c, a) * lb
+        )
+        found[index] = np.arctan2(triple, rest).sum() / (2 * np.pi)
+    return found
 
 
 @dataclass(frozen=True, eq=False)

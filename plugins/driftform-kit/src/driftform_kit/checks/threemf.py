@@ -64,8 +64,6 @@ def _read_values(path: str) -> list[tuple[FloatArray, npt.NDArray[np.int64], str
 
 
 class _Package:
-    """An open archive, and the models read from it."""
-
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self._archive = archive
         # Each is read once, however often it is placed.

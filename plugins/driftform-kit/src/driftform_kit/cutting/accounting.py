@@ -160,7 +160,6 @@ def _subtract(whole: MassProperties, text: Engraving, density: float, floods: bo
 
 
 def _point_inertia(at: FloatArray) -> FloatArray:
-    """Inertia of a unit point mass, m2."""
     square: FloatArray = float(at @ at) * np.eye(3) - np.outer(at, at)
     return square
 

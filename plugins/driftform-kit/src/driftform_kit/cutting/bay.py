@@ -135,7 +135,6 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
 
 
 def _spans(section: CrossSection, low: float, high: float) -> bool:
-    """Return whether a section reaches between two heights."""
     _, lowest, _, highest = section.bounds()
     return bool(lowest <= high and highest >= low)
 

@@ -87,7 +87,6 @@ def describe_coupon(body: Body, options: PartOptions) -> dict[str, Any]:
 
 
 def _make_label(text: str, at: tuple[float, float, float], widest: float, side: int) -> Node:
-    """A disc on the bed beside a plug, with its clearance."""
     long = text_length(text, _LETTER)
     radius = math.hypot(long, _LETTER) / 2 + 1.0
     disc = Revolve(((0.0, 0.0), (radius, 0.0), (radius, _THICK), (0.0, _THICK)))

@@ -151,7 +151,6 @@ def _cut_hull(body: Body, options: KitOptions) -> tuple[Kit, tuple[CrossSection,
 
 
 def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:
-    """The sections of the parts, without seats."""
     bounds = [-meridian.FAR, *(joint.z for joint in joints), meridian.FAR]
     sections = [hull.material ^ meridian.make_slab(low, high) for low, high in pairwise(bounds)]
     core = hull.draw_room(gap)
@@ -165,10 +164,6 @@ def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[Cross
 
 
 def _add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) -> CrossSection:
-    """Return the section of an end part with a hole through its end.
-
-    Fails if the end is too slim, or too thick, for the hole.
-    """
     r = diameter / 2
     skin, bore = (hull.skin, hull.bore) if side < 0 else (hull.skin[::-1], hull.bore[::-1])
     end = float(skin[0, 0])
@@ -204,10 +199,6 @@ def _take_rings(section: CrossSection, name: str) -> tuple[Ring, ...]:
 def _engrave_parts(
     hull: Hull, joints: tuple[Joint, ...], found: tuple[Seat, ...], options: KitOptions
 ) -> list[Engraving | None]:
-    """Return the engraving of each part, ``None`` if it has no room for one.
-
-    Fails if no part has room for it.
-    """
     bounds = [float(hull.skin[0, 0]), *(joint.z for joint in joints), float(hull.skin[-1, 0])]
     if not options.engrave:
         return [None] * (len(bounds) - 1)

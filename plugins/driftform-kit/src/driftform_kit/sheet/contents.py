@@ -18,7 +18,7 @@ from driftform_kit.cutting.joint import Joint, groove_diameter, takes_core_aft
 from driftform_kit.cutting.meridian import MM, Ring
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
 from driftform_kit.cutting.upright import overhang_area
-from driftform_kit.net_weight import list_readings
+from driftform_kit.hang import list_readings
 from driftform_kit.settings import list_arguments
 from driftform_kit.templates import fill_template
 

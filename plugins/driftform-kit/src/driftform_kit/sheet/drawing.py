@@ -170,7 +170,6 @@ def _place_part(part: SheetPart, x: float, bed: float, scale: float, width: floa
 
 
 def _list_weights(sheet: Sheet) -> dict[str, Any]:
-    """Headings and rows of the table of weights, with room to write."""
     right = _LEFT + _COLUMN
     columns = {right - 136: "full flow", right - 66: f"{100 * sheet.flow:.1f} % flow"}
     if sheet.flow == 1:
@@ -184,7 +183,6 @@ def _list_weights(sheet: Sheet) -> dict[str, Any]:
 
 
 def _place_steps(sheet: Sheet, top: float) -> dict[str, Any]:
-    """Place the order of assembly: each step with its picture."""
     left = _LEFT + _SCENE + 24
     texts = [wrap(text, _TEXT, _RIGHT - left - 24) for text in sheet.steps]
     for height in _SCENES:

@@ -126,7 +126,6 @@ def _mirror(rings: Sequence[Ring], x: float = 0.0) -> list[FloatArray]:
 
 
 def _stand(part: SheetPart, x: float) -> Iterator[Shape]:
-    """A part as printed, at x, with its number."""
     colour = colour_of(part.place)
     yield Shape(_mirror(part.printed, x), style.tint(colour, 0.45))
     yield Shape([np.array([[x, part.size[1] / 2]])], mark=str(part.number), colour=colour)
@@ -156,7 +155,6 @@ def _draw_ball(x: float, y: float, radius: float, fill: str) -> Shape:
 
 
 def _draw_core(hull: Hull, x: float, y: float = 0.0) -> Shape:
-    """The core along the axis."""
     if hull.capsule is None:
         return _draw_ball(x, y, hull.core, CORE)
     outline = np.concatenate((hull.capsule, hull.capsule[::-1] * (1.0, -1.0)))
