@@ -69,7 +69,7 @@ class Survey:
         }
         alive = [number for number, at in matters.items() if at.any()]
         flown = 0
-        for stage in self._stages:
+        for stage in self._stages if alive else ():
             pairs = [(first + number, condition) for number in alive for condition in range(flown, stage)]
             # The error of an unchecked flight is far below the differences that decide.
             fly_disturbed(self._study, store, executor, self._conditions, pairs, threshold=(inf,) * len(targets))
