@@ -12,8 +12,7 @@ from driftform.testing import RendererContract
 from driftform.types import WrittenFile
 from driftform.util.files import write_whole
 from driftform.util.rotations import matrix_from_quaternion
-from driftform_exudyn.encoder import encode
-from driftform_exudyn.png import png_bytes
+from driftform_exudyn.encoder import encode, png_bytes
 
 pytestmark = pytest.mark.peers
 

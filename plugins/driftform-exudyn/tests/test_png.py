@@ -8,7 +8,7 @@ from PIL import Image
 
 from driftform.figures import svg
 from driftform.figures.files import ZOOM, rasterise
-from driftform_exudyn.png import png_bytes
+from driftform_exudyn.encoder import png_bytes
 
 
 def test_a_png_file_holds_the_pixels():

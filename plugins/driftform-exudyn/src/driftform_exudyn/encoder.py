@@ -1,12 +1,20 @@
-"""Images -> a film, by the ffmpeg of imageio-ffmpeg."""
+"""Images -> a film, by the ffmpeg of imageio-ffmpeg, or a PNG file.
+
+PNG: W3C, "Portable Network Graphics (PNG) Specification (Third Edition)"; eight bits a channel, no interlacing.
+"""
 
 import contextlib
+import struct
 import subprocess
 import tempfile
+import zlib
 from collections.abc import Iterable
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
 
 from driftform.errors import WorkFailedError
 
@@ -69,3 +77,18 @@ def encode(images: "Iterable[Image]", path: Path, suffix: str, fps: float) -> No
             said.seek(0)
             lines = said.read().decode(errors="replace").split("\n")
             raise WorkFailedError(f"ffmpeg failed: {next(filter(None, reversed(lines)), 'it gives no reason')}")
+
+
+def png_bytes(pixels: npt.NDArray[np.uint8]) -> bytes:
+    """Return a picture, (height, width, 3) of red, green and blue, as a PNG file."""
+    height, width, _ = pixels.shape
+    rows = np.empty((height, 1 + 3 * width), dtype=np.uint8)
+    # The filter 2 stores each row as its difference from the row above, which compresses far better.
+    rows[:, 0] = 2
+    flat = pixels.reshape(height, -1)
+    rows[0, 1:] = flat[0]
+    rows[1:, 1:] = flat[1:] - flat[:-1]
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    parts = b"IHDR" + header, b"IDAT" + zlib.compress(rows.tobytes(), 6), b"IEND"
+    chunks = (struct.pack(">I", len(part) - 4) + part + struct.pack(">I", zlib.crc32(part)) for part in parts)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)

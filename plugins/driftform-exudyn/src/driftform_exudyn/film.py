@@ -11,7 +11,7 @@ from driftform.interfaces import Renderer, Table, option
 from driftform.types import Agent, FloatArray, Trajectory, WrittenFile
 from driftform.util import files
 from driftform.water import Scenario
-from driftform_exudyn.encoder import SUFFIXES, encode, find_ffmpeg
+from driftform_exudyn.encoder import SUFFIXES, encode, find_ffmpeg, png_bytes
 
 if TYPE_CHECKING:
     from driftform_exudyn.scene import Scene
@@ -73,7 +73,6 @@ class ExudynRenderer(Renderer[FilmOptions]):
 
     def still(self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float) -> WrittenFile:
         """Write the still; the side view also shows the agent at equal intervals. Facts: ``t``, ``size_px``."""
-        from driftform_exudyn.png import png_bytes
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)

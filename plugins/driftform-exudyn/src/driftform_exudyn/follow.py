@@ -4,9 +4,8 @@ import numpy as np
 
 from driftform.figures import layout, style
 from driftform.types import FloatArray
-from driftform_exudyn.hull import make_hull
 from driftform_exudyn.scene import PER_FRAME, Scene
-from driftform_exudyn.shapes import Shape, make_line, make_text, thin
+from driftform_exudyn.shapes import Shape, make_hull, make_line, make_text, thin
 from driftform_exudyn.stage import Camera, Image, Stage
 from driftform_exudyn.surroundings import make_lattice
 

@@ -33,13 +33,9 @@ def interpolate_poses(trajectory: Trajectory, t: FloatArray) -> list[Pose]:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """An agent, its flight, and the times of the frames.
+    """An agent, its flight and surroundings, the time of each frame, s, (n,), and the height of letters, px.
 
-    Attributes:
-        agent, flight, scenario: the agent, its flight, and the surroundings.
-        t: time of each frame, s, (n,).
-        letters: height of letters, px.
-        still: the frame of a still, which shows the whole path; ``None`` for a film.
+    ``still`` is the frame of a still, which shows the whole path; ``None`` for a film.
     """
 
     agent: Agent

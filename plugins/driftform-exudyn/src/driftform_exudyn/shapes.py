@@ -1,12 +1,13 @@
-"""Shapes for Exudyn (``GraphicsData``): triangles, lines and texts from lengths in m and colours."""
+"""Shapes for Exudyn (``GraphicsData``): triangles, lines and texts from lengths in m and colours, and the hull of an agent."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from driftform.types import FloatArray
+from driftform.figures import style
+from driftform.types import Body, FloatArray
 
 Shape: TypeAlias = dict[str, Any]
 """One ``GraphicsData`` dictionary."""
@@ -17,6 +18,9 @@ FULL_TURN = np.linspace(0, 2 * np.pi, 37)
 
 POINT_KEYS = ("points", "data", "position")
 """Keys of a shape that hold points."""
+
+NOSE_SHARE = 0.1
+"""Share of the length that has the colour of the fore end."""
 
 GLOWING = 1001.0
 """Value of an opacity that selects the ray tracer's material 1, which the stage makes luminous."""
@@ -62,12 +66,9 @@ def make_text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
 
 
 def make_ribbons(grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacity: float = 1.0) -> Shape:
-    """Return ribbons of triangles.
+    """Return ribbons of triangles, each of one colour; the opacity is 1, or ``GLOWING``.
 
-    Args:
-        grid, normals: points of both edges of each ribbon, and their normals, (ribbons, 2, n, 3).
-        colours: one for each ribbon.
-        opacity: 1, or ``GLOWING``.
+    ``grid`` and ``normals`` are the points of both edges of each ribbon, and their normals, (ribbons, 2, n, 3).
     """
     ribbons, _, n, _ = grid.shape
     corner = 2 * n * np.arange(ribbons)[:, None] + np.arange(n - 1)
@@ -84,14 +85,10 @@ def make_ribbons(grid: FloatArray, normals: FloatArray, colours: Sequence[str], 
 def revolve(
     contour: FloatArray, axes: FloatArray, angles: FloatArray, colours: Sequence[str], opacity: float = 1.0
 ) -> Shape:
-    """Return the surface of revolution of a meridian about an axis through the origin.
+    """Return the surface of revolution of a meridian about an axis through the origin; the opacity is 1, or ``GLOWING``.
 
-    Args:
-        contour: positions along the axis, and radii, m, (n, 2); the surface faces to the left of the contour.
-        axes: the axis, the direction of angle 0 and the direction of angle pi/2, as rows, (3, 3).
-        angles: angles of the corners of the surface, rad, (k,).
-        colours: one for each edge of the contour.
-        opacity: 1, or ``GLOWING``.
+    The contour has positions along the axis, and radii, m, (n, 2), a colour for each edge, and the surface to its left. Rows of
+    ``axes`` are the axis and the directions of angle 0 and pi/2, (3, 3); ``angles`` are those of the surface's corners, rad, (k,).
     """
     along, rise = np.diff(contour, axis=0).T[..., None, None]
     out = np.cos(angles)[:, None] * axes[1] + np.sin(angles)[:, None] * axes[2]
@@ -119,3 +116,25 @@ def make_ball(centre: npt.ArrayLike, radius: float, colour: str) -> Shape:
     angles = np.linspace(np.pi, 0, 13)
     contour = radius * np.column_stack([np.cos(angles), np.sin(angles)])
     return place(revolve(contour, np.eye(3), FULL_TURN[::2], [colour] * 12), 1.0, centre)
+
+
+def make_hull(body: Body, scale: float = 1.0) -> Shape:
+    """Return the outer surface in the body frame, magnified about the core: modules in two shades, the fore end in another colour."""
+    nose = float(body.outer[-1, 0]) - NOSE_SHARE * body.length
+    contour = _split_contour(body.outer, [nose, *body.joints])
+    middle = (contour[:-1, 0] + contour[1:, 0]) / 2
+    shades = (style.ORANGE, style.tint(style.ORANGE, 0.6))
+    module = np.searchsorted(body.joints, middle)
+    colours = [style.BLUE if x > nose else shades[m % 2] for x, m in zip(middle, module, strict=True)]
+    return revolve(scale * contour, np.eye(3), FULL_TURN, colours)
+
+
+def _split_contour(contour: FloatArray, cuts: Iterable[float]) -> FloatArray:
+    """Return the contour with a point wherever it crosses one of the ``cuts`` (x, m), without edges of zero length."""
+    for x in cuts:
+        (crossing,) = np.nonzero((contour[:-1, 0] - x) * (contour[1:, 0] - x) < 0)
+        p, q = contour[crossing], contour[crossing + 1]
+        between = p + ((x - p[:, 0]) / (q[:, 0] - p[:, 0]))[:, None] * (q - p)
+        contour = np.insert(contour, crossing + 1, between, axis=0)
+    lengths = np.linalg.norm(np.diff(contour, axis=0), axis=1)
+    return np.asarray(contour[np.append(True, lengths > 1e-9)], dtype=np.float64)

@@ -22,12 +22,10 @@ UNIT = 100.0
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A view of the world.
+    """A view of the world, with the directions right, up, and towards the viewer in the world frame as rows, (3, 3).
 
-    Attributes:
-        axes: the directions right, up, and towards the viewer in the world frame: rows, (3, 3).
-        px_per_m: scale at the distance of the focus, the point in the middle of the image.
-        distance: distance of the viewer from the focus, m; infinite for parallel lines of sight.
+    ``px_per_m`` is the scale at the distance of the focus, the point in the middle of the image, and ``distance`` that of the
+    viewer from the focus, m; infinite for parallel lines of sight.
     """
 
     axes: FloatArray

@@ -37,14 +37,10 @@ def upright_axes(scenario: Scenario) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Bore:
-    """A straight piece of pipe.
+    """A straight piece of pipe, m; rows of ``axes`` are its axis, up, and the direction of the back wall, (3, 3).
 
-    Attributes:
-        start, length, radius: m.
-        axes: rows: its axis, up, and the direction of the back wall, (3, 3).
-        edges: angles of the edges along which the wall is cut, rad from up: both, or one where a branch leaves by the
-            other.
-        is_chord: whether it is one of many pieces of a pipe with parts, which have no distances beside them.
+    ``edges`` are the angles of the edges along which the wall is cut, rad from up: both, or one where a branch leaves by the
+    other; ``is_chord`` is whether it is one of many pieces of a pipe with parts, which have no distances beside them.
     """
 
     start: FloatArray

@@ -25,16 +25,11 @@ NOWHERE = (np.nan,) * 6
 
 @dataclass(frozen=True, eq=False)
 class ExudynSystem:
-    """A system before it is assembled and solved.
+    """A system before it is assembled and solved: Exudyn's ``container`` and ``mbs``, and the forces of water and wall.
 
-    Attributes:
-        container, mbs: Exudyn's.
-        node: of the rigid body: position and rotation vector, body to world, about the core's centre.
-        body: Exudyn's rigid body with dry mass and inertia; markers of other items refer to it, with lengths in its
-            axes, m.
-        water: the forces of water and wall.
-        tries: one number: how often they were asked for since it was set to 0, which is optional. From
-            :data:`MAX_TRIES` on they are not finite.
+    The ``node`` of the rigid body has position and rotation vector, body to world, about the core's centre; the ``body`` has dry
+    mass and inertia, and markers of other items refer to it, with lengths in its axes, m. ``tries`` is one number: how often the
+    forces were asked for since it was set to 0, which is optional. From :data:`MAX_TRIES` on they are not finite.
     """
 
     container: Any

@@ -77,14 +77,10 @@ class Load:
 def list_loads(
     body: Body, widest: FloatArray, room: FloatArray, options: BallastOptions, clearance: float
 ) -> tuple[Load, ...]:
-    """Return the loads of a body, in ascending order of the ball's mass; the first is without one.
+    """Return the loads of a body without one, in ascending order of the ball's mass; the first is without a ball.
 
-    Args:
-        body: without a load; its ``wall`` is that of bodies with one.
-        widest: contour of the widest cavity, (n, 2), m.
-        room: contour of the room of the core, (m, 2), m.
-        options: of the ballast.
-        clearance: between ball and pocket, m.
+    The ``wall`` of the body is that of bodies with a load. ``widest`` is the contour of the widest cavity, (n, 2), and ``room``
+    that of the room of the core, (m, 2), m; ``clearance`` is that between ball and pocket, m.
     """
     # Compiled code loads the compiler, and listing the plugins must not.
     from driftform_frusta.envelope import unite_contours

@@ -12,15 +12,9 @@ _SAME = 0.004
 class Material:
     """A material as it is printed, at 23 degrees C; ``materials.toml`` defines each number.
 
-    Attributes:
-        density: kg/m3; ``source`` says whose.
-        modulus, strength, across: Young's modulus, tensile strength along and across the layers, in minutes, Pa.
-        creep: share of these that is left after 1000 h under load.
-        poisson: Poisson's ratio.
-        expansion: coefficient of linear thermal expansion, 1/K.
-        absorption: mass of water that it takes up, over its own.
-        mechanics: sources of all but the density.
-        note: what to know of it in water, if anything.
+    Its density is in kg/m3, by its ``source``; by ``mechanics``, Young's modulus, tensile strength along and ``across`` the layers
+    in minutes, Pa, the share of these that is left after 1000 h under load, Poisson's ratio, the coefficient of linear thermal
+    expansion, 1/K, and the mass of water that it takes up, over its own. The note says what to know of it in water, if anything.
     """
 
     density: float

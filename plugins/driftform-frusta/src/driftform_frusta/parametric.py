@@ -8,7 +8,7 @@ the same steps, and compared with the body. A body made in another way is writte
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import accumulate
+from itertools import accumulate, pairwise
 
 import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType
@@ -89,16 +89,11 @@ def _tabulate_modules(agent: Agent) -> tuple[list[Row] | None, int]:
     body, morphology = agent.body, agent.morphology
     if morphology is None:
         return None, 0
-    aft = _joints(body, morphology.aft, -1.0)
-    fore = _joints(body, morphology.fore, 1.0)
-    rows = [
-        Row(f"aft {k}", *_round_mm(aft[k][0] - aft[k - 1][0], aft[k][1], aft[k - 1][1]))
-        for k in range(len(morphology.aft), 0, -1)
-    ]
-    rows += [
-        Row(f"fore {k}", *_round_mm(fore[k][0] - fore[k - 1][0], fore[k - 1][1], fore[k][1]))
-        for k in range(1, len(morphology.fore) + 1)
-    ]
+    rows = []
+    for end, modules, side in (("aft", morphology.aft, -1), ("fore", morphology.fore, 1)):
+        joints = pairwise(_joints(body, modules, side))
+        laid = [(f"{end} {k}", x - near, (r_near, r)[::side]) for k, ((near, r_near), (x, r)) in enumerate(joints, 1)]
+        rows += [Row(name, *(round(MM * v, 6) for v in (long, *radii))) for name, long, radii in laid[::side]]
     return rows, len(morphology.aft)
 
 
@@ -115,10 +110,6 @@ def _joints(body: Body, modules: Sequence[Module], side: float) -> list[tuple[fl
         r = joints[-1][1] + module.length * math.sin(module.tilt)
         joints.append((x, _radius_at(body, side * x) if x >= dome else r))
     return joints
-
-
-def _round_mm(*metres: float) -> tuple[float, ...]:
-    return tuple(round(MM * value, 6) for value in metres)
 
 
 def _renders_to_hull(body: Body, rows: Sequence[Row], aft: int, clearance: float) -> bool:

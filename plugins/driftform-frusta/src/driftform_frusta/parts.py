@@ -20,14 +20,10 @@ KIT_FILE = "kit.json"
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One printed piece.
+    """One printed piece: its name, such as ``hull`` or ``fore shell``, its CSG tree, and the solid of that, mm.
 
-    Attributes:
-        name: in small letters: ``hull``, ``fore shell``.
-        tree: its CSG tree, in the frame of the assembled hull: mm, the axis along z, fore end up, lowest point of the
-            hull at z = 0.
-        solid: the solid of that tree, mm.
-        fore_down: whether it is printed with its fore end on the bed.
+    The tree is in the frame of the assembled hull: mm, the axis along z, fore end up, lowest point of the hull at z = 0.
+    ``fore_down`` is whether it is printed with its fore end on the bed.
     """
 
     name: str

@@ -48,11 +48,8 @@ Shape: TypeAlias = tuple[Mesh, str]
 def plate_svg(shapes: Sequence[Shape], bed: tuple[float, float], width: float = 200, height: float = 150) -> str:
     """Return a picture of shapes on a bed, SVG of ``width`` by ``height`` px; the bed has a line each 10 mm.
 
-    The picture shows all shapes, and the part of the bed around them.
-
-    Args:
-        shapes: upright parts; seen from above, their circumscribed circles do not overlap.
-        bed: width and depth, mm.
+    The picture shows all shapes, and the part of the bed (width and depth, mm) around them. The shapes are upright parts; seen
+    from above, their circumscribed circles do not overlap.
     """
     view = _View.of(shapes, width, height)
     shapes = [(_simplify(mesh, _DETAIL / view.scale), colour) for mesh, colour in shapes]

@@ -7,12 +7,12 @@ the rest.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import assert_never
 
 import numpy as np
-import numpy.typing as npt
 from manifold3d import CrossSection, Error, FillRule, Manifold, OpType
 
 from driftform.errors import WorkFailedError
@@ -28,20 +28,14 @@ _SIMPLIFY = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Solid:
-    """A solid of positive volume.
+class Solid(Mesh):
+    """A solid of positive volume: vertices, mm, (n, 3), and triangles, counterclockwise seen from outside, (m, 3).
 
-    Attributes:
-        vertices: mm, (n, 3).
-        triangles: indices of their corners, counterclockwise seen from outside, (m, 3).
-        shells: volume inside each closed surface, mm3, (k,): negative for that of a hollow, which faces inward.
-
-    Raises WorkFailedError if it is empty or inside out.
+    ``shells`` are the volumes inside each closed surface, mm3, (k,): negative for that of a hollow, which faces inward. Raises
+    WorkFailedError if it is empty or inside out.
     """
 
-    vertices: FloatArray
-    triangles: npt.NDArray[np.int64]
-    shells: FloatArray
+    shells: FloatArray = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         if not self.volume > 0:
@@ -54,10 +48,10 @@ class Solid:
         return cls(
             np.asarray(mesh.vert_properties)[:, :3],
             np.asarray(mesh.tri_verts, dtype=np.int64),
-            np.array([shell.volume() for shell in solid.decompose()]),
+            shells=np.array([shell.volume() for shell in solid.decompose()]),
         )
 
-    @property
+    @cached_property
     def volume(self) -> float:
         """Volume of the material, mm3."""
         return float(self.shells.sum())
@@ -67,37 +61,26 @@ class Solid:
         """Number of disconnected solids: each has an outside, and any number of hollows."""
         return int((self.shells > 0).sum())
 
-    @property
-    def bounds(self) -> FloatArray:
-        """Lowest and highest coordinates, (2, 3)."""
-        return np.stack((self.vertices.min(axis=0), self.vertices.max(axis=0)))
-
-    def translate(self, offset: npt.ArrayLike) -> "Solid":
-        """Return the solid moved by ``offset``, mm."""
-        return Solid(self.vertices + np.asarray(offset), self.triangles, self.shells)
-
     def turn_over(self) -> "Solid":
         """Return the solid turned by half a turn about the x axis."""
-        return Solid(self.vertices * np.array([1.0, -1.0, -1.0]), self.triangles, self.shells)
+        return replace(self, vertices=self.vertices * np.array([1.0, -1.0, -1.0]))
 
     def to_manifold(self) -> Manifold:
         """Return the solid for manifold3d, which unites, cuts and measures solids.
 
         Raises WorkFailedError if its surfaces are not closed.
         """
-        solid = Mesh(self.vertices, self.triangles).to_manifold()
+        solid = super().to_manifold()
         if solid.status() != Error.NoError:
             raise WorkFailedError(f"the solid is not manifold: {solid.status().name}")
         return solid
 
 
 def to_solid(node: Node, segments: int = 64) -> Solid:
-    """Return the solid of a tree as a mesh.
+    """Return the solid of a tree as a mesh with ``segments`` corners in every circle.
 
-    Args:
-        node: the tree.
-        segments: corners of every circle. Volumes of revolved sections are exact for any number; where such solids
-            are cut or united off their own axis, the error is of second order in 1/segments.
+    Volumes of revolved sections are exact for any number; where such solids are cut or united off their own axis, the error is
+    of second order in 1/segments.
 
     Raises WorkFailedError if the tree has no solid: the result is empty, inside out, or not manifold.
     """
@@ -184,12 +167,10 @@ def half_section(node: csg.Revolve) -> list[FloatArray]:
 
 
 def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
-    """Return the solid that closed profiles sweep about the z axis.
+    """Return the solid that closed profiles sweep about the z axis, with ``segments`` corners in every circle.
 
-    Args:
-        profiles: each a polygon (n, 2) of (r, z) in mm with r >= 0, the last point joined to the first;
-            counterclockwise around matter, clockwise around a hollow. They neither cross each other nor themselves.
-        segments: corners of every circle.
+    Each profile is a polygon (n, 2) of (r, z) in mm with r >= 0, the last point joined to the first; counterclockwise around
+    matter, clockwise around a hollow. They neither cross each other nor themselves.
 
     Raises WorkFailedError if the solid is empty or inside out.
     """
@@ -201,7 +182,7 @@ def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
             triangles.append(mesh.triangles + count)
             shells.append(mesh.volume)
             count += len(mesh.vertices)
-    return Solid(np.concatenate(vertices), np.concatenate(triangles), np.array(shells))
+    return Solid(np.concatenate(vertices), np.concatenate(triangles), shells=np.array(shells))
 
 
 def _split_at_axis(profile: FloatArray) -> Iterator[tuple[FloatArray, bool]]:
@@ -219,12 +200,9 @@ def _split_at_axis(profile: FloatArray) -> Iterator[tuple[FloatArray, bool]]:
 
 
 def make_mesh(solid: Solid, name: str = "hull", frame: FloatArray | None = None) -> Mesh:
-    """Return the mesh of a solid, rounded to single precision and checked after that.
+    """Return the mesh of a solid (mm), rounded to single precision and checked after that.
 
-    Args:
-        solid: in mm.
-        name: of the mesh.
-        frame: matrix from its points to those of the mesh, (3, 3); the identity by default.
+    ``frame`` is the matrix from its points to those of the mesh, (3, 3); the identity by default.
 
     Raises WorkFailedError if the rounded mesh is not closed, or its volume differs from the solid's by more than
     rounding explains.

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -24,12 +24,10 @@ _FACET = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attrib
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A mesh of triangles.
+    """A mesh of triangles, with the name of its solid in a file of several, such as ``fore shell``.
 
-    Attributes:
-        vertices: in any unit of length, (n, 3); in single or double precision.
-        triangles: indices of their corners, counterclockwise seen from outside, (m, 3).
-        name: what its solid is called in a file of several, such as ``fore shell``.
+    Vertices are in any unit of length, (n, 3), in single or double precision; triangles are the indices of their corners,
+    counterclockwise seen from outside, (m, 3).
     """
 
     vertices: npt.NDArray[Any]
@@ -45,15 +43,10 @@ class Mesh:
         its circle's area, and the mesh has the volume, the centroid and the mass of the closed forms. The corners then
         lie outside the circle, by 0.08 % of the radius with 64 of them.
 
-        Args:
-            line: r and z, (n, 2), with the material on its left. It begins and ends on the axis; or, if ``closed``,
-                it never touches the axis, and the last point is joined to the first.
-            segments: corners of every circle; the first is on the x axis.
-
-        Returns:
-            Mesh: Vertices: a ring of ``segments`` for each point off the axis, in the order of the line; then the two
-                poles. Triangles: of the bands between rings, two for each segment; then the caps around the first and
-                the last pole.
+        The line is r and z, (n, 2), with the material on its left. It begins and ends on the axis; or, if ``closed``, it never
+        touches the axis, and the last point is joined to the first. Vertices: a ring of ``segments`` for each point off the axis,
+        in the order of the line, from the x axis on; then the two poles. Triangles: of the bands between rings, two for each
+        segment; then the caps around the first and the last pole.
         """
         swept = line if closed else line[1:-1]
         angle = np.arange(segments) * (2 * np.pi / segments)
@@ -137,7 +130,7 @@ class Mesh:
         """Lowest and highest coordinates, (2, 3)."""
         return np.array([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 
-    def translate(self, offset: npt.ArrayLike) -> "Mesh":
+    def translate(self, offset: npt.ArrayLike) -> Self:
         """Return the mesh moved by ``offset``, (3,)."""
         return replace(self, vertices=self.vertices + np.asarray(offset))
 
@@ -165,10 +158,7 @@ class Mesh:
 
         Gazebo's physics refuses a mesh that has not one normal for each vertex. Format: Wavefront Technologies, "Object
         Files (.obj)", Advanced Visualizer manual, appendix B1; with nine digits, which bring back the same number in
-        single precision.
-
-        Args:
-            first: number of the first vertex in the file: 1 plus the vertices of the meshes before this one.
+        single precision. ``first`` is the number of the first vertex in the file: 1 plus the vertices of the meshes before.
         """
         points, normals = ((array + 0.0).ravel().tolist() for array in (self.vertices, self.vertex_normals))
         corners = np.repeat(self.triangles.ravel() + first, 2).tolist()

@@ -144,9 +144,10 @@ def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: 
     if not _can_hold(body, wanted):
         return ()
     bore, volume, x = _Bore(body), wanted.mass / density, wanted.moment / wanted.mass
-    if volume > bore.volume:
+    free = float(bore.before[-1])
+    if volume > free:
         return ()
-    latest = bore.volume - volume
+    latest = free - volume
 
     def excess(first: float) -> float:
         return bore.fill(first, volume, density).element.x - x
@@ -155,7 +156,7 @@ def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: 
     if nearest:
         firsts = [0.0, latest]
     elif excess(0.0) <= 0 <= excess(latest):
-        firsts = [float(brentq(excess, 0.0, latest, xtol=1e-12 * bore.volume, rtol=1e-12))]
+        firsts = [float(brentq(excess, 0.0, latest, xtol=1e-12 * free, rtol=1e-12))]
     else:
         return ()
     pieces = [bore.fill(first, volume, density) for first in firsts]
@@ -304,11 +305,6 @@ class _Bore:
         self.area = np.pi * np.maximum(outer**2 - inner**2, 0.0)
         self.polar = np.pi / 2 * np.maximum(outer**4 - inner**4, 0.0)
         self.before = np.concatenate(([0.0], np.cumsum(self.area * self.width)))
-
-    @property
-    def volume(self) -> float:
-        """Free volume, m3."""
-        return float(self.before[-1])
 
     def embed(self, x: float, diameter: float, density: float) -> MassElement:
         """Return a ball at ``x`` of some ``density`` (kg/m3), and the putty that fills the bore over its length."""

@@ -64,8 +64,6 @@ def check(
     json: options.Json = False,
 ) -> None:
     """Check whether files can be printed and are what was simulated; exit code 1 if a check fails."""
-    import sys
-
     from driftform import open_agent
     from driftform.cli import formats, output
     from driftform.errors import InputError

@@ -7,7 +7,6 @@ import numpy as np
 
 from driftform.interfaces import Grammar, Table
 from driftform.types import Genome, Morphology
-from driftform_lsystem import checking
 from driftform_lsystem import text as lines
 from driftform_lsystem.alphabet import GENOTYPE_LENGTH, OTHERS, QUINTUPLE, RULE_LENGTH, RULES
 from driftform_lsystem.interpret import interpret
@@ -70,8 +69,8 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         """
         self._check(a)
         self._check(b)
-        word = checking.is_word(a.symbols)
-        if word != checking.is_word(b.symbols):
+        word = lines.is_word(a.symbols)
+        if word != lines.is_word(b.symbols):
             raise ValueError("a genotype and a developed word cannot be crossed")
         if word:
             pieces = min(len(a.symbols), len(b.symbols)) // len(QUINTUPLE)
@@ -89,7 +88,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         :meth:`to_text` prints it.
         """
         self._check(genome)
-        if checking.is_word(genome.symbols):
+        if lines.is_word(genome.symbols):
             return interpret(split(genome.symbols[1:]), self.options)
         last = self.options.repetition == "last"
         return interpret(grow(genome.symbols, self.options.iterations, last=last), self.options)
@@ -115,7 +114,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
     def _check(self, genome: Genome) -> None:
         if genome.grammar != self.name:
             raise ValueError(f"the genome is one of grammar {genome.grammar!r}, not of {self.name!r}")
-        fault = checking.find_fault(genome.symbols)
+        fault = lines.find_fault(genome.symbols)
         if fault is not None:
             raise ValueError(fault)
 

@@ -35,11 +35,9 @@ _MIDDLE, _MIDDLE_SLOPE = np.array([1 / 8, 1 / 4, 1 / 2, 1]), np.array([3 / 4, 1,
 
 @dataclass(frozen=True, eq=False)
 class Panels:
-    """The pieces of a meridian, from aft to fore, each a curve (x(u), r(u)) with u from 0 to 1.
+    """The pieces of a meridian, from aft to fore, each a curve (x(u), r(u)) with u from 0 to 1, and their lengths, m, (n,).
 
-    Attributes:
-        x, r: polynomials in u, m, highest power first, (n, 4).
-        lengths: along the contour, m, (n,).
+    ``x`` and ``r`` are polynomials in u, m, highest power first, (n, 4).
     """
 
     x: FloatArray
@@ -79,10 +77,8 @@ def make_panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
     polynomial. The points of a panel are denser there, which makes the potential smoother in the panel's parameter than
     along the arc.
 
-    Args:
-        contour: x and r, m, (n, 2), from the aft axis point to the fore axis point.
-        count: number of panels of a straight meridian without corners.
-        corner: length of a panel at a sharp corner, relative to the corner's radius.
+    The contour is x and r, m, (n, 2), from the aft axis point to the fore axis point; ``count`` is the number of panels of a
+    straight meridian without corners, and ``corner`` the length of a panel at a sharp corner, relative to the corner's radius.
     """
     points, edges, lengths = _clean_contour(np.asarray(contour, dtype=np.float64))
     along = np.concatenate([[0.0], np.cumsum(lengths)])

@@ -35,16 +35,11 @@ class PanelOptions(HydrodynamicsOptions):
 
 @dataclass(frozen=True)
 class PanelSolution:
-    """Added mass of a body of revolution in water of density 1, about a point of its axis.
+    """Added mass of a body of revolution in water of density 1, about the point of its axis at x = ``origin``, m.
 
-    Attributes:
-        origin: x of this point, m.
-        surge: A11, m3.
-        sway: A22 = A33, m3.
-        sway_of_yaw, yaw_of_sway: A26 and A62, m4: the sway force of yaw and the yaw moment of sway. They are equal
-            (Green's reciprocity) except for the error of the discretisation.
-        yaw: A66 = A55, m5.
-        unknowns: number of unknowns in each of the two systems of equations.
+    It is A11 of surge and A22 = A33 of sway, m3, A66 = A55 of yaw, m5, and A26 and A62, the sway force of yaw and the yaw moment
+    of sway, m4, which are equal (Green's reciprocity) except for the error of the discretisation. ``unknowns`` is their number
+    in each of the two systems of equations.
     """
 
     origin: float

@@ -25,16 +25,11 @@ GENERATION = 10
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What the repeats of one strategy came to.
+    """What the repeats of one strategy came to: the best ``fitness`` (%) after each flight of a target's own budget.
 
-    Attributes:
-        strategy: its name.
-        fitness: the best fitness (%) after each flight of a target's own budget, (repeats, targets, flights).
-        best: the genome of the best flight for each target over all repeats, with the repeat's seed and the
-            evaluation.
-        shared: the best fitness for each target over all flights of a repeat, also those of other targets, (repeats,
-            targets).
-        failed: flights that failed.
+    That is (repeats, targets, flights); ``shared``, (repeats, targets), is the best over all flights of a repeat, also those of
+    other targets. ``best`` has the genome of the best flight for each target over all repeats, the repeat's seed and the
+    evaluation; ``failed`` is the number of flights that failed.
     """
 
     strategy: str
@@ -122,14 +117,16 @@ class RepeatedFlights:
     @property
     def deviation(self) -> FloatArray:
         """Standard deviation of the fitness of sound flights, %, (targets,): exactly zero where all flights are the same."""
-        sound = [row[~np.isnan(row)] for row in self.fitness]
-        return np.array([(row - row[0]).std() if len(row) else np.nan for row in sound])
+        return np.array([(row - row[0]).std() if len(row) else np.nan for row in self._sound])
 
     @property
     def error(self) -> FloatArray:
         """Mean error of sound flights, %, (targets,); NaN without any."""
-        sound = [row[~np.isnan(row)] for row in self.fitness]
-        return np.array([100 - row.mean() if len(row) else np.nan for row in sound])
+        return np.array([100 - row.mean() if len(row) else np.nan for row in self._sound])
+
+    @property
+    def _sound(self) -> list[FloatArray]:
+        return [row[~np.isnan(row)] for row in self.fitness]
 
     @property
     def failed(self) -> list[int]:

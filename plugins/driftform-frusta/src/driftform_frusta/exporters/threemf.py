@@ -139,7 +139,9 @@ class ThreeMfExporter(PartExporter):
 
 def _package(model: str, thumbnail: bytes, attachments: Mapping[str, str]) -> bytes:
     """Return a 3MF file of a model with a PNG picture, empty for none, and other files by their names."""
-    entries: dict[str, bytes | str] = {"[Content_Types].xml": _content_types()}
+    types = "".join(f'<Default Extension="{ending}" ContentType="{kind}"/>' for ending, kind in _TYPES.items())
+    listed = f'<?xml version="1.0" encoding="UTF-8"?>\n<Types xmlns="{_PACKAGE}/content-types">{types}</Types>\n'
+    entries: dict[str, bytes | str] = {"[Content_Types].xml": listed}
     relations = [("/3D/3dmodel.model", _MODEL_RELATION)]
     if thumbnail:
         relations.append(("/Metadata/thumbnail.png", f"{_PACKAGE}/relationships/metadata/thumbnail"))
@@ -158,11 +160,6 @@ def _package(model: str, thumbnail: bytes, attachments: Mapping[str, str]) -> by
             # A higher level takes four times as long for a tenth of the size.
             archive.writestr(entry, data, compresslevel=1)
     return stream.getvalue()
-
-
-def _content_types() -> str:
-    types = "".join(f'<Default Extension="{ending}" ContentType="{kind}"/>' for ending, kind in _TYPES.items())
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n<Types xmlns="{_PACKAGE}/content-types">{types}</Types>\n'
 
 
 def _relations(targets: Sequence[tuple[str, str]]) -> str:
@@ -188,10 +185,14 @@ def _write_model(items: Sequence[_Placed], bed: tuple[float, float, float], meta
         "</basematerials>",
     ]
     for index, item in enumerate(items):
+        vertices, triangles = item.mesh.vertices, item.mesh.triangles
+        # Nine digits bring back the same number in single precision.
+        points = '<vertex x="%.9g" y="%.9g" z="%.9g"/>' * len(vertices) % tuple(vertices.ravel().tolist())
+        faces = '<triangle v1="%d" v2="%d" v3="%d"/>' * len(triangles) % tuple(triangles.ravel().tolist())
         lines += [
             f'<object id="{index + 2}" type="model" name={quoteattr(item.part.name)} pid="1" pindex="{index}"><mesh>',
-            _vertices(item.mesh),
-            _triangles(item.mesh),
+            f"<vertices>{points}</vertices>",
+            f"<triangles>{faces}</triangles>",
             "</mesh></object>",
         ]
     lines += ["</resources>", "<build>"]
@@ -200,14 +201,3 @@ def _write_model(items: Sequence[_Placed], bed: tuple[float, float, float], meta
         for index, item in enumerate(items)
     ]
     return "\n".join([*lines, "</build>", "</model>", ""])
-
-
-def _vertices(mesh: Mesh) -> str:
-    # Nine digits bring back the same number in single precision.
-    rows = '<vertex x="%.9g" y="%.9g" z="%.9g"/>' * len(mesh.vertices) % tuple(mesh.vertices.ravel().tolist())
-    return f"<vertices>{rows}</vertices>"
-
-
-def _triangles(mesh: Mesh) -> str:
-    rows = '<triangle v1="%d" v2="%d" v3="%d"/>' * len(mesh.triangles) % tuple(mesh.triangles.ravel().tolist())
-    return f"<triangles>{rows}</triangles>"

@@ -56,7 +56,7 @@ def make_coupon(body: Body, options: PartOptions) -> Part:
     for gap in CLEARANCES:
         # The core passes the plug with this clearance.
         joint = Joint(0.0, -1, "sleeve", lap, bore - core - 2 * gap, gap, GROOVE_SHARE * cord - gap, cord)
-        plug = (hull.material ^ meridian.make_slab(low, 0.0)) + draw_joint(hull, joint).plug
+        plug = (hull.material ^ meridian.make_slab(low, 0.0)) + draw_joint(hull, joint)[2]
         seat = draw_seat(hull, Ball(0.0, core), plug, meridian.make_slab(high, high + 1), -1, gap)
         assert seat is not None  # A straight tube has room.
         cells.append(Revolve(*meridian.split_rings(meridian.list_rings(meridian.take_half(plug + seat)))))

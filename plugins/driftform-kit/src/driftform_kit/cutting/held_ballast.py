@@ -65,7 +65,7 @@ def hold_ballast(
             raise _refuse(ball, hull, "the core is there, or passes there")
         if any((ball.draw() ^ other).area() > _AREA for other in kept_free[1:]):
             raise _refuse(ball, hull, "another ball is there")
-        held.append(_Bay(hull, parts, joints, gap).hold(ball, part, kept_free))
+        held.append(_hold(hull, parts, joints, gap, ball, part, kept_free))
         if held[-1].seat is not None:
             parts[held[-1].part] += held[-1].seat.section
     # A seat may be in the way of a ball beyond it.
@@ -100,60 +100,52 @@ def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float
     return min(float(np.hypot(corners[:, 0], beyond).min()), float(distance_along([part], np.array([low, high])).min()))
 
 
-@dataclass(frozen=True, eq=False)
-class _Bay:
-    """A hull, the sections of its parts, its joints, and the gap between seats and balls, mm."""
+def _hold(
+    hull: Hull,
+    parts: Sequence[CrossSection],
+    joints: Sequence[Joint],
+    gap: float,
+    ball: Ball,
+    part: int,
+    kept_free: Sequence[CrossSection],
+) -> HeldBall:
+    own, others = parts[part], [section for index, section in enumerate(parts) if index != part]
+    if any((ball.draw(gap) ^ other).area() > _AREA for other in others):
+        raise _refuse(ball, hull, "a joint is there")
+    if hull.bore_radius(ball.z) <= 0:
+        raise _refuse(ball, hull, "it is not in the cavity")
+    if (ball.draw(-_ROUNDING) ^ own).area() > _AREA:
+        raise _refuse(ball, hull, "the bore is narrower there")
+    taken = meridian.unite((*others, *kept_free))
 
-    hull: Hull
-    parts: Sequence[CrossSection]
-    joints: Sequence[Joint]
-    gap: float
-
-    def hold(self, ball: Ball, part: int, kept_free: Sequence[CrossSection]) -> HeldBall:
-        """Return how a ball is held by a part; fails if it has no room, or cannot get there or rest there."""
-        hull, parts, joints = self.hull, self.parts, self.joints
-        others = [section for index, section in enumerate(parts) if index != part]
-        if any((ball.draw(self.gap) ^ other).area() > _AREA for other in others):
-            raise _refuse(ball, hull, "a joint is there")
-        if hull.bore_radius(ball.z) <= 0:
-            raise _refuse(ball, hull, "it is not in the cavity")
-        if (ball.draw(-_ROUNDING) ^ parts[part]).area() > _AREA:
-            raise _refuse(ball, hull, "the bore is narrower there")
-        taken = meridian.unite((*others, *kept_free))
-        mouths = (joint for joint in (part - 1, part) if 0 <= joint < len(joints))
-        for mouth in sorted(mouths, key=lambda m: abs(joints[m].z - ball.z)):
-            if free_radius(hull, parts[part], joints[mouth], ball.z) >= ball.radius - _ROUNDING:
-                side = 1 if ball.z > joints[mouth].z else -1
-                held, seat = self.support(part, ball, side, taken)
-                if held:
-                    return HeldBall(ball, part, mouth, side, seat)
-        for side in (1, -1):
-            if _opens_upward(hull, ball, side):
-                held, seat = self.support(part, ball, side, taken)
-                printed = parts[part] if seat is None else parts[part] + seat.section
-                if held and _fore_down(printed) == (side > 0):
-                    return HeldBall(ball, part, None, side, seat)
-        raise _refuse(
-            ball, hull, "it is wider than the passage to it, or a seat has no room beside joint, core and other balls"
-        )
-
-    def support(self, part: int, ball: Ball, side: int, taken: CrossSection) -> tuple[bool, Seat | None]:
-        """Return whether a ball can rest on one side, and the seat for that, ``None`` if the wall holds it."""
-        own = self.parts[part]
-        if is_held([own], ball, side, self.gap):
+    def support(side: int) -> tuple[bool, Seat | None]:
+        """Return whether the ball can rest on one side, and the seat for that, ``None`` if the wall holds it."""
+        if is_held([own], ball, side, gap):
             return True, None
         found = []
         for draw in (draw_seat, draw_tube):
-            section = draw(self.hull, ball, own, taken, side, self.gap)
+            section = draw(hull, ball, own, taken, side, gap)
             if section is not None and (added := section - own).area() > _MIN_SEAT:
                 volume = meridian.moments(meridian.list_rings(meridian.take_right(added))).volume
                 found.append((volume, section))
         return (True, Seat(min(found, key=itemgetter(0))[1], part)) if found else (False, None)
 
-
-def _opens_upward(hull: Hull, ball: Ball, side: int) -> bool:
-    """Return whether a ball fits into an unfinished part from above: the bore narrows nowhere between its middle and its top."""
-    return bool(hull.bore_radius(ball.z - side * np.linspace(0.0, ball.radius, 20)).min() > ball.radius)
+    mouths = (joint for joint in (part - 1, part) if 0 <= joint < len(joints))
+    for mouth in sorted(mouths, key=lambda m: abs(joints[m].z - ball.z)):
+        if free_radius(hull, own, joints[mouth], ball.z) >= ball.radius - _ROUNDING:
+            side = 1 if ball.z > joints[mouth].z else -1
+            held, seat = support(side)
+            if held:
+                return HeldBall(ball, part, mouth, side, seat)
+    for side in (1, -1):
+        # The bore narrows nowhere between the middle and the top of the ball: it fits into the unfinished part from above.
+        if hull.bore_radius(ball.z - side * np.linspace(0.0, ball.radius, 20)).min() > ball.radius:
+            held, seat = support(side)
+            if held and _fore_down(own if seat is None else own + seat.section) == (side > 0):
+                return HeldBall(ball, part, None, side, seat)
+    raise _refuse(
+        ball, hull, "it is wider than the passage to it, or a seat has no room beside joint, core and other balls"
+    )
 
 
 def _fore_down(section: CrossSection) -> bool:

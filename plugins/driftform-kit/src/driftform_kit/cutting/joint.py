@@ -120,17 +120,8 @@ def _plug_radius(joint: Joint, line: Line) -> float:
     return float(radii_along(line, np.array(joint.lap))) - joint.gap
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """The sections of a joint: ``pad`` is added to the socket's part and ``pocket`` removed; ``plug`` is added to the other."""
-
-    pad: CrossSection
-    pocket: CrossSection
-    plug: CrossSection
-
-
-def draw_joint(hull: Hull, joint: Joint) -> Fit:
-    """Return the sections of a joint."""
+def draw_joint(hull: Hull, joint: Joint) -> tuple[CrossSection, CrossSection, CrossSection]:
+    """Return the pad that is added to the socket's part, the pocket removed from it, and the plug added to the other part."""
     line = trace_mouth(hull, joint)
     end, least = line[-1]
     inner = [(0.0, FAR), (line[0][1], FAR), *((r, s) for s, r in line)]
@@ -152,7 +143,7 @@ def draw_joint(hull: Hull, joint: Joint) -> Fit:
     r, height = plug_bore(hull, joint), joint.plug
     root = _draw_symmetric(joint, [(r, 0.0), (r, height), (wide, height + wide - r), (wide, 0.0)])
     plug = (ring - _draw_relief(joint, line)) + (root ^ hull.inside)
-    return Fit(pad, pocket, plug ^ hull.outer)
+    return pad, pocket, plug ^ hull.outer
 
 
 def _draw_symmetric(joint: Joint, points: list[tuple[float, float]]) -> CrossSection:

@@ -155,11 +155,11 @@ def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[Cross
     sections = [hull.material ^ meridian.make_slab(low, high) for low, high in pairwise(bounds)]
     core = hull.draw_room(gap)
     for index, joint in enumerate(joints):
-        made = draw_joint(hull, joint)
-        plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
-        sections[plug] += meridian.subtract_near(made.plug, core)
-        sections[socket] += meridian.subtract_near(made.pad, core)
-        sections[socket] -= made.pocket
+        pad, pocket, plug = draw_joint(hull, joint)
+        with_plug, with_socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
+        sections[with_plug] += meridian.subtract_near(plug, core)
+        sections[with_socket] += meridian.subtract_near(pad, core)
+        sections[with_socket] -= pocket
     return sections
 
 

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from driftform.types import FloatArray
 from driftform_kit.checks.slenderness import FOOT
 from driftform_kit.cutting.meridian import Ring
 
@@ -21,13 +20,12 @@ _LEVEL = 1e-3
 
 def prints_fore_down(polygons: Sequence[Ring]) -> bool:
     """Return whether a part is printed with its fore end on the bed, by the rings of its half section."""
-    return _burden(polygons, -1) < _burden(polygons, 1)
 
+    def burden(up: int) -> tuple[bool, float, float]:
+        foot, overhang = _measure_areas(polygons, up)
+        return foot < FOOT, round(overhang, 1), -foot
 
-def _burden(polygons: Sequence[Ring], up: int) -> tuple[bool, float, float]:
-    """Key to sort orientations by, with ``up`` (the sign of z) upward: unstable, overhang (mm2), less contact (mm2)."""
-    foot, overhang = _measure_areas(polygons, up)
-    return foot < FOOT, round(overhang, 1), -foot
+    return burden(-1) < burden(1)
 
 
 def overhang_area(polygons: Sequence[Ring], fore_down: bool) -> float:
@@ -36,25 +34,23 @@ def overhang_area(polygons: Sequence[Ring], fore_down: bool) -> float:
 
 
 def _measure_areas(polygons: Sequence[Ring], up: int) -> tuple[float, float]:
-    """Area of a part on the bed, and area that hangs in the air, mm2."""
-    lowest = min(float((up * ring[:, 1]).min()) for ring in polygons)
-    foot, overhang = np.sum([_areas(ring, up, lowest) for ring in polygons], axis=0).tolist()
-    return foot, overhang
-
-
-def _areas(ring: Ring, up: int, lowest: float) -> FloatArray:
-    """Area on the bed, and area that hangs in the air, mm2."""
+    """Area of a part on the bed, and area that hangs in the air, mm2, with ``up`` (the sign of z) upward."""
     # Turned over, a ring runs the other way round.
-    turned = ring if up > 0 else ring[::-1] * (1.0, -1.0)
-    # From the last point, round the ring, to the first one again.
-    corners = np.concatenate((turned[-1:], turned, turned[:1])).T
-    before, here, after = corners[:, :-2], corners[:, 1:-1], corners[:, 2:]
-    (r, z), (dr, dz), (dr_before, dz_before) = here, after - here, here - before
-    size = np.hypot(dr, dz)
-    area = np.pi * (2 * r + dr) * size
-    flat = (z < lowest + _LEVEL) & (after[1] < lowest + _LEVEL)
-    # Counterclockwise round the material, an edge's outward normal is (dz, -dr).
-    hangs = (dr > math.sin(MAX_OVERHANG) * size) & ~flat
-    convex = dr * dz_before - dz * dr_before < 0
-    begins = (z < before[1] - 1e-9) & (dz > 1e-9) & (z > lowest + _LEVEL) & convex
-    return np.array([area[flat].sum(), area[hangs].sum() + 2 * np.pi * _LINE * r[begins].sum()])
+    rings = [ring if up > 0 else ring[::-1] * (1.0, -1.0) for ring in polygons]
+    level = min(float(ring[:, 1].min()) for ring in rings) + _LEVEL
+    foot = overhang = 0.0
+    for ring in rings:
+        # From the last point, round the ring, to the first one again.
+        corners = np.concatenate((ring[-1:], ring, ring[:1])).T
+        before, here, after = corners[:, :-2], corners[:, 1:-1], corners[:, 2:]
+        (r, z), (dr, dz), (dr_before, dz_before) = here, after - here, here - before
+        size = np.hypot(dr, dz)
+        area = np.pi * (2 * r + dr) * size
+        flat = (z < level) & (after[1] < level)
+        # Counterclockwise round the material, an edge's outward normal is (dz, -dr).
+        hangs = (dr > math.sin(MAX_OVERHANG) * size) & ~flat
+        convex = dr * dz_before - dz * dr_before < 0
+        begins = (z < before[1] - 1e-9) & (dz > 1e-9) & (z > level) & convex
+        foot += float(area[flat].sum())
+        overhang += float(area[hangs].sum() + 2 * np.pi * _LINE * r[begins].sum())
+    return foot, overhang
