@@ -177,24 +177,6 @@ def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store: Store) ->
     assert store.find_best("C") is None
 
 
-@given(st.lists(st.floats(0, 100), min_size=1, max_size=6))
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_the_best_is_that_of_all_scores(fresh: Callable[[], Path], scores: list[float]) -> None:
-    with Store.create(fresh(), {}) as store:
-        for index, score in enumerate(scores):
-            store.add([evaluated(index, score, 0.0)], TARGETS)
-        assert store.find_best("A") == (scores.index(max(scores)), max(scores))
-
-
-def test_no_fitness_that_is_not_a_number_gets_in_and_what_was_there_stays(store: Store) -> None:
-    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
-    with pytest.raises(WorkFailedError, match="evaluation 1 cannot be written"):
-        store.add([evaluated(1, 1.0, float("nan"))], TARGETS)
-    assert store.count() == 1
-    store.add([evaluated(1, 1.0, 3.0)], TARGETS)
-    assert store.find_best("B") == (1, 3.0)
-
-
 def test_an_evaluation_is_written_once(store: Store) -> None:
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with pytest.raises(WorkFailedError, match="evaluation 0 cannot be written"):

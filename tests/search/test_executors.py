@@ -100,19 +100,6 @@ def test_workers_find_what_this_process_finds(jobs: list[Job], make: Make) -> No
     assert_same({job.index: here[job.index] for job in jobs[:3]}, again)
 
 
-def test_a_genome_that_raises_fails_and_the_others_do_not(jobs: list[Job]) -> None:
-    sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
-    outcomes = collect(InProcess(study_of(fail=0.3).make_pipeline()).evaluate(jobs))
-    guilty = {job.index for job in jobs if number(job.genome) > 0.7}
-    assert 0 < len(guilty) < COUNT
-    for index, evaluation in outcomes.items():
-        if index in guilty:
-            assert "RuntimeError: genome 0." in str(evaluation.failure)
-            assert evaluation.fitness.tolist() == [0.0, 0.0]
-        else:
-            assert_same({index: evaluation}, {index: sound[index]})
-
-
 def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(jobs: list[Job], make: Make) -> None:
     sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
     guilty = {job.index for job in jobs if number(job.genome) < 0.08}
@@ -318,11 +305,6 @@ def test_functions_are_called_in_processes_that_run_already(jobs: list[Job]) -> 
         with pytest.raises(InputError, match="no"):
             executor.call([harm("refuse"), os.getpid])
         assert workers_of(executor) == []
-
-
-def test_functions_are_called_in_processes_of_their_own_also_before_any_evaluation() -> None:
-    with closing(LocalProcesses(study_of().document, 2)) as executor:
-        assert os.getpid() not in executor.call([os.getpid, os.getpid])
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")

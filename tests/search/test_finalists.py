@@ -329,19 +329,6 @@ def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score:
     assert flights <= 12 * len(finalists) + 9 * len({winner.index for winner in found if winner is not None}) + 6
 
 
-def test_an_agent_that_always_misses_loses_to_one_that_reaches_its_target_undisturbed(tmp_path: Path) -> None:
-    study = study_of("robustness.survey=0")
-    undisturbed, disturbed = np.full((8, 2), 98.0), np.full((8, 13, 2), 97.0)
-    undisturbed[3, 0], disturbed[3] = 99.5, 70.0
-    executor = Table(study, undisturbed, disturbed)
-    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
-        run_search(study, store, executor)
-        fly_finalists(study, store, executor)
-        reaching, missing = (find_winner(study, store, target) for target in ("TP2", "TP6"))
-    assert reaching is not None and (reaching.index, reaching.score) == (3, 70.0)
-    assert missing is not None and (missing.index, missing.score) == (0, 97.0)
-
-
 def test_a_finalist_that_can_still_win_flies_on_and_the_promise_is_that_of_fresh_flights_alone(tmp_path: Path) -> None:
     study = study_of("robustness.score='mean'", "robustness.conditions=12", "robustness.survey=0")
     undisturbed, disturbed = np.full((8, 2), 90.0), np.full((8, 12 + 3 * len(FLOWN), 2), 98.0)

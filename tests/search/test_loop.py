@@ -1,6 +1,5 @@
 """The ask/tell loop: what it stores, how it goes on, and what it refuses."""
 
-import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -279,24 +278,3 @@ def test_writing_the_best_again_gives_the_same_files(store: Store, tmp_path: Pat
     files = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file() and "run.db" not in p.name}
     write_results(StoredRun(tmp_path, study), InProcess(study.make_pipeline()))
     assert {p: p.read_bytes() for p in files} == files
-
-
-@pytest.mark.long
-def test_three_hundred_targets_start_and_end_within_seconds(store: Store, tmp_path: Path) -> None:
-    places = ", ".join(f"T{n} = [{0.5 + 8 * n / 300:.3f}, 0.0, {0.7 * np.sin(n):.3f}]" for n in range(300))
-    study = load_study(
-        "paper",
-        [f"targets={{{places}}}"],
-        use={"simulator": "fake", "strategy": "evolution"},
-        targets=[f"T{n}" for n in range(300)],
-        run={"seed": 3, "evaluations": 20, "formats": ["stl"]},
-    )
-    started = time.process_time()
-    run_search(study, store, InProcess(study.make_pipeline()))
-    assert time.process_time() - started < 15
-    results = write_results(StoredRun(tmp_path, study), InProcess(study.make_pipeline()))
-    # Several minutes, if each target is searched, read, and drawn as if it were alone.
-    assert time.process_time() - started < 60
-    assert len(results) == 300
-    for best in results:
-        assert all(path.is_file() for path in best.files)

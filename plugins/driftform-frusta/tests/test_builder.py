@@ -107,17 +107,6 @@ def test_a_body_of_many_metres_is_whole():
     assert body.cavity[-1] == pytest.approx([30.0 - WALL, 0.0], abs=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
-@given(morphologies)
-def test_the_core_fits_into_one_cavity_with_its_clearance(morphology):
-    body = build(morphology)
-    clearance = distance_to_polyline(np.zeros((1, 2)), body.cavity[1:-1])[0] - body.core.radius
-    # The dome is a polyline: its chords lie R (1 - cos 1.25 deg) = 2.7e-6 m inside the arc.
-    assert clearance >= 0.0002 - 3e-6
-    assert (np.diff(body.cavity[:, 0]) >= -1e-9).all()
-    assert body.cavity[0, 1] == body.cavity[-1, 1] == 0.0
-
-
 def test_the_paper_s_wall_has_the_mass_of_eq_18s_frusta_and_weightless_ends():
     body = build(Morphology(fore=(Module(0.01, np.deg2rad(10)),) * 3), wall_model="paper")
     radial = WALL / np.cos(np.deg2rad(10))

@@ -59,17 +59,6 @@ def test_a_route_has_the_keys_of_the_contract(call: Callable[..., Any]) -> None:
     assert document["branches"]["side"]["largest_change"] == 0
 
 
-@pytest.mark.slow
-def test_a_body_that_is_too_wide_is_stuck_and_the_reason_is_named(epanet: Any, tmp_path: Path) -> None:
-    network = epanet.read_library("Net3")
-    passage = route(network, "sphere:210mm", "River", travel=PUMPED, cache=tmp_path, walks=0)
-    narrow = [end for end in passage.stuck if end.reason.startswith("too wide: 210 mm in a bore of 203 mm")]
-    assert sum(end.probability for end in narrow) > 0.01
-    assert sum(end.probability for end in passage.ends) == pytest.approx(1, abs=1e-6)
-    seen = passage.seen[(network.diameter < 0.21) & (network.length > 0)]
-    assert seen.max() == 0
-
-
 @given(
     shares=st.lists(st.floats(0.05, 1), min_size=2, max_size=4).map(lambda x: np.array(x) / sum(x)),
     clocks=st.lists(st.sampled_from([0.0, 90.0, 180.0, 270.0]), min_size=3, max_size=3),

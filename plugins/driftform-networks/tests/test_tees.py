@@ -139,26 +139,6 @@ def test_no_body_enters_a_branch_that_takes_too_little_water(tmp_path: Any) -> N
     assert found[:, 0] == pytest.approx(np.eye(BANDS))
 
 
-@pytest.mark.long
-def test_a_narrow_sphere_divides_at_a_cross_like_its_water(fork_file: Any, tmp_path: Any) -> None:
-    """Within the standard error of 105 flights through each tee, and what its size shifts."""
-    cross, path = FORK, tmp_path / "cross.inp"
-    lines = {
-        "[RESERVOIRS]": " left 10 15",
-        "[OPTIONS]": " other fork left 200 300 100 0 Open",
-        "[END]": " left 200 100",
-    }
-    for section, line in lines.items():
-        cross = cross.replace(section, f"{line}\n{section}")
-    path.write_text(cross)
-    network = open_network(path, tmp_path)
-    passage = route(network, "sphere:32mm", "source", cache=tmp_path)
-    assert passage.passings == {network.find_node("fork"): TEE}
-    shares = [passage.probability[network.find_node(name)] for name in ("ahead", "branch", "left")]
-    assert sum(shares) > 0.97
-    assert shares == pytest.approx([20 / 45, 10 / 45, 15 / 45], abs=0.07)
-
-
 def test_two_pipes_that_meet_are_a_bend_and_a_reducer_or_neither() -> None:
     def meet(bore: float, turn: float, **changes: Any) -> Junction:
         one = {"bores": np.array([bore]), "shares": np.ones(1), "turns": np.deg2rad([turn])}

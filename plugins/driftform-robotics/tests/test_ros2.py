@@ -138,14 +138,6 @@ def test_the_launch_file_opens_a_world_that_is_there(job: ExportJob, export: Cal
     assert (push.name in (folder / "README.md").read_text(encoding="utf-8")) or not push.exists()
 
 
-def test_a_readme_says_how_to_build_and_start(package: tuple[str, Path]) -> None:
-    format, folder = package
-    text = (folder / "README.md").read_text(encoding="utf-8")
-    assert f"colcon build --packages-select {name_of(folder)}" in text
-    assert f"ros2 launch {name_of(folder)} {FORMATS[format][1]}" in text
-    assert "{" not in text
-
-
 def test_the_readme_names_only_arguments_that_launch_takes_and_the_world_of_each_script(
     jobs: dict[str, ExportJob], export: Callable[..., Path]
 ) -> None:
