@@ -19,7 +19,7 @@ def test_of_a_hundred_random_agents(pages: dict[str, str]) -> None:
     for _ in range(100):
         body = pipeline.make_agent(pipeline.grammar.random(rng)).body
         added.append(1e3 * (kit_mass(body, options).mass - mass_properties(body).mass))
-        joint = make_kit(body, options).core_joint.joint
+        joint = make_kit(body, options).core_joint
         if joint.kind == "sleeve":
             places.append(abs(joint.z))
     page = re.sub(r"\s+", " ", pages["printing.md"])

@@ -7,10 +7,10 @@ import pytest
 
 from driftform.agent import mass_properties
 from driftform.testing.builder import random_morphology
-from driftform_frusta.ballast_seat import SPARE, WATER, find_max_ballast, place_ballast
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.cores import BallastOptions
 from driftform_frusta.kit_options import LEAD
-from driftform_frusta.pieces import BallastOptions
+from driftform_frusta.load import SPARE, WATER, find_max_ballast, place_ballast
 
 BUILDER = FrustaBuilder(FrustaOptions(tuning="ballast", ballast=BallastOptions(material="lead"), core_mass=0.02))
 BODIES = [BUILDER.build(random_morphology(seed, 12)) for seed in range(30)]

@@ -13,9 +13,8 @@ from driftform.agent import distance_from, mass_properties, solid_of_revolution
 from driftform.testing.builder import random_morphology
 from driftform.types import Body, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.cores import CORES
+from driftform_frusta.cores import CORES, SIZES_MM
 from driftform_frusta.hull import build_printable_hull
-from driftform_frusta.pieces import SIZES_MM
 
 STEEL = {"core": "steel-20mm", "material": "ABS"}
 WALL = FrustaBuilder(FrustaOptions(tuning="wall", thinnest=0.00125, **STEEL))

@@ -66,7 +66,7 @@ def test_the_parts_enclose_the_capsule_with_the_clearance_and_let_it_in(capsule,
         moved = core.translate((0.0, 0.0, side * 0.6))
         assert sum((moved ^ solid).volume() for solid in solids) > 0.01
     # The shell that takes it lets it in by its mouth, and the other one goes over it.
-    inner = kit.joints.index(kit.core_joint.joint)
+    inner = kit.joints.index(kit.core_joint)
     for shell, way in ((inner, 1.0), (inner + 1, -1.0)):
         for far in np.linspace(0.0, 70.0, 15):
             assert (core.translate((0.0, 0.0, way * far)) ^ solids[shell]).volume() < 1e-6

@@ -124,7 +124,7 @@ def test_a_text_reads_from_outside_and_not_in_a_mirror(body):
 def test_a_text_stays_away_from_the_thin_lip_of_a_rabbet(body):
     options = engraved(body, "AAA", joint="rabbet")
     kit = make_kit(body, options)
-    joint = kit.core_joint.joint
+    joint = kit.core_joint
     for piece in kit.pieces:
         if piece.engraved is None:
             continue

@@ -76,7 +76,7 @@ def test_a_ball_goes_in_by_the_joint_of_the_core_and_rests_on_the_wall_of_its_po
     for kit in kits:
         [held] = kit.ballast
         assert held.seat is None
-        assert kit.joints[held.mouth] is kit.core_joint.joint
+        assert kit.joints[held.mouth] is kit.core_joint
 
 
 def test_no_neutral_body_of_the_default_study_needs_ballast_or_exceeds_the_port():

@@ -16,13 +16,11 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import PhenotypeBuilder, Printer, Table, option
 from driftform.types import Body, Core, Fittings, FloatArray, Module, Morphology
 from driftform.water import Fluid
-from driftform_frusta.ballast_seat import LESS, SPARE, find_max_ballast, name_ball, place_ballast
-from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
+from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM, BallastOptions
 from driftform_frusta.kit_options import KitOptions
-from driftform_frusta.load import Load, list_loads
+from driftform_frusta.load import LESS, SPARE, Load, find_max_ballast, list_loads, name_ball, place_ballast
 from driftform_frusta.materials import MATERIALS, find_expansion, find_material
 from driftform_frusta.own.builder import Profile, check_profile
-from driftform_frusta.pieces import BallastOptions
 from driftform_frusta.section import draw_room, hull_section, lay_chains, open_section
 from driftform_frusta.strength import describe_strength, find_loss, list_parts, thicken_ends
 
@@ -295,7 +293,6 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
 
 
 def _loads_any_mass(o: FrustaOptions) -> bool:
-    """Return whether a ball of ballast alone has the mass that is added."""
     return o.tuning == "ballast" and not o.ballast.is_sold_in_sizes
 
 

@@ -32,12 +32,7 @@ def hull_volume(body: Body) -> float:
 
 
 def build_hull(body: Body) -> Node:
-    """Return the hull as its meridian section revolved: outer contour less cavity.
-
-    This is the fast route: booleans are done in the plane.
-
-    Raises WorkFailedError if a contour does not run from the axis to the axis.
-    """
+    """Return the hull as its meridian section revolved: outer contour less cavity; errors as of :func:`read_contours`."""
     outer, cavity = read_contours(body)
     holes = (_points(cavity),) if len(cavity) else ()
     return Named("hull: the meridian section, revolved; fore end up", Revolve(_points(outer), holes))
@@ -49,10 +44,7 @@ def read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
     Raises WorkFailedError if one does not run from the axis to the axis.
     """
     contours = []
-    for what, contour in (("outer contour", body.outer), ("cavity", body.cavity)):
-        if what == "cavity" and not len(contour):
-            contours.append(contour)
-            continue
+    for what, contour in (("outer contour", body.outer), ("cavity", body.cavity))[: 1 + bool(len(body.cavity))]:
         if not np.isfinite(contour).all():
             raise WorkFailedError(f"the hull has no solid: its {what} has coordinates that are not finite")
         if len(contour) < 3:
@@ -65,7 +57,7 @@ def read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
         if not (printed[:, 1] > 0).any():
             raise WorkFailedError(f"the hull has no solid: its {what} never leaves the axis")
         contours.append(printed)
-    return contours[0], contours[1]
+    return contours[0], contours[1] if contours[1:] else body.cavity
 
 
 def _points(contour: FloatArray) -> tuple[Point, ...]:

@@ -112,19 +112,14 @@ class KitOptions(Table):
             raise ValueError(
                 "a rabbet has no room for an O-ring: set joint to 'sleeve', or o_ring to 0 and glue the joint"
             )
-        needed = self.groove + self.nozzle
-        # A printer cannot resolve a tenth of a micrometre.
-        if self.sleeve < needed - 1e-7:
-            raise ValueError(
-                f"the groove for an O-ring of {1e3 * self.o_ring:g} mm needs a sleeve of {needed:.4g} m or more, "
-                f"not {self.sleeve:g}"
-            )
         along = GROOVE_WIDTH * self.o_ring + self.groove + 2 * GROOVE_MARGIN
-        if self.lap < along - 1e-7:
-            raise ValueError(
-                f"the groove for an O-ring of {1e3 * self.o_ring:g} mm needs a lap of {along:.4g} m or more, "
-                f"not {self.lap:g}"
-            )
+        for what, given, needed in (("sleeve", self.sleeve, self.groove + self.nozzle), ("lap", self.lap, along)):
+            # A printer cannot resolve a tenth of a micrometre.
+            if given < needed - 1e-7:
+                raise ValueError(
+                    f"the groove for an O-ring of {1e3 * self.o_ring:g} mm needs a {what} of {needed:.4g} m or more, "
+                    f"not {given:g}"
+                )
         return self
 
 

@@ -113,7 +113,6 @@ def _joints(body: Body, modules: Sequence[Module], side: float) -> list[tuple[fl
 
 
 def _renders_to_hull(body: Body, rows: Sequence[Row], aft: int, clearance: float) -> bool:
-    """Return whether the table renders to the hull of the body: the same volume, length and diameter."""
     wall, dome = MM * body.wall, MM * (body.core.radius + body.wall) + clearance
     if min(dome, clearance + 1e-6, wall) <= 0:
         return False

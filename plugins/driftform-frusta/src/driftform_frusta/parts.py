@@ -7,11 +7,11 @@ from types import ModuleType
 
 from driftform.errors import InputError
 from driftform.types import Body
-from driftform_frusta.ballast_seat import name_ball
+from driftform_frusta.cores import is_sold
 from driftform_frusta.csg import Node
 from driftform_frusta.hull import build_printable_hull
 from driftform_frusta.kit_options import PartOptions
-from driftform_frusta.pieces import is_sold
+from driftform_frusta.load import name_ball
 from driftform_frusta.solid import Solid
 
 KIT_FILE = "kit.json"

@@ -87,22 +87,21 @@ def _read_with_trimesh(path: Path) -> tuple[Mesh, ...]:
         for name, mesh in scene.geometry.items()
     }
     check_counts(0, sum(sizes[scene.graph[node][1]] for node in nodes))
-    placed = [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh)]
     alone = len(scene.geometry) == 1
-    found = (
+    return tuple(
         Mesh(
             np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3),
             np.array(mesh.faces, dtype=np.int64).reshape(-1, 3),
             path.stem if alone else str(mesh.metadata["name"]),
-        )
-        for mesh in placed
+        ).merge_vertices()
+        for mesh in scene.dump()
+        if isinstance(mesh, trimesh.Trimesh)
     )
-    return tuple(mesh.merge_vertices() for mesh in found)
 
 
 def _read_gltf(path: Path) -> tuple[Mesh, ...]:
-    turned = (replace(part, vertices=part.vertices @ _FROM_GLTF.T) for part in _read_with_trimesh(path))
-    return tuple(part.merge_vertices() for part in turned)
+    parts = _read_with_trimesh(path)
+    return tuple(replace(part, vertices=part.vertices @ _FROM_GLTF.T).merge_vertices() for part in parts)
 
 
 def _read_scad(path: Path) -> tuple[Mesh, ...]:

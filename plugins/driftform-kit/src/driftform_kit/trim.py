@@ -260,7 +260,6 @@ class _Planner:
         raise WorkFailedError(f"the mass of its seat, about {1000 * assumed[0]:.2f} g, depends too much on its place")
 
     def add(self, seats: FloatArray) -> PrintWeight:
-        """The weight of the print with seats of some mass (kg) and moment (kg m)."""
         printed = MassElement.reweigh(self.agent, self.weight.elements(self.agent)).mass
         whole = self.weight.mass + seats[0]
         cog = (printed.mass * printed.cog[0] + seats[1]) / whole

@@ -65,13 +65,11 @@ class PanelSolution:
 
 
 def solve(contour: npt.ArrayLike, options: PanelOptions | None = None, origin: float | None = None) -> PanelSolution:
-    """Compute the added mass of a body of revolution in unbounded potential flow.
+    """Compute the added mass of a body of revolution in unbounded potential flow, with some resolution of its contour.
 
-    Args:
-        contour: x and r of the meridian, m, (n, 2), from the aft axis point to the fore axis point. It may fold back
-            along x, like that of a cup, but must not cross or touch itself.
-        options: resolution of the contour.
-        origin: x (m) of the point of the axis that the result refers to; ``None`` for the centroid of the volume.
+    The contour is x and r of the meridian, m, (n, 2), from the aft axis point to the fore axis point. It may fold back along x,
+    like that of a cup, but must not cross or touch itself. ``origin`` is x (m) of the point of the axis that the result refers
+    to; ``None`` for the centroid of the volume.
 
     Raises ValueError if the contour does not run from axis to axis, touches itself, or has a wall that is too thin
     for its panels.

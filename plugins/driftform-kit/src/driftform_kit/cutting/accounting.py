@@ -179,9 +179,8 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     if options.coupon:
         return {"coupon": describe_coupon(body, options)}
     kit = make_kit(body, options)
-    first = kit.core_joint.joint
     facts: dict[str, Any] = {
-        "joint": {"kind": first.kind, "x_mm": first.z, "why": kit.core_joint.reason},
+        "joint": {"kind": kit.core_joint.kind, "x_mm": kit.core_joint.z, "why": kit.reason},
         "parts": [
             {
                 "name": piece.name,

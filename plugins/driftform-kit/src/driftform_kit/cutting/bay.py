@@ -118,7 +118,8 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
     drawn = ball.draw()
     low, high = sorted((ball.z, ball.z + side * play))
     # The part that the ball moves to comes first: it is most likely to be met.
-    near = [part for part in parts[::-side] if _spans(part, low - 2 * ball.reach, high + 2 * ball.reach)]
+    boxes = [(part, part.bounds()) for part in parts[::-side]]
+    near = [part for part, box in boxes if box[1] <= high + 2 * ball.reach and box[3] >= low - 2 * ball.reach]
 
     def meets(aside: float, along: float) -> bool:
         moved = drawn.translate((aside, side * along))
@@ -132,11 +133,6 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
     return meets(play, rest - lift)
-
-
-def _spans(section: CrossSection, low: float, high: float) -> bool:
-    _, lowest, _, highest = section.bounds()
-    return bool(lowest <= high and highest >= low)
 
 
 def distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> FloatArray:

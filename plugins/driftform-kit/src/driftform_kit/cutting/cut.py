@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from operator import itemgetter
 from typing import NamedTuple
@@ -35,18 +34,11 @@ _ROUNDING = 0.01
 """mm: chords of the dome lie inside its circle by less than this."""
 
 
-@dataclass(frozen=True)
-class CoreJoint:
-    """The joint through which the core is inserted, and the reason for the choice."""
+def choose_core_joint(hull: Hull, options: KitOptions) -> tuple[Joint, str]:
+    """Return the joint of the two shells, through which the core is inserted, and the reason for the choice.
 
-    joint: Joint
-    reason: str
-
-
-def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
-    """Return the joint of the two shells: a sleeve as near to the core's equator as possible, or a rabbet at the equator.
-
-    Fails if the requested joint, or any joint, has no room.
+    It is a sleeve as near to the core's equator as possible, or a rabbet at the equator. Fails if the requested joint, or any
+    joint, has no room.
     """
     sleeve = None if options.joint == "rabbet" else _find_sleeve(hull, options)
     if sleeve is not None:
@@ -56,7 +48,7 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
             if not away
             else f"{away:g} mm {_name_side(1 if sleeve.z > 0 else -1)} of the core's equator, where the core leaves room inside"
         )
-        return CoreJoint(sleeve, f"a sleeve of {sleeve.plug:g} mm {place}")
+        return sleeve, f"a sleeve of {sleeve.plug:g} mm {place}"
     no_sleeve = (
         f"no sleeve of {MM * options.sleeve:g} mm fits beside the core: on neither side does the hull stay as wide "
         f"as the core for the {MM * options.lap:g} mm of its lap and a wall to hold it"
@@ -65,8 +57,7 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
         raise WorkFailedError(f"{no_sleeve}; set joint to 'rabbet', or lap or sleeve to less")
     if options.o_ring:
         raise WorkFailedError(f"{no_sleeve}, and without a sleeve there is no groove for an O-ring: set o_ring to 0")
-    rabbet = _make_rabbet(hull, options)
-    return CoreJoint(rabbet, "joint is set to 'rabbet'" if options.joint == "rabbet" else no_sleeve)
+    return _make_rabbet(hull, options), ("joint is set to 'rabbet'" if options.joint == "rabbet" else no_sleeve)
 
 
 def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:

@@ -16,7 +16,7 @@ from driftform_frusta.triangles import Mesh
 from driftform_kit.checks.slenderness import find_brim
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, place_seats
-from driftform_kit.cutting.cut import CoreJoint, choose_bed_joints, choose_core_joint
+from driftform_kit.cutting.cut import choose_bed_joints, choose_core_joint
 from driftform_kit.cutting.engraving import Engraving, engrave, list_occupied
 from driftform_kit.cutting.held_ballast import HeldBall, hold_ballast, pause_height
 from driftform_kit.cutting.joint import Joint, draw_joint
@@ -81,13 +81,14 @@ def add_brim(piece: Piece, width: float, thickness: float) -> tuple[Ring, ...]:
 class Kit:
     """A kit in the meridian plane: the hull that was cut, its pieces from aft to fore, and the joints between them.
 
-    ``seats`` are those that were added to hold the core and the ballast.
+    The core is inserted through ``core_joint``, chosen for a ``reason``. ``seats`` are those that were added to hold the core and the ballast.
     """
 
     hull: Hull
     pieces: tuple[Piece, ...]
     joints: tuple[Joint, ...]
-    core_joint: CoreJoint
+    core_joint: Joint
+    reason: str
     seats: tuple[Seat, ...]
     ballast: tuple[HeldBall, ...]
 
@@ -109,7 +110,7 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     """
     # The search asks for the kits of one hull with several balls.
     bare, drawn = _cut_hull(body, options.model_copy(update={"ballast": ()}))
-    hull, joints, core_joint, sections = bare.hull, bare.joints, bare.core_joint.joint, list(drawn)
+    hull, joints, core_joint, sections = bare.hull, bare.joints, bare.core_joint, list(drawn)
     balls = [Ball(MM * x, MM * diameter / 2) for x, diameter in options.ballast]
     ballast = hold_ballast(hull, sections, joints, core_joint, MM * options.clearance, balls)
     found = bare.seats + tuple(held.seat for held in ballast if held.seat is not None)
@@ -139,15 +140,15 @@ def _cut_hull(body: Body, options: KitOptions) -> tuple[Kit, tuple[CrossSection,
             f"no kit can be made: an engraving of {MM * options.engrave_depth:g} mm goes deeper than half the wall of "
             f"{hull.wall:g} mm; make engrave_depth smaller"
         )
-    chosen = choose_core_joint(hull, options)
-    others = choose_bed_joints(hull, chosen.joint, options)
-    joints = tuple(sorted((chosen.joint, *others), key=lambda joint: joint.z))
+    chosen, reason = choose_core_joint(hull, options)
+    others = choose_bed_joints(hull, chosen, options)
+    joints = tuple(sorted((chosen, *others), key=lambda joint: joint.z))
     sections = _draw_parts(hull, joints, gap)
-    inner = joints.index(chosen.joint)
+    inner = joints.index(chosen)
     seats = tuple(place_seats(hull, sections, gap, (inner, inner + 1)))
     for seat in seats:
         sections[seat.part] += seat.section
-    return Kit(hull, (), joints, chosen, seats, ()), tuple(sections)
+    return Kit(hull, (), joints, chosen, reason, seats, ()), tuple(sections)
 
 
 def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:

@@ -166,8 +166,8 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
 
 def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
     """Parts in the order of assembly: the shell that takes the core, the other shell, and then outward."""
-    inner = kit.joints.index(kit.core_joint.joint)
-    first = inner if takes_core_aft(kit.core_joint.joint) else inner + 1
+    inner = kit.joints.index(kit.core_joint)
+    first = inner if takes_core_aft(kit.core_joint) else inner + 1
     order = sorted(range(len(kit.pieces)), key=lambda place: (place != first, abs(place - inner - 0.5), place > inner))
     return tuple(
         SheetPart(number, place, p, piece_mass(p, density), overhang_area(p.rings, p.fore_down))
