@@ -1,5 +1,7 @@
 """What people read of a result is in the words of the fitness in use."""
 
+import pytest
+
 from driftform.builtin.closest_approach import ClosestApproach
 from driftform.builtin.outlet import OutletFitness
 from driftform.interfaces import Fitness
@@ -41,33 +43,29 @@ class Plain(Lightness):
     measure, judge = Fitness.measure, Fitness.judge
 
 
-def test_the_closest_approach_speaks_of_errors_in_percent_of_d_max():
-    fitness = ClosestApproach(Table())
-    assert list_headings(fitness) == ("fitness %", "error % of d_max")
-    assert list_cells(fitness, {"fitness": 97.5}) == ("97.500", "2.500")
+@pytest.mark.parametrize(
+    ("kind", "headings", "cells", "summary"),
+    [
+        (
+            ClosestApproach,
+            ("fitness %", "error % of d_max"),
+            ("90.000", "10.000"),
+            "an error of at most 1 % of the farthest distance in the pipe; error % of d_max at worst 10.00 (B)",
+        ),
+        (Lightness, ("fitness %", "mass g"), ("90.000", "5.000"), "a mass of at most 10 g; mass g at worst 5.00 (B)"),
+        (Plain, ("fitness %",), ("90.000",), "a fitness of at least 99 %; fitness % at worst 90.00 (B)"),
+    ],
+)
+def test_each_fitness_speaks_in_its_own_unit_and_shows_itself_once(kind, headings, cells, summary):
+    fitness = kind(Table())
+    assert list_headings(fitness) == headings
+    assert list_cells(fitness, {"fitness": 90.0}) == cells
+    reached = 2 if kind is Lightness else 1
     assert summarise(fitness, {"A": {"fitness": 99.5}, "B": {"fitness": 90.0}}) == (
-        "1 of 2 targets are reached: an error of at most 1 % of the farthest distance in the pipe; "
-        "error % of d_max at worst 10.00 (B)"
+        f"{reached} of 2 targets are reached: {summary}"
     )
-
-
-def test_another_fitness_speaks_in_its_own_unit():
-    fitness = Lightness(Table())
-    assert list_headings(fitness) == ("fitness %", "mass g")
-    assert list_cells(fitness, {"fitness": 90}) == ("90.000", "5.000")
-    assert fitness.describe(90) == "5.00 g"
-    assert summarise(fitness, {"A": {"fitness": 90.0}}) == (
-        "The target is reached: a mass of at most 10 g; mass g at worst 5.00 (A)"
-    )
-
-
-def test_a_fitness_without_words_shows_itself_once():
-    fitness = Plain(Table())
-    assert list_headings(fitness) == ("fitness %",)
-    assert list_cells(fitness, {"fitness": 42}) == ("42.000",)
-    assert summarise(fitness, {"A": {"fitness": 42.0}}).startswith(
-        "The target is not reached: a fitness of at least 99 %"
-    )
+    assert summarise(fitness, {"A": {"fitness": 42.0}}).startswith("The target is not reached: ")
+    assert describe_result(Lightness(Table()), {"fitness": 90.0}) == "5.00 g"
 
 
 def promise(hit, p90):

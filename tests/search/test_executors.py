@@ -169,26 +169,6 @@ def test_workers_that_cannot_start_stop_the_run_and_no_genome_is_blamed(jobs: li
         list(executor.evaluate(jobs))
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_worker_that_is_killed_while_it_starts_costs_nothing(jobs: list[Job]) -> None:
-    with closing(LocalProcesses(study_of().document, 1)) as executor:
-        killed: list[int] = []
-
-        def kill_starting() -> None:
-            while len(killed) < 3:
-                for worker in set(workers_of(executor)) - set(killed):
-                    os.kill(worker, signal.SIGKILL)
-                    killed.append(worker)
-                time.sleep(0.01)
-
-        killer = threading.Thread(target=kill_starting)
-        killer.start()
-        outcomes = collect(executor.evaluate(jobs))
-        killer.join()
-    assert len(killed) == 3
-    assert_same(outcomes, collect(InProcess(study_of().make_pipeline()).evaluate(jobs)))
-
-
 def test_a_genome_whose_flight_never_ends_fails_and_all_others_are_evaluated(jobs: list[Job], make: Make) -> None:
     guilty = {job.index for job in jobs if number(job.genome) < 0.08}
     sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))

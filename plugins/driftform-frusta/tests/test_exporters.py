@@ -146,33 +146,25 @@ def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(
         exporter_of(exporter).write(specimen_of(wavy_body), tmp_path / "hull")
 
 
-def test_a_cavity_turned_inside_out_is_refused_though_its_mesh_is_closed(wavy_body, write_stl, monkeypatch):
+def lose_one(mesh):
+    return Mesh(mesh.vertices, mesh.triangles[1:])
+
+
+def turn_cavity(mesh):
+    vertices, triangles = mesh.vertices, mesh.triangles
+    welded = trimesh.Trimesh(vertices, triangles, process=False)
+    labels = trimesh.graph.connected_component_labels(welded.face_adjacency, node_count=len(triangles))
+    inner = labels == labels[np.argmin(np.linalg.norm(vertices[triangles[:, 0], :2], axis=1))]
+    turned = Mesh(vertices, np.where(inner[:, None], triangles[:, ::-1], triangles))
+    assert turned.is_closed
+    return turned
+
+
+@pytest.mark.parametrize(("spoil", "why"), [(lose_one, "does not stay closed"), (turn_cavity, "single precision")])
+def test_a_mesh_that_single_precision_spoils_is_refused(spoil, why, wavy_body, write_stl, monkeypatch):
     merge_vertices = Mesh.merge_vertices
-
-    def turn(mesh):
-        merged = merge_vertices(mesh)
-        vertices, triangles = merged.vertices, merged.triangles
-        mesh = trimesh.Trimesh(vertices, triangles, process=False)
-        labels = trimesh.graph.connected_component_labels(mesh.face_adjacency, node_count=len(triangles))
-        inner = labels == labels[np.argmin(np.linalg.norm(vertices[triangles[:, 0], :2], axis=1))]
-        turned = Mesh(vertices, np.where(inner[:, None], triangles[:, ::-1], triangles))
-        assert turned.is_closed
-        return turned
-
-    monkeypatch.setattr(Mesh, "merge_vertices", turn)
-    with pytest.raises(WorkFailedError, match="single precision"):
-        write_stl(wavy_body)
-
-
-def test_a_mesh_that_single_precision_opens_is_refused(wavy_body, write_stl, monkeypatch):
-    merge_vertices = Mesh.merge_vertices
-
-    def lose_one(mesh):
-        merged = merge_vertices(mesh)
-        return Mesh(merged.vertices, merged.triangles[1:])
-
-    monkeypatch.setattr(Mesh, "merge_vertices", lose_one)
-    with pytest.raises(WorkFailedError, match="does not stay closed"):
+    monkeypatch.setattr(Mesh, "merge_vertices", lambda mesh: spoil(merge_vertices(mesh)))
+    with pytest.raises(WorkFailedError, match=why):
         write_stl(wavy_body)
 
 

@@ -70,12 +70,6 @@ def test_what_lies_beyond_the_axis_is_cut_off_before_revolving():
     assert crossing.genus() == 0
 
 
-def test_a_sealed_hull_has_an_outside_and_a_hollow_that_faces_inward(wavy_body):
-    solid = to_solid(build_hull(wavy_body))
-    assert sorted(np.sign(solid.shells)) == [-1, 1]
-    assert solid.pieces == 1
-
-
 def test_angles_are_degrees_about_fixed_x_then_y_then_z():
     turned = to_manifold(Rotate((90, 0, 90), Translate((1, 2, 3), frustum(1, 1, 1)))).bounding_box()
     # x: (1, 2, 3) -> y along z, z along -y; z: -y along x.

@@ -206,6 +206,13 @@ def test_a_body_comes_back_where_the_flow_reverses_and_sees_the_part_that_it_wen
     assert passage.probability == pytest.approx([1, 0, 0])
 
 
+def test_a_body_is_as_fast_as_the_flow_of_each_hour() -> None:
+    """An hour of 0.1 litres/s takes it through 360 of 1000 litres, and 0.2 litres/s through the other 640 in 3200 s."""
+    passage = trace(make_network({"ab": [1e-4, 2e-4]}), "a", unsteady=True, walks=50)
+    assert passage.probability == pytest.approx([1, 1])
+    assert passage.age[1] == pytest.approx(3600 + 3200)
+
+
 def test_flows_that_do_not_change_are_the_same_with_and_without_steps() -> None:
     flows = {"ab": [0.012] * 3, "bc": [0.008] * 3, "bd": [0.004] * 3}
     network = make_network(flows)

@@ -1,4 +1,3 @@
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -82,11 +81,3 @@ def test_the_speed_of_reference_is_that_of_rising_and_never_nothing(cylinder: Ag
     assert reference_speed(cylinder, fluid) == across > MIN_SPEED
     neutral = replace(cylinder, mass=replace(cylinder.mass, mass=fluid.density * cylinder.mass.volume))
     assert reference_speed(neutral, fluid) == MIN_SPEED
-
-
-def test_files_say_that_drag_was_simplified_and_at_what_speed(jobs: dict[str, ExportJob], export: Callable) -> None:
-    for format, name in (("sdf", "model.sdf"), ("uuv", "urdf/agent.xacro"), ("mjcf", "agent.xml")):
-        text = (export(format, jobs["dragged"], drag_speed=0.25) / name).read_text(encoding="utf-8")
-        assert "motion along one axis at 0.25 m/s" in text
-        text = (export(format, jobs["random"]) / name).read_text(encoding="utf-8")
-        assert "motion along one axis" not in text

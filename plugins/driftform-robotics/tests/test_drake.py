@@ -20,15 +20,13 @@ UNSUPPORTED = {"cast_shadows", "gravity", "light", "physics", "plugin", "scene",
 """Sound elements that Drake has no use for."""
 
 
-def parse(path: Path, package: Path | None = None) -> tuple[float, np.ndarray, np.ndarray]:
+def parse(path: Path) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass, COG and inertia about it of the agent's link, as Drake has them."""
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
     from pydrake.systems.framework import DiagramBuilder
 
     plant, _ = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.0)
     parser = parsing.Parser(plant)
-    if package is not None:
-        parser.package_map().AddPackageXml(str(package / "package.xml"))
     parser.AddModels(str(path))
     plant.Finalize()
     body = plant.GetBodyByName("base_link")
@@ -51,12 +49,3 @@ def test_it_reads_the_mass_the_centre_and_the_inertia(
     }
     assert None not in ignored, caplog.text
     assert {match[1] for match in ignored} <= UNSUPPORTED
-
-
-def test_it_reads_the_urdf(job: ExportJob, export: Callable) -> None:
-    folder = export("urdf", job)
-    mass, cog, inertia = parse(folder / "agent.urdf", folder)
-    expected = job.agent.mass
-    assert mass == pytest.approx(expected.mass, rel=1e-10)
-    np.testing.assert_allclose(cog, 0, atol=1e-15)
-    np.testing.assert_allclose(inertia, expected.inertia, rtol=1e-9, atol=1e-9 * expected.inertia.max())

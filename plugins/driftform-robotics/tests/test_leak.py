@@ -1,13 +1,11 @@
 """The fitness of what a chemical sensor sees, and the search for a leak by it."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from driftform.interfaces import Fitness
-from driftform.study import load_study
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
 from driftform.testing.fitness import straight_trajectory
@@ -87,46 +85,3 @@ def test_the_result_hardly_depends_on_how_often_the_sensor_is_read() -> None:
         Leak(LeakOptions(interval=interval)).score(along(0.35, 0.1), surroundings, FLOAT) for interval in (0.01, 0.05)
     )
     assert often == pytest.approx(seldom, rel=2e-3)
-
-
-def searched(seed: int, evaluations: int) -> tuple[float, np.ndarray]:
-    """Fitness of the agent that ``leak-search`` evolves, and of random ones of another seed."""
-    study = load_study("leak-search", run={"seed": seed, "evaluations": evaluations})
-    pipeline, strategy = study.make_pipeline(), study.make_strategy()
-    best, flown = -1.0, 0
-    while flown < study.evaluations:
-        genomes = [candidate.genome for candidate in strategy.ask(study.evaluations - flown)]
-        outcomes = pipeline.evaluate(genomes, range(flown, flown + len(genomes)))
-        strategy.tell(flown, outcomes)
-        flown += len(genomes)
-        best = max(best, *(float(o.fitness[0]) for o in outcomes))
-    rng = np.random.default_rng(1000 + seed)
-    random = [pipeline.grammar.random(rng) for _ in range(max(40, evaluations // 3))]
-    outcomes = pipeline.evaluate(random, range(len(random)))
-    return best, np.array([outcome.fitness[0] for outcome in outcomes])
-
-
-def test_leak_search_finds_an_agent_that_is_in_the_plume_twice_as_long_as_others() -> None:
-    evolved, random = searched(3, 60)
-    assert np.median(random) > 0.5
-    assert evolved > 2 * np.median(random)
-
-
-def test_a_search_for_a_leak_speaks_of_the_plume_and_not_of_distances(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from typer.testing import CliRunner
-
-    from driftform.cli.app import app
-
-    monkeypatch.chdir(tmp_path)
-    arguments = ["leak-search", "--simulator", "native", "--evaluations", "3", "--workers", "1", "--seed", "1"]
-    printed = CliRunner().invoke(app, ["evolve", *arguments, "--out", "run"], catch_exceptions=False).stdout
-    CliRunner().invoke(app, ["report", "run"], catch_exceptions=False)
-    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
-    picture = (tmp_path / "run" / "figures" / "overview.svg").read_text(encoding="utf-8")
-    for text in (printed, page, picture):
-        assert "time in the plume %" in text
-        assert "d_max" not in text
-        assert "farthest distance" not in text
-    assert "half of the time that the water spends in the plume" in printed

@@ -11,7 +11,7 @@ from driftform.agent import solid_of_revolution
 from driftform.interfaces import ExportJob
 from driftform.water import Segment
 from driftform_frusta.triangles import Mesh
-from driftform_robotics.models.meshes import convex_pieces, make_tube, revolve_contour
+from driftform_robotics.models.meshes import convex_pieces, make_tube
 from driftform_robotics.models.pipe import PLANKS, make_bore
 from driftform_robotics.models.text import roll_pitch_yaw
 
@@ -28,18 +28,6 @@ def contour_of(steps: list[tuple[float, float]]) -> np.ndarray:
 
 def as_trimesh(mesh: Mesh) -> trimesh.Trimesh:
     return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
-
-
-@given(profiles)
-def test_a_revolved_meridian_has_the_volume_and_the_centroid_of_the_closed_form(
-    steps: list[tuple[float, float]],
-) -> None:
-    contour = contour_of(steps)
-    expected = solid_of_revolution(contour)
-    mesh = as_trimesh(revolve_contour(contour))
-    assert mesh.is_watertight
-    assert mesh.volume == pytest.approx(expected.volume, rel=1e-9)
-    assert mesh.center_mass[0] == pytest.approx(expected.centroid, abs=1e-9)
 
 
 @given(profiles)

@@ -1,7 +1,6 @@
 """The page on robotics, from the profile of REMUS 100 to a model for Gazebo."""
 
 import csv
-import math
 import re
 import shlex
 import shutil
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from solids import remus_body
 from typer.testing import CliRunner
 
 from driftform.cli.app import app
@@ -17,20 +17,12 @@ from driftform.cli.app import app
 DOCS = Path(__file__).parents[3] / "docs"
 
 
-def myring(x: np.ndarray) -> np.ndarray:
-    """Radius of the hull, m, x from its nose (Myring 1976, with the parameters of REMUS 100 by Prestero 2001)."""
-    a, b, c, d, theta, cut = 0.191, 0.654, 0.541, 0.191, 0.436, 0.0165
-    x = x + cut
-    t = np.maximum(x - a - b, 0)
-    tail = d / 2 - (1.5 * d / c**2 - math.tan(theta) / c) * t**2 + (d / c**3 - math.tan(theta) / c**2) * t**3
-    return np.where(x < a, d / 2 * np.sqrt(np.maximum(1 - ((x - a) / a) ** 2, 0)), tail)
-
-
 def test_the_profile_of_the_docs_is_the_hull_of_remus() -> None:
     with (DOCS / "bodies" / "remus-100.csv").open(encoding="utf-8") as file:
         rows = [(float(row["x_mm"]), float(row["r_mm"])) for row in csv.DictReader(file)]
     x, r = np.array(rows).T / 1e3
-    assert r == pytest.approx(myring(x), abs=1e-6)
+    hull = remus_body(2000).outer[-2:0:-1]
+    assert r == pytest.approx(np.interp(x, hull[0, 0] - hull[:, 0], hull[:, 1]), abs=1e-6)
     assert x[0] == 0 and x[-1] == pytest.approx(0.191 + 0.654 + 0.541 - 0.0165 - 0.0368)
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from accessibility import find_barriers
+from accessibility import find_barriers, look
 
 from driftform import open_agent
 from driftform.agent import hull_mass
@@ -78,11 +78,8 @@ class Page:
     def __init__(self, browser, wait_for):
         self.browser, self.wait_for = browser, wait_for
 
-    def look(self, width=1280, scheme="light", height=900):
-        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
-        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-        feature = {"name": "prefers-color-scheme", "value": scheme}
-        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
+    def look(self, width=1280, scheme="light"):
+        look(self.browser, width, scheme)
 
     def open(self, address):
         # Another part after the # is not another page.
@@ -361,19 +358,6 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     assert page.messages() == []
 
 
-def test_nothing_is_loaded_from_elsewhere(page, finished, browser):
-    browser.get_log("performance")
-    page.open_agent(finished, "small", "near")
-    asked = [
-        json.loads(entry["message"])["message"]["params"]["request"]["url"]
-        for entry in browser.get_log("performance")
-        if json.loads(entry["message"])["message"]["method"] == "Network.requestWillBeSent"
-    ]
-    assert len(asked) > 8
-    assert all(url.startswith((finished.address, "data:", "about:")) for url in asked), asked
-    assert page.messages() == []
-
-
 def test_a_design_survives_that_its_page_is_loaded_again(page, finished, browser):
     page.open(finished.address)
     page.click(3.0, -0.4)
@@ -476,38 +460,19 @@ def test_html_in_names_is_text(page, serve, folder, finished_folder, browser):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [390, 1280])
-def test_nothing_overflows_and_every_text_has_contrast(page, finished, width, scheme):
-    page.look(width, scheme)
-    for part in ("", "#run=small&agent=near"):
-        page.open(finished.address + part)
-        if part:
-            page.until("!document.getElementById('agent-shown').hidden")
-            page.press("#drawing summary")
-        else:
-            page.press("#example-targets")
-            page.wait_for(lambda: len(page.targets()) == 10)
-            page.set("Mean speed", "500")
-            page.wait_for(lambda: page.find_all("form .error.own"))
-        for opened in page.find_all("main > section > details:not([open]) > summary"):
-            opened.click()
-        assert page.run("return document.documentElement.scrollWidth") <= width
-        wide = page.run(
-            "return [...document.querySelectorAll('main *')].filter((e) => !e.closest('.scroll, pre, svg') && "
-            "e.getClientRects().length && e.getBoundingClientRect().right > innerWidth + 1).map((e) => e.outerHTML.slice(0, 80))"
-        )
-        assert wide == []
-        assert page.run(CONTRASTS) == []
-    assert page.messages() == []
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [390, 1280])
-def test_axe_finds_no_barrier_in_any_state(page, finished, width, scheme):
+def test_in_any_state_axe_finds_no_barrier_nothing_overflows_and_every_text_has_contrast(page, finished, width, scheme):
     page.look(width, scheme)
 
     def check(state):
         page.run("document.querySelectorAll('details').forEach((e) => { e.open = true; })")
         assert find_barriers(page.browser) == [], state
+        assert page.run("return document.documentElement.scrollWidth") <= width, state
+        wide = page.run(
+            "return [...document.querySelectorAll('main *')].filter((e) => !e.closest('.scroll, pre, svg') && "
+            "e.getClientRects().length && e.getBoundingClientRect().right > innerWidth + 1).map((e) => e.outerHTML.slice(0, 80))"
+        )
+        assert wide == [], state
+        assert page.run(CONTRASTS) == [], state
 
     page.open(finished.address)
     check("empty")
