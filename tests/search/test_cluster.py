@@ -237,15 +237,6 @@ def test_options_that_exclude_each_other(refused: Refused, options: tuple[object
     assert refused("evolve", "--out", "run", *options).startswith(f"error: {message}")
 
 
-@pytest.mark.peers
-def test_a_run_is_unchanged_if_the_cluster_does_not_answer(
-    refused: Refused, run_copy: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(cluster, "CONNECT_TIMEOUT_S", 1.0)
-    line = refused("resume", "run", "--evaluations", 30, "--scheduler", "tcp://127.0.0.1:9")
-    assert "no Dask scheduler answers" in line
-
-
 def test_without_the_extra_it_prints_how_to_install_it(refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     line = refused("evolve", "--executor", "dask", "--out", "run")

@@ -100,16 +100,26 @@ def test_workers_find_what_this_process_finds(jobs: list[Job], make: Make) -> No
     assert_same({job.index: here[job.index] for job in jobs[:3]}, again)
 
 
-def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(jobs: list[Job], make: Make) -> None:
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        ({"die": 0.08}, f"its process died {ATTEMPTS} times (exit code 1)"),
+        ({"hang": 0.08, "timeout": 2.0}, "its evaluation did not end within 2 s (run.evaluation_timeout)"),
+    ],
+    ids=["killed", "endless"],
+)
+def test_a_genome_that_kills_its_process_or_never_ends_fails_and_all_others_are_evaluated(
+    jobs: list[Job], make: Make, options: dict[str, float], reason: str
+) -> None:
     sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
     guilty = {job.index for job in jobs if number(job.genome) < 0.08}
     assert 0 < len(guilty) < COUNT / 3
-    with closing(make(study_of(die=0.08))) as executor:
+    with closing(make(study_of(**options))) as executor:
         outcomes = collect(executor.evaluate(jobs))
     assert outcomes.keys() == sound.keys()
     for index, evaluation in outcomes.items():
         if index in guilty:
-            assert evaluation.failure == f"its process died {ATTEMPTS} times (exit code 1)"
+            assert evaluation.failure == reason
             assert evaluation.fitness.tolist() == [0.0, 0.0]
         else:
             assert_same({index: evaluation}, {index: sound[index]})
@@ -167,19 +177,6 @@ def test_workers_that_cannot_start_stop_the_run_and_no_genome_is_blamed(jobs: li
         pytest.raises(WorkersLostError, match=r"^workers cannot start here: .*\(exit code 3\)$"),
     ):
         list(executor.evaluate(jobs))
-
-
-def test_a_genome_whose_flight_never_ends_fails_and_all_others_are_evaluated(jobs: list[Job], make: Make) -> None:
-    guilty = {job.index for job in jobs if number(job.genome) < 0.08}
-    sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
-    with closing(make(study_of(hang=0.08, timeout=2.0))) as executor:
-        outcomes = collect(executor.evaluate(jobs))
-    assert outcomes.keys() == sound.keys()
-    for index, evaluation in outcomes.items():
-        if index in guilty:
-            assert evaluation.failure == "its evaluation did not end within 2 s (run.evaluation_timeout)"
-        else:
-            assert_same({index: evaluation}, {index: sound[index]})
 
 
 def test_a_preparation_is_no_part_of_the_time_limit(jobs: list[Job], make: Make) -> None:

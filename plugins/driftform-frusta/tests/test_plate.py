@@ -18,31 +18,21 @@ def box(size, spot):
 
 
 @given(parts)
-def test_parts_on_a_plate_keep_their_gap_and_stay_on_the_bed(sizes):
+def test_parts_on_a_plate_keep_their_gap_and_stay_on_the_bed_whose_middle_is_that_of_their_rows(sizes):
     spots = arrange(sizes, BED)
+    plates = [spot.plate for spot in spots]
+    assert set(plates) == set(range(max(plates) + 1))
     boxes = [box(size, spot) for size, spot in zip(sizes, spots, strict=True)]
     for left, front, right, back in boxes:
         assert -BED[0] / 2 - 1e-9 <= left and right <= BED[0] / 2 + 1e-9
         assert -BED[1] / 2 - 1e-9 <= front and back <= BED[1] / 2 + 1e-9
     for (i, a), (j, b) in combinations(enumerate(boxes), 2):
-        if spots[i].plate == spots[j].plate:
+        if plates[i] == plates[j]:
             apart = max(a[0] - b[2], b[0] - a[2], a[1] - b[3], b[1] - a[3])
             assert apart >= GAP - 1e-9
-
-
-@given(parts)
-def test_each_plate_is_used_and_numbered_from_zero(sizes):
-    plates = {spot.plate for spot in arrange(sizes, BED)}
-    assert plates == set(range(len(plates)))
-
-
-@given(parts)
-def test_rows_are_centred_on_the_bed(sizes):
-    spots = arrange(sizes, BED)
-    for plate in {spot.plate for spot in spots}:
-        boxes = [box(s, p) for s, p in zip(sizes, spots, strict=True) if p.plate == plate]
-        front, back = min(b[1] for b in boxes), max(b[3] for b in boxes)
-        assert front + back == pytest.approx(0, abs=1e-6)
+    for plate in set(plates):
+        own = [each for each, number in zip(boxes, plates, strict=True) if number == plate]
+        assert min(b[1] for b in own) + max(b[3] for b in own) == pytest.approx(0, abs=1e-6)
 
 
 def test_small_parts_share_a_row_and_large_ones_take_another():

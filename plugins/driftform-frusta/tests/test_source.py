@@ -135,19 +135,6 @@ def test_the_source_of_a_kit_renders_each_part_as_it_stands_on_the_bed(render):
         assert np.allclose(mesh.bounds.ravel(), part.on_bed().bounds.ravel(), atol=2e-3)
 
 
-@pytest.mark.slow
-def test_the_source_of_a_kit_renders_all_parts_apart_and_in_place(render):
-    [agent] = agents(["grammar.occupied=skip"], 1)
-    parts, source = kit_source(agent)
-    volume = sum(part.solid.volume for part in parts)
-    on_bed = render(source)
-    assert on_bed.volume == pytest.approx(volume, rel=1e-4)
-    assert on_bed.body_count == len(parts)
-    joined = render(source.replace("assembled = false;", "assembled = true;"))
-    assert joined.volume == pytest.approx(volume, rel=1e-4)
-    assert np.ptp(joined.vertices[:, 2]) == pytest.approx(1e3 * agent.body.length, abs=2e-3)
-
-
 def test_the_preview_of_a_kit_is_cut_open_on_the_side_of_the_default_view(render):
     [agent] = agents(["grammar.occupied=skip"], 1)
     parts, source = kit_source(agent)

@@ -156,23 +156,17 @@ def test_the_parts_are_printed_a_twentieth_lighter_than_the_simulated_agent_need
     assert f"more than {1e3 * (wanted.mass - 0.05):.2f}\u00a0g, print them again" in sheet.steps[2]
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"ballast": [[-0.06, 0.006], [0.1, 0.007]]},
-        {
-            "ballast": [[-0.06, 0.006], [0.1, 0.007]],
-            "ballast_density": 7850.0,
-            "bed": (0.22, 0.22, 0.12),
-            "engrave": "TP10",
-            "drain": 0.002,
-            "o_ring": 0.0015,
-            "sleeve": 0.0016,
-            "lap": 0.008,
-        },
-    ],
-)
-def test_however_much_the_sheet_says_its_parts_are_drawn_to_a_scale_that_can_be_read(options):
+def test_however_much_the_sheet_says_its_parts_are_drawn_to_a_scale_that_can_be_read():
+    options = {
+        "ballast": [[-0.06, 0.006], [0.1, 0.007]],
+        "ballast_density": 7850.0,
+        "bed": (0.22, 0.22, 0.12),
+        "engrave": "TP10",
+        "drain": 0.002,
+        "o_ring": 0.0015,
+        "sleeve": 0.0016,
+        "lap": 0.008,
+    }
     job = job_of(straight(22, 12, core="steel-20mm"))
     opened = "runs/pipe-inspection-12:TP10 --set builder.core=steel-20mm"
     named = ExportJob("pipe-inspection-12-TP10", job.agent, job.scenario, {}, opened)

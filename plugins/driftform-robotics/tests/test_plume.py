@@ -74,37 +74,6 @@ def test_very_near_the_leak_it_is_twice_the_unbounded_plume() -> None:
         assert found == pytest.approx(wanted, rel=2e-3)
 
 
-def test_the_series_is_the_solution_that_finite_volumes_find() -> None:
-    """A disc of rings and sectors, stepped implicitly from the closed form at an early time."""
-    from scipy.sparse import csr_matrix, identity
-    from scipy.sparse.linalg import splu
-
-    rings, sectors, first, last = 40, 60, 0.01, 0.06
-    dr, dphi = 1 / rings, np.pi / sectors
-    r, phi = (np.arange(rings) + 0.5) * dr, (np.arange(sectors) + 0.5) * dphi
-    number = np.arange(rings * sectors).reshape(rings, sectors)
-    pairs = [
-        (number[:-1].ravel(), number[1:].ravel(), np.repeat(r[:-1] + dr / 2, sectors) * dphi / dr),
-        (number[:, :-1].ravel(), number[:, 1:].ravel(), np.repeat(dr / (r * dphi), sectors - 1)),
-    ]
-    area = np.repeat(r * dr * dphi, sectors)
-    A = csr_matrix((area.size, area.size))
-    for i, j, g in pairs:
-        for a, b in ((i, j), (j, i)):
-            A = A + csr_matrix((g, (a, b)), A.shape) - csr_matrix((g, (a, a)), A.shape)
-    A = csr_matrix(A.multiply(1 / area[:, None]))
-    grid_r, grid_phi = (grid.ravel() for grid in np.meshgrid(r, phi, indexing="ij"))
-    C = relative_concentration_far(np.full(area.size, first), grid_r, grid_phi)
-    steps = 40
-    h = (last - first) / steps
-    # Crank and Nicolson's rule.
-    solve = splu((identity(area.size) - h / 2 * A).tocsc()).solve
-    for _ in range(steps):
-        C = solve(C + h / 2 * (A @ C))
-    exact = relative_concentration_far(np.full(area.size, last), grid_r, grid_phi)
-    assert np.abs(C - exact).max() < 0.01 * exact.max()
-
-
 def test_far_downstream_it_is_mixed_evenly() -> None:
     found = relative_concentration(np.full(50, 2.0), np.linspace(0, 1, 50), np.linspace(0, np.pi, 50))
     assert found == pytest.approx(np.ones(50), abs=0.01)

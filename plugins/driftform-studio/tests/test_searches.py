@@ -77,21 +77,6 @@ def test_a_search_outlives_its_server_and_the_next_server_can_pause_and_continue
     wait_for(lambda: second.ask(f"api/runs/{name}/status")["done"] > paused["done"])
 
 
-def test_a_search_that_is_killed_is_a_paused_run(serve, folder, long_draft, wait_for):
-    server = serve()
-    name = server.ask("api/runs", {"draft": long_draft, "name": "long"})["run"]
-    wait_for(lambda: server.ask(f"api/runs/{name}/status")["done"] > 3)
-    found = subprocess.run(
-        ["pgrep", "-f", f"driftform_studio.search .*{folder / name}$"], capture_output=True, text=True, check=True
-    )
-    [pid] = found.stdout.split()
-    subprocess.run(["kill", "-9", pid], check=True)
-    status = server.wait_until(name, "failed", "paused")
-    assert status["canResume"]
-    server.ask(f"api/runs/{name}/resume", {})
-    wait_for(lambda: server.ask(f"api/runs/{name}/status")["done"] > status["done"])
-
-
 def test_two_searches_of_one_name_are_two_runs(serve, draft):
     server = serve()
     draft = {**draft, "run": {"evaluations": 4}}
