@@ -119,7 +119,10 @@ def make_ball(centre: npt.ArrayLike, radius: float, colour: str) -> Shape:
 
 
 def make_hull(body: Body, scale: float = 1.0) -> Shape:
-    """Return the outer surface in the body frame, magnified about the core: modules in two shades, the fore end in another colour."""
+    """Return the outer surface in the body frame, magnified about the core.
+
+    Modules have two shades, and the fore end another colour.
+    """
     nose = float(body.outer[-1, 0]) - NOSE_SHARE * body.length
     contour = _split_contour(body.outer, [nose, *body.joints])
     middle = (contour[:-1, 0] + contour[1:, 0]) / 2

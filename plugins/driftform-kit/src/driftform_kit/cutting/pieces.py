@@ -81,7 +81,8 @@ def add_brim(piece: Piece, width: float, thickness: float) -> tuple[Ring, ...]:
 class Kit:
     """A kit in the meridian plane: the hull that was cut, its pieces from aft to fore, and the joints between them.
 
-    The core is inserted through ``core_joint``, chosen for a ``reason``. ``seats`` are those that were added to hold the core and the ballast.
+    The core is inserted through ``core_joint``, chosen for a ``reason``. ``seats`` are those that were added to hold the
+    core and the ballast.
     """
 
     hull: Hull
