@@ -94,11 +94,6 @@ def test_a_genome_alone_fails_after_so_many_deaths(deaths: list[Exception | None
     assert failures(executor, 1) == {0: None}
 
 
-def test_a_genome_that_fails_after_its_task_died_leaves_the_others_sound() -> None:
-    executor = FakePool(TIMEOUT, TIMEOUT)
-    assert [index for index, failure in failures(executor, 5).items() if failure] == [0]
-
-
 def test_deaths_before_anything_began_are_blamed_on_no_genome_and_stop_the_run_after_a_few() -> None:
     executor = FakePool(*[START] * STARTS)
     with pytest.raises(WorkersLostError, match=r"^workers cannot start here: .*\(exit code 3\)$"):

@@ -101,12 +101,6 @@ def test_away_from_the_mitres_the_wall_is_just_as_thick_as_asked(morphology):
     assert np.quantile(thickness, 0.9) <= 1.07 * WALL
 
 
-def test_a_body_of_many_metres_is_whole():
-    body = build(Morphology(fore=(Module(1.0, 0.0),) * 30))
-    assert body.outer[-1] == pytest.approx([30.0, 0.0], abs=1e-9)
-    assert body.cavity[-1] == pytest.approx([30.0 - WALL, 0.0], abs=1e-9)
-
-
 def test_the_paper_s_wall_has_the_mass_of_eq_18s_frusta_and_weightless_ends():
     body = build(Morphology(fore=(Module(0.01, np.deg2rad(10)),) * 3), wall_model="paper")
     radial = WALL / np.cos(np.deg2rad(10))

@@ -38,10 +38,6 @@ def test_what_contradicts_itself_is_refused(options, why):
         PartOptions(**options)
 
 
-def test_a_bed_may_be_a_list_as_in_a_study_file():
-    assert PartOptions(bed=[0.2, 0.2, 0.25]).bed == (0.2, 0.2, 0.25)
-
-
 def test_an_o_ring_that_fits_its_sleeve_is_taken():
     assert PartOptions(o_ring=0.0015, sleeve=0.0014).groove == pytest.approx(0.001)
 

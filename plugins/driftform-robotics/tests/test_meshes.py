@@ -46,17 +46,14 @@ def test_pieces_are_convex_closed_and_together_the_hull(steps: list[tuple[float,
     assert sum(p.volume * p.x for p in pieces) == pytest.approx(expected.first, abs=1e-7 * expected.volume)
 
 
-def test_a_convex_body_stays_in_one_piece() -> None:
+def test_a_body_that_is_convex_or_folds_back_stays_in_one_piece() -> None:
     angle = np.linspace(np.pi, 0, 40)
-    contour = np.column_stack((0.05 * np.cos(angle), 0.02 * np.sin(angle)))
-    contour[[0, -1], 1] = 0
-    assert len(convex_pieces(contour)) == 1
-
-
-def test_a_contour_that_folds_back_stays_in_one_piece() -> None:
-    contour = np.array([(0, 0), (0.0, 0.02), (0.03, 0.02), (0.02, 0.01), (0.05, 0.01), (0.05, 0)], dtype=float)
-    (piece,) = convex_pieces(contour)
-    assert piece.volume == pytest.approx(solid_of_revolution(contour).volume)
+    convex = np.column_stack((0.05 * np.cos(angle), 0.02 * np.sin(angle)))
+    convex[[0, -1], 1] = 0
+    folded = np.array([(0, 0), (0.0, 0.02), (0.03, 0.02), (0.02, 0.01), (0.05, 0.01), (0.05, 0)], dtype=float)
+    for contour in (convex, folded):
+        (piece,) = convex_pieces(contour)
+        assert piece.volume == pytest.approx(solid_of_revolution(contour).volume)
 
 
 def test_the_exported_hull_is_the_body_that_flies(job: ExportJob, export: Callable) -> None:
