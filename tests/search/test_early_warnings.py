@@ -28,10 +28,6 @@ def lines(evaluations: Sequence[Evaluation], seed: int = 0) -> list[str]:
     return found
 
 
-def test_flights_that_arrive_say_nothing() -> None:
-    assert lines([flight(9.0, End.OUTLET)] * 30) == []
-
-
 @pytest.mark.parametrize("seed", range(3))
 def test_flights_that_all_last_to_the_horizon_are_said_with_how_far_they_came(seed: int) -> None:
     ended = [flight(7.0 + 0.05 * k, End.HORIZON) for k in range(FIRST)]

@@ -38,10 +38,6 @@ def test_what_contradicts_itself_is_refused(options, why):
         PartOptions(**options)
 
 
-def test_an_o_ring_that_fits_its_sleeve_is_taken():
-    assert PartOptions(o_ring=0.0015, sleeve=0.0014).groove == pytest.approx(0.001)
-
-
 def test_a_third_ball_of_ballast_is_refused_with_what_to_do():
     two = [[-0.04, 0.006], [0.045, 0.008]]
     assert len(PartOptions(kit=True, ballast=two).ballast) == 2
