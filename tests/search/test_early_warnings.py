@@ -42,7 +42,8 @@ def test_a_target_that_no_flight_passes_is_named_with_the_distance() -> None:
     assert line.startswith("none of the first 20 flights passes target far: the nearest ends 2022 mm before")
 
 
-def test_one_flight_that_passes_is_enough() -> None:
+def test_flights_that_arrive_say_nothing_and_one_is_enough() -> None:
+    assert lines([flight(9.0, End.OUTLET)] * 30) == []
     assert lines([flight(9.0, End.OUTLET)] + [flight(3.0, End.OUTLET)] * 19) == []
 
 

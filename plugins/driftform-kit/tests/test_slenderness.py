@@ -209,7 +209,6 @@ def test_a_kit_draws_the_brim_that_is_advised_and_it_holds_the_part(tmp_path):
     assert sheets[0].weights == sheets[1].weights
 
 
-@pytest.mark.long
 def test_where_no_cut_helps_the_check_says_so(tmp_path):
     rod = FrustaBuilder(FrustaOptions()).build(Morphology((Module(0.17, 0.0),), ()))
     job = job_of(rod)

@@ -20,6 +20,7 @@ from ruamel.yaml import YAML
 
 from driftform.interfaces import ExportJob, Recorder
 from driftform.motion.path.accelerations import accelerations_along, net_wrench
+from driftform.plugins.registry import registry
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Trajectory
@@ -62,6 +63,10 @@ class TestRecorders(RecorderContract):
 
     def plugin(self) -> Recorder[Any]:
         return self.chosen
+
+
+def test_each_recorder_is_found_by_its_name() -> None:
+    assert all(type(registry().create("recorder", each.name, {})) is type(each) for each in RECORDERS)
 
 
 @pytest.fixture(scope="module")
