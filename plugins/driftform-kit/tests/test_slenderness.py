@@ -181,8 +181,7 @@ def check_slim(folder, **options):
     return {(f.check, f.part.removeprefix("a-")): f for f in found if f.check in ("standing", "slender")}
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("kit", [False, True])
+@pytest.mark.parametrize("kit", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_the_cut_that_is_advised_for_a_slender_hull_leaves_parts_that_do_not_sway(tmp_path, kit):
     sways = next(f for f in check_slim(tmp_path, kit=kit).values() if "it sways" in f.detail)
     bed, count = re.search(r"(?:--kit )?--bed ([\d.,]+) makes (\d) that do not", sways.detail).groups()
