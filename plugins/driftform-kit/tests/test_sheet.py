@@ -213,7 +213,7 @@ def test_ballast_with_a_seat_goes_in_before_its_part_is_joined():
     sheet = sheet_of(straight(6, 4), ballast=[[0.045, 0.008]])
     [held] = sheet.kit.ballast
     [number] = [part.number for part in sheet.parts if part.place == held.part]
-    [step] = [i for i, text in enumerate(sheet.steps) if "ball A, a lead ball of 8.00\u00a0mm" in text]
+    [step] = [i for i, text in enumerate(sheet.steps) if "ball A, a steel ball of 8.00\u00a0mm" in text]
     joined = [i for i, text in enumerate(sheet.steps) if re.match(rf"(Join|Lay).* part {number}", text)]
     assert step < joined[0]
     assert f"into part {number} by its aft end" in sheet.steps[step]
@@ -300,7 +300,7 @@ def test_everything_goes_in_before_anything_is_closed():
     assert [next(word for word in order if step.startswith(word)) for step in sheet.steps] == list(order)
     [held] = [held for held in sheet.kit.ballast if held.mouth is None]
     [part] = [part for part in sheet.parts if part.place == held.part]
-    inside = 1e3 * math.pi / 6 * 11_340 * 0.010**3
+    inside = 1e3 * math.pi / 6 * 7850 * 0.010**3
     assert f"Take {inside:.2f}\u00a0g off part {part.number} for ball B inside." in sheet.steps[3]
 
 
@@ -310,7 +310,7 @@ def test_what_to_get_is_enough_for_the_parts_and_the_scale_for_the_agent():
     shopping = dict(sheet.shopping)
     grams = 1.1e3 * sum(part.mass for part in sheet.parts)
     assert grams <= float(shopping["filament"].split("\u00a0")[0]) < grams + 1
-    assert shopping["core"].startswith("steel-20mm") and "ball B, a lead ball of 8.00" in shopping["ballast"]
+    assert shopping["core"].startswith("steel-20mm") and "ball B, a steel ball of 8.00" in shopping["ballast"]
     assert int(shopping["scale"].split()[1]) > 1e3 * sheet.target.mass
     # Trim computes ballast that is not known yet.
     light = sheet_of(straight(6, 4))

@@ -117,7 +117,7 @@ def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call: Call, t
     # The option that is printed makes that kit ...
     text = call("trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, "--simulator", "native").stdout
     option = re.search(r"--option '(ballast=\S+)'", text)[1]
-    assert f"a lead ball of {1000 * piece['diameter']:.1f} mm" in text
+    assert f"a steel ball of {1000 * piece['diameter']:.1f} mm" in text
     made = f"{WORD} {' '.join(NEUTRAL)} --kit --option '{option}'"
     assert f"driftform export {made}\n" in text
     assert f"driftform trim {made} --printed-mass KG --simulator native\n" in text
@@ -133,7 +133,7 @@ def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call: Call, t
 
 
 def test_the_last_gram_lies_on_the_seat_that_is_there_and_the_rest_is_told(call: Call) -> None:
-    diameter = (6 * 0.002185 / (3.14159 * 11_340)) ** (1 / 3)
+    diameter = (6 * 0.002185 / (3.14159 * 7850)) ** (1 / 3)
     seat = ("--set", f"exporter.stl.ballast=[[0.02,{diameter:.5f}]]")
     facts = told(call, "--kit", "--printed-mass", 0.0292, *seat)
     assert facts["misfits"] == [] and facts["held"][0]["diameter"] == pytest.approx(diameter, abs=1e-5)
@@ -181,7 +181,7 @@ def test_a_ball_that_was_printed_in_is_taken_off_what_is_weighed(call: Call) -> 
 def test_the_commands_to_copy_carry_what_the_user_gave(call: Call) -> None:
     given = (
         *("--kit", "--format", "3mf,stl", "--bed", "220,200,45", "--option", "engrave='7'"),
-        *("--option", "joint=rabbet", "--ballast-density", "7850"),
+        *("--option", "joint=rabbet", "--ballast-density", "11340"),
     )
     text = call("trim", WORD, *NEUTRAL, *given, "--printed-mass", 0.0292, "--simulator", "native").stdout
     export, trim = (shlex.split(line) for line in text.splitlines() if line.startswith("  driftform"))
@@ -193,13 +193,13 @@ def test_the_commands_to_copy_carry_what_the_user_gave(call: Call) -> None:
     assert {file["format"] for file in written} == {"3mf", "stl"}
     with zipfile.ZipFile(next(file["path"] for file in written if file["format"] == "3mf")) as archive:
         options = json.loads(archive.read("Metadata/kit.json"))
-    assert options["bed"] == [0.22, 0.2, 0.045] and options["ballast_density"] == 7850
+    assert options["bed"] == [0.22, 0.2, 0.045] and options["ballast_density"] == 11340
     assert (options["engrave"], options["joint"], len(options["ballast"])) == ("7", "rabbet", 1)
     # The sheet of that kit has the command to trim it, for the format that it was written with.
     sheet = next(Path("kit").glob("*-assembly-2.svg")).read_text(encoding="utf-8")
     again = call(*(word if word != "KG" else "0.0293" for word in trim[1:]))
-    assert again.exit_code == 0 and "steel ball" in again.stdout
-    for word in ("--bed 220,200,45", "joint=rabbet", "ballast_density=7850", "builder.core_mass=0.02507"):
+    assert again.exit_code == 0 and "lead ball" in again.stdout
+    for word in ("--bed 220,200,45", "joint=rabbet", "ballast_density=11340", "builder.core_mass=0.02507"):
         assert word in sheet
 
 

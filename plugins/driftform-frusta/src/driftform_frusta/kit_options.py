@@ -7,8 +7,8 @@ from pydantic import Field, field_validator, model_validator
 from driftform.interfaces import Printer, Table, option
 from driftform_frusta.lettering import missing_letters
 
-LEAD = 11340.0
-"""Density of lead, kg/m3."""
+STEEL, LEAD = 7850.0, 11340.0
+"""Densities of steel and lead, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
 
 GROOVE_SHARE = 0.8
 """Room between bore and groove over the cord of an O-ring: a squeeze of 20 %, usual for a seal at rest."""
@@ -132,7 +132,7 @@ class PartOptions(KitOptions):
         "in place of the agent, plugs and seats at clearances of 0.1 to 0.3 mm, to find the `clearance` of a printer",
     )
     ballast_density: float = option(
-        LEAD, "density of the balls of ballast, which the assembly sheet weighs", "kg/m3", ge=100, le=30_000
+        STEEL, "density of the balls of ballast, which the assembly sheet weighs", "kg/m3", ge=100, le=30_000
     )
     brim: float = option(
         0.0,

@@ -35,7 +35,7 @@ _SETTLED = 2e-4
 _SAME_SIZE = 0.1
 """Share of its diameter by which a ball may differ from that of its seat: it then lies within a twentieth of it."""
 
-LEAD = ballast.MATERIALS["lead"]
+STEEL = ballast.MATERIALS["steel"]
 """Default density of ballast, kg/m3."""
 
 
@@ -345,13 +345,13 @@ def trim_design(
             measured.
         kit: whether it is printed as a kit: its sleeves and seats weigh too.
         format: name of the exporter whose options the kit has.
-        ballast_density: kg/m3; ``None`` for that of the kit's options, or else of lead.
+        ballast_density: kg/m3; ``None`` for that of the kit's options, or else of steel.
 
     Raises InputError if a value cannot be that of this agent, and WorkFailedError if a flight fails.
     """
     if not kit:
         weight = weigh_print(design.agent, printed_mass, printed_cog)
-        return _trim(design, weight, LEAD if ballast_density is None else ballast_density, None)
+        return _trim(design, weight, STEEL if ballast_density is None else ballast_density, None)
     kit_settings = formats.list_exporter_settings([format], {"kit": ("true", "--kit")})
     exporter, body = design.under(*kit_settings).study.make_exporter(format), design.agent.body
     given = exporter.options

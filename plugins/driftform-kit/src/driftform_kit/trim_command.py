@@ -67,7 +67,7 @@ def trim(
         float | None,
         typer.Option(
             metavar="KG/M3",
-            help="Density of the ballast, kg/m3; by default that of the kit's options, or of lead, 11340.",
+            help="Density of the ballast, kg/m3; by default that of the kit's options, or of steel, 7850.",
         ),
     ] = None,
     scenario: options.ScenarioOption = None,
@@ -81,7 +81,7 @@ def trim(
     from driftform.errors import InputError
     from driftform_kit.ballast import name_material
     from driftform_kit.settings import list_arguments
-    from driftform_kit.trim import LEAD, trim_design
+    from driftform_kit.trim import STEEL, trim_design
 
     names = formats.parse_formats(format, "exporter", "stl")
     for name, given in (("format", names != ["stl"]), ("bed", bed), ("option", option)):
@@ -117,7 +117,7 @@ def trim(
 
     def write(balls: "Balls", density: float) -> tuple[str, str]:
         changed: dict[str, Any] = {"ballast": balls}
-        if name_material(density) != name_material(LEAD):
+        if name_material(density) != name_material(STEEL):
             changed["ballast_density"] = density
         arguments = f"{opened} {list_arguments(names, exporter.options.model_copy(update=changed))}"
         return (f"driftform export {arguments}", f"driftform trim {arguments} --printed-mass KG {flight}".rstrip())

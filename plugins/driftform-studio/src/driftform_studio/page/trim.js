@@ -9,9 +9,9 @@ function describeSpot(x, aft) {
 }
 
 function describePiece({ mass, x, diameter, putty, ring, start, end }, aft) {
-  if (diameter) return `a lead ball of ${(1000 * diameter).toFixed(1)} mm (${grams(mass)}) ${describeSpot(x, aft)}${putty ? `, set in ${grams(putty)} of epoxy putty` : ""}`;
+  if (diameter) return `a steel ball of ${(1000 * diameter).toFixed(1)} mm (${grams(mass)}) ${describeSpot(x, aft)}${putty ? `, set in ${grams(putty)} of epoxy putty` : ""}`;
   if (ring) return `${grams(mass)} of epoxy putty as a ring on the wall, ${(1000 * ring).toFixed(1)} mm wide and thick, ${describeSpot(x, aft)}`;
-  return `${grams(mass)} of lead that fills the bore from ${describeSpot(start, aft)}, to ${describeSpot(end, aft)}`;
+  return `${grams(mass)} of steel that fills the bore from ${describeSpot(start, aft)}, to ${describeSpot(end, aft)}`;
 }
 
 // `takeKit` is called with the seats of a kit that holds the ballast.
