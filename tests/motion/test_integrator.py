@@ -128,7 +128,9 @@ def default_flights():
         flown = integrate(model, start, horizon, Accuracy())
         truth = integrate(model, start, horizon, exact)
         distance = greatest_distance(truth.samples, flown.samples)
-        errors.append((flown.error, distance - truth.error, distance + truth.error))
+        # What is stated at least is for steps ten times as long.
+        doubt = truth.error if truth.error > LEAST_ERROR else 0.0
+        errors.append((flown.error, distance - doubt, distance + doubt))
     return np.array(errors).T
 
 
@@ -141,12 +143,12 @@ def test_the_estimated_error_covers_the_true_one(default_flights):
     assert sure.sum() >= fewest(0.99)
     estimated, least, most = estimated[sure], least[sure], most[sure]
     assert (estimated >= most).sum() >= fewest(0.98)
-    # It is no fantasy either: within two orders of magnitude for nearly all.
-    assert (estimated < 100 * least).sum() >= fewest(0.85)
+    # Where it is more than the least error that is stated, it is within two orders of magnitude for nearly all.
+    assert (estimated <= np.maximum(100 * least, LEAST_ERROR)).sum() >= fewest(0.85)
     # An error in proportion to the tolerance is a ninth of the distance of which the estimate is twice as much.
     expected = SAFETY_FACTOR * (TOLERANCE_RATIO - 1)
     assert (estimated >= expected / 3 * most).sum() >= fewest(0.5)
-    assert (estimated <= expected * 3 * least).sum() >= fewest(0.5)
+    assert (estimated <= np.maximum(expected * 3 * least, LEAST_ERROR)).sum() >= fewest(0.5)
     # What is asked for is what is got: a millimetre, or where the estimate was unlucky a little more.
     assert (most < Accuracy().position).sum() >= fewest(0.99)
     # Such a flight may have no exact end to compare with either.

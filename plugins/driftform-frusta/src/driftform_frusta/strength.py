@@ -73,10 +73,10 @@ def plate_yield(material: Material, radius: float, plate: float, held: float = 1
     return material.creep * material.across / stress
 
 
-def rim_yield(material: Material, radius: float, wall: float, held: float) -> float:
-    """Return the pressure at which a long tube yields at the plate that closes it, bends it, and keeps its edge round."""
+def rim_yield(material: Material, radius: float, wall: float, held: float, across: float) -> float:
+    """Return the pressure at which a long tube yields at a plate of a radius ``across`` that bends it, and keeps its edge round."""
     around = radius * wall * (1 - material.poisson / 2) / math.sqrt(12 * (1 - material.poisson**2))
-    moment = held * radius**2 / 8 + (1 - held) * around
+    moment = held * across**2 / 8 + (1 - held) * around
     return material.creep * material.across / (6 * moment / wall**2 + radius / (2 * wall))
 
 
@@ -144,13 +144,14 @@ def describe_strength(body: Body, fluid: Fluid) -> dict[str, Any] | None:
     fails = "yields" if weakest.holds == weakest.yields else "buckles"
     where = f"{weakest.name} {fails} at {weakest.holds / 1e5:.3g} bar"
     lost = 1e5 * fluid.density * find_loss(body)
-    depth = weakest.holds / (fluid.density * fluid.gravity)
+    gradient = fluid.density * fluid.gravity
+    depth = f", {weakest.holds / gradient:.3g} m down" if gradient else ""
     return {
         "pressure": weakest.holds,
         "part": weakest.name,
         "fails": fails,
         "lost_per_bar": lost,
-        "summary": f"{where}, {depth:.3g} m down; a bar takes {1000 * lost:.2g} g of buoyancy",
+        "summary": f"{where}{depth}; a bar takes {1000 * lost:.2g} g of buoyancy",
         "parts": [part._asdict() for part in parts],
     }
 
@@ -199,9 +200,7 @@ def list_parts(body: Body) -> list[HullPart]:
         if name.endswith("end"):
             beside = i[0] + 1 if steps[i[0], 1] > 0 else i[0] - 1
             tube = float(hoop[beside]), float(wall[beside])
-            parts.append(
-                _measure_end(material, name, float(outer[i[0] : i[0] + 2, 1].max()), float(measured[i[0]]), *tube)
-            )
+            parts.append(_measure_end(material, name, np.sort(outer[i[0] : i[0] + 2, 1]), float(measured[i[0]]), *tube))
         else:
             at = i[np.argmin(np.minimum(yields[i], buckles[i]))]
             fails = float(yields[i].min()), float(buckles[i].min())
@@ -225,11 +224,17 @@ def thicken_ends(body: Body, room: float, pressure: float, line: float) -> Float
     return cut
 
 
-def _measure_end(material: Material, name: str, radius: float, plate: float, tube: float, wall: float) -> HullPart:
-    """Return a flat end of an outer radius: a plate on a tube of a radius (over the cosine of its tilt) and a wall, m."""
-    middle, held = radius - wall / 2, hold_rim(material, tube, plate, wall)
-    yields = min(plate_yield(material, middle, plate, held), rim_yield(material, tube, wall, held))
-    return HullPart(name, plate, radius, yields, None, plate_loss(material, middle, plate, held))
+def _measure_end(material: Material, name: str, radii: FloatArray, plate: float, tube: float, wall: float) -> HullPart:
+    """Return a flat end of two radii: a plate on a tube of a radius (over the cosine of its tilt) and a wall, m.
+
+    A step, whose inner radius is not 0, is less than a round plate with a radius of its width: a long strip of a width w that
+    is held at both edges has a stress of p (w/t)^2 / 2, at most 3/4 p (w/t)^2 if they turn (Timoshenko).
+    """
+    inner, radius = radii.tolist()
+    across, strips = (radius - wall / 2, 1.0) if inner < 1e-6 else (radius - inner, 2 * radius / (radius - inner))
+    held = hold_rim(material, tube, plate, wall)
+    yields = min(plate_yield(material, across, plate, held), rim_yield(material, tube, wall, held, across))
+    return HullPart(name, plate, radius, yields, None, strips * plate_loss(material, across, plate, held))
 
 
 def _find_bays(hoop: FloatArray, slant: FloatArray, flat: npt.NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
