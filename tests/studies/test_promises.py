@@ -259,7 +259,7 @@ def test_flights_keep_what_a_run_promises(
     publish("promises", lines)
     for s in (Specimen.PRINT, Specimen.WEIGHED):
         assert 0.85 <= kept[s].mean() <= 0.95
-    assert (p90[Specimen.WEIGHED] <= 1.1 * floor).all()
+    assert (weighed >= KEPT).mean() >= 0.9
 
 
 def test_the_search_of_tuned_bodies_keeps_weighed_prints_as_near_as_any_other_with_as_many_flights(
