@@ -220,7 +220,7 @@ def weight_floor(study: Study) -> FloatArray:
 
 def show_range(misses: FloatArray) -> str:
     """Median of runs, and the least and the greatest, mm."""
-    return f"{1000 * np.median(misses):.0f} ({1000 * misses.min():.0f} to {1000 * misses.max():.0f})"
+    return f"{1000 * np.median(misses):.0f} ({1000 * misses.min():.0f}–{1000 * misses.max():.0f})"
 
 
 def test_flights_keep_what_a_run_promises(
