@@ -130,7 +130,8 @@ def test_a_trimmed_agent_has_the_buoyancy_that_was_asked_for() -> None:
 
 
 def test_the_ballast_of_a_tuned_agent_trims_it_and_stays_in_its_seat() -> None:
-    plain = open_agent(f"{WORD}-addF-tiltp-2-L-moveF", "pipe-inspection", ["builder.core=glass-20mm"])
+    lead = ("builder.tuning='ballast'", "builder.ballast={material='lead', most=1.0}", "builder.pressure=0")
+    plain = open_agent(f"{WORD}-addF-tiltp-2-L-moveF", "pipe-inspection", ["builder.core=glass-20mm", *lead])
     assert plain.agent.morphology is not None
     _, most = plain.pipeline.builder.find_tunings(plain.agent.morphology) or (0.0, 0.0)
     stored = replace(plain.stored, genome=replace(plain.stored.genome, tuning=0.9 * most))
