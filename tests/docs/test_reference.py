@@ -135,7 +135,8 @@ def undocumented(module: Any, only: Sequence[str]) -> Iterator[str]:
     for name, member in members_of(module):
         if only and name not in only:
             continue
-        told = member.docstring or f"``{name}``" in texts or "help=" in str(getattr(member, "value", ""))
+        helps = re.search(r"help=|make_option\(", str(getattr(member, "value", "")))
+        told = member.docstring or f"``{name}``" in texts or helps
         if not told:
             yield f"{module.path}.{name}"
         if member.is_class:

@@ -192,7 +192,7 @@ def test_workers_that_lack_a_plugin_of_the_study_report_it(study: Study, dask_cl
 def test_workers_that_cannot_import_the_task_report_it(
     study: Study, dask_cluster: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "_work", work_that_breaks)
+    monkeypatch.setattr(cluster, "_call", work_that_breaks)
     with (
         closing(Cluster.join(study.document, dask_cluster)) as executor,
         pytest.raises(WorkFailedError, match=r"its workers cannot evaluate \(No module .*\); install the same"),

@@ -26,11 +26,7 @@ from driftform.water.parts.walls import (
     UPSTREAM,
     edge_point,
     gap_in_tee,
-    nearest_on_edge,
 )
-
-__all__ = ["COSINE", "DOWNSTREAM", "END_RADIUS", "FILLET", "SIDE", "SINE", "UPSTREAM"]
-__all__ += ["Junction", "nearest_on_edge", "wall_level"]
 
 REACH = 3.0
 """Length of each leg beyond the rounded edge, in its own radii, or a little more."""
