@@ -10,8 +10,7 @@ from scipy.sparse import csr_array
 
 from driftform.types import FloatArray
 from driftform.util import progress
-from driftform.water.parts.tee_wall import Junction
-from driftform.water.parts.walls import UPSTREAM
+from driftform.water.parts.tee_wall import UPSTREAM, Junction
 from driftform_tees import solve
 from driftform_tees.cells import cut_cell, cut_stiffness, gradient_rows, spline_values, value_rows
 from driftform_tees.hierarchy import build_levels, coefficient_matrices

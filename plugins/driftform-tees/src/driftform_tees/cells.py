@@ -10,7 +10,7 @@ import numpy as np
 
 from driftform.types import FloatArray
 from driftform.util import allocating, compiled
-from driftform.water.parts import tee_wall, walls
+from driftform.water.parts import tee_wall
 from driftform_tees.region import distance_beyond_ends, water_level
 
 PIECES = 4
@@ -33,10 +33,10 @@ def spline_values(u: float, values: FloatArray, slopes: FloatArray) -> None:
 def _line_axis(p: FloatArray, wall: FloatArray) -> int:
     """Return the axis that is closest to the normal of the boundary near a point."""
     level, normal = tee_wall.wall_level(p[0], p[1], p[2], wall)
-    along = max(-wall[walls.UPSTREAM] - p[0], p[0] - wall[walls.DOWNSTREAM])
+    along = max(-wall[tee_wall.UPSTREAM] - p[0], p[0] - wall[tee_wall.DOWNSTREAM])
     beyond = distance_beyond_ends(p[0], p[1], p[2], wall)
     if beyond > level:
-        return 0 if beyond == along or wall[walls.COSINE] > wall[walls.SINE] else 2
+        return 0 if beyond == along or wall[tee_wall.COSINE] > wall[tee_wall.SINE] else 2
     if abs(normal[0]) > max(abs(normal[1]), abs(normal[2])):
         return 0
     return 1 if abs(normal[1]) > abs(normal[2]) else 2

@@ -15,7 +15,6 @@ from scipy.sparse import coo_array, csr_array, diags_array
 from driftform.types import FloatArray
 from driftform.util import allocating, progress
 from driftform.water.parts import tee_store, tee_wall
-from driftform.water.parts.walls import COSINE, DOWNSTREAM, END_RADIUS, SIDE, SINE, UPSTREAM
 from driftform_tees.cells import cut_stiffness, gradient_rows, value_rows
 from driftform_tees.hierarchy import BoolArray, IntArray, Level, build_levels, coefficient_matrices
 from driftform_tees.region import distance_beyond_ends, distance_from_ball
@@ -113,11 +112,11 @@ def _pack_levels(
 def make_levels(junction: tee_wall.Junction) -> list[Level]:
     """Return the grids of a tee."""
     wall, h, r = junction.array(), junction.width, junction.branch
-    c, s, end = wall[COSINE], wall[SINE], wall[SIDE]
+    c, s, end = wall[tee_wall.COSINE], wall[tee_wall.SINE], wall[tee_wall.SIDE]
     # An oblique end may need the next cell.
     more = 0.25 * h if c > 0 else 0.0
-    low = np.array([min(-wall[UPSTREAM], end * c - r * s - more), -1.0, -1.0])
-    high = np.array([max(wall[DOWNSTREAM], end * c + r * s + more), 1.0, end * s + r * c + more])
+    low = np.array([min(-wall[tee_wall.UPSTREAM], end * c - r * s - more), -1.0, -1.0])
+    high = np.array([max(wall[tee_wall.DOWNSTREAM], end * c + r * s + more), 1.0, end * s + r * c + more])
     first, last = np.floor(low / h + 1e-9).astype(np.int64), np.ceil(high / h - 1e-9).astype(np.int64)
     nx, ny, nz = (last - first).tolist()
     finest = junction.finest
@@ -148,11 +147,11 @@ def make_levels(junction: tee_wall.Junction) -> list[Level]:
 def _reach_levels(points: FloatArray, wall: FloatArray, margin: float) -> FloatArray:
     """Return levels of the water with a ``margin`` in the wall and beyond an end that is oblique to the grid."""
     out = np.empty(len(points))
-    oblique = margin if wall[COSINE] > 0.0 else 0.0
+    oblique = margin if wall[tee_wall.COSINE] > 0.0 else 0.0
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         beyond = distance_beyond_ends(x, y, z, wall)
-        if x > -wall[UPSTREAM] and x < wall[DOWNSTREAM]:
+        if x > -wall[tee_wall.UPSTREAM] and x < wall[tee_wall.DOWNSTREAM]:
             beyond -= oblique
         out[i] = max(tee_wall.wall_level(x, y, z, wall)[0] - margin, beyond)
     return out
@@ -251,9 +250,12 @@ def _end_points(wall: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     radius, angle = np.meshgrid((nodes + 1) / 2, np.pi * nodes / 2, indexing="ij")
     y, up = (radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()
     weight = (radius * np.outer(weights, weights) * np.pi / 4).ravel()
-    r, c, s = wall[END_RADIUS], wall[COSINE], wall[SINE]
-    inlet, outlet = (np.stack([np.full_like(y, x), y, up, weight], axis=1) for x in (-wall[UPSTREAM], wall[DOWNSTREAM]))
-    side = np.stack([wall[SIDE] * c + r * up * s, r * y, wall[SIDE] * s - r * up * c, weight], axis=1)
+    r, c, s = wall[tee_wall.END_RADIUS], wall[tee_wall.COSINE], wall[tee_wall.SINE]
+    inlet, outlet = (
+        np.stack([np.full_like(y, x), y, up, weight], axis=1)
+        for x in (-wall[tee_wall.UPSTREAM], wall[tee_wall.DOWNSTREAM])
+    )
+    side = np.stack([wall[tee_wall.SIDE] * c + r * up * s, r * y, wall[tee_wall.SIDE] * s - r * up * c, weight], axis=1)
     return inlet, outlet, side
 
 

@@ -12,21 +12,15 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import Vector
-from driftform.water.parts.walls import (
-    COSINE,
-    DOWNSTREAM,
-    EDGE,
-    EDGE_POINTS,
-    END_RADIUS,
-    FILLET,
-    PART,
-    RADIUS,
-    SIDE,
-    SINE,
-    UPSTREAM,
-    edge_point,
-    gap_in_tee,
-)
+from driftform.water.parts import walls
+from driftform.water.parts.walls import EDGE, EDGE_POINTS, PART, RADIUS, edge_point, gap_in_tee, nearest_on_edge
+
+__all__ = ["COSINE", "DOWNSTREAM", "END_RADIUS", "FILLET", "SIDE", "SINE", "UPSTREAM"]
+__all__ += ["Junction", "nearest_on_edge", "wall_level"]
+
+# Indices in a row.
+COSINE, SINE, END_RADIUS, FILLET = walls.COSINE, walls.SINE, walls.END_RADIUS, walls.FILLET
+UPSTREAM, DOWNSTREAM, SIDE = walls.UPSTREAM, walls.DOWNSTREAM, walls.SIDE
 
 REACH = 3.0
 """Length of each leg beyond the rounded edge, in its own radii, or a little more."""
