@@ -281,7 +281,7 @@ class SearchSpace:
     begin_elsewhere: Begin | None = None
 
     def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
-        """Begin ``function(grammar, builder, *args)`` in a worker of the run; return what waits for its result, and returns it.
+        """Begin ``function(grammar, builder, *args)`` in a worker of the run; return a function that waits for its result.
 
         What costs more than a millisecond belongs there: a run has one strategy, and many workers. The function must be
         importable, its arguments and its result picklable, and the result must follow from the arguments: randomness

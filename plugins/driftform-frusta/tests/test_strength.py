@@ -81,7 +81,7 @@ def test_thick_walls_yield_as_lame_says_and_thin_ones_as_membranes(radius: float
 @pytest.mark.parametrize("ratio", [20, 30, 50, 100])
 @pytest.mark.parametrize("length", [1.0, 2.0, 4.0, 8.0])
 def test_cylinders_buckle_as_windenburg_and_trilling_say(ratio: int, length: float):
-    # Their equation 9, D = 2 R. Between two and three whole lobes the exact curve stands above it, elsewhere along it.
+    # Their equation 9, D = 2 R. Between two and three whole lobes the exact curve lies above it, elsewhere on it.
     thin, long = 1 / (2 * ratio), length / 2
     formula = 2.42 * 207e9 * thin**2.5 / ((1 - 0.3**2) ** 0.75 * (long - 0.45 * math.sqrt(thin)))
     found = cylinder_buckling(STEEL, ONE, ONE / ratio, length * ONE)

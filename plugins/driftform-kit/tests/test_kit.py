@@ -189,7 +189,7 @@ def test_joints_and_seats_need_no_support():
         aft, fore = made.parts
         assert (aft.fore_down, fore.fore_down) == (False, True)
         assert footing(aft.on_bed())[1] < 1 and footing(fore.on_bed())[1] < 1
-    # A dome stands on its mouth.
+    # A dome is printed with its open end down.
     assert [part.fore_down for part in make_parts(chain_body(), PartOptions(kit=True))] == [True, False]
 
 

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from driftform.agent import mass_properties
+from driftform.agent import hull_mass
 from driftform.agent.plain import PlainBody
 from driftform.interfaces import Fitness
 from driftform.motion.path.targets import find_offsets, find_within
@@ -25,7 +25,7 @@ from driftform.search.disturbed import draw_baseline, draw_rounds, fly_disturbed
 from driftform.search.jobs import Executor
 from driftform.search.survey import read_flights, read_scores
 from driftform.study import Study
-from driftform.types import Body, BoolArray, FloatArray, Verdict
+from driftform.types import BoolArray, FloatArray, Verdict
 from driftform.water.disturbances import FLOWN, Specimen
 from driftform.water.scenario import Robustness
 
@@ -33,7 +33,7 @@ ROUND = 5
 """Conditions of the choice between two looks at who can still win."""
 
 EQUAL = 0.05
-"""Promises are equal if what they lack to 100 % differs by less than this, relative to it: 20 flights do not tell them apart."""
+"""Scores are equal if what they lack to 100 % differs by a smaller share than this: 20 flights cannot distinguish them."""
 
 
 def fly_finalists(
@@ -172,11 +172,6 @@ def lower_bar(best: Score) -> Score:
     return best - EQUAL * (100.0 - best)
 
 
-def _weigh_print(body: Body) -> float:
-    """Return the mass of a body without core and ballast, kg."""
-    return mass_properties(body).mass - body.core.mass - body.ballast_density * body.ballast.volume
-
-
 def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
     """Return the scores of a finalist from its fitness under all conditions of the choice, (conditions, targets).
 
@@ -278,7 +273,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     decided = [i for i in equals if not all(isnan(flown[i].get(number, nan)) for number in checked)]
     if not decided and len(equals) > 1:
         pipeline = study.make_pipeline()
-        masses = {i: _weigh_print(pipeline.make_agent(store.read_genome(i)).body) for i in equals}
+        masses = {i: hull_mass(pipeline.make_agent(store.read_genome(i)).body) for i in equals}
         equals.sort(key=lambda i: masses[i])
     chosen = (decided or equals)[0]
     flights = flown[chosen]

@@ -61,7 +61,7 @@ class Executor(Protocol):
         """
 
     def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
-        """Begin a call of a function with the study's grammar, its builder and arguments; return what waits for its result.
+        """Begin a call of a function with the study's grammar, its builder and arguments; return a function that waits for its result.
 
         All must be picklable. What the function raises, the waiting raises.
         """

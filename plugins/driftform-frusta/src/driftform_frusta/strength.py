@@ -105,7 +105,7 @@ def cone_loss(
 def kink_stress(material: Material, radius: FloatArray, wall: FloatArray, turn: FloatArray) -> FloatArray:
     """Return the greatest stress at kinks of a wall over the hoop stress p R / t beside them, at least 1.
 
-    ``turn`` is the sine of the tilt before each less that behind it. The force along the wall pushes on the kink like a ring, and
+    ``turn`` is the sine of the tilt before each kink less that after it. The force along the wall pushes on the kink like a ring, and
     bends long tubes beside it (Timoshenko and Woinowsky-Krieger); kinks in a row bend each other less.
     """
     decay = _decay(material, radius / wall)
@@ -143,7 +143,7 @@ def describe_strength(body: Body, fluid: Fluid) -> dict[str, Any] | None:
     weakest = min(parts, key=lambda part: (round(part.holds), -part.radius))
     fails = "yields" if weakest.holds == weakest.yields else "buckles"
     where = f"{weakest.name} {fails} at {weakest.holds / 1e5:.3g} bar"
-    lost = 1e5 * fluid.density * find_loss(body)
+    lost = 1e5 * fluid.density * sum(part.loss for part in parts)
     gradient = fluid.density * fluid.gravity
     depth = f", {weakest.holds / gradient:.3g} m down" if gradient else ""
     return {

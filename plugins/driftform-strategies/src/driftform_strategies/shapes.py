@@ -58,7 +58,7 @@ class Aim:
     """A target as a body of some size sees it.
 
     Attributes:
-        drop: by how much it lies below the release, m; 0 where that does not tell how it is hit.
+        drop: its depth below the release, m; 0 in a pipe with parts, where depth does not decide how it is hit.
         way: its distance from the release, m.
         speed: of the current, m/s.
         fluid: the water.
