@@ -23,8 +23,8 @@ Call = Callable[..., Any]
 
 ROOT = Path(__file__).parents[2]
 
-FLYING = {"simulator"}
-"""Seams whose contract flies for half a minute: it does so where the scaffold is installed."""
+FLYING = {"simulator": "::test_all_integrators_give_the_same_flight"}
+"""Seams whose contract flies for half a minute, where the scaffold is installed; and what is run of their tests here."""
 
 
 def write(folder: Path, seam: str) -> Path:
@@ -69,7 +69,7 @@ def python(installed: Path, *arguments: object) -> subprocess.CompletedProcess[s
 @pytest.fixture(scope="module")
 def outcomes(installed: Path) -> dict[str, list[str]]:
     """What became of the tests of each quick seam: ``passed``, ``skipped`` or the message of a failure."""
-    tests = [installed / seam / "tests" / f"test_{seam}.py" for seam in KINDS if seam not in FLYING]
+    tests = [f"{installed / seam / 'tests' / f'test_{seam}.py'}{FLYING.get(seam, '')}" for seam in KINDS]
     options = ("-q", "-p", "no:cacheprovider", "--import-mode=importlib", "-W", "error", "--junitxml=out.xml")
     done = python(installed, "-m", "pytest", *options, *tests)
     assert (installed / "out.xml").exists(), done.stdout + done.stderr
@@ -86,9 +86,9 @@ def test_every_seam_commands_and_scenarios_have_a_scaffold() -> None:
     assert {file.parent.name for file in folders} == set(KINDS)
 
 
-@pytest.mark.parametrize("seam", [seam for seam in KINDS if seam not in FLYING])
+@pytest.mark.parametrize("seam", KINDS)
 def test_a_scaffold_passes_its_contract_and_its_own_tests(seam: str, outcomes: dict[str, list[str]]) -> None:
-    assert len(outcomes[seam]) >= 3
+    assert len(outcomes[seam]) >= 2
     assert [outcome for outcome in outcomes[seam] if outcome != "passed"] == []
 
 
