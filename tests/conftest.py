@@ -244,7 +244,7 @@ def run(start: Callable[..., subprocess.Popen[str]]) -> Callable[..., subprocess
 
     def finished(*args: object, cwd: Path) -> subprocess.CompletedProcess[str]:
         with start(*args, cwd=cwd) as process:
-            out, err = process.communicate(timeout=120)
+            out, err = process.communicate(timeout=600)
         return subprocess.CompletedProcess(args, process.returncode, out, err)
 
     return finished

@@ -169,7 +169,7 @@ def test_a_script_needs_no_guard_for_its_workers(run: Run, tmp_path: Path) -> No
         "print(__file__)\n"
     )
     done = subprocess.run(
-        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False
+        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False
     )
     assert done.stderr == ""
     assert done.stdout.splitlines() == [str(run.best()), str(script)]

@@ -165,7 +165,7 @@ def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_
     rest = read_until(ours, lambda text: "resume with" in text and process.poll() is not None)
     os.close(ours)
     # The terminal may be let go of a moment before the process has ended.
-    assert process.wait(timeout=60) == 130
+    assert process.wait(timeout=600) == 130
     assert "Traceback" not in seen + rest
     # The table is not erased: the cursor does not go up again after it was last drawn.
     table = rest[rest.rindex("left to 100 %") :]
@@ -175,7 +175,7 @@ def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_
     assert re.search(r"stopped after \d+ of 5000 evaluations; resume with: driftform resume run", last)
 
 
-def read_until(terminal: int, condition: Callable[[str], bool], seconds: float = 60.0) -> str:
+def read_until(terminal: int, condition: Callable[[str], bool], seconds: float = 600.0) -> str:
     """What a terminal shows until a condition holds, or nobody writes to it any more."""
     os.set_blocking(terminal, False)
     text, end = "", time.monotonic() + seconds

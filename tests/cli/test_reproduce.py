@@ -24,7 +24,7 @@ def reproduced(start: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Pa
         "--json",
         cwd=out.parent,
     )
-    printed, told = process.communicate(timeout=120)
+    printed, told = process.communicate(timeout=600)
     assert process.returncode == 0, told
     return out, json.loads(printed)
 
@@ -85,17 +85,17 @@ def test_the_same_seed_gives_the_same_tables_also_after_an_interruption(
     command = ("reproduce", "--repeats", "2", "--seed", "3", "--simulator", "fake", "--out", out, "--workers", "2")
     process = start(*command, cwd=tmp_path)
     database = out / "runs" / "paper-4" / "run.db"
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 600
     while not database.is_file() and time.monotonic() < deadline:
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=60)
+    _, told = process.communicate(timeout=600)
     assert process.returncode == 130
     assert f"driftform reproduce --out {out}" in told
     with Store.open(out / "runs" / "paper-3" / "run.db", read_only=True) as store:
         assert store.count() == 500
     process = start(*command, cwd=tmp_path)
-    process.communicate(timeout=120)
+    process.communicate(timeout=600)
     assert process.returncode == 0
     assert (out / "results.md").read_text() == (reproduced[0] / "results.md").read_text()
 
@@ -106,6 +106,6 @@ def test_other_settings_in_the_same_directory_are_refused(reproduced: tuple[Path
         *("--set", "flow.speed=0.5"),
         cwd=reproduced[0],
     )
-    _, told = process.communicate(timeout=60)
+    _, told = process.communicate(timeout=600)
     assert process.returncode == 2
     assert "paper-3: holds a run with other settings (flow); choose another --out" in told

@@ -65,14 +65,14 @@ def test_a_run_is_followed_to_its_end_while_others_come_and_go(start: Start, tmp
                 assert process.stdout.readline().startswith("5/8 evaluations: A ")
             # To look away is no failure.
             leaves.send_signal(signal.SIGINT)
-            out, err = leaves.communicate(timeout=60)
+            out, err = leaves.communicate(timeout=600)
             assert (leaves.returncode, out, err) == (0, "", "")
             for index in (5, 7, 6):
                 add(store, index)
                 assert stays.stdout is not None
                 line = stays.stdout.readline()
                 assert re.match(rf"{store.count()}/8 evaluations(, \S+/s)?(, .* left)?: A 50\.00$", line), line
-        out, err = stays.communicate(timeout=60)
+        out, err = stays.communicate(timeout=600)
     assert (stays.returncode, err) == (0, "")
     assert out == "finished: 8 evaluations (0 failed), best agents in run/best/\n"
 
@@ -251,6 +251,6 @@ def test_on_a_terminal_the_last_picture_stays(finished_run: tuple[Path, object])
     except OSError:
         pass  # Nobody writes any more.
     os.close(ours)
-    assert process.wait(timeout=20) == 0
+    assert process.wait(timeout=600) == 0
     assert b"TP7" in text and b"20 of 20 evaluations" in text
     assert b"finished: 20 evaluations" in text

@@ -83,7 +83,7 @@ def test_the_notebook_runs_and_shows_pictures(tmp_path: Path) -> None:
         from nbclient import NotebookClient
 
     notebook = nbformat.read(NOTEBOOK, as_version=4)
-    NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path)}}).execute()
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     shown = [output.data for output in outputs if output.output_type == "execute_result"]
     assert sum("text/html" in data for data in shown) == 4
@@ -105,7 +105,7 @@ def test_a_notebook_shows_one_bar_and_one_line_of_an_error(tmp_path: Path) -> No
         "import driftform as df\ndf.load_study('tank', ['flow.sped=1'])",
     ]
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
-    client = NotebookClient(notebook, timeout=300, allow_errors=True, resources={"metadata": {"path": str(tmp_path)}})
+    client = NotebookClient(notebook, timeout=600, allow_errors=True, resources={"metadata": {"path": str(tmp_path)}})
     client.execute()
     [bar], [error] = (cell.outputs for cell in notebook.cells)
     assert bar.output_type == "display_data", "one display, which changes; nothing on stderr"

@@ -47,7 +47,7 @@ def read_rows(run: Path) -> set[Row]:
 
 def wait_for_rows(run: Path, count: int, *processes: subprocess.Popen[Any]) -> None:
     """Wait until a run has so many rows, or one of its processes has ended."""
-    end = time.monotonic() + 120
+    end = time.monotonic() + 600
     while len(read_rows(run)) < count and all(process.poll() is None for process in processes):
         assert time.monotonic() < end
         time.sleep(0.02)
@@ -55,7 +55,7 @@ def wait_for_rows(run: Path, count: int, *processes: subprocess.Popen[Any]) -> N
 
 def wait_for_workers(nanny: int) -> list[int]:
     """Return the worker processes that any thread of a nanny started, once there is one."""
-    end = time.monotonic() + 120
+    end = time.monotonic() + 600
     while True:
         found: list[int] = []
         for task in Path(f"/proc/{nanny}/task").iterdir():
@@ -185,7 +185,7 @@ def test_a_cluster_that_loses_workers_loses_no_row(cluster: Cluster, number: sig
                 send(worker, number)
             if number == signal.SIGINT:
                 # The nanny ends with an interrupted worker; otherwise it starts another in its place.
-                nanny.wait(timeout=60)
+                nanny.wait(timeout=600)
                 nanny = nannies.enter_context(cluster.work(address))
             stored = read_rows(cluster.folder / "run")
             assert shown <= stored
@@ -206,7 +206,7 @@ def test_a_coordinator_of_a_cluster_that_is_stopped_loses_no_row(cluster: Cluste
             with cluster.go_on(study, address) as process:
                 shown = cluster.wait(len(stored) + 3, process)
                 process.send_signal(number)
-                _, said = process.communicate(timeout=120)
+                _, said = process.communicate(timeout=600)
             if number != signal.SIGKILL:
                 assert process.returncode == 128 + number, said
                 assert said.splitlines()[-1].endswith("resume with: driftform resume run"), said
@@ -229,7 +229,7 @@ def test_a_cluster_that_loses_its_scheduler_loses_no_row(cluster: Cluster, numbe
         ):
             shown = cluster.wait(len(stored) + 3, process)
             send(scheduler.pid, number)
-            _, said = process.communicate(timeout=120)
+            _, said = process.communicate(timeout=600)
             worker.kill()
         assert process.returncode == 1, said
         assert "Traceback" not in said

@@ -40,7 +40,7 @@ frames = tf2_ros.Buffer()
 kept.append(tf2_ros.TransformListener(frames))
 print("ready", flush=True)
 sys.stdin.readline()
-until = time.monotonic() + 60
+until = time.monotonic() + 600
 while sum(counts.values()) < given.messages and time.monotonic() < until:
     time.sleep(0.05)
 # What comes late, to tf2 too, and what should not come.

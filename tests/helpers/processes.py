@@ -14,7 +14,7 @@ def make_arguments(evaluations: int) -> tuple[str | int, ...]:
     return ("paper", *targets, "--evaluations", evaluations, "--seed", 5, "--simulator", "fake")
 
 
-def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+def wait_until(condition: Callable[[], bool], seconds: float = 600.0) -> None:
     """Wait for a condition; fail if it does not hold in time."""
     end = time.monotonic() + seconds
     while not condition():

@@ -19,7 +19,7 @@ from driftform.water.flow import UniformFlow
 def check_sdf(program: str, path: Path) -> subprocess.CompletedProcess[str]:
     """Check an SDF file by Ignition's program; bytes of the output that are not UTF-8 are replaced."""
     command = [program, "sdf", "-k", path]
-    return subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", timeout=60, check=False)
+    return subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", timeout=600, check=False)
 
 
 @dataclass(frozen=True)

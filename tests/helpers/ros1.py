@@ -26,7 +26,7 @@ def run_master(environment: dict[str, str]) -> Iterator[tuple[dict[str, str], su
                 yield found, process
                 return
             process.terminate()
-            print("roscore has not started:", process.communicate(timeout=20)[0])
+            print("roscore has not started:", process.communicate(timeout=600)[0])
     raise AssertionError(f"roscore has not started in {ATTEMPTS} attempts")
 
 
@@ -56,13 +56,13 @@ def start(*command: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
     finally:
         if process.poll() is None:
             process.terminate()
-            process.communicate(timeout=20)
+            process.communicate(timeout=600)
         for pipe in (process.stdin, process.stdout, process.stderr):
             if pipe is not None:
                 pipe.close()
 
 
-def wait_for(happens: Callable[[], bool], seconds: float = 60.0) -> None:
+def wait_for(happens: Callable[[], bool], seconds: float = 600.0) -> None:
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         try:
@@ -80,4 +80,4 @@ def listen(environment: dict[str, str], *arguments: str) -> Iterator[Callable[[]
     with start("/usr/bin/python3", str(LISTENER), *arguments, env=environment) as process:
         assert process.stdin is not None and process.stdout is not None
         assert process.stdout.readline() == "ready\n"
-        yield lambda: loads(process.communicate("end\n", timeout=80)[0])
+        yield lambda: loads(process.communicate("end\n", timeout=600)[0])

@@ -61,7 +61,7 @@ def python(installed: Path, *arguments: object) -> subprocess.CompletedProcess[s
         env=os.environ | {"PYTHONPATH": str(installed / "site"), "PYTHONDONTWRITEBYTECODE": "1"},
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=600,
         check=False,
     )
 

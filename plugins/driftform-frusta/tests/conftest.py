@@ -103,7 +103,7 @@ def render(requires_program: Callable[[str], str], tmp_path: Path) -> Callable[[
             capture_output=True,
             encoding="utf-8",
             errors="replace",
-            timeout=60,
+            timeout=600,
             check=False,
         )
         # Some errors, such as a part that is dropped, leave the exit code at 0.

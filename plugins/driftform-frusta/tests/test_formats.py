@@ -248,7 +248,7 @@ def test_prusa_slicer_opens_a_plate_as_the_right_parts(kit, tmp_path, requires_p
 def info(slicer, path):
     """What PrusaSlicer tells of each object of a file."""
     done = subprocess.run(
-        [slicer, "--info", path], capture_output=True, encoding="utf-8", errors="replace", timeout=120, check=True
+        [slicer, "--info", path], capture_output=True, encoding="utf-8", errors="replace", timeout=600, check=True
     )
     found = []
     for line in done.stdout.splitlines():

@@ -138,7 +138,7 @@ def run_system(system_environment: dict[str, str]) -> Callable[..., str]:
             capture_output=True,
             encoding="utf-8",
             errors="replace",
-            timeout=300,
+            timeout=600,
             check=False,
         )
         assert done.returncode == 0, f"{command} ended with {done.returncode}\n{done.stdout}\n{done.stderr}"

@@ -48,7 +48,7 @@ def fall(
             capture_output=True,
             encoding="utf-8",
             errors="replace",
-            timeout=300,
+            timeout=600,
             check=False,
         )
         assert done.returncode == 0, f"ended with {done.returncode}\n{done.stderr}"

@@ -35,7 +35,7 @@ def fly(environment: dict[str, str], *words: str) -> Iterator[subprocess.Popen[s
     with start(*command, env=own, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         line = process.stdout.readline()
-        assert "flies at http://localhost" in line, process.communicate(timeout=20)
+        assert "flies at http://localhost" in line, process.communicate(timeout=600)
         yield process
 
 
@@ -61,7 +61,7 @@ def read(process: subprocess.Popen[str]) -> dict[str, Any]:
 
 def call(environment: dict[str, str], command: str) -> dict[str, Any]:
     done = subprocess.run(
-        ["bash", "-c", command], env=environment, capture_output=True, encoding="utf-8", timeout=60, check=True
+        ["bash", "-c", command], env=environment, capture_output=True, encoding="utf-8", timeout=600, check=True
     )
     return yaml.safe_load(done.stdout) or {}
 
@@ -137,7 +137,7 @@ def test_services_evaluate_and_release_what_the_parameter_names(master: dict[str
 
 def test_it_ends_with_its_flight_if_asked(master: dict[str, str]) -> None:
     with fly(master, "--rate", "0", "--once") as process:
-        stdout, stderr = process.communicate(timeout=30)
+        stdout, stderr = process.communicate(timeout=600)
     assert process.returncode == 0 and not stderr
     assert "outlet" in stdout and len(stdout.splitlines()) == 1
 

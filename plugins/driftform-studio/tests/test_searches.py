@@ -27,7 +27,7 @@ def test_a_run_of_the_page_is_that_of_the_command_line(serve, folder, finished_f
     assert rows(folder / name) == rows(finished_folder / "small")
     # Every command opens it.
     for command in ("report", "watch"):
-        subprocess.run([program, command, folder / name], check=True, capture_output=True, timeout=300)
+        subprocess.run([program, command, folder / name], check=True, capture_output=True, timeout=600)
     given = (folder / name / "study.toml").read_text()
     assert 'title = "A small pipe"' in given and "seed = 5" in given
 
