@@ -105,8 +105,8 @@ TARGETS = (
         (f"{PLUGINS}-calibration/tests/test_solution.py",),
         ("anchor", "merge_solutions", "_spread", "_list_residuals", "estimate_covariance", "correlation_time"),
     ),
-    Target(f"{NETWORKS}/passages/chain.py", (f"{PLUGINS}-networks/tests/test_chain.py",)),
-    Target(f"{NETWORKS}/flights/dividing.py", (f"{PLUGINS}-networks/tests/test_dividing.py",)),
+    Target(f"{NETWORKS}/passages/passage.py", (f"{PLUGINS}-networks/tests/test_chain.py",)),
+    Target(f"{NETWORKS}/flights/junctions.py", (f"{PLUGINS}-networks/tests/test_dividing.py",)),
 )
 
 EQUIVALENT = {

@@ -8,10 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform_networks.hydraulics.network import Hydraulics, Network
-from driftform_networks.hydraulics.snapshot import take_snapshot
-from driftform_networks.passages.chain import find_loops, follow
-from driftform_networks.passages.passage import Passage
+from driftform_networks.hydraulics.network import Hydraulics, Network, take_snapshot
+from driftform_networks.passages.passage import Passage, find_loops, follow
 from driftform_networks.passages.routing import Routing, RoutingTable, TransferTable, route_tracers
 from driftform_networks.passages.walkers import summarise_walks, walk
 from driftform_networks.planning.following import trace

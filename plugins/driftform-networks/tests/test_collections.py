@@ -20,9 +20,8 @@ import pytest
 from driftform.errors import InputError
 from driftform.types import FloatArray
 from driftform_networks.hydraulics.epanet import open_network
-from driftform_networks.hydraulics.network import Network
-from driftform_networks.hydraulics.snapshot import STILL, Snapshot, take_snapshot
-from driftform_networks.passages.chain import follow
+from driftform_networks.hydraulics.network import STILL, Network, Snapshot, take_snapshot
+from driftform_networks.passages.passage import follow
 from driftform_networks.passages.routing import route_tracers
 
 pytestmark = pytest.mark.slow

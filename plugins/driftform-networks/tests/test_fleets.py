@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.design.opening import open_agent
-from driftform_networks.hydraulics.snapshot import take_snapshot
+from driftform_networks.hydraulics.network import take_snapshot
 from driftform_networks.passages.passage import find_reachable
 from driftform_networks.planning.candidates import spread_rows
 from driftform_networks.planning.choosing import bound_steering, choose_fleet, choose_greedily

@@ -13,15 +13,21 @@ from driftform.errors import WorkFailedError
 from driftform.types import End
 from driftform.water import Scenario
 from driftform_networks.flights.bodies import FLOWN_BY, Traveller, open_traveller
-from driftform_networks.flights.bore import BANDS, MIXED, find_band, sample_band, spread_points
+from driftform_networks.flights.bore import (
+    BANDS,
+    MIXED,
+    divide_bore,
+    find_band,
+    sample_band,
+    smallest_share,
+    spread_points,
+)
 from driftform_networks.flights.fits import find_obstacle, longest_rod
 from driftform_networks.flights.junctions import describe_junction, find_bends
 from driftform_networks.flights.straight import StraightFlights, StraightTask, fly
-from driftform_networks.flights.streamtubes import divide_bore, smallest_share
 from driftform_networks.flights.travelling import repeat_cells
 from driftform_networks.hydraulics.epanet import open_network
-from driftform_networks.hydraulics.network import Network
-from driftform_networks.hydraulics.snapshot import take_snapshot
+from driftform_networks.hydraulics.network import Network, take_snapshot
 from driftform_networks.passages.passage import find_reachable
 from driftform_networks.planning.choosing import bound_steering
 

@@ -22,8 +22,7 @@ from driftform.design.design import Design
 from driftform.design.opening import open_agent
 from driftform.errors import InputError
 from driftform_networks.flights.bodies import open_traveller, trim_design
-from driftform_networks.flights.bore import spread_points
-from driftform_networks.flights.streamtubes import divide_bore
+from driftform_networks.flights.bore import divide_bore, spread_points
 from driftform_networks.flights.travelling import Travel
 from driftform_networks.hydraulics.epanet import open_network
 from driftform_networks.planning.following import route, trace

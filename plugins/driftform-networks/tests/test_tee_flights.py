@@ -15,10 +15,8 @@ from driftform.motion.forces.spheres import make_sphere
 from driftform.types import End
 from driftform.water import Scenario
 from driftform_networks.flights.bodies import Traveller, open_traveller
-from driftform_networks.flights.bore import spread_points
-from driftform_networks.flights.streamtubes import divide_bore, smallest_share
-from driftform_networks.flights.tee_flights import fly_tee
-from driftform_networks.flights.tees import BRANCH, Tee
+from driftform_networks.flights.bore import divide_bore, smallest_share, spread_points
+from driftform_networks.flights.tees import BRANCH, Tee, fly_tee
 
 pytestmark = pytest.mark.slow
 

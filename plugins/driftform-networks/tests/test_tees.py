@@ -12,25 +12,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform_networks.flights.bodies import open_traveller
-from driftform_networks.flights.bore import BANDS, BOTTOM, MIRROR, RIGHT, TOP, find_band, spread_points
+from driftform_networks.flights.bore import BANDS, BOTTOM, MIRROR, RIGHT, TOP, find_band, smallest_share, spread_points
 from driftform_networks.flights.junctions import Junction
 from driftform_networks.flights.straight import StraightFlights
-from driftform_networks.flights.streamtubes import smallest_share
-from driftform_networks.flights.tee_flights import TeeFlights, TeeTask, fly_tee
 from driftform_networks.flights.tees import (
     BRANCH,
     RATIOS,
     RUN,
     SHARES,
     Tee,
+    TeeFlights,
+    TeeTask,
     find_branches,
     find_joint,
+    fly_tee,
     match_ratio,
     weigh_shares,
 )
 from driftform_networks.flights.travelling import Travel, Traveling
 from driftform_networks.hydraulics.epanet import open_network
-from driftform_networks.hydraulics.snapshot import take_snapshot
+from driftform_networks.hydraulics.network import take_snapshot
 from driftform_networks.passages.passage import count_passings
 from driftform_networks.passages.routing import JOINT, TEE
 from driftform_networks.planning.following import route

@@ -176,5 +176,5 @@ def hash_code() -> str:
     """Return a hash of the source files that decide how a body flies: results of other versions are not used."""
     core, plugin = Path(driftform.__file__).parent, Path(__file__).parent
     files = [file for name in FLOWN_BY for file in sorted((core / name).rglob("*.py"))]
-    files += [plugin / name for name in ("bore.py", "straight.py", "tee_flights.py")]
+    files += [plugin / name for name in ("bore.py", "straight.py", "tees.py")]
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()

@@ -10,11 +10,9 @@ import numpy as np
 
 from driftform.types import FloatArray
 from driftform_networks.flights.bodies import Traveller
-from driftform_networks.flights.bore import BANDS, MIXED
+from driftform_networks.flights.bore import BANDS, MIXED, divide_bore, divide_mixed
 from driftform_networks.flights.fits import find_obstacle
-from driftform_networks.flights.streamtubes import divide_bore, divide_mixed
-from driftform_networks.hydraulics.network import IntArray, Network
-from driftform_networks.hydraulics.snapshot import Snapshot
+from driftform_networks.hydraulics.network import IntArray, Network, Snapshot
 from driftform_networks.passages.routing import JOINT, TEE, RoutingTable
 
 SIDES = {"top": 0.0, "side": 90.0, "bottom": 180.0}

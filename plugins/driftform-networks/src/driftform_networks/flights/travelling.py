@@ -19,11 +19,9 @@ from driftform_networks.flights.bore import BANDS, MIRROR, MIXED
 from driftform_networks.flights.fits import find_gate, find_obstacle, read_gates
 from driftform_networks.flights.junctions import SIDES, Junction, describe_junction, divide_bodies, find_bends
 from driftform_networks.flights.straight import StraightFlights, StraightTask
-from driftform_networks.flights.tee_flights import TeeTask
-from driftform_networks.flights.tees import Tee
+from driftform_networks.flights.tees import Tee, TeeTask
 from driftform_networks.hydraulics.epanet import split_option
-from driftform_networks.hydraulics.network import Network
-from driftform_networks.hydraulics.snapshot import Snapshot
+from driftform_networks.hydraulics.network import Network, Snapshot
 from driftform_networks.passages.routing import JOINT, TEE, Routing, RoutingTable, TransferTable
 
 SPEED_STEP = 1.5

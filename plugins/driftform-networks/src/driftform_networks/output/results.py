@@ -21,8 +21,7 @@ from driftform.figures import style, svg
 from driftform.types import FloatArray
 from driftform.util import files
 from driftform_networks.flights.bodies import Traveller
-from driftform_networks.hydraulics.network import BoolArray, Network
-from driftform_networks.hydraulics.snapshot import warn_of_pressure
+from driftform_networks.hydraulics.network import BoolArray, Network, warn_of_pressure
 from driftform_networks.output.map import curve_svg, fleet_svg, format_time, passage_svg, plan_svg
 from driftform_networks.passages.passage import Passage, count_passings
 from driftform_networks.planning.candidates import save_agents
@@ -223,8 +222,8 @@ def present_passage(
     tables += groups
     lines += [*more, *warn_of_pressure(passage.network, passage.steps)]
     if passage.branches:
-        document["branches"] = {side: _compare(passage, other) for side, other in passage.branches.items()}
-        tables.append(_table_branches(document["branches"]))
+        document["branches"], sides = _compare_sides(passage)
+        tables.append(sides)
     figures = {"Map": partial(passage_svg, passage, title)}
     columns = {"nodes": passage.node_table(), "links": passage.link_table(), "ends": passage.end_table()}
     written = outputs.write(passage.network, title, figures, [*lines, *tables], columns, is_body)
@@ -286,25 +285,17 @@ def _table_nodes(passage: Passage) -> list[str | TextTable]:
     return [TextTable(header, rows, right=(1,)), *left]
 
 
-def _compare(passage: Passage, other: Passage) -> dict[str, Any]:
-    """Return what changes if branches leave the pipes at another side."""
-    change = np.abs(other.probability - passage.probability)
-    most = int(np.argmax(change))
-    return {
-        "coverage": other.coverage,
-        "stuck": sum(end.probability for end in other.stuck),
-        "largest_change": float(change[most]),
-        "node": passage.network.nodes[most] if change[most] > 0 else "",
-    }
-
-
-def _table_branches(branches: Mapping[str, Mapping[str, Any]]) -> TextTable:
-    rows = []
-    for side, facts in branches.items():
-        coverage, stuck, change = (100 * facts[key] for key in ("coverage", "stuck", "largest_change"))
-        at = f" at {facts['node']}" if facts["node"] else ""
-        rows.append([side, f"{coverage:.1f}", f"{stuck:.1f}", f"{change:.1f}{at}"])
-    return TextTable(("branches at", "sees %", "stuck %", "largest change, points"), rows, right=(1, 2))
+def _compare_sides(passage: Passage) -> tuple[dict[str, Any], TextTable]:
+    """Return what changes if branches leave the pipes at each side, as plain values and as a table."""
+    document, rows = dict[str, Any](), []
+    for side, other in passage.branches.items():
+        change, stuck = np.abs(other.probability - passage.probability), sum(end.probability for end in other.stuck)
+        most = int(np.argmax(change))
+        node, largest = passage.network.nodes[most] if change[most] > 0 else "", float(change[most])
+        document[side] = {"coverage": other.coverage, "stuck": stuck, "largest_change": largest, "node": node}
+        at = f"{100 * largest:.1f}{node and ' at '}{node}"
+        rows.append([side, f"{100 * other.coverage:.1f}", f"{100 * stuck:.1f}", at])
+    return document, TextTable(("branches at", "sees %", "stuck %", "largest change, points"), rows, right=(1, 2))
 
 
 def _table_members(fleet: Fleet) -> TextTable:

@@ -7,11 +7,10 @@ import numpy as np
 
 from driftform.figures import style
 from driftform_networks.flights.fits import read_gates
-from driftform_networks.hydraulics.network import Network
-from driftform_networks.hydraulics.snapshot import STILL, Snapshot, take_snapshot, warn_of_pressure
+from driftform_networks.hydraulics.network import STILL, Network, Snapshot, take_snapshot, warn_of_pressure
 from driftform_networks.output.map import Mark, network_svg
 from driftform_networks.output.results import Outputs, TextTable, present
-from driftform_networks.passages.chain import find_loops
+from driftform_networks.passages.passage import find_loops
 
 _ROUNDING = 1e-9
 """Flow that EPANET's rounding leaves in closed links, m3/s."""

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform_networks.hydraulics.network import IntArray
-from driftform_networks.hydraulics.snapshot import Snapshot
+from driftform_networks.hydraulics.network import IntArray, Snapshot
 
 TEE, JOINT = "tees and crosses", "bends and reducers"
 """Fittings that bodies are flown through."""
@@ -59,7 +58,7 @@ class Routing:
     """The tables of a body in a snapshot.
 
     They are a Markov chain. A state is a link and the band of its bore in which the body enters it; its number is
-    ``link * bands + band``. :func:`driftform_networks.passages.chain.follow` solves the chain, and
+    ``link * bands + band``. :func:`driftform_networks.passages.passage.follow` solves the chain, and
     :func:`driftform_networks.passages.walkers.walk` draws routes from it, also where the tables change with time.
 
     Attributes:

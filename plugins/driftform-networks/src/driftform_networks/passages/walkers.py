@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform_networks.hydraulics.network import IntArray, Network
-from driftform_networks.hydraulics.snapshot import STILL
+from driftform_networks.hydraulics.network import STILL, IntArray, Network
 from driftform_networks.passages.passage import QUANTILES, Ending, Passage, leave, make_passage
 from driftform_networks.passages.routing import Routing
 

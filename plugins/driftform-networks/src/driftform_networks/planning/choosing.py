@@ -8,8 +8,7 @@ from scipy.optimize import linprog
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
-from driftform_networks.hydraulics.network import BoolArray, IntArray
-from driftform_networks.hydraulics.snapshot import Snapshot
+from driftform_networks.hydraulics.network import BoolArray, IntArray, Snapshot
 
 
 def choose_greedily(seen: FloatArray, length: FloatArray, size: int) -> tuple[IntArray, FloatArray, FloatArray]:

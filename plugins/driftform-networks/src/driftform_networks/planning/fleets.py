@@ -10,8 +10,7 @@ import numpy as np
 from driftform.types import FloatArray
 from driftform.util import progress
 from driftform_networks.flights.bodies import Traveller
-from driftform_networks.hydraulics.network import BoolArray, Network
-from driftform_networks.hydraulics.snapshot import Snapshot
+from driftform_networks.hydraulics.network import BoolArray, Network, Snapshot
 from driftform_networks.passages.passage import Ending, Passage, count_passings, list_rows, merge_ends
 from driftform_networks.passages.routing import Routing, route_tracers
 from driftform_networks.planning.choosing import bound_steering, choose_fleet

@@ -12,10 +12,8 @@ from driftform.util import progress
 from driftform_networks.flights.bodies import Traveller, open_traveller
 from driftform_networks.flights.junctions import SIDES
 from driftform_networks.flights.travelling import Travel, Traveling, make_flights
-from driftform_networks.hydraulics.network import BoolArray, Network
-from driftform_networks.hydraulics.snapshot import Snapshot, divide_flow, take_snapshot
-from driftform_networks.passages.chain import follow
-from driftform_networks.passages.passage import Passage, find_reachable
+from driftform_networks.hydraulics.network import BoolArray, Network, Snapshot, divide_flow, take_snapshot
+from driftform_networks.passages.passage import Passage, find_reachable, follow
 from driftform_networks.passages.routing import Routing, route_tracers
 from driftform_networks.passages.walkers import Walks, measure_quantiles, summarise_walks, walk
 
