@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.builtin.closest_approach import ClosestApproach
+from driftform.builtin.fitness import ClosestApproach
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
 from driftform.testing.fitness import straight_trajectory

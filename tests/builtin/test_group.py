@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.builtin.closest_approach import ClosestApproach
-from driftform.builtin.group import GroupFitness, GroupOptions
+from driftform.builtin.fitness import ClosestApproach, GroupFitness, GroupOptions
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
 from driftform.types import End, Trajectory

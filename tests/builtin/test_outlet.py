@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from driftform.builtin.outlet import PASSED_BY, OutletFitness
+from driftform.builtin.fitness import PASSED_BY, OutletFitness
 from driftform.motion.path.targets import farthest_distances
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent

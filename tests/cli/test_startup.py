@@ -77,7 +77,7 @@ def test_a_help_page_imports_nothing_heavy(page: list[str]) -> None:
 def test_plugins_are_listed_without_what_only_their_work_needs() -> None:
     loaded = after_running("plugins", "list")
     # Their classes are there, so that a plugin that cannot be imported shows.
-    assert {"driftform_exudyn.simulator", "driftform_native.simulator", "driftform.builtin.closest_approach"} <= loaded
+    assert {"driftform_exudyn.simulator", "driftform_native.simulator", "driftform.builtin.fitness"} <= loaded
     assert loaded & set(FOR_WORK) == set()
 
 

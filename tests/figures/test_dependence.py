@@ -3,7 +3,7 @@
 import pytest
 
 from driftform.figures.dependence import dependence_svg
-from driftform.runs.dependence import REST, Effect
+from driftform.runs.misses import REST, Effect
 
 EFFECTS = [
     Effect("drag", 0.2, ""),

@@ -19,7 +19,7 @@ from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.style import DASHES, SERIES, Page
 from driftform.figures.trend import Trend, trend_svg
 from driftform.runs.coverage import PipeGrid, map_coverage
-from driftform.runs.dependence import Effect
+from driftform.runs.misses import Effect
 
 TITLE = "<What> stays out & of the 'picture'"
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform_paper.spread import FlightSpread, compute_band, spread_svg
+from driftform_paper.report import FlightSpread, compute_band, spread_svg
 
 
 def test_the_band_is_the_deviation_of_the_height_along_the_pipe(fly):

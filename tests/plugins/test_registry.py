@@ -8,7 +8,7 @@ from importlib import metadata
 import pytest
 from pydantic import ValidationError
 
-from driftform.builtin.closest_approach import ClosestApproach
+from driftform.builtin.fitness import ClosestApproach
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import SEAMS
 from driftform.plugins.registry import GROUP, Contribution, Registry, registry
@@ -42,7 +42,7 @@ from driftform import hookimpl
 
 @hookimpl
 def driftform_fitness():
-    from driftform.builtin.closest_approach import ClosestApproach
+    from driftform.builtin.fitness import ClosestApproach
     from driftform.interfaces import Fitness
     {body}
 """

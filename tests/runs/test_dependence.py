@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.runs.dependence import MIN_FLIGHTS, REST
-from driftform.runs.misses import Misses
+from driftform.runs.misses import MIN_FLIGHTS, REST, Misses
 from driftform.water.disturbances import draw_conditions
 from driftform.water.scenario import Robustness
 

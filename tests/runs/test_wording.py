@@ -2,8 +2,7 @@
 
 import pytest
 
-from driftform.builtin.closest_approach import ClosestApproach
-from driftform.builtin.outlet import OutletFitness
+from driftform.builtin.fitness import ClosestApproach, OutletFitness
 from driftform.interfaces import Fitness
 from driftform.runs.wording import (
     describe_doubt,

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.agent import hull_mass, mass_properties, solid_of_revolution
-from driftform.agent.offset import offset_contour
+from driftform.agent.distance import offset_contour
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 from driftform.water import Fluid

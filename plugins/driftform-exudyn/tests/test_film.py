@@ -16,12 +16,11 @@ from driftform.types import Agent, Coefficients
 from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform_exudyn import encoder
 from driftform_exudyn.film import ExudynRenderer, FilmOptions
-from driftform_exudyn.follow import FollowView
 from driftform_exudyn.headless import defer_interrupts
 from driftform_exudyn.scene import Pose, Scene, interpolate_poses
 from driftform_exudyn.shapes import make_ball, make_line
-from driftform_exudyn.side import SideView
 from driftform_exudyn.stage import Camera, Stage
+from driftform_exudyn.views import FollowView, SideView
 
 PIPE = Pipe(segments=(Segment(start=(0, 0, 0), end=(1, 0, 0), radius=0.15),))
 UPRIGHT = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])

@@ -2,7 +2,7 @@ import pytest
 
 from driftform.testing import GrammarContract
 from driftform_lsystem.grammar import LSystemGrammar
-from driftform_lsystem.options import LSystemOptions
+from driftform_lsystem.growth import LSystemOptions
 
 
 class TestLSystem(GrammarContract):

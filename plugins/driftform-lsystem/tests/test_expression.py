@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from driftform.types import Genome, Module, Morphology
 from driftform_lsystem.alphabet import CORE, LETTER_PLACE, PLACE, QUINTUPLE, RULE_LENGTH, RULES
 from driftform_lsystem.grammar import LSystemGrammar
-from driftform_lsystem.interpret import interpret
-from driftform_lsystem.options import LSystemOptions
+from driftform_lsystem.growth import LSystemOptions, interpret
 
 SEEDS = st.integers(0, 2**32 - 1)
 LENGTHS = {"S": 0.0025, "M": 0.005, "L": 0.01}

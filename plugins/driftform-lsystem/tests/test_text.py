@@ -6,7 +6,7 @@ import pytest
 from driftform.errors import InputError
 from driftform.types import Genome
 from driftform_lsystem.grammar import LSystemGrammar
-from driftform_lsystem.options import LSystemOptions
+from driftform_lsystem.growth import LSystemOptions
 
 GRAMMAR = LSystemGrammar(LSystemOptions())
 FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from driftform.interfaces import Grammar
 from driftform.types import Genome
 from driftform_lsystem.grammar import LSystemGrammar
-from driftform_lsystem.options import LSystemOptions
+from driftform_lsystem.growth import LSystemOptions
 
 SEEDS = st.integers(0, 2**32 - 1)
 QUINTUPLES = st.tuples(

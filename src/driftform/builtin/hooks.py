@@ -11,9 +11,7 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_fitness() -> "list[type[Fitness[Any]]]":
     """Return the paper's fitness, equation 25, that of outlets, and that of groups of targets."""
-    from driftform.builtin.closest_approach import ClosestApproach
-    from driftform.builtin.group import GroupFitness
-    from driftform.builtin.outlet import OutletFitness
+    from driftform.builtin.fitness import ClosestApproach, GroupFitness, OutletFitness
 
     return [ClosestApproach, GroupFitness, OutletFitness]
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from driftform.figures import svg
 from driftform.figures.layout import write, write_title
 from driftform.figures.style import MUTED, SCREEN, Page
-from driftform.runs.dependence import REST, Effect
+from driftform.runs.misses import REST, Effect
 
 WIDTH, MARGIN, TOP, ROW = 380.0, 12.0, 52.0, 24.0
 """Narrow enough for the screen of a telephone, px."""

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
+from driftform.agent.distance import offset_contour
 from driftform.agent.mass import hull_mass, mass_properties
-from driftform.agent.offset import offset_contour
 from driftform.types import Body, Fittings
 from driftform.water import Fluid
 from driftform.water.disturbances import Condition, Specimen, disturb_fluid

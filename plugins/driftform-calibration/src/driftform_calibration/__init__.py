@@ -14,8 +14,7 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_commands(app: "typer.Typer") -> None:
     """Add ``driftform drop`` and ``driftform calibrate``."""
-    from driftform_calibration.calibrate_command import calibrate
-    from driftform_calibration.drop_command import drop
+    from driftform_calibration.commands import calibrate, drop
 
     app.command("drop", rich_help_panel="Workshop")(drop)
     app.command("calibrate", rich_help_panel="Workshop")(calibrate)

@@ -93,8 +93,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
 
     def _make_view(self, scene: "Scene") -> "Callable[[int], Image]":
         """Return the function that renders a frame; frames must be rendered in order."""
-        from driftform_exudyn.follow import FollowView
-        from driftform_exudyn.side import SideView, wanted_height
+        from driftform_exudyn.views import FollowView, SideView, wanted_height
 
         width, height, rays = self.options.width, self.options.height, self.options.rays
         match self.options.view:

@@ -9,9 +9,7 @@ from driftform.interfaces import Grammar, Table
 from driftform.types import Genome, Morphology
 from driftform_lsystem import text as lines
 from driftform_lsystem.alphabet import GENOTYPE_LENGTH, OTHERS, QUINTUPLE, RULE_LENGTH, RULES
-from driftform_lsystem.interpret import interpret
-from driftform_lsystem.options import LSystemOptions
-from driftform_lsystem.rewriting import grow, split
+from driftform_lsystem.growth import LSystemOptions, grow, interpret, split
 
 _CLASSES = QUINTUPLE * (GENOTYPE_LENGTH // len(QUINTUPLE))
 _SIZES = np.array([len(symbols) for symbols in _CLASSES])

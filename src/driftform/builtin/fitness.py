@@ -1,14 +1,80 @@
-"""Fitness of one agent for several places: it passes all of them, or rides along a wall between them."""
+"""Fitness by the closest approach to each target (the paper's equation 25), by outlets, and for groups of targets."""
 
 from typing import Literal
 
 import numpy as np
 
-from driftform.builtin.closest_approach import ClosestApproach
 from driftform.interfaces import Fitness
 from driftform.types import Agent, FloatArray, Trajectory, Verdict
 from driftform.util.options import Table, option
 from driftform.water import Scenario
+
+
+class ClosestApproach(Fitness[Table]):
+    """``100 (1 - d_min / d_max)``, in percent.
+
+    d_min is the least distance of the core's centre from the target along the whole flight, also between samples;
+    d_max is the distance from the target to the farthest point of the pipe's volume. ``100 - fitness`` is the
+    error in percent of d_max. In a pipe with parts both are distances through the water
+    (:mod:`driftform.motion.path.targets`).
+    """
+
+    name = "closest-approach"
+    heading = "error % of d_max"
+    goal = "an error of at most 1 % of the farthest distance in the pipe"
+    judges_passing = True
+
+    def measure(self, fitness: float) -> float:
+        """Return the error, in percent of d_max."""
+        return 100 - fitness
+
+    def judge(self, fitness: float) -> Verdict:
+        """Return whether the target is reached within 1 % of d_max, or nearly, within the paper's 5 %."""
+        error = self.measure(fitness)
+        if error <= 1:
+            return Verdict.REACHED
+        return Verdict.NEAR if error <= 5 else Verdict.MISSED
+
+    def is_hit(self, fitness: float, miss: float, within: float) -> bool:
+        """Return whether the flight passes its target near enough."""
+        return miss <= within
+
+    def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
+        """Return the fitness for each target, 0 to 100, (targets,)."""
+        from driftform.motion.path.targets import approach_targets, farthest_distances
+
+        d_min, _ = approach_targets(trajectory, scenario)
+        d_max = farthest_distances(scenario)
+        return np.asarray(np.maximum(0.0, 100 * (1 - d_min / d_max)), dtype=np.float64)
+
+
+PASSED_BY = 90.0
+"""Fitness (%) below which flights stay that do not leave by their outlet: less than a point that is nearly reached."""
+
+
+class OutletFitness(Fitness[Table]):
+    """100 for a flight that leaves by its outlet, and at most 90 for one that does not.
+
+    A target is the name of an outlet. The flight that does not leave there has ``90 (1 - d_min / d_max)``: the closer it
+    comes to the outlet, the higher, so that a search is led there. Both are distances through the water, as those of
+    ``closest-approach``, by which a target that is a point is scored.
+    """
+
+    name = "outlet"
+    goal = "a flight that leaves by its outlet"
+    share = "leave there %"
+
+    def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
+        """Return the fitness for each target, 0 to 100, (targets,)."""
+        from driftform.motion.path.targets import approach_targets, farthest_distances, name_outlet
+
+        d_min, _ = approach_targets(trajectory, scenario)
+        closeness = np.maximum(0.0, 1 - d_min / farthest_distances(scenario))
+        targets, outlet = list(scenario.targets.values()), name_outlet(trajectory, scenario)
+        best = np.array([PASSED_BY if isinstance(target, str) else 100.0 for target in targets])
+        leaves = np.array([isinstance(target, str) and target == outlet for target in targets], dtype=bool)
+        return np.asarray(np.where(leaves, 100.0, best * closeness), dtype=np.float64)
+
 
 HIT = 95.0
 """Fitness (%) from which a flight passes all places: the paper's 5 % of the farthest distance at worst."""
