@@ -431,6 +431,8 @@ class End(StrEnum):
     """The core's centre has passed the downstream end of the pipe."""
     INLET = "inlet"
     """The core's centre is more than a pipe radius upstream of the inlet."""
+    EDGE = "edge of the grid"
+    """The core's centre has left the grid of velocities, in open water."""
     HORIZON = "horizon"
     """The flight has lasted as long as the scenario allows."""
     NON_FINITE = "non-finite"

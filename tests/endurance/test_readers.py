@@ -188,16 +188,14 @@ def make_netcdf3(folder: Path) -> bytes:
 
 
 def make_netcdf4(folder: Path) -> bytes:
-    import h5py
+    import netCDF4
 
-    with h5py.File(folder / "made4.nc", "w") as file:
+    with netCDF4.Dataset(folder / "made4.nc", "w") as file:
         for name in "xyz":
-            file[name] = np.arange(4.0)
-            file[name].make_scale(name)
+            file.createDimension(name, 4)
+            file.createVariable(name, "f8", (name,))[:] = np.arange(4.0)
         for name in "uvw":
-            file.create_dataset(name, data=np.ones((4, 4, 4)), compression="gzip", chunks=(2, 2, 2))
-            for axis in range(3):
-                file[name].dims[axis].attach_scale(file["xyz"[axis]])
+            file.createVariable(name, "f8", tuple("xyz"), zlib=True, chunksizes=(2, 2, 2))[:] = np.ones((4, 4, 4))
     return (folder / "made4.nc").read_bytes()
 
 

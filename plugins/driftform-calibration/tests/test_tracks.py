@@ -26,43 +26,38 @@ def write_csv(path, t, points, names="t,x,y"):
     return path
 
 
-def test_a_sound_track_is_unchanged_and_has_no_notes():
-    t, points = fall()
+def without_points(t, points):
+    points[[3, 17]], t[8] = np.nan, np.nan
+    return t, points
+
+
+T, POINTS = fall()
+
+
+@pytest.mark.parametrize(
+    ("t", "points", "kept", "notes"),
+    [
+        (T, POINTS, slice(None), ()),
+        (
+            *without_points(*fall()),
+            np.delete(np.arange(40), [3, 8, 17]),
+            ("3 of 40 rows without a time or a point left out",),
+        ),
+        (
+            np.delete(T, np.s_[15:30]),
+            np.delete(POINTS, np.s_[15:30], axis=0),
+            np.r_[0:15, 30:40],
+            (f"nothing was seen from t = {T[14]:.3f} to {T[30]:.3f} s",),
+        ),
+        (T[::-1], POINTS[::-1], slice(None), ("times decrease from row to row: rows were put in the order of time",)),
+        (np.repeat(T, 2), np.repeat(POINTS, 2, axis=0), slice(None), ("40 rows with the time of another left out",)),
+    ],
+    ids=["sound", "empty rows", "a gap", "backwards", "exported twice"],
+)
+def test_what_can_be_mended_is_mended_and_said(t, points, kept, notes):
     found = check_track("film.csv", track_of(t, points))
-    assert found.notes == ()
-    assert np.array_equal(found.t, t) and np.array_equal(found.markers[0].points, points)
-    assert found.span == pytest.approx(np.ptp(points[:, 1]))
-
-
-def test_rows_without_a_point_are_left_out_and_counted():
-    t, points = fall()
-    points[[3, 17]] = np.nan
-    t[8] = np.nan
-    found = check_track("film.csv", track_of(t, points))
-    assert len(found.t) == 37
-    assert found.notes == ("3 of 40 rows without a time or a point left out",)
-
-
-def test_a_gap_is_said():
-    t, points = fall()
-    keep = np.r_[0:15, 30:40]
-    found = check_track("film.csv", track_of(t[keep], points[keep]))
-    assert found.notes == (f"nothing was seen from t = {t[14]:.3f} to {t[30]:.3f} s",)
-
-
-def test_times_that_decrease_are_sorted_and_that_is_said():
-    t, points = fall()
-    found = check_track("film.csv", track_of(t[::-1], points[::-1]))
-    assert np.array_equal(found.t, t) and np.array_equal(found.markers[0].points, points)
-    assert found.notes == ("times decrease from row to row: rows were put in the order of time",)
-
-
-def test_rows_that_were_exported_twice_count_once():
-    t, points = fall()
-    twice = track_of(np.repeat(t, 2), np.repeat(points, 2, axis=0))
-    found = check_track("film.csv", twice)
-    assert np.array_equal(found.t, t)
-    assert found.notes == ("40 rows with the time of another left out",)
+    assert found.notes == notes
+    assert np.array_equal(found.t, T[kept]) and np.array_equal(found.markers[0].points, POINTS[kept])
 
 
 @pytest.mark.parametrize(("period", "lost"), [(5, 1), (10, 1), (9, 2)])
@@ -104,20 +99,15 @@ def test_noise_releases_and_bounces_are_no_lost_frames():
     assert found <= 2
 
 
-def test_noise_is_no_rhythm():
+def test_neither_noise_nor_a_bounce_is_a_rhythm():
     t, points = fall(150, 60.0)
-    for seed in range(40):
-        noisy = points + np.random.default_rng(seed).normal(0, 0.003, points.shape)
-        assert np.array_equal(check_track("film.csv", track_of(t, noisy)).t, t)
-
-
-def test_a_bounce_is_no_lost_frame():
-    t = np.arange(150) / 60.0
+    tracks = [points + np.random.default_rng(seed).normal(0, 0.003, points.shape) for seed in range(40)]
     for height in (0.2, 0.5, 0.9):
         fallen = np.sqrt(height / 2.0)
         up = np.where(t < fallen, height - 2.0 * t**2, 1.5 * (t - fallen) - 2.0 * (t - fallen) ** 2)
-        points = np.column_stack([0.05 * t, np.abs(up)])
-        assert np.array_equal(check_track("film.csv", track_of(t, points)).t, t)
+        tracks.append(np.column_stack([0.05 * t, np.abs(up)]))
+    for track in tracks:
+        assert np.array_equal(check_track("film.csv", track_of(t, track)).t, t)
 
 
 def test_two_objects_in_one_track_are_refused():

@@ -112,6 +112,7 @@ def _write_captions(
 _ENDS = {
     "outlet": "it left through the outlet",
     "inlet": "it left through the inlet",
+    "edge of the grid": "it left the grid",
     "horizon": "it reached the time limit",
     "non-finite": "the simulation produced a value that is not finite",
     "step limit": "the simulation reached its step limit",

@@ -64,16 +64,28 @@ def write_netcdf3(path: Path, grid, order=(0, 1, 2)):
             variable[:] = np.nan_to_num(grid.velocity[..., i], nan=-999.0).transpose(order)
 
 
-def write_netcdf4(path: Path, grid):
-    import h5netcdf
+def write_netcdf4(path: Path, grid, attributes=None, kind="f8", packed=lambda values: values):
+    """Write a grid with attributes {variable: {key: value}}; ``packed`` turns the velocities into what is stored."""
+    import netCDF4
 
-    with h5netcdf.File(path, "w") as file:
-        file.dimensions = {"time": 1, **dict(zip("zyx", reversed(grid.shape), strict=True))}
+    attributes = attributes or {}
+    with netCDF4.Dataset(path, "w") as file:
+        file.set_auto_maskandscale(False)
+        file.createDimension("time", 1)
         for name, values in zip("xyz", axes_of(grid), strict=True):
-            file.create_variable(name, (name,), data=values)
+            file.createDimension(name, len(values))
+            file.createVariable(name, "f8", (name,))[:] = values
         for i, name in enumerate("uvw"):
-            data = np.nan_to_num(grid.velocity[..., i], nan=-999.0).transpose(2, 1, 0)[None]
-            file.create_variable(name, ("time", "z", "y", "x"), data=data, fillvalue=-999.0)
+            fill = attributes.get(name, {}).pop("_FillValue", None)
+            variable = file.createVariable(name, kind, ("time", "z", "y", "x"), fill_value=fill)
+            variable.set_auto_maskandscale(False)
+            variable[:] = packed(grid.velocity[..., i].transpose(2, 1, 0)[None])
+        for name, found in attributes.items():
+            file[name].setncatts(found)
+
+
+def each(names, **attributes):
+    return {name: dict(attributes) for name in names}
 
 
 def write_legacy_vtk(path: Path, grid):
@@ -155,6 +167,7 @@ def test_a_table_may_be_in_utf16(tmp_path, grid):
     agree(read_grid(tmp_path / "current.csv"), grid)
 
 
+@pytest.mark.peers
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
 def test_the_dimensions_of_a_netcdf_file_may_be_in_any_order(tmp_path, grid, order):
     grid.velocity[1, 2, 3] = np.nan
@@ -163,10 +176,42 @@ def test_the_dimensions_of_a_netcdf_file_may_be_in_any_order(tmp_path, grid, ord
 
 
 @pytest.mark.peers
-def test_a_netcdf_4_file_may_have_one_time(tmp_path, grid):
+@pytest.mark.parametrize(
+    ("attributes", "kind", "packed"),
+    [
+        (each("uvw", _FillValue=-999.0), "f8", lambda v: np.nan_to_num(v, nan=-999.0)),
+        (each("uvw", missing_value=-99.0), "f8", lambda v: np.nan_to_num(v, nan=-99.0)),
+        (each("uvw", valid_range=[-9.0, 9.0]), "f8", lambda v: np.nan_to_num(v, nan=1e4)),
+        (
+            each("uvw", scale_factor=1e-9, add_offset=0.5, _FillValue=-(2**63)),
+            "i8",
+            lambda v: np.where(np.isnan(v), -(2**63), np.rint((np.nan_to_num(v) - 0.5) * 1e9).astype(int)),
+        ),
+        (each("uvw", units="cm s-1"), "f8", lambda v: 100 * v),
+        (each("uvw", units="kilometers / second"), "f8", lambda v: v / 1000),
+        (each("uvw", units="knots"), "f8", lambda v: v * 3600 / 1852),
+    ],
+)
+def test_velocities_are_what_the_attributes_of_a_netcdf_file_say(tmp_path, grid, attributes, kind, packed):
     grid.velocity[1, 2, 3] = np.nan
-    write_netcdf4(tmp_path / "current.nc", grid)
-    agree(read_grid(tmp_path / "current.nc"), grid)
+    write_netcdf4(tmp_path / "current.nc", grid, attributes, kind, packed)
+    found = read_grid(tmp_path / "current.nc").velocity
+    np.testing.assert_allclose(found, grid.velocity, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.peers
+def test_axes_in_kilometres_are_metres_and_what_is_not_known_is_refused_by_its_attribute(tmp_path, grid):
+    write_netcdf4(tmp_path / "km.nc", VelocityGrid(ORIGIN / 1e3, SPACING / 1e3, grid.velocity), each("xyz", units="km"))
+    agree(read_grid(tmp_path / "km.nc"), grid)
+    for attributes, words in [
+        ({"x": {"units": "degrees_east"}}, "has units = 'degrees_east' on x, expected one of m, "),
+        ({"v": {"units": "kg"}}, "has units = 'kg' on v"),
+        ({"z": {"positive": "down"}}, "has positive = 'down' on z"),
+        ({"w": {"standard_name": "downward_sea_water_velocity"}}, "has standard_name = 'downward"),
+    ]:
+        write_netcdf4(tmp_path / "current.nc", grid, attributes)
+        with pytest.raises(ValueError, match=words):
+            read_grid(tmp_path / "current.nc")
 
 
 @pytest.mark.peers
@@ -215,10 +260,11 @@ PEER = pytest.mark.peers
         ("a.csv", b"", "has no line below its header"),
         ("a.csv", b"x,y,z,u,v,w\n1,2,3,4,5,six\n", "is not a table of numbers"),
         ("a.csv", b"x,y,z,p\n1,2,3,4\n", "has no velocity: it has x, y, z, p"),
-        ("a.nc", b"", "is not a NetCDF file"),
-        ("a.nc", b"CDF\x01zzzz", "is not a NetCDF file"),
         ("a.stl", b"solid", "the format '.stl' is unknown"),
-        pytest.param("a.nc", b"\x89HDF\r\n\x1a\n" + bytes(100), "cannot be read", marks=PEER),
+        *(
+            pytest.param("a.nc", content, "is not a NetCDF file that can be read", marks=PEER)
+            for content in (b"", b"CDF\x01zzzz", b"\x89HDF\r\n\x1a\n" + bytes(100))
+        ),
         *(pytest.param("a.vtk", content, "is not a VTK file", marks=PEER) for content in (b"", b"nonsense\n")),
         *(
             pytest.param("a.vtu", text, "is not a VTK file", marks=PEER)

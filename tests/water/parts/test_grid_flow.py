@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 
+from driftform.testing.agents import sphere_agent
+from driftform.types import End
 from driftform.water import Pipe, Scenario
 from driftform.water.fittings import fitting_array
 from driftform.water.parts.grid_files import VelocityGrid
 from driftform.water.parts.grid_flow import grid_motion, grid_velocities, inlet_speed, make_grid, wall_leakage
+from driftform.water.scenario import Release
+from driftform_native.simulator import NativeOptions, NativeSimulator
 from driftform_tees.currents import write_current
 
 RADIUS, LENGTH, SPACING = 0.1, 1.0, 0.02
@@ -109,6 +113,7 @@ def plugged(nodes):
             {},
             "are its coordinates in metres?",
         ),
+        (sample(lambda x: 1e3 * along(x)), {}, "has a speed of 1000 m/s: are its velocities in m/s"),
         (sample(along, spacing=0.06), {}, "nodes 0.06 m apart, too far for a bore of 0.2 m"),
         (sample(plugged), {}, "nodes in the pipe, for example"),
         (
@@ -129,6 +134,26 @@ def test_a_grid_that_ends_within_a_spacing_of_the_wall_is_enough(tmp_path):
     """Programs write the nodes of the water, the last of which lie up to a cell inside the wall."""
     grid = sample(along, low=(-0.1, -0.09, -0.09), high=(1.1, 0.09, 0.09))
     assert inlet_speed(fitting_array(in_pipe(tmp_path, grid)), in_pipe(tmp_path, grid).pipe.layout) == pytest.approx(1)
+
+
+def test_a_body_that_leaves_a_grid_in_open_water_ends_its_flight_there(tmp_path):
+    """A neutral body drifts with a uniform current: to the face at 1.1 m from 0.1 m at 0.5 m/s, it takes two seconds."""
+    scenario = in_pipe(tmp_path, sample(lambda x: 0.5 * along(x)))
+    release = Release(position=(0.1, 0.0, 0.0), velocity="current")
+    scenario = scenario.model_copy(update={"pipe": OPEN, "release": release})
+    neutral = sphere_agent(0.01, scenario.fluid.density * 4 / 3 * np.pi * 0.01**3)
+    flight = NativeSimulator(NativeOptions()).simulate(neutral, scenario)
+    assert flight.end is End.EDGE
+    assert flight.t[-1] == pytest.approx(2.0, rel=1e-6)
+    assert flight.position[-1] == pytest.approx([1.1, 0.0, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e7])
+def test_a_grid_of_millimetres_or_of_thousands_of_kilometres_is_refused(tmp_path, factor):
+    grid = sample(along)
+    grid = VelocityGrid(factor * grid.origin, factor * grid.spacing, grid.velocity)
+    with pytest.raises(ValueError, match="m along x: are its coordinates in metres"):
+        fitting_array(in_pipe(tmp_path, grid).model_copy(update={"pipe": OPEN}))
 
 
 def test_in_open_water_every_node_needs_a_velocity():

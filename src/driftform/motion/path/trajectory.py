@@ -41,6 +41,8 @@ def finish_trajectory(
         field.setflags(write=False)
     if broken:
         end = End.NON_FINITE
+    elif left and model.fittings is not None and model.fittings[0] == 1.0:
+        end = End.EDGE
     elif left:
         end = End.OUTLET if past else End.INLET
     elif t[-1] >= horizon * (1 - 1e-9):

@@ -1,10 +1,10 @@
 """Velocities on regular grids, from files of CFD programs: CSV, NetCDF and VTK; and nodes without one, filled."""
 
-import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 from warnings import catch_warnings
 
 import numpy as np
@@ -40,6 +40,16 @@ _VELOCITIES = (
 )
 _VECTORS = ("U", "velocity", "Velocity", "u")
 """Names of coordinates, of components of the velocity, and of vectors, in the order in which they are looked for."""
+
+
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3}
+SPEEDS = {f"{unit}{end}": factor for unit, factor in LENGTHS.items() for end in ("/s", "s-1")} | {
+    **dict.fromkeys(("km/h", "kmh-1"), 1 / 3.6),
+    **dict.fromkeys(("kt", "kts", "knot", "knots"), 1852 / 3600),
+}
+"""Units of coordinates, m, and of velocities, m/s, without spaces and signs of powers."""
+
+_SPELLINGS = (("met(er|re)s?", "m"), ("centi", "c"), ("milli", "m"), ("kilo", "k"), ("seconds?|sec", "s"), ("per", "/"))
 
 
 class _TooLargeError(ValueError):
@@ -136,6 +146,16 @@ def _choose(known: Sequence[Sequence[str]], found: Mapping[str, object], what: s
     raise ValueError(f"has no {what}: it has {', '.join(map(str, found)) or 'no columns'}, but not {choices}")
 
 
+def find_unit(name: str, unit: str, known: Mapping[str, float]) -> float:
+    """Return a unit, as programs write it, in SI units; 1 for an empty one. Raises ValueError if it is not ``known``."""
+    plain = re.sub(r"[\s.*^_]", "", unit)
+    for spelling, short in _SPELLINGS:
+        plain = re.sub(spelling, short, plain)
+    if plain and plain not in known:
+        raise ValueError(f"has units = '{unit}' on {name}, expected one of {', '.join(known)}")
+    return known.get(plain, 1.0)
+
+
 def _sort_nodes(points: FloatArray, velocities: FloatArray) -> VelocityGrid:
     """Return the grid of nodes in any order; nodes that are left out have no velocity."""
     if len(points) > MAX_NODES:
@@ -181,83 +201,77 @@ def _check_axis(name: str, values: FloatArray) -> tuple[float, float, int]:
 
 def _read_netcdf(path: Path) -> VelocityGrid:
     """Read variables x, y, z with one dimension each, and u, v, w with the three dimensions in any order."""
-    with path.open("rb") as file:
-        is_hdf5 = file.read(8) == b"\x89HDF\r\n\x1a\n"
-    try:
-        variables = _read_hdf5(path) if is_hdf5 else _read_netcdf3(path)
-    except (OSError, ImportError, _TooLargeError):
-        raise
-    except Exception as error:
-        # Damaged files raise whatever the first wrong byte leads to: KeyError, RuntimeError, MemoryError and others.
-        raise ValueError(f"is not a NetCDF file that can be read: {describe_error(error)}") from None
+    variables = _load_variables(path)
     places = _choose(_PLACES, variables, "coordinates")
     velocities = _choose(_VELOCITIES, variables, "velocity")
+    for name in (places[2], velocities[2]):
+        for key, value in variables[name].attributes.items():
+            if key != "units" and re.search("down|depth", value):
+                raise ValueError(f"has {key} = '{value}' on {name}; z and its velocity must be positive upward")
     names = []
     for name in places:
-        dimensions, values = variables[name]
+        dimensions = variables[name].dimensions
         if len(dimensions) != 1:
             raise ValueError(f"has a variable {name} with {len(dimensions)} dimensions instead of one")
         names.append(dimensions[0])
-    axes = [variables[name][1] for name in places]
+    axes = [variables[name].values * _read_units(name, variables[name], LENGTHS) for name in places]
     order = [np.argsort(values) for values in axes]
     found = [_check_axis(name, values[o]) for name, values, o in zip("xyz", axes, order, strict=True)]
     parts = []
     for name in velocities:
-        dimensions, values = variables[name]
+        dimensions, values = variables[name].dimensions, variables[name].values
         kept = [d for d in dimensions if values.shape[dimensions.index(d)] > 1 or d in names]
         if sorted(kept) != sorted(names):
             raise ValueError(
                 f"has a variable {name} over {', '.join(dimensions)}, expected {', '.join(names)}; the current must be steady"
             )
         values = values.reshape([values.shape[dimensions.index(d)] for d in kept])
-        parts.append(values.transpose([kept.index(n) for n in names])[np.ix_(*order)])
+        values = values.transpose([kept.index(n) for n in names])[np.ix_(*order)]
+        parts.append(values * _read_units(name, variables[name], SPEEDS))
     origin, spacing, _ = np.array(found).T
     return VelocityGrid(origin, spacing, np.stack(parts, axis=-1))
 
 
-def _read_netcdf3(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
-    from scipy.io import netcdf_file
+class _Variable(NamedTuple):
+    """A variable of a NetCDF file: its dimensions, its values, NaN where they are missing, and its attributes of meaning."""
 
-    with netcdf_file(path, "r", mmap=False) as file:
-        return {
-            name: (list(v.dimensions), _fill(_require_size(name, v.data), getattr(v, "_FillValue", None)))
-            for name, v in file.variables.items()
-            if v.data.dtype.kind in "fiu"
-        }
+    dimensions: tuple[str, ...]
+    values: FloatArray
+    attributes: Mapping[str, str]
 
 
-def _read_hdf5(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
-    import h5py
+def _load_variables(path: Path) -> dict[str, _Variable]:
+    """Return the variables with numbers; netCDF4 unpacks them, and masks fill values and what is out of the valid range."""
+    import netCDF4
 
-    with h5py.File(path, "r") as file:
-        return {
-            name: (_name_dimensions(name, v), _fill(_require_size(name, v)[...], v.attrs.get("_FillValue")))
-            for name, v in file.items()
-            if isinstance(v, h5py.Dataset) and v.dtype.kind in "fiu"
-        }
-
-
-def _name_dimensions(name: str, variable: Any) -> list[str]:
-    """Return the names of a variable's dimensions: NetCDF-4 keeps them as the scales of HDF5, a coordinate as its own."""
-    if variable.is_scale and len(variable.shape) == 1:
-        return [name]
-    return [d[0].name.rpartition("/")[2] if len(d) else f"dimension {n}" for n, d in enumerate(variable.dims)]
-
-
-def _require_size(name: str, variable: Any) -> Any:
-    """Return a variable, of which nothing need be read yet, if it is not larger than a grid may be."""
-    count = math.prod(variable.shape)
-    if count > MAX_NODES:
-        raise _TooLargeError(f"has {count} values in the variable {name}; a grid has at most {MAX_NODES} nodes")
-    return variable
-
-
-def _fill(values: FloatArray, missing: float | None) -> FloatArray:
-    """Return the values as numbers of double precision, NaN where they are missing."""
-    found = np.array(values, dtype=np.float64)
-    if missing is not None:
-        found[np.asarray(values) == np.asarray(missing).ravel()[0]] = np.nan
+    found = {}
+    try:
+        with netCDF4.Dataset(path) as file:
+            for name, variable in file.variables.items():
+                if getattr(variable.dtype, "kind", "") not in "fiu":
+                    continue
+                if variable.size > MAX_NODES:
+                    raise _TooLargeError(
+                        f"has {variable.size} values in the variable {name}; a grid has at most {MAX_NODES} nodes"
+                    )
+                values = np.ma.filled(np.ma.array(variable[...], dtype=np.float64), np.nan)
+                attributes: dict[str, str] = {
+                    key: str(variable.getncattr(key)).strip()
+                    for key in ("units", "positive", "standard_name")
+                    if key in variable.ncattrs()
+                }
+                found[name] = _Variable(variable.dimensions, values, attributes)
+    except _TooLargeError:
+        raise
+    except Exception as error:
+        # Damaged files raise whatever the first wrong byte leads to: KeyError, RuntimeError, MemoryError and others.
+        raise ValueError(f"is not a NetCDF file that can be read: {describe_error(error)}") from None
     return found
+
+
+def _read_units(name: str, variable: _Variable, known: Mapping[str, float]) -> float:
+    """Return the unit of a variable in SI units; 1 if it does not say."""
+    return find_unit(name, variable.attributes.get("units", ""), known)
 
 
 def _read_vtk(path: Path) -> VelocityGrid:

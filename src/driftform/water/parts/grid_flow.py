@@ -4,12 +4,14 @@ Nodes in the wall, and nodes that the file leaves out next to it, are filled by 
 are smooth up to the wall.
 """
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
+from driftform.errors import InputError
 from driftform.types import BoolArray, FloatArray
 from driftform.util.compiled import allocating, compiled
 from driftform.util.small_vectors import ZERO, Rotation, Vector, add, scale
@@ -32,8 +34,18 @@ MAX_LEAKAGE = 0.1
 SPEED_TOLERANCE = 0.1
 """Largest deviation of the mean speed at the inlet from that of the scenario, relative to it."""
 
+MAX_SPEED = 20.0
+"""Largest speed of water in the file, m/s, at a mean speed up to 5 m/s; the fastest tidal currents have half of it."""
+
+EXTENT = 0.05, 1e6
+"""Least and greatest extent of a grid along each axis, m."""
+
 MIN_CELLS = 4
 """Smallest number of cells of a grid across the narrowest bore."""
+
+
+class _WrongGridError(InputError, ValueError):
+    """The file of a grid cannot be read or does not fit: input, also where a simulator meets it first."""
 
 
 def load_grid(file: str, reference: float, layout: Layout, walls: FloatArray) -> FloatArray:
@@ -52,7 +64,7 @@ def load_grid(file: str, reference: float, layout: Layout, walls: FloatArray) ->
     try:
         state = path.stat()
     except OSError as error:
-        raise ValueError(f"flow.file = '{path}' cannot be read: {error.strerror}") from None
+        raise _WrongGridError(f"flow.file = '{path}' cannot be read: {error.strerror}") from None
     return _load(path, (state.st_mtime_ns, state.st_size), layout, reference, walls.tobytes())
 
 
@@ -60,13 +72,14 @@ def load_grid(file: str, reference: float, layout: Layout, walls: FloatArray) ->
 def _load(path: Path, _: tuple[int, int], layout: Layout, reference: float, walls: bytes) -> FloatArray:
     try:
         grid = read_grid(path)
+        _check_units(grid, reference)
         array = make_grid(grid, layout, np.frombuffer(walls))
         if layout.parts:
             check_grid(grid, array, layout, reference)
     except ValueError as error:
-        raise ValueError(f"flow.file = '{path}' {error}") from None
+        raise _WrongGridError(f"flow.file = '{path}' {error}") from None
     except ModuleNotFoundError as error:
-        raise ValueError(
+        raise _WrongGridError(
             f"flow.file = '{path}' needs the package {error.name}: pip install 'driftform[grids]'"
         ) from None
     return array
@@ -91,6 +104,18 @@ def make_grid(grid: VelocityGrid, layout: Layout, walls: FloatArray) -> FloatArr
     array = np.concatenate([walls, grid.origin, grid.spacing, grid.shape, values.ravel()])
     array.flags.writeable = False
     return array
+
+
+def _check_units(grid: VelocityGrid, reference: float) -> None:
+    """Refuse a grid whose numbers can hardly be metres and metres per second."""
+    speed = float(np.linalg.norm(np.nan_to_num(grid.velocity), axis=3).max())
+    if not speed <= MAX_SPEED * max(1.0, reference / 5.0):
+        raise ValueError(
+            f"has a speed of {speed:.4g} m/s: are its velocities in m/s, and nodes without water left out?"
+        )
+    for axis, extent in zip("xyz", (grid.end - grid.origin).tolist(), strict=True):
+        if not EXTENT[0] <= extent <= EXTENT[1]:
+            raise ValueError(f"has an extent of {extent:.4g} m along {axis}: are its coordinates in metres?")
 
 
 def _check_nodes(grid: VelocityGrid, known: BoolArray, layout: Layout, walls: FloatArray) -> None:
@@ -251,6 +276,17 @@ def grid_motion(point: Vector, array: FloatArray, spread: Spread = AT_A_POINT) -
         (a * p_x[1], b * p_y[1], c * p_z[1]),
         (a * p_x[2], b * p_y[2], c * p_z[2]),
     )
+
+
+@compiled
+def distance_beyond(point: Vector, array: FloatArray) -> float:
+    """Return the distance of a point beyond the nearest face of a grid, m; negative in it."""
+    start, farthest = HEAD + PART * int(array[0]), -math.inf
+    for a in range(3):
+        low, spacing = array[start + ORIGIN + a], array[start + SPACING + a]
+        high = low + spacing * (array[start + SHAPE + a] - 1.0)
+        farthest = max(farthest, low - point[a], point[a] - high)
+    return farthest
 
 
 @compiled

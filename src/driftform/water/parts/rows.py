@@ -78,7 +78,8 @@ def greatest_curvature(layout: Layout) -> float:
     The rounded edge of a tee is left out: bodies do not lie on it with a flat end.
     """
     parts = [placed.part for placed in layout.parts]
-    return max(1 / part.narrowest + (0.0 if isinstance(part, Tee) else 1 / part.bulge) for part in parts)
+    bends = (1 / part.narrowest + (0.0 if isinstance(part, Tee) else 1 / part.bulge) for part in parts)
+    return max(bends, default=0.0)
 
 
 def rim_spacing(layout: Layout) -> float:
