@@ -23,7 +23,6 @@ OUT = ("--evaluations", 1, "--workers", 1, "--out", "run")
         (("--simulator", "exudn"), ["--simulator", "'exudn'", "did you mean 'exudyn'?"]),
         (("--set", "nonsense"), ["--set nonsense", "expected key=value, such as flow.speed=0.8"]),
         (("--set", "fluid.density=-1"), ["--set", "fluid.density = -1", "greater than or equal to 0.1 kg/m3"]),
-        (("--set", "fluid.density=nan"), ["fluid.density = nan", "finite"]),
         (("--set", "fluid.flow_force=half"), ["fluid.flow_force = 'half'", "should be 'full' or 'paper'"]),
         (
             ("--set", "flow.kind=parabolic"),
@@ -33,12 +32,7 @@ OUT = ("--evaluations", 1, "--workers", 1, "--out", "run")
         (("--set", "simulator.tolerance=abc"), ["simulator.tolerance = 'abc'", "should be a number"]),
         (("--set", "simulator.step_limit=1.5"), ["simulator.step_limit = 1.5", "should be a whole number"]),
         (("--set", "simulator=exudyn"), ["simulator = 'exudyn' is not a table"]),
-        (("--set", "fluids.density=1"), ["unknown key 'fluids'", "did you mean 'fluid'?"]),
-        (("--set", "targets.TP1=[1, 0, 9]"), ["--set targets.TP1", "TP1", "lies outside the pipe"]),
-        (("--set", "targets={}"), ["has no [targets]", "leak = [4.0, 0.0, -0.9]"]),
-        (("--set", 'run.formats=["stll"]'), ["no exporter is named 'stll'", "did you mean 'stl'?"]),
         (("--evaluations", 0), ["'--evaluations'", "greater than or equal to 1", "driftform evolve --help"]),
-        (("--evaluations", "many"), ["'--evaluations'", "driftform evolve --help"]),
         (("--sead", 1), ["--sead"]),
     ],
 )
@@ -58,18 +52,12 @@ def test_a_misspelt_command_and_a_misspelt_option_before_it(refused: Refused) ->
     [
         (BASE + "[flows]\nspeed = 1\n", 2, ["unknown key 'flows'", "did you mean 'flow'?"]),
         (BASE + "[flow]\nspee = 1\n", 3, ["'spee' in [flow]", "did you mean 'speed'?"]),
-        (BASE + "flow.spee = 1\n", 2, ["'spee' in [flow]", "did you mean 'speed'?"]),
         (BASE + "flow = { spee = 1 }\n", 2, ["'spee' in [flow]"]),
         (BASE + '[flow]\nkind = "power_lw"\n', 3, ["flow.kind = 'power_lw'", "did you mean 'power_law'?"]),
         (SEGMENT + "radiuss = 1\n", 5, ["'radiuss' in [[pipe.segments]]", "did you mean 'radius'?"]),
         (SEGMENT, 2, ["'radius' is missing in [[pipe.segments]]"]),
         (SEGMENT.replace("9", "0") + "radius = 1\n", 2, ["start and end", "same point"]),
         (BASE + '[run]\nformats = ["stl", "smf"]\n', 3, ["no exporter is named 'smf'"]),
-        (
-            BASE + "# heavy water\n[fluid]\ndensity = -1\n",
-            4,
-            ["fluid.density = -1", "greater than or equal to 0.1 kg/m3"],
-        ),
         (BASE + "[exporter.stll]\nsegments = 96\n", 2, ["no exporter is named 'stll'", "did you mean 'stl'?"]),
         (BASE + "[exporter]\nstl = 96\n", 3, ["exporter.stl = 96", "not a table"]),
         (BASE + "[renderer.exudyn]\nwidth = 97\n", 3, ["renderer.exudyn.width = 97", "multiple of 2"]),
@@ -92,7 +80,6 @@ def test_a_misspelt_command_and_a_misspelt_option_before_it(refused: Refused) ->
         ('base = "gone.toml"\n', 1, ["study 'gone.toml'", "neither a file nor a built-in"]),
         ("base = 3\n", 1, ["base = 3 is not the name"]),
         ('base = "study.toml"\n', 1, ["'base' leads back to study.toml"]),
-        ('base = "./study.toml"\n', 1, ["'base' leads back to"]),
         ("a = = 3\n", None, ["is not valid TOML", "line 1, column 5"]),
         ("a = " + "[" * 5000, None, ["is not valid TOML", "too deeply"]),
         ("a = " + "9" * 5000, None, ["is not valid TOML"]),
@@ -257,7 +244,7 @@ def test_of_an_agent_file(
             assert part in line
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "3", "{}", "[" * 100_000, '{"a": ' + "9" * 5000 + "}"])
+@pytest.mark.parametrize("text", ["", "{", "[]", "[" * 100_000, '{"a": ' + "9" * 5000 + "}"])
 def test_an_agent_file_that_is_none(refused: Refused, tmp_path: Path, text: str) -> None:
     (tmp_path / "agent.json").write_text(text)
     assert refused("inspect", "agent.json").startswith("error: agent.json: is not an agent file")

@@ -138,6 +138,7 @@ DAMAGE = "is damaged"
         (flown(flight_of([0.0] * 14, [np.nan] * 14)), "a flight has numbers that are not finite"),
         (flown(flight_of([1.0] * 14, [0.5] * 14)), "the times of a flight decrease"),
         (studied(lambda study: study.update(targets={})), "targets"),
+        (studied(lambda study: study.update(targets={"../x": [1.0, 0.0, 0.0]})), "names a folder"),
         (studied(lambda study: study["fluid"].update(density=np.nan)), "fluid.density = nan"),
         (sql("DROP TABLE score", ENDLESS.format("score")), "not as driftform makes them: score"),
         (sql(ENDLESS.format("more")), "not as driftform makes them: more"),

@@ -20,18 +20,8 @@ QUICK = ("--scenario", "paper", "--simulator", "native")
 def test_a_flight_in_four_formats(call: Call) -> None:
     import polars
 
-    result = call(
-        "export-flight",
-        WORD,
-        "--format",
-        "csv,parquet,mcap,rosbag1,rosbag2",
-        *QUICK,
-        "--rate-hz",
-        "20",
-        "--out",
-        "f",
-        "--json",
-    )
+    formats = ("--format", "csv,parquet,mcap,rosbag1,rosbag2")
+    result = call("export-flight", WORD, *formats, *QUICK, "--rate-hz", "20", "--out", "f", "--json")
     assert result.exit_code == 0, result.stderr
     told = json.loads(result.stdout)
     assert {file["format"] for file in told["files"]} == {"csv", "parquet", "mcap", "rosbag1", "rosbag2"}

@@ -122,23 +122,6 @@ def test_nasty_strings_in_a_study_are_only_strings(
     assert everything(tmp_path) == {path}
 
 
-@pytest.mark.parametrize("target", ["../x", "/absolute/x", "..", "a/b", "a\0b", "x\ny"])
-def test_a_run_whose_targets_lead_elsewhere_is_refused(
-    refused: Callable[..., str], run_copy: Path, target: str
-) -> None:
-    connection = sqlite3.connect(run_copy / "run.db")
-    [text] = connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
-    document = json.loads(text)
-    document["targets"] = {target: [1.0, 0.0, 0.0], "TP7": [5.5, 0.0, -0.4]}
-    connection.execute("UPDATE meta SET value = ?", (json.dumps(document),))
-    connection.execute("UPDATE score SET target = ? WHERE target = 'TP1'", (target,))
-    connection.commit()
-    connection.close()
-    for args in (("resume", "run"), ("inspect", f"run:{target}"), ("inspect", "run:TP7")):
-        message = refused(*args)
-        assert message.startswith("error: run/run.db: ") and "target" in message and target[:1] in message
-
-
 def test_statements_in_symbols_and_failures_stay_text(
     call: Callable[..., Any], run_copy: Path, rows: Callable[..., Any]
 ) -> None:

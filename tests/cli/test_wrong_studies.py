@@ -190,19 +190,6 @@ def test_the_check_lists_warnings_as_text_and_as_json(call: Call) -> None:
     assert len(warned) == 2
 
 
-def test_the_check_refuses_a_pipe_that_no_body_fits(call: Call) -> None:
-    Path("mine.toml").write_text(
-        'base = "paper"\n[[pipe.segments]]\nstart=[0,0,0]\nend=[9,0,0]\nradius=0.01\n[targets]\nA=[1,0,0]\n'
-    )
-    result = call("scenarios", "check", "mine.toml")
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr.startswith("error: mine.toml: no agent can be released")
-    assert "22.9 mm across, in a bore of 20 mm" in result.stderr
-    refused = call("evolve", "mine.toml", "--out", "run")
-    assert refused.exit_code == 2
-    assert not Path("run").exists()
-
-
 def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run: Call, tmp_path: Path) -> None:
     settings = ("paper", "--set", "targets={A=[1,0.3,0]}", "--evaluations", 2, "--workers", 1, "--simulator", "native")
     done = run("evolve", *settings, "--out", "run", "--json", cwd=tmp_path)

@@ -148,19 +148,8 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     (folder / "hull.csv").write_text("x_mm,r_mm\n0,0\n12,12\n50,12\n60,0\n", encoding="utf-8")
     lines = {
         "evolve": [
-            "evolve",
-            "--target",
-            "TP1",
-            "--evaluations",
-            "2",
-            "--seed",
-            "1",
-            "--workers",
-            "1",
-            "--set",
-            "robustness.checks=4",
-            "--out",
-            run,
+            *("evolve", "--target", "TP1", "--evaluations", "2", "--seed", "1", "--workers", "1"),
+            *("--set", "robustness.checks=4", "--out", run),
         ],
         "resume": ["resume", run, "--workers", "1"],
         "watch": ["watch", run],

@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+import driftform
+
 PAGE = "python.md"
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "notebooks" / "first-steps.ipynb"
 
@@ -117,8 +119,6 @@ def test_a_notebook_shows_one_bar_and_one_line_of_an_error(tmp_path: Path) -> No
 
 
 def test_every_function_of_the_package_is_on_the_page(pages: dict[str, str]) -> None:
-    import driftform
-
     functions = {name for name in driftform.__all__ if inspect.isfunction(getattr(driftform, name))}
     assert len(functions) >= 4
     assert [name for name in functions if f"df.{name}(" not in pages[PAGE]] == []

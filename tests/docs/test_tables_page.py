@@ -10,7 +10,6 @@ import pytest
 from typer.testing import CliRunner
 
 from driftform.cli.app import app
-from driftform.runs.table_files import SAMPLE_COLUMNS, evaluation_columns
 
 PAGE = "tables.md"
 
@@ -95,9 +94,3 @@ def test_flights_are_joined_with_their_bodies(shown: Callable[[str], Any]) -> No
 def test_units_are_as_told(shown: Callable[[str], Any]) -> None:
     out, _ = shown("units.py")
     assert out == "net buoyancy, N\nthe same from the file itself: N\n"
-
-
-def test_the_page_names_columns_that_are(blocks: list[Any], pages: dict[str, str]) -> None:
-    names = {c.name for c in (*evaluation_columns(("TP7",)), *SAMPLE_COLUMNS)}
-    assert {"failure", "parents", "evaluation", "fitness_TP7"} <= names
-    assert "leave it out of a mean" in pages[PAGE]

@@ -235,15 +235,6 @@ def test_the_help_names_what_a_plugin_can_bring() -> None:
     assert plugins.KINDS.replace(" or ", ", ").split(", ") == list(KINDS)
 
 
-def test_existing_files_are_left_unchanged(refused: Callable[..., str], tmp_path: Path) -> None:
-    (tmp_path / "driftform-dwell").mkdir()
-    (tmp_path / "driftform-dwell" / "mine.txt").write_text("mine")
-    assert "not an empty directory" in refused("plugins", "new", "driftform-dwell", "--seam", "fitness")
-    (tmp_path / "file").write_text("mine")
-    line = refused("plugins", "new", "driftform-dwell", "--seam", "fitness", "--out", "file")
-    assert "file is a file" in line
-
-
 # Installed for real.
 
 

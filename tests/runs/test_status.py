@@ -101,19 +101,6 @@ class Clock:
         return self.now
 
 
-def test_the_pace_of_now_forgets_how_slow_the_beginning_was() -> None:
-    clock = Clock()
-    pace = Throughput(0, clock)
-    assert pace.recent(0) is None
-    clock.now += 100  # The equations of motion are compiled.
-    for done in range(1, 601):
-        clock.now += 0.1
-        pace.mark(done)
-    assert pace.overall(600) == pytest.approx(10)
-    assert pace.recent(600) == pytest.approx(10)
-    assert pace.elapsed == pytest.approx(160)
-
-
 def test_the_time_left_is_that_of_the_recent_rate_also_where_evaluations_are_slow() -> None:
     clock = Clock()
     pace = Throughput(0, clock)

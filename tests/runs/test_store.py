@@ -241,12 +241,6 @@ def test_a_committed_evaluation_is_seen_by_others_at_once_and_survives_a_crash(s
     connection.close()
 
 
-def test_closed_it_is_one_file(tmp_path: Path) -> None:
-    with Store.create(tmp_path / "run.db", {}) as store:
-        store.add([evaluated(0, 1.0, 2.0)], TARGETS)
-    assert [path.name for path in tmp_path.iterdir()] == ["run.db"]
-
-
 def test_a_reader_that_closes_leaves_the_log_to_the_writer(store: Store, tmp_path: Path) -> None:
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with Store.open(tmp_path / "run.db") as reader:
@@ -270,11 +264,6 @@ def test_where_nothing_can_be_written_it_says_so(tmp_path: Path) -> None:
         Store.open(tmp_path / "run.db")
 
 
-def test_an_evaluation_without_a_flight_is_compact_already() -> None:
-    evaluation = evaluated(0, 1.0, 2.0).evaluation
-    assert compress_evaluation(evaluation) is evaluation
-
-
 def test_a_hundred_metres_a_day_long_keep_apart_in_single_precision(store: Store) -> None:
     # The last two samples are nearer than the time can tell apart so late in a flight.
     t = np.array([0.0, 50_000.0, 50_000.0001])
@@ -282,18 +271,6 @@ def test_a_hundred_metres_a_day_long_keep_apart_in_single_precision(store: Store
     flight = Trajectory(t, rest[:, :3], rest[:, 3:7], rest[:, 7:], End.HORIZON)
     kept = decode(encode(flight), flight.end)
     assert (np.diff(kept.t) > 0).all()
-
-
-@pytest.mark.parametrize("step", [SAMPLE_GAP, SAMPLE_GAP / 2, 0.02])
-def test_what_is_compacted_once_does_not_change_when_it_is_stored(step):
-    t = np.arange(900) * step
-    position = np.column_stack([t, np.sin(t), np.cos(t)])
-    still = np.tile([1.0, 0, 0, 0], (len(t), 1))
-    flight = Trajectory(t, position, still, np.zeros((len(t), 6)), End.HORIZON)
-    told = compress_evaluation(Evaluation(Genome("g", ()), np.zeros(1), flight)).trajectory
-    stored = decode(encode(told), told.end)
-    for name in COLUMNS:
-        assert getattr(stored, name).tobytes() == getattr(told, name).tobytes()
 
 
 class Refusing:

@@ -81,6 +81,7 @@ def evolve(
         from driftform.cli.running import advance_run
         from driftform.runs.directory import check_new
         from driftform.runs.run import StoredRun
+        from driftform.util.files import make_directory, make_numbered_directory
 
         checked.check_search()
         if out is not None:
@@ -88,20 +89,6 @@ def evolve(
         warnings = checked.list_warnings()
         for warning in warnings:
             typer.echo(f"warning: {warning}", err=True)
-        with StoredRun.create(out or _next_directory(study), checked) as run:
+        directory = out or make_numbered_directory(make_directory(Path("runs")), Path(study).stem)
+        with StoredRun.create(directory, checked) as run:
             advance_run(run, place, json, warnings)
-
-
-def _next_directory(study: str) -> Path:
-    """Make the first free ``runs/<study>-<n>``."""
-    from driftform.util.files import make_directory
-
-    make_directory(Path("runs"))
-    number = 1
-    while True:
-        path = Path("runs") / f"{Path(study).stem}-{number}"
-        try:
-            path.mkdir()
-            return path
-        except FileExistsError:
-            number += 1

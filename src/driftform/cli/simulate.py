@@ -73,9 +73,6 @@ def simulate(
     if still is None and still_at is not None:
         raise InputError("--still-at is the moment of a still: give --still FILE too")
     _check_pictures(design, film, still, renderer)
-    for option, path in (("--film", film), ("--still", still)):
-        if path is not None:
-            check_directory(path.parent, option)
     folder = check_directory(out or Path("flights") / design.name)
     flight = design.simulate()
     check_moment(flight, still_at)
@@ -138,18 +135,19 @@ def simulate(
 def _check_pictures(design: "Design", film: Path | None, still: Path | None, renderer: str) -> None:
     """Refuse a film and a still that cannot be made, before the flight; the message names the option."""
     from driftform.errors import InputError
+    from driftform.util.files import check_directory
 
-    if film is not None or still is not None:
+    for option, path in (("--film", film), ("--still", still)):
+        if path is None:
+            continue
+        what = f"--renderer {renderer}:"
         try:
             design.study.make_renderer(renderer)
+            what = option
+            design.check_picture(path, renderer, film=option == "--film")
         except InputError as error:
-            raise InputError(f"--renderer {renderer}: {error}") from None
-    for option, path in (("--film", film), ("--still", still)):
-        if path is not None:
-            try:
-                design.check_picture(path, renderer, film=option == "--film")
-            except InputError as error:
-                raise InputError(f"{option} {error}") from None
+            raise InputError(f"{what} {error}") from None
+        check_directory(path.parent, option)
 
 
 def _print(design: "Design", flight: "Flight", misses: "DisturbedFlights | None") -> None:

@@ -50,20 +50,17 @@ class LiveFlight:
     @property
     def position(self) -> FloatArray:
         """Of the core's centre, world frame, m, (3,)."""
-        last: FloatArray = self.latest.position[-1]
-        return last
+        return np.asarray(self.latest.position[-1])
 
     @property
     def quaternion(self) -> FloatArray:
         """The attitude, from body to world, (4,)."""
-        last: FloatArray = self.latest.quaternion[-1]
-        return last
+        return np.asarray(self.latest.quaternion[-1])
 
     @property
     def velocity(self) -> FloatArray:
         """Over ground, in body axes: surge, sway, heave (m/s), roll, pitch, yaw (rad/s), (6,)."""
-        last: FloatArray = self.latest.velocity[-1]
-        return last
+        return np.asarray(self.latest.velocity[-1])
 
     def step(self, duration: float, current: Sequence[float] | None = None) -> Trajectory:
         """Fly on for ``duration`` (s), and return the trajectory of this step; it is shorter if the agent leaves the pipe.

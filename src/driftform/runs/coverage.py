@@ -72,12 +72,8 @@ class PipeGrid:
         if np.linalg.norm(upward) < 1e-6:
             upward = np.array([1.0, 0.0, 0.0]) - along[0] * along
         upward /= np.linalg.norm(upward)
-        side = side or max(2 * segment.radius / _ROWS, length / _COLUMNS)
-        columns = max(1, round(length / side))
-        rows = max(1, round(2 * segment.radius / side))
-        width, height = length / columns, 2 * segment.radius / rows
         axes = np.array([along, upward, np.cross(upward, along)])
-        return cls(start, axes, np.array([width, height, height]), (columns, rows))
+        return cls(start, axes, *_divide_section(length, segment.radius, side))
 
     @classmethod
     def of_scenario(cls, scenario: Scenario, side: float | None = None) -> "PipeGrid":
@@ -122,14 +118,19 @@ class PipeGrid:
         from driftform.motion.path.curve import world_velocity
 
         place = self._place(trajectory.position)
-        nearest = np.full(self.cell_count, np.inf)
         if len(trajectory.t) == 1:
-            cells = self.cell_of(trajectory.position)
-            offset = (place - np.floor(place) - 0.5) * self.size
-            nearest[cells[cells >= 0]] = np.linalg.norm(offset, axis=1)[cells >= 0]
-        else:
-            rate = world_velocity(trajectory) @ (self.axes.T / self.size)
-            lower_distances(trajectory.t, place, rate, self.size, self.shape, nearest)
+            return self._find_nearest(place)
+        nearest = np.full(self.cell_count, np.inf)
+        rate = world_velocity(trajectory) @ (self.axes.T / self.size)
+        lower_distances(trajectory.t, place, rate, self.size, self.shape, nearest)
+        found = np.flatnonzero(np.isfinite(nearest))
+        return found, nearest[found]
+
+    def _find_nearest(self, place: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return the cells of points on the map, (n, 3) in sides of a cell, and their least distances from the centres."""
+        cells, nearest = self._cell_at(place), np.full(self.cell_count, np.inf)
+        offset = np.linalg.norm((place - np.floor(place) - 0.5) * self.size, axis=1)
+        np.minimum.at(nearest, cells[cells >= 0], offset[cells >= 0])
         found = np.flatnonzero(np.isfinite(nearest))
         return found, nearest[found]
 
@@ -183,11 +184,8 @@ class UnrolledGrid(PipeGrid):
             at = float((starts + ends)[chain].max())
         inlet = layout.inlet
         radius = max(placed.part.radius for placed in layout.parts)
-        side = side or max(2 * radius / _ROWS, at / _COLUMNS)
-        columns, rows = max(1, round(at / side)), max(1, round(2 * radius / side))
-        size = np.array([at / columns, 2 * radius / rows, 2 * radius / rows])
         axes = inlet.axes[[0, 2, 1]] * [[1], [1], [-1]]
-        return cls(inlet.centre, axes, size, (columns, rows), layout, starts)
+        return cls(inlet.centre, axes, *_divide_section(at, radius, side), layout, starts)
 
     def to_map(self, points: FloatArray) -> FloatArray:
         """Return world points (n, 3) as place along, height above and distance aside of the axis, m, (n, 3).
@@ -243,17 +241,18 @@ class UnrolledGrid(PipeGrid):
         between = np.concatenate([[0.0], np.cumsum(pieces)])
         times = np.interp(np.arange(between[-1] + 1), between, t)
         points = interpolate_positions(trajectory, times)
-        place = self._place(points[self.layout.find_part(points) >= 0])
-        cells = self._cell_at(place)
-        offset = np.linalg.norm((place - np.floor(place) - 0.5) * self.size, axis=1)
-        nearest = np.full(self.cell_count, np.inf)
-        np.minimum.at(nearest, cells[cells >= 0], offset[cells >= 0])
-        found = np.flatnonzero(np.isfinite(nearest))
-        return found, nearest[found]
+        return self._find_nearest(self._place(points[self.layout.find_part(points) >= 0]))
 
     def _place(self, points: FloatArray) -> FloatArray:
         """Return world points on the map, in sides of a cell from the lower corner, (n, 3)."""
         return np.asarray(self.to_map(points) / self.size + [0.0, self.shape[1] / 2, 0.5])
+
+
+def _divide_section(length: float, radius: float, side: float | None) -> tuple[FloatArray, tuple[int, int]]:
+    """Return the size of a cell, m, (3,), and the numbers of cells along a section and across it."""
+    side = side or max(2 * radius / _ROWS, length / _COLUMNS)
+    columns, rows = max(1, round(length / side)), max(1, round(2 * radius / side))
+    return np.array([length / columns, 2 * radius / rows, 2 * radius / rows]), (columns, rows)
 
 
 class CoverageMap:

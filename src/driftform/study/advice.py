@@ -3,7 +3,7 @@
 Each warning is one line with the numbers and the next step. All of it takes a fraction of a second: nothing flies.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from functools import cached_property
 from typing import Any
 
@@ -119,24 +119,22 @@ class _Advice:
             yield f"fluid.gravity = {fluid.gravity:g} m/s2 is not the Earth's 9.81: it is in m/s2"
 
     def _check_water(self) -> Iterator[str]:
-        level = self.scenario.fluid.water_level
-        for segment in (self.scenario.pipe.straight,):
-            if segment is None or level is None:
-                continue
-            axis = np.subtract(segment.end, segment.start) / np.linalg.norm(np.subtract(segment.end, segment.start))
+        level, segment = self.scenario.fluid.water_level, self.scenario.pipe.straight
+        if level is None:
+            return
+        if segment is not None:
+            axis = self.scenario.direction()
             top = max(segment.start[2], segment.end[2]) + segment.radius * float(np.hypot(axis[0], axis[1]))
             if level > top:
                 yield (
                     f"fluid.water_level = {level:g} m is above the whole pipe, whose top is at z {top:g} m: "
                     "leave it out for a full pipe"
                 )
-        heights = {name: point[2] - level for name, point in self.scenario.target_points().items() if level is not None}
+        heights = {name: point[2] - level for name, point in self.scenario.target_points().items()}
         dry = {name: height for name, height in heights.items() if height > NEGLIGIBLE}
         if dry:
-            yield (
-                f"{list_targets(dry)} {'lies' if len(dry) == 1 else 'lie'} above the water, by up to "
-                f"{show_length(max(dry.values()))}: fluid.water_level = {level:g} m"
-            )
+            height = show_length(max(dry.values()))
+            yield f"{_say_lie(dry)} above the water, by up to {height}: fluid.water_level = {level:g} m"
 
     def _check_bare(self, bare: Body) -> Iterator[str]:
         core = bare.core
@@ -178,16 +176,16 @@ class _Advice:
         normal = normal / length if length > 1e-9 else normal
         if any(abs(float(v @ normal)) > 1e-9 for v in self._released_vectors()):
             return
-        off = {
-            name: self._distance_off(np.array(point) - centre, axis, normal)
-            for name, point in scenario.target_points().items()
-        }
-        missed = {target: distance for target, distance in off.items() if distance > NEGLIGIBLE}
+        missed = {}
+        for target, point in scenario.target_points().items():
+            offset = np.array(point) - centre
+            off = float(offset @ normal if normal.any() else np.linalg.norm(offset - (offset @ axis) * axis))
+            if abs(off) > NEGLIGIBLE:
+                missed[target] = abs(off)
         if missed:
             place = name if length > 1e-9 else "the pipe's axis"
             yield (
-                f"no flight leaves {place}, and {list_targets(missed)} "
-                f"{'lies' if len(missed) == 1 else 'lie'} off it, by up to {show_length(max(missed.values()))}: "
+                f"no flight leaves {place}, and {_say_lie(missed)} off it, by up to {show_length(max(missed.values()))}: "
                 "release the agent with a yaw (release.yaw_deg), or let gusts turn it (gusts.always = true)"
             )
 
@@ -196,12 +194,6 @@ class _Advice:
         given = self.scenario.release_velocity()
         offset = self._start - self.scenario.pipe.layout.inlet.centre
         return [offset, self.scenario.release_axis(), *([] if given is None else [given])]
-
-    @staticmethod
-    def _distance_off(offset: FloatArray, axis: FloatArray, normal: FloatArray) -> float:
-        if normal.any():
-            return abs(float(offset @ normal))
-        return float(np.linalg.norm(offset - (offset @ axis) * axis))
 
     def _check_drift(self) -> Iterator[str]:
         """Check which targets lie beyond the water that passes the release within the horizon."""
@@ -257,12 +249,12 @@ class _Advice:
                 )
 
     def _check_limits(self) -> Iterator[str]:
-        scenario, robustness = self.scenario, self.scenario.robustness
-        radius, horizon = scenario.pipe.layout.inlet.radius, scenario.flight.horizon
-        needed = _find_time(self._find_drift, self.scenario.pipe.layout.longest_path)
+        scenario, robustness, layout = self.scenario, self.scenario.robustness, self.scenario.pipe.layout
+        radius, horizon = layout.inlet.radius, scenario.flight.horizon
+        needed = _find_time(self._find_drift, layout.longest_path)
         if needed is not None and scenario.pipe.straight is None and horizon < needed:
             yield (
-                f"flight.horizon = {horizon:g} s is less than the {needed:.3g} s in which the water passes {self.scenario.pipe.layout.longest_path:.3g} m "
+                f"flight.horizon = {horizon:g} s is less than the {needed:.3g} s in which the water passes {layout.longest_path:.3g} m "
                 "at its speed at the inlet, the distance to the farthest outlet"
             )
         if needed is not None and horizon > PATIENCE * needed:
@@ -317,9 +309,8 @@ class _Advice:
     def _check_targets(self) -> Iterator[str]:
         points: dict[Any, str] = {}
         for name, point in self.scenario.target_points().items():
-            if point in points:
-                yield f"targets {points[point]} and {name} are the same point: remove one of them"
-            points.setdefault(point, name)
+            if (other := points.setdefault(point, name)) != name:
+                yield f"targets {other} and {name} are the same point: remove one of them"
 
     def _check_places(self, bare: Body | None) -> Iterator[str]:
         """Check which targets every agent passes, and which none can."""
@@ -331,8 +322,7 @@ class _Advice:
             near = {name: distance for name, distance in distances.items() if distance < typical}
             if near:
                 yield (
-                    f"{list_targets(near)} {'lies' if len(near) == 1 else 'lie'} {show_length(min(near.values()))} from the release, "
-                    f"less than the length of an agent ({show_length(typical)}, the median of random ones): every agent "
+                    f"{_say_lie(near)} {show_length(min(near.values()))} from the release, less than the length of an agent ({show_length(typical)}, the median of random ones): every agent "
                     "passes there; move the target or release.position"
                 )
         if bare is None or not points:
@@ -342,8 +332,7 @@ class _Advice:
         missed = {name: gap for name, gap in gaps.items() if gap < radius - NEGLIGIBLE}
         if missed:
             yield (
-                f"{list_targets(missed)} {'lies' if len(missed) == 1 else 'lie'} {show_length(min(missed.values()))} from the wall, and "
-                f"the centre of the smallest body comes no nearer than its radius, {show_length(radius)}: every agent misses "
+                f"{_say_lie(missed)} {show_length(min(missed.values()))} from the wall, and the centre of the smallest body comes no nearer than its radius, {show_length(radius)}: every agent misses "
                 f"by {show_length(radius - min(missed.values()))} or more; move the target off the wall"
             )
 
@@ -373,6 +362,10 @@ def _find_time(drift: Callable[[float], tuple[float, float]], distance: float) -
         middle = 0.5 * (low + high)
         low, high = (low, middle) if drift(middle)[1] >= distance else (middle, high)
     return high
+
+
+def _say_lie(names: Collection[str]) -> str:
+    return f"{list_targets(names)} {'lies' if len(names) == 1 else 'lie'}"
 
 
 def list_targets(names: Iterable[str]) -> str:

@@ -202,17 +202,13 @@ class Study:
         """Create a renderer with the options of its table ``[renderer.<name>]``, if there is one."""
         return cast("Renderer[Any]", self._make_named("renderer", name))
 
-    def make_checker(self, name: str) -> Checker[Any]:
-        """Create a checker with the options of its table ``[checker.<name>]``, if there is one."""
-        return cast("Checker[Any]", self._make_named("checker", name))
-
     def check_print(self, name: str, job: PrintJob) -> Iterator[Finding]:
         """Yield what a checker finds; one that fails, and not for a reason that it explains, gives a skipped finding.
 
         Raises:
             DriftformError: if the checker cannot read a file, or returns something else than findings.
         """
-        checker = self.make_checker(name)
+        checker: Checker[Any] = self._make_named("checker", name)
         try:
             yield from require_findings(checker.check(job), checker)
         except DriftformError:
@@ -358,7 +354,8 @@ def _check_document(
         if seam in unselected or seam not in document:
             continue
         try:
-            resolved[seam] = _resolve_selection(document, seam, layers)
+            name, options = _split_selection(document, seam)
+            resolved[seam] = {"use": name, **_resolve_options(document, (seam,), name, options, layers)}
         except InputError as error:
             errors.extend(error.args)
     named: dict[str, dict[str, Any]] = {seam: {} for seam in NAMED}
@@ -404,11 +401,6 @@ def _describe_no_table(key: str, value: object) -> str:
     if isinstance(value, list) and len(value) == 1:
         return f"{key} is a list of tables; write [{key}] instead of [[{key}]]"
     return f"{key} = {reprlib.repr(value)} is not a table"
-
-
-def _resolve_selection(document: Mapping[str, Any], seam: str, layers: Sequence[Source]) -> dict[str, Any]:
-    name, options = _split_selection(document, seam)
-    return {"use": name, **_resolve_options(document, (seam,), name, options, layers)}
 
 
 def _resolve_options(

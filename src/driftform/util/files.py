@@ -8,6 +8,7 @@ import shutil
 import sys
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 
 from driftform.errors import InputError
@@ -147,6 +148,15 @@ def make_directory(path: Path, option: str = "--out") -> Path:
     if not os.access(path, os.W_OK | os.X_OK):
         raise InputError(f"{path}: cannot write to the directory; choose another {option}")
     return path
+
+
+def make_numbered_directory(parent: Path, stem: str) -> Path:
+    """Create the first free directory ``STEM-N`` in another, and return its path."""
+    for number in count(1):
+        with suppress(FileExistsError):
+            (path := parent / f"{stem}-{number}").mkdir()
+            return path
+    raise AssertionError("numbers do not end")
 
 
 def check_new_directory(path: Path) -> None:

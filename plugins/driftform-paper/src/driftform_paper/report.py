@@ -138,18 +138,14 @@ def results_document(scenario: Scenario, found: Mapping[str, Search], again: Res
                     for name, search in found.items()
                 },
                 "resimulated_std": float(again.same.deviation[number]),
-                "turbulent_mean": _finite_or_none(again.turbulent.error[number]),
-                "turbulent_std": _finite_or_none(again.turbulent.deviation[number]),
+                "turbulent_mean": float(again.turbulent.error[number]),
+                "turbulent_std": float(again.turbulent.deviation[number]),
                 "turbulent_failed": again.turbulent.failed[number],
             }
             for number, target in enumerate(scenario.target_names)
         },
         "failed": {name: search.failed for name, search in found.items()},
     }
-
-
-def _finite_or_none(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
 
 
 def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Resimulation) -> str:

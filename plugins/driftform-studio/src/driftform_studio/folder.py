@@ -69,14 +69,7 @@ class RunsFolder:
 
     def make_run_directory(self, name: str) -> Path:
         """Make the first free directory NAME-N, and return its path."""
-        stem, number = files.safe_stem(name).replace(" ", "-").lower(), 1
-        while True:
-            path = self.path / f"{stem}-{number}"
-            try:
-                path.mkdir()
-                return path
-            except FileExistsError:
-                number += 1
+        return files.make_numbered_directory(self.path, files.safe_stem(name).replace(" ", "-").lower())
 
     def keep_file(self, name: Any, content: Any) -> Path:
         """Keep a file that was given to a design (its ``content`` in base 64), and return its path.
