@@ -86,14 +86,16 @@ def test_inspect_warns_of_added_mass_that_lagging_simulators_cannot_take(call: C
     assert any("diverge" in warning for warning in facts["warnings"])
 
 
-def test_simulate_says_how_much_of_a_bore_a_body_fills_if_this_is_too_much(call: Call) -> None:
+def test_simulate_and_export_flight_say_how_much_of_a_bore_a_body_fills_if_this_is_too_much(call: Call) -> None:
     for radius, count in ((1.0, 0), (0.03, 1)):
         pipe = f"pipe.segments=[{{start = [0, 0, 0], end = [9, 0, 0], radius = {radius}}}]"
         settings = ("--set", pipe, "--set", "targets={}", "--set", "flight.horizon=0.1")
         flown = call("simulate", FIGURE_2, "--json", "--out", "flight", *settings)
         found = [line for line in json.loads(flown.stdout)["warnings"] if line.startswith("a body in a bore: ")]
         assert len(found) == count, flown.stderr
-        assert all("; it holds from 0 to 0.3" in line and f"warning: {line}" in flown.stderr for line in found)
+        told = [flown.stderr, call("export-flight", FIGURE_2, *settings).stderr]
+        assert all("; it holds from 0 to 0.3" in line for line in found)
+        assert all(f"warning: {line}" in text for line in found for text in told)
 
 
 JUNCTION = """

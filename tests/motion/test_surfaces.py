@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.motion.forces.surfaces import touching_surfaces, touching_vertices
+from driftform.motion.forces.surfaces import find_hull, touching_surfaces
 from driftform.study import load_study
 from driftform.testing.bodies import cylinder_body, dome_body, make_body, spheroid_body
 
@@ -14,7 +14,7 @@ PIPELINE = load_study("paper").make_pipeline()
 
 def rims(body):
     """Return the vertices of the convex hull that are off the axis."""
-    hull = touching_vertices(body)
+    hull = find_hull(body.outer)
     return hull[hull[:, 1] > 0.0]
 
 

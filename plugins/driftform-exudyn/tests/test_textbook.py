@@ -24,14 +24,10 @@ def error(seed: int, **options) -> float:
     return distance_from_textbook(flight, agent, scenario, HORIZON)
 
 
+@pytest.mark.parametrize(("options", "within"), [({}, 1e-3), ({"tolerance": 1e-10}, 1e-6)])
 @pytest.mark.parametrize("seed", range(10))
-def test_a_flight_agrees_with_fossens_equations_to_a_millimetre(seed):
-    assert error(seed) < 1e-3
-
-
-@pytest.mark.parametrize("seed", range(10))
-def test_with_a_tight_tolerance_it_agrees_to_a_micrometre(seed):
-    assert error(seed, tolerance=1e-10) < 1e-6
+def test_a_flight_agrees_with_fossens_equations_as_its_tolerance_says(seed, options, within):
+    assert error(seed, **options) < within
 
 
 @pytest.mark.parametrize("integrator", ["RK67", "RK44"])

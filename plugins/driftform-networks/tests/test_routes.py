@@ -58,6 +58,22 @@ def test_a_route_has_the_keys_of_the_contract(call: Callable[..., Any]) -> None:
     assert document["branches"]["side"]["largest_change"] == 0
 
 
+def test_a_body_is_warned_of_in_the_pipes_that_it_fills_and_is_flown_through(
+    call: Callable[..., Any], fork_file: Path
+) -> None:
+    narrow, found = fork_file.read_text().replace("side fork branch 200 300", "side fork branch 200 150"), {}
+    Path("narrow.inp").write_text(narrow)
+    for agent in ("sphere:80mm", "sphere:40mm"):
+        words = ("route", "narrow.inp", agent, "--release", "source", "--buoyancy", -0.01, "--branch", "bottom")
+        result = call(*words, "--walks", 0, "--json")
+        assert result.exit_code == 0, result.stderr
+        found[agent] = json.loads(result.stdout)["warnings"]
+    # It goes through 200 m of 300 mm, where it is in range, and into a branch of 200 m, where 80 of 150 mm are too much.
+    (line,) = found["sphere:80mm"]
+    assert line.startswith("warning: sphere-80mm-heavy-10mN in 150 mm at ") and "b = 0.5333; it holds" in line
+    assert line.endswith("so it is in 50 % of what it sees") and found["sphere:40mm"] == []
+
+
 @given(
     shares=st.lists(st.floats(0.05, 1), min_size=2, max_size=4).map(lambda x: np.array(x) / sum(x)),
     clocks=st.lists(st.sampled_from([0.0, 90.0, 180.0, 270.0]), min_size=3, max_size=3),

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Annotated
 
+import typer
+
 from driftform.cli.options import (
     Agent,
     FlightDirectory,
@@ -44,6 +46,8 @@ def export_flight(
     design = open_agent(agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics})
     folder = make_directory(out or Path("flights") / design.name)
     trajectory = design.trace()
+    for line in design.list_limits():
+        typer.echo(f"warning: {line}", err=True)
     written = [
         file
         for name in names

@@ -34,6 +34,7 @@ from driftform.util.files import is_directory, make_directory, safe_stem
 from driftform.util.notebook import show_picture
 from driftform.water import Scenario
 from driftform.water.disturbances import draw_conditions, know_gusts
+from driftform.water.regime import warn_of_regime
 
 Progress = Callable[[int, int], None]
 """Takes the number of steps that are done, and of all."""
@@ -145,8 +146,8 @@ class Design:
         return ExportJob(self.name, self.agent, self.scenario, self.stored.document(), self.opened_as)
 
     def list_limits(self) -> list[str]:
-        """Return in what it is outside of what the model of the water was tested with, one line each."""
-        return list_limits(self.agent, self.scenario)
+        """Return in what agent and flow are outside of the ranges of the formulas that fly it, one line each."""
+        return [*list_limits(self.agent, self.scenario), *warn_of_regime(self.scenario)]
 
     def list_departures(self) -> list[str]:
         """Return in what water, pipe, wall and weight depart from those that a run evolved it for, one line each."""

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from driftform.types import FloatArray
 from driftform.water.flow import Flow, PipeFlow
 from driftform.water.pipe import Pipe, Segment
 
@@ -70,16 +69,11 @@ def wetted_speed(pipe: Pipe, flow: PipeFlow, kind: float, parameter: float, leve
         return flow.speed
     middle = 0.5 * _measure(segment)
     total, area = 0.0, 0.0
-    # The share below has a kink where circles begin to reach the surface; level with the axis they all do.
+    # The share of a circle about the axis that lies below has a kink where circles begin to reach the surface; level with the axis they all do.
     for low, high in ((0.0, abs(height)), (abs(height), radius))[height == 0.0 :]:
         r = 0.5 * (low + high + (high - low) * _NODES)
-        weights = 0.5 * (high - low) * _WEIGHTS * r * _share_below(height, r)
+        weights = 0.5 * (high - low) * _WEIGHTS * r * (1 - np.arccos(np.clip(height / r, -1, 1)) / np.pi)
         speeds = [velocity_profile(radius, middle, float(s), kind, flow.speed, parameter)[0] for s in r]
         total += float(weights @ speeds)
         area += float(weights.sum())
     return flow.speed * flow.speed * area / total
-
-
-def _share_below(height: float, r: FloatArray) -> FloatArray:
-    """Return the shares of circles of radius ``r`` about the axis that lie below ``height`` above it, (n,)."""
-    return np.asarray(1 - np.arccos(np.clip(height / r, -1.0, 1.0)) / np.pi)

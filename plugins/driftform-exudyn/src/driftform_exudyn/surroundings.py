@@ -143,7 +143,8 @@ def list_bores(pipe: Pipe, viewer: FloatArray) -> list[Bore]:
         step = part.length if isinstance(part, shapes.Straight) else CHORD * part.end_radius
         for number, axis in enumerate(part.list_axes(step)):
             for (start, end), (first, last) in zip(pairwise(axis.points), pairwise(axis.radii), strict=True):
-                if isinstance(part, shapes.Tee) and number == 1 and _is_in_run(end, part):
+                away = float(np.linalg.norm(end - part.origin))
+                if isinstance(part, shapes.Tee) and number == 1 and away * np.sin(part.angle) < part.radius:
                     continue
                 # Outside a bend, chords of the axis' own length would leave wedges between them.
                 turn = part.angle / (len(axis.points) - 1) if isinstance(part, shapes.Bend) else 0.0
@@ -154,10 +155,6 @@ def list_bores(pipe: Pipe, viewer: FloatArray) -> list[Bore]:
                     bore = _open_towards_branch(bore, part)
                 bores.append(bore)
     return bores
-
-
-def _is_in_run(point: FloatArray, part: shapes.Tee) -> bool:
-    return bool(np.linalg.norm(point - part.origin) * np.sin(part.angle) < part.radius)
 
 
 def _open_towards_branch(bore: Bore, part: shapes.Tee) -> Bore:

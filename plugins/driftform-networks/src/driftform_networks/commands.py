@@ -134,7 +134,7 @@ def route(given: Given, outputs: "Outputs") -> None:
     how = _pick(given) | _travel(given, network)
     passage = following.route(network, traveller, given.release, hour=given.at, **how, compare=True)
     title = f"{network.name}: {traveller.name} from {given.release} at hour {given.at:g}"
-    present_passage(passage, title, outputs, given.json, sights, is_body=True)
+    present_passage(passage, title, outputs, given.json, sights, traveller)
 
 
 @declare(
@@ -197,7 +197,7 @@ def plan(given: Given, outputs: "Outputs") -> None:
         **_travel(given, network),
     )
     title = f"{network.name}: {given.plan_size} bodies and {len(planned.nets)} nets within {given.plan_within}"
-    present_plan(planned, title, outputs, given.json, sights)
+    present_plan(planned, title, outputs, given.json, sights, travellers)
 
 
 def _open(given: Given) -> "Network":

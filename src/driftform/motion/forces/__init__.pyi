@@ -4,6 +4,7 @@ from .inertia import added_mass_at as added_mass_at
 from .inertia import largest_added_mass_ratio as largest_added_mass_ratio
 from .inertia import rigid_body_mass as rigid_body_mass
 from .inertia import shift_origin as shift_origin
+from .limits import list_limits as list_limits
 from .model import FlightModel as FlightModel
 from .model import flight_model as flight_model
 from .rates import compute_rate as compute_rate

@@ -25,15 +25,6 @@ ROUNDNESS = 5e-5
 """Largest distance of a dome's vertices from their circle, relative to its radius: coordinates are written with few digits."""
 
 
-def touching_vertices(body: Body) -> FloatArray:
-    """Return the vertices (x, r) of the body's convex hull, from aft to fore, m, (k, 2).
-
-    The bore of a pipe is convex, so a body is inside exactly if its convex hull is: nothing else can touch. Vertices
-    on the axis are included.
-    """
-    return find_hull(body.outer)
-
-
 def touching_surfaces(body: Body) -> FloatArray:
     """Return the surfaces of a body that can touch a wall, (k, 5).
 
@@ -50,7 +41,7 @@ def refined_surfaces(body: Body, spacing: float) -> FloatArray:
     A wall that bulges into the water may touch there: :mod:`driftform.motion.forces.fitting_contact`. A rim of no radius is a
     point of the axis.
     """
-    surfaces, vertices = touching_surfaces(body), touching_vertices(body)
+    surfaces, vertices = touching_surfaces(body), find_hull(body.outer)
     domes = surfaces[surfaces[:, 2] > 0.0]
     ends = np.vstack([[vertices[0, 0], 0.0], vertices, [vertices[-1, 0], 0.0]])
     rows = []
@@ -72,7 +63,10 @@ def refined_surfaces(body: Body, spacing: float) -> FloatArray:
 
 
 def find_hull(contour: FloatArray) -> FloatArray:
-    """Return the vertices (x, r) of the convex hull of a contour (n, 2), from aft to fore, m, (k, 2)."""
+    """Return the vertices (x, r) of the convex hull of a contour (n, 2), from aft to fore, m, (k, 2).
+
+    The bore of a pipe is convex: nothing else of a body can touch it.
+    """
     return _find_upper_hull(_sort_along(contour))
 
 

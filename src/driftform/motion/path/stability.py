@@ -54,8 +54,9 @@ def stable_rest(model: FlightModel) -> Rest:
     A floating body rests at the minimum of the potential energy of weight and buoyancy. A body that does not float
     rests in the attitude to which it returns after a small turn. Currents and walls are ignored.
     """
-    still = _still_open_water(model)
+    still = model._replace(numbers=model.numbers.copy(), pipe=np.empty((0, 8)))
     n = still.numbers[0]
+    n["current"], n["is_steady"] = 0.0, 1.0
     floats = n["water_level"] < math.inf and n["body_mass"] < n["displaced_mass"]
     if not floats:
         n["water_level"] = math.inf
@@ -88,12 +89,6 @@ def eigenvalues(model: FlightModel, height: float, pitch: float) -> npt.NDArray[
     columns = [(rate(h) - rate(-h)) / (2 * _DIFFERENCE) for h in _DIFFERENCE * np.eye(12)]
     values = np.linalg.eigvals(np.column_stack(columns))
     return np.asarray(values[np.argsort(-np.abs(values), kind="stable")], dtype=np.complex128)
-
-
-def _still_open_water(model: FlightModel) -> FlightModel:
-    numbers = model.numbers.copy()
-    numbers["current"], numbers["is_steady"] = 0.0, 1.0
-    return model._replace(numbers=numbers, pipe=np.empty((0, 8)))
 
 
 @compiled

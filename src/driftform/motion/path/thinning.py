@@ -39,7 +39,6 @@ def select_spaced(t: FloatArray, gap: float) -> npt.NDArray[np.int64]:
     return kept[:count]
 
 
-@allocating
 def thin_samples(
     t: FloatArray, position: FloatArray, quaternion: FloatArray, velocity: FloatArray, gap: float
 ) -> npt.NDArray[np.float32]:
@@ -48,18 +47,6 @@ def thin_samples(
     The first and the last are always among them; only where a flight lasts less than ``gap`` are they closer. The times
     are compared as they are rounded, so that a trajectory that was thinned before keeps all its samples.
     """
-    rounded = np.empty_like(t)
-    for k in range(t.shape[0]):
-        rounded[k] = np.float32(t[k])
-    kept = select_spaced(rounded, gap)
-    samples = np.empty((14, kept.shape[0]), dtype=np.float32)
-    for k in range(kept.shape[0]):
-        row = kept[k]
-        samples[0, k] = np.float32(t[row])
-        for i in range(3):
-            samples[1 + i, k] = np.float32(position[row, i])
-        for i in range(4):
-            samples[4 + i, k] = np.float32(quaternion[row, i])
-        for i in range(6):
-            samples[8 + i, k] = np.float32(velocity[row, i])
-    return samples
+    kept = select_spaced(t.astype(np.float32).astype(np.float64), gap)
+    samples = [t[None, kept], position[kept].T, quaternion[kept].T, velocity[kept].T]
+    return np.concatenate(samples, dtype=np.float32, casting="same_kind")

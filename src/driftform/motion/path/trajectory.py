@@ -56,8 +56,10 @@ def finish_trajectory(
             t, position, quaternion, velocity = t[:count], position[:count], quaternion[:count], velocity[:count]
     # What touches after the outlet does not count.
     contact = time if time < math.inf and time <= t[-1] else None
-    drift = None
-    if touched and _conserves_energy(model):
+    n, drift = model.numbers[0], None
+    # Energy is conserved without drag, in water that is uniform and steady and does not carry the body to or from its surface.
+    rises = n["water_level"] < np.inf and n["current"][2] != 0.0
+    if touched and n["is_steady"] != 0.0 and n["is_damped"] == 0.0 and len(model.strips) == 0 and not rises:
         drift = _energy_drift(samples, model, touched)
     return Trajectory(t, position, quaternion, velocity, end, contact=contact, energy_drift=drift, error=error)
 
@@ -194,13 +196,6 @@ def has_touched(samples: FloatArray, model: FlightModel) -> bool:
     for k in range(samples.shape[0]):
         touched = touched or _contact_depth(samples[k], model) > 0.0
     return touched
-
-
-def _conserves_energy(model: FlightModel) -> bool:
-    """Return True without drag, in water that is uniform and steady and does not carry the body to or from its surface."""
-    n = model.numbers[0]
-    rises = n["water_level"] < np.inf and n["current"][2] != 0.0
-    return bool(n["is_steady"] != 0.0 and n["is_damped"] == 0.0 and len(model.strips) == 0 and not rises)
 
 
 @compiled

@@ -1,6 +1,6 @@
 """The parts of a pipe as a study file gives them: ``[[pipe.parts]]``, from the inlet on."""
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, Field, Tag
 
@@ -11,6 +11,11 @@ def _check_name(name: str) -> str:
     if name and not name.replace("-", "").replace("_", "").replace(" ", "").isalnum():
         raise ValueError(f"'{name}' must consist of letters, digits, '-', '_' and spaces")
     return name
+
+
+def _declare_roll(what: str) -> Any:
+    clock = "as on a clock seen downstream: 0 up, 90 right, 180 down, 270 left"
+    return option(0.0, f"direction of the {what}, {clock}", "deg", ge=-360, le=360)
 
 
 Name: TypeAlias = Annotated[str, Field(max_length=40), AfterValidator(_check_name)]
@@ -38,13 +43,7 @@ class BendPart(_Part):
     radius: float = option(
         ..., "radius of the bend, from its centre to the pipe's axis", "m", ge=1e-3, le=1e4, strict=True
     )
-    roll_deg: float = option(
-        0.0,
-        "direction of the turn, as on a clock seen downstream: 0 up, 90 right, 180 down, 270 left",
-        "deg",
-        ge=-360,
-        le=360,
-    )
+    roll_deg: float = _declare_roll("turn")
 
 
 class ReducerPart(_Part):
@@ -59,13 +58,7 @@ class _Junction(_Part):
     """What tees and wyes have in common."""
 
     branch_radius: float = option(..., "radius of the bore of the branch", "m", ge=1e-3, le=100, strict=True)
-    roll_deg: float = option(
-        0.0,
-        "direction of the branch, as on a clock seen downstream: 0 up, 90 right, 180 down, 270 left",
-        "deg",
-        ge=-360,
-        le=360,
-    )
+    roll_deg: float = _declare_roll("branch")
     share: float = option(..., "share of the water that leaves by the branch", ge=0, le=1, strict=True)
     fillet: float | None = option(
         None,

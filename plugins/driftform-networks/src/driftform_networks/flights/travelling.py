@@ -136,7 +136,7 @@ class Traveling:
             self._traveller,
             self._folder,
             round(float(network.diameter[index]), 4),
-            _match_speed(max(share * float(snapshot.speed[link]), MIN_SPEED)),
+            match_speed(share * float(snapshot.speed[link])),
             min(SLOPES, key=lambda known: abs(known - slope)),
         )
 
@@ -231,7 +231,7 @@ class Traveling:
             speed, clock = straight.speed, np.rad2deg(np.arctan2(abs(right), up))
             if is_mixed:
                 # Neither gravity nor what lies upstream matters.
-                speed, clock = _match_speed(max(speed, tees.MIN_MIXED_SPEED)), 90.0
+                speed, clock = match_speed(max(speed, tees.MIN_MIXED_SPEED)), 90.0
             width = float(junction.bores[branch]) / junction.bore
             turn = float(junction.turns[branch]) if width > tees.NARROW_BRANCH else np.pi / 2
             angle = tees.match_angle(turn, tuple(tees.RATIOS))
@@ -279,8 +279,9 @@ def _is_whole(task: TeeTask) -> bool:
     return task.tee.share in _ALL_INTO
 
 
-def _match_speed(speed: float) -> float:
-    return float(SPEED_STEP ** round(np.log(speed) / np.log(SPEED_STEP)))
+def match_speed(speed: float) -> float:
+    """Return the speed (m/s) of the flights that stand for water at another speed."""
+    return float(SPEED_STEP ** round(np.log(max(speed, MIN_SPEED)) / np.log(SPEED_STEP)))
 
 
 _MIXING = TransferTable(np.tile(MIXED, (BANDS, 1)), np.ones(BANDS))

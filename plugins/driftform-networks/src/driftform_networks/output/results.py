@@ -21,6 +21,7 @@ from driftform.figures import style, svg
 from driftform.types import FloatArray
 from driftform.util import files
 from driftform_networks.flights.bodies import Traveller
+from driftform_networks.flights.limits import warn_of_limits
 from driftform_networks.hydraulics.network import BoolArray, Network, warn_of_pressure
 from driftform_networks.output.map import curve_svg, fleet_svg, format_time, passage_svg, plan_svg
 from driftform_networks.passages.passage import Passage, count_passings
@@ -155,7 +156,9 @@ class Sights:
         return lines, tables
 
 
-def present_plan(plan: Plan, title: str, outputs: Outputs, json: bool, sights: Sights) -> None:
+def present_plan(
+    plan: Plan, title: str, outputs: Outputs, json: bool, sights: Sights, travellers: Sequence[Traveller]
+) -> None:
     """Write the files of a plan, and print it."""
     network, document = plan.network, plan.as_document()
     clock = network.hydraulics.format_clock
@@ -180,7 +183,9 @@ def present_plan(plan: Plan, title: str, outputs: Outputs, json: bool, sights: S
     ]
     more, groups = sights.describe(network, plan.recorded, plan.reachable, document)
     steps = {network.hydraulics.find_step(hour) for _, _, hour in plan.members}
-    lines += [word_passings(plan.passings), *more, *warn_of_pressure(network, sorted(steps))]
+    chosen = [one for one in travellers if one.name in {name for name, _, _ in plan.members}]
+    document["warnings"] = [line for one in chosen for line in warn_of_limits(one, network, plan.alone, steps)]
+    lines += [word_passings(plan.passings), *more, *warn_of_pressure(network, sorted(steps)), *document["warnings"]]
     figures = {"Map": partial(plan_svg, plan, title)}
     columns = {"members": plan.member_table(), "nets": plan.net_table(), "links": plan.link_table()}
     written = outputs.write(network, title, figures, [*lines, *tables, *groups], columns, True)
@@ -200,12 +205,12 @@ def present(document: Mapping[str, Any], text: Sequence[str | TextTable], writte
 
 
 def present_passage(
-    passage: Passage, title: str, outputs: Outputs, json: bool, sights: Sights, is_body: bool = False
+    passage: Passage, title: str, outputs: Outputs, json: bool, sights: Sights, body: Traveller | None = None
 ) -> None:
-    """Write the files of a passage, and print it."""
+    """Write the files of a passage of a body, or of water, and print it."""
     length = passage.network.length[passage.reachable].sum() / 1000
     lines = [f"sees {100 * passage.coverage:.1f} % of the {length:.1f} km that its water reaches"]
-    if is_body:
+    if body is not None:
         lines.append(word_passings([passage.passings]))
     if passage.stuck:
         lines.append(f"{100 * sum(end.probability for end in passage.stuck):.1f} % end in the pipes")
@@ -221,12 +226,15 @@ def present_passage(
     more, groups = sights.describe(passage.network, passage.seen, passage.reachable, document)
     tables += groups
     lines += [*more, *warn_of_pressure(passage.network, passage.steps)]
+    if body is not None:
+        document["warnings"] = warn_of_limits(body, passage.network, passage.seen, passage.steps)
+        lines += document["warnings"]
     if passage.branches:
         document["branches"], sides = _compare_sides(passage)
         tables.append(sides)
     figures = {"Map": partial(passage_svg, passage, title)}
     columns = {"nodes": passage.node_table(), "links": passage.link_table(), "ends": passage.end_table()}
-    written = outputs.write(passage.network, title, figures, [*lines, *tables], columns, is_body)
+    written = outputs.write(passage.network, title, figures, [*lines, *tables], columns, body is not None)
     present(document, [title, *tables, *lines], written, json)
 
 
@@ -248,13 +256,14 @@ def present_fleet(
     tables = [_table_members(fleet), _table_curves(fleet), *groups]
     steps = sorted({step for member in fleet.members for step in member.passage.steps})
     passings = word_passings(member.passage.passings for member in fleet.members)
-    lines += [passings, *more, *warn_of_pressure(fleet.network, steps)]
+    chosen = [one for one in travellers if one.name in {member.agent for member in fleet.members}]
+    document["warnings"] = [line for one in chosen for line in warn_of_limits(one, fleet.network, fleet.seen, steps)]
+    lines += [passings, *more, *warn_of_pressure(fleet.network, steps), *document["warnings"]]
     figures = {"Map": partial(fleet_svg, fleet, title), "Coverage": partial(curve_svg, fleet, title)}
     columns = {"members": fleet.member_table(), "curve": fleet.curve_table(), "links": fleet.link_table()}
     written = outputs.write(fleet.network, title, figures, [*lines, *tables], columns, True)
     if outputs.agents is not None:
-        chosen = {member.agent for member in fleet.members}
-        written += save_agents([one for one in travellers if one.name in chosen], outputs.agents)
+        written += save_agents(chosen, outputs.agents)
     present(document, [title, *tables, *lines], written, json)
 
 
