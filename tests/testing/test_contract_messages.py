@@ -70,7 +70,7 @@ def test_a_test_that_does_not_end_fails_after_the_time_limit() -> None:
     contract = make(GrammarContract, Endless)
     contract.time_limit = 0.2
     with pytest.raises(pytest.fail.Exception, match=r"has not ended after 0\.2 s; 'time_limit'") as failure:
-        contract.test_the_same_seed_draws_the_same_genomes()
+        contract.test_another_seed_draws_another_genome()
     RELEASED.set()
     assert any("The contract asks" in note for note in failure.value.__notes__)
 

@@ -89,26 +89,20 @@ class Contract(StrategyContract):
         return self.strategy(space)
 
 
-def larger_budgets(strategy: type[Generations]) -> None:
-    for budget in (1, 13, 60, 99):
-        Contract(strategy).test_a_larger_budget_begins_with_the_same_candidates(budget)
-
-
-@pytest.mark.parametrize("fault", [SharingTheBudgetOut, CoolingDown, EndingWithAFlourish])
-def test_a_strategy_that_looks_at_the_budget_is_refused(fault: type[Generations]) -> None:
-    larger_budgets(Generations)
-    with pytest.raises(AssertionError):
-        larger_budgets(fault)
+LARGER, BUDGET = "test_a_larger_budget_begins_with_the_same_candidates", {"budget": 13, "ahead": False}
 
 
 @pytest.mark.parametrize(
-    ("fault", "test"),
+    ("sound", "fault", "test", "values"),
     [
-        (Disdainful, "test_fitness_up_to_the_threshold_does_not_matter"),
-        (OneForAll, "test_candidates_are_genomes_of_the_grammar"),
+        (Generations, SharingTheBudgetOut, LARGER, BUDGET),
+        (Generations, CoolingDown, LARGER, BUDGET),
+        (Generations, EndingWithAFlourish, LARGER, BUDGET),
+        (Greedy, Disdainful, "test_fitness_up_to_the_threshold_does_not_matter", {}),
+        (Greedy, OneForAll, "test_candidates_are_genomes_of_the_grammar", {}),
     ],
 )
-def test_a_strategy_with_a_false_threshold_is_refused(fault: type[Generations], test: str) -> None:
-    getattr(Contract(Greedy), test)()
+def test_a_faulty_strategy_is_refused(sound, fault, test, values):
+    getattr(Contract(sound), test)(**values)
     with pytest.raises(AssertionError):
-        getattr(Contract(fault), test)()
+        getattr(Contract(fault), test)(**values)

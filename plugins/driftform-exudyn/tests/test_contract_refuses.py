@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from closed_forms import ClosedForms
 
 from driftform.interfaces import Simulator
+from driftform.testing import SimulatorContract
 from driftform.types import Agent, Coefficients, End, Trajectory
 from driftform.water import Scenario
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
@@ -89,23 +89,6 @@ def with_a_coarse_integrator(agent, scenario):
     return ExudynSimulator(ExudynOptions(integrator="RK44", max_step=0.02)).simulate(agent, scenario)
 
 
-FAULTS: dict[Flight, str] = {
-    without_added_mass: "test_the_core_alone_falls_with_its_added_mass",
-    with_coefficients_about_the_origin: "test_coefficients_may_refer_to_any_point",
-    without_damping: "test_drag_leads_to_the_terminal_velocity",
-    without_buoyancy_at_its_centre: "test_weight_and_buoyancy_do_the_work_of_their_heights",
-    with_quaternions_the_other_way: "test_free_motion_conserves_energy_impulse_and_angular_impulse",
-    with_velocity_in_the_world_frame: "test_velocity_is_the_rate_of_position_over_ground",
-    with_velocity_through_the_water: "test_a_body_released_with_the_current_drifts_with_it",
-    without_walls: "test_a_long_body_that_hits_the_wall_obliquely_stays_inside_and_loses_energy",
-    with_an_elastic_wall: "test_a_light_body_comes_to_rest_against_the_wall",
-    with_a_soft_wall: "test_a_light_body_comes_to_rest_against_the_wall",
-    overshooting_the_outlet: "test_a_flight_ends_exactly_at_the_outlet",
-    released_at_rest: "test_a_current_is_a_change_of_frame",
-    with_a_coarse_integrator: "test_the_spheroid_librates_as_in_closed_form",
-}
-
-
 class Faulty(Simulator):
     name = "faulty"
 
@@ -114,21 +97,6 @@ class Faulty(Simulator):
 
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         return self.flight(agent, scenario)
-
-
-class Contract(ClosedForms):
-    def __init__(self, flight: Flight) -> None:
-        self.flight = flight
-
-    def plugin(self) -> Faulty:
-        return Faulty(self.flight)
-
-
-@pytest.mark.parametrize(("fault", "test"), FAULTS.items(), ids=[fault.__name__ for fault in FAULTS])
-def test_a_faulty_simulator_is_refused(fault, test):
-    getattr(Contract(sound), test)()
-    with pytest.raises(AssertionError):
-        getattr(Contract(fault), test)()
 
 
 class NeverChecking(ExudynSimulator):
@@ -142,21 +110,47 @@ class MixingUpTheBatch(ExudynSimulator):
         return super().screen_batch(agents, scenarios, lambda index, flight: matters(last - index, flight))
 
 
+class Contract(SimulatorContract):
+    def __init__(self, simulator: Simulator) -> None:
+        self.simulator = simulator
+
+    def plugin(self) -> Simulator:
+        return self.simulator
+
+
 @pytest.mark.parametrize(
     ("fault", "test"),
     [
+        (with_quaternions_the_other_way, "test_a_flight_starts_as_released"),
+        (with_velocity_in_the_world_frame, "test_velocity_is_the_rate_of_position_over_ground"),
+        (with_velocity_through_the_water, "test_a_body_released_with_the_current_drifts_with_it"),
+        (overshooting_the_outlet, "test_a_flight_ends_exactly_at_the_outlet"),
         (NeverChecking, "test_a_screened_flight_that_matters_is_the_simulated_one"),
         (MixingUpTheBatch, "test_a_screened_flight_that_does_not_matter_is_unchecked_or_the_simulated_one"),
     ],
 )
-def test_a_simulator_that_screens_wrongly_is_refused(fault, test):
-    class Screening(ClosedForms):
-        def __init__(self, simulator):
-            self.simulator = simulator
-
-        def plugin(self):
-            return self.simulator(ExudynOptions())
-
-    getattr(Screening(ExudynSimulator), test)()
+def test_a_faulty_simulator_is_refused(fault, test):
+    getattr(Contract(ExudynSimulator(ExudynOptions())), test)()
     with pytest.raises(AssertionError):
-        getattr(Screening(fault), test)()
+        getattr(Contract(fault(ExudynOptions()) if isinstance(fault, type) else Faulty(fault)), test)()
+
+
+@pytest.mark.parametrize(
+    ("fault", "what"),
+    [
+        (without_added_mass, "fall"),
+        (with_coefficients_about_the_origin, "tumbling"),
+        (without_damping, "fall with drag"),
+        (without_buoyancy_at_its_centre, "tumbling with weight"),
+        (with_quaternions_the_other_way, "tumbling"),
+        (without_walls, "against an elastic wall"),
+        (with_an_elastic_wall, "obliquely against a wall"),
+        (with_a_soft_wall, "at rest against a wall"),
+        (released_at_rest, "tumbling with damping"),
+        (with_a_coarse_integrator, "libration"),
+    ],
+)
+def test_a_faulty_simulator_flies_another_motion(fault, what):
+    Contract(Faulty(sound)).test_a_motion_is_that_of_driftforms_own_integrator(what)
+    with pytest.raises(AssertionError):
+        Contract(Faulty(fault)).test_a_motion_is_that_of_driftforms_own_integrator(what)

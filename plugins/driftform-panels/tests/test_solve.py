@@ -167,13 +167,6 @@ def test_about_another_origin_the_matrix_is_shifted(contour, offset):
     np.testing.assert_allclose(there.matrix(), expected, rtol=1e-5, atol=1e-5 * expected[1, 1])
 
 
-@pytest.mark.parametrize("offset", [0.7, -20.0])
-def test_the_position_of_a_body_makes_no_difference(offset):
-    here, there = solve(CUP), solve(np.add(CUP, (offset, 0.0)))
-    np.testing.assert_allclose(values(there), values(here), rtol=1e-6, atol=1e-6)
-    assert there.origin == pytest.approx(here.origin + offset)
-
-
 def test_random_bodies_are_reciprocal(random_bodies):
     assert max(reciprocity(solve(body.outer)) for body in random_bodies(20, 1)) < 1e-4
 

@@ -5,56 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cigars import Cigars, Corks
 
 from driftform.errors import InputError
 from driftform.interfaces import PhenotypeBuilder, SearchSpace, Table
 from driftform.testing import BuilderContract, StrategyContract
 from driftform.testing.letters import LetterGrammar
 from driftform.testing.strategy import search_space
-from driftform.types import Body, Core, End, Evaluation, FloatArray, Genome, Moments, Morphology, Trajectory
+from driftform.types import End, Evaluation, FloatArray, Genome, Morphology, Trajectory
 from driftform.water import Scenario
 from driftform_strategies.shapes import Shape
 from driftform_strategies.tuned import HIT, MAX_UNFIT, DirectStrategy, TunedOptions, TunedStrategy
 
-RADIUS = 0.02
-"""Of the bodies, m."""
-
 SPEED, FALL = 1.0, 1.2
 """Of the current, m/s, and of a body with a net weight of 1 kg, m/s."""
-
-
-class Cigars(PhenotypeBuilder[Table]):
-    """Solid cigars that float, with ballast at the origin; the first module decides how long they are."""
-
-    name = "cigars"
-    most = 0.5
-
-    def build(self, morphology: Morphology) -> Body:
-        aft, fore = (
-            0.03 + sum(m.length + 0.001 * (index + 1) * m.tilt for index, m in enumerate(side))
-            for side in (morphology.aft, morphology.fore)
-        )
-        outer = np.array([(-aft, 0.0), (-aft / 2, RADIUS), (fore / 2, RADIUS), (fore, 0.0)])
-        volume = morphology.tuning / 11_000
-        return Body(
-            outer,
-            np.zeros((0, 2)),
-            np.array([-aft, fore]),
-            Core(0.01, 0.0),
-            0.001,
-            500.0,
-            ballast=Moments(volume),
-            ballast_density=11_000.0,
-        )
-
-    def find_tunings(self, morphology: Morphology) -> tuple[float, float] | None:
-        return (0.0, self.most)
-
-
-class Corks(Cigars):
-    """Bodies that float whatever their ballast."""
-
-    most = 1e-6
 
 
 class TestCigars(BuilderContract):

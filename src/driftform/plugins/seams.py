@@ -258,7 +258,9 @@ def _are_numbers(values: object, count: int, least: float, most: float) -> bool:
         array = np.asarray(values)
     except Exception:
         return False
-    return array.dtype.kind in "iuf" and array.shape == (count,) and bool(((array >= least) & (array <= most)).all())
+    # Of a masked array the values under the mask would count.
+    are_given = array.dtype.kind in "iuf" and array.shape == (count,) and not np.any(getattr(values, "mask", False))
+    return are_given and bool(((array >= least) & (array <= most)).all())
 
 
 def _count_numbers(count: int) -> str:

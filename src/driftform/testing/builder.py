@@ -1,7 +1,6 @@
 """Contract of builders."""
 
-import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
@@ -14,7 +13,7 @@ from driftform.agent import distance_from, mass_properties, solid_of_revolution
 from driftform.interfaces import PhenotypeBuilder
 from driftform.plugins.seams import require_body
 from driftform.testing.bodies import crosses_itself, lies_inside, mirrored_contour
-from driftform.testing.contract import SeamContract
+from driftform.testing.contract import AnsweringContract, Question
 from driftform.types import Body, FloatArray, Module, Morphology
 
 
@@ -47,7 +46,7 @@ MORPHOLOGIES: dict[str, Callable[[], Morphology]] = {
 every_morphology = pytest.mark.parametrize("kind", MORPHOLOGIES)
 
 
-class BuilderContract(SeamContract[PhenotypeBuilder[Any]]):
+class BuilderContract(AnsweringContract[PhenotypeBuilder[Any]]):
     """The contract of builders.
 
     Attributes:
@@ -55,6 +54,10 @@ class BuilderContract(SeamContract[PhenotypeBuilder[Any]]):
     """
 
     slack: ClassVar[float] = 2e-7
+
+    def questions(self) -> Sequence[Question]:
+        """Return the body of each morphology."""
+        return [("build", make()) for make in MORPHOLOGIES.values()]
 
     def build(self, kind: str) -> Body:
         """Return the body of one of the morphologies."""
@@ -136,13 +139,6 @@ class BuilderContract(SeamContract[PhenotypeBuilder[Any]]):
         for a, b in ((there.outer, back.outer), (there.cavity, back.cavity)):
             assert len(a) == len(b) == 0 or self._apart(mirrored_contour(a), b) <= self.slack
         np.testing.assert_allclose(-there.joints[::-1], back.joints, atol=self.slack)
-
-    @every_morphology
-    def test_building_twice_gives_the_same_body(self, kind: str) -> None:
-        """Morphology and options determine the body to the last bit, also in a worker process."""
-        first, second = self.build(kind), pickle.loads(pickle.dumps(self.copy().build(MORPHOLOGIES[kind]())))
-        np.testing.assert_array_equal(first.outer, second.outer)
-        np.testing.assert_array_equal(first.cavity, second.cavity)
 
     def test_modules_make_the_body_longer(self) -> None:
         """Modules on either side of the core move that end of the body outward."""

@@ -1,18 +1,25 @@
-"""What all contracts share: a test that fails says what the contract asks, and one that does not end fails."""
+"""What all contracts share: a test that fails says what the contract asks, and answers depend on nothing but the question."""
 
 import functools
 import inspect
 import pickle
 import threading
-from collections.abc import Callable
-from typing import Any, ClassVar, Generic, TypeVar, cast
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import fields, is_dataclass
+from multiprocessing import get_context
+from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, cast
 
+import numpy as np
 import pytest
 
 from driftform.errors import DriftformError
 from driftform.interfaces import Plugin
 
 PluginT_co = TypeVar("PluginT_co", covariant=True)
+
+Question: TypeAlias = tuple[Any, ...]
+"""A call of a plugin: the name of its method, and the arguments."""
 
 
 def _explain(test: Callable[..., None]) -> Callable[..., None]:
@@ -88,3 +95,46 @@ class SeamContract(Contract, Generic[PluginT_co]):
         """Each field of ``Options`` is made with ``option``."""
         fields = cast("Plugin[Any]", self.plugin()).Options.model_fields
         assert [name for name, field in fields.items() if not field.description] == []
+
+
+class AnsweringContract(SeamContract[PluginT_co]):
+    """Base class of the contracts of seams whose plugins compute something: the same question has one answer."""
+
+    def questions(self) -> Sequence[Question]:
+        """Return calls that differ; their arguments can be pickled."""
+        raise NotImplementedError
+
+    def test_an_answer_depends_on_nothing_but_the_question(self) -> None:
+        """A new instance, one that was asked other things before, and one in a new process give the same, to the last bit."""
+        questions, asked = self.questions(), self.plugin()
+        alone = [_answer(self.plugin(), [question])[0] for question in questions]
+        self._compare(questions, alone, _answer(asked, questions[::-1])[::-1], "after other questions")
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+            elsewhere = pool.submit(_answer, self.copy(), questions).result()
+        self._compare(questions, alone, elsewhere, "in another process")
+
+    def _compare(self, questions: Sequence[Question], answers: list[Any], others: list[Any], where: str) -> None:
+        for (method, *_), answer, other in zip(questions, answers, others, strict=True):
+            assert _is_same(answer, other), f"{method}() answers differently {where}"
+
+
+def _answer(plugin: object, questions: Sequence[Question]) -> list[Any]:
+    """Return what a plugin answers to questions in this order; it receives copies of their arguments."""
+    answers = []
+    for question in questions:
+        method, *arguments = pickle.loads(pickle.dumps(question))
+        answers.append(getattr(plugin, method)(*arguments))
+    return answers
+
+
+def _is_same(one: Any, other: Any) -> bool:
+    """Whether two values have the same content, to the last bit; NaN is the same as NaN."""
+    if is_dataclass(one):
+        return type(one) is type(other) and all(
+            _is_same(getattr(one, f.name), getattr(other, f.name)) for f in fields(one)
+        )
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(map(_is_same, one, other))
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
+    return bool(one == other) or repr(one) == repr(other)

@@ -1,7 +1,8 @@
 """Contract of fitness functions."""
 
-import pickle
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import permutations
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,9 +11,10 @@ import pytest
 from driftform.interfaces import Fitness
 from driftform.plugins.seams import require, require_scores
 from driftform.testing.agents import first_sample, sphere_agent, straight_pipe
-from driftform.testing.contract import SeamContract
+from driftform.testing.contract import AnsweringContract, Question
 from driftform.types import Agent, End, FloatArray, Trajectory, Verdict
-from driftform.water import Scenario
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import Pipe, Scenario, Segment
 from driftform.water.pipe import Vector
 
 TARGETS: dict[str, Vector] = {"near": (1.0, 0.0, -0.5), "middle": (4.0, 0.3, 0.2), "far": (8.5, 0.0, 0.4)}
@@ -35,14 +37,33 @@ def straight_trajectory(start: Vector, end: Vector, times: FloatArray) -> Trajec
     )
 
 
-class FitnessContract(SeamContract[Fitness[Any]]):
+def tumble(trajectory: Trajectory) -> Trajectory:
+    """Return a level flight along the same path whose body rolls at 1 rad/s and pitches by up to 40 degrees."""
+    t = trajectory.t
+    pitch, rate, (sine, cosine) = 0.7 * np.sin(t), 0.7 * np.cos(t), (np.sin(t), np.cos(t))
+    along, across = np.cos(pitch / 2), np.sin(pitch / 2)
+    quaternion = np.column_stack(
+        [along * np.cos(t / 2), along * np.sin(t / 2), across * np.cos(t / 2), -across * np.sin(t / 2)]
+    )
+    carried = np.einsum("kij,ki->kj", matrix_from_quaternion(quaternion), trajectory.velocity[:, :3])
+    velocity = np.column_stack([carried, np.ones_like(t), rate * cosine, -rate * sine])
+    return replace(trajectory, quaternion=quaternion, velocity=velocity)
+
+
+class FitnessContract(AnsweringContract[Fitness[Any]]):
     """The contract of fitness functions.
 
     Attributes:
         rewards_closeness: True if a flight through a target, and only such a flight, has a fitness of 100.
+        rewards_attitude: True if a flight along the same path in another attitude may have another fitness.
     """
 
     rewards_closeness: ClassVar[bool] = False
+    rewards_attitude: ClassVar[bool] = False
+
+    def questions(self) -> Sequence[Question]:
+        """Return the score of each trajectory."""
+        return [("score", flight, self.scenario(), self.agent()) for flight in self.trajectories()]
 
     def agent(self) -> Agent:
         """Return what flies: a sphere of 50 g with a radius of 10 mm."""
@@ -81,17 +102,29 @@ class FitnessContract(SeamContract[Fitness[Any]]):
             assert (np.delete(score, number) < 100).all()
 
     def test_values_follow_the_order_of_the_targets(self) -> None:
-        """The same targets in another order have the same values, in that order."""
+        """The same three targets in each other order have the same values, in that order."""
         for trajectory in self.trajectories():
-            there = self.score(trajectory, "near", "middle", "far")
-            back = self.score(trajectory, "far", "middle", "near")
-            np.testing.assert_array_equal(there, back[::-1])
+            values = dict(zip(TARGETS, self.score(trajectory), strict=True))
+            for names in permutations(TARGETS):
+                np.testing.assert_array_equal(self.score(trajectory, *names), [values[name] for name in names])
 
-    def test_the_same_flight_has_the_same_fitness(self) -> None:
-        """A pickled copy in a worker process scores the same, to the last bit."""
-        for trajectory in self.trajectories():
-            again = self.copy().score(pickle.loads(pickle.dumps(trajectory)), self.scenario(), self.agent())
-            np.testing.assert_array_equal(self.score(trajectory), again)
+    def test_the_body_frame_is_not_taken_for_the_world(self) -> None:
+        """A flight along the same path that pitches and rolls scores the same, unless the fitness ``rewards_attitude``."""
+        for trajectory in [] if self.rewards_attitude else self.trajectories():
+            assert self.score(tumble(trajectory)) == pytest.approx(self.score(trajectory), abs=1e-9)
+
+    def test_a_world_that_is_turned_about_the_vertical_is_the_same(self) -> None:
+        """Pipe, targets and flight that are turned together by 120 degrees score the same: the pipe need not run along x."""
+        turn, (w, z) = np.array([[-0.5, -(0.75**0.5), 0], [0.75**0.5, -0.5, 0], [0, 0, 1]]), (0.5, 0.75**0.5)
+        end, *points = (turn @ np.array([(9.0, 0.0, 0.0), *TARGETS.values()]).T).T.tolist()
+        pipe = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=end, radius=1.0),))
+        scenario, fitness = Scenario(pipe=pipe, targets=dict(zip(TARGETS, points, strict=True))), self.plugin()
+        product = np.array([[w, 0, 0, -z], [0, w, -z, 0], [0, z, w, 0], [z, 0, 0, w]])
+        for trajectory in map(tumble, self.trajectories()):
+            position, quaternion = trajectory.position @ turn.T, trajectory.quaternion @ product.T
+            turned = replace(trajectory, position=position, quaternion=quaternion)
+            found = require_scores(fitness.score(turned, scenario, self.agent()), len(points), fitness)
+            assert found == pytest.approx(self.score(trajectory), abs=1e-6)
 
     def test_what_comes_after_a_target_counts_unless_the_fitness_judges_passing(self) -> None:
         """A flight that ends a bore after a target scores the same for it as the whole flight, if it ``judges_passing``."""

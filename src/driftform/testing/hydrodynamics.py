@@ -1,6 +1,8 @@
 """Contract of models of hydrodynamic coefficients."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 from driftform.interfaces import Hydrodynamics
 from driftform.motion.forces.inertia import added_mass_at
 from driftform.plugins.seams import require_coefficients
+from driftform.testing.agents import Spheroid
 from driftform.testing.bodies import (
     cylinder_body,
     dome_body,
@@ -18,7 +21,7 @@ from driftform.testing.bodies import (
     scaled_body,
     spheroid_body,
 )
-from driftform.testing.contract import SeamContract
+from driftform.testing.contract import AnsweringContract, Question
 from driftform.types import Body, Coefficients, FloatArray
 from driftform.water import Fluid
 
@@ -40,15 +43,21 @@ every_body = pytest.mark.parametrize("kind", BODIES)
 MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 
 
-class HydrodynamicsContract(SeamContract[Hydrodynamics[Any]]):
+class HydrodynamicsContract(AnsweringContract[Hydrodynamics[Any]]):
     """The contract of models of hydrodynamic coefficients.
 
     Attributes:
         tolerance: relative difference up to which two coefficients count as equal: the error of the method's
             arithmetic, not of its physics.
+        excess: factor up to which an approximate model may exceed what energy allows.
     """
 
     tolerance: ClassVar[float] = 1e-6
+    excess: ClassVar[float] = 1.0
+
+    def questions(self) -> Sequence[Question]:
+        """Return the coefficients of each body."""
+        return [("coefficients", make(), Fluid()) for make in BODIES.values()]
 
     def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
         """Return the coefficients of a body."""
@@ -121,9 +130,29 @@ class HydrodynamicsContract(SeamContract[Hydrodynamics[Any]]):
             self.added_mass_about_origin(hollow), self.added_mass_about_origin(make_body(hollow.outer))
         )
 
-    def test_the_same_body_gives_the_same_coefficients(self) -> None:
-        """A pickled copy of the model returns the same matrices, to the last bit."""
-        body = BODIES["cone off the origin"]()
-        first, second = self.coefficients(body, Fluid()), self.copy().coefficients(body, Fluid())
-        for name in ("added_mass", "origin", "linear_damping", "quadratic_damping"):
-            np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+    @every_body
+    def test_a_body_elsewhere_on_the_axis_has_the_same_added_mass(self, kind: str) -> None:
+        """About the same point of the body, wherever the origin of its frame: ``origin`` is the point that matrices refer to."""
+        body, x = BODIES[kind](), np.array([0.05, 0.0, 0.0])
+        contours = [c + x[:2] if len(c) else c for c in (body.outer, body.cavity)]
+        moved = replace(body, outer=contours[0], cavity=contours[1], joints=body.joints + x[0])
+        there = added_mass_at(self.coefficients(moved, Fluid()), x)
+        self.assert_close(there, self.added_mass_about_origin(body), body.length)
+
+    @every_body
+    def test_no_motion_moves_more_water_than_that_of_a_spheroid_around_the_body(self, kind: str) -> None:
+        """Kelvin: of all motions of the water that fit the body, potential flow has the least energy (Lamb, section 45).
+
+        Water that fills the gap to the spheroid and moves with the body is another such motion. So the added mass is at
+        most that of a spheroid around the body and the water that it displaces.
+        """
+        body, fluid = BODIES[kind](), Fluid()
+        radius = math.sqrt(0.5) * body.max_diameter
+        spheroid = Spheroid(max(math.sqrt(0.5) * body.length, 1.001 * radius), radius)
+        k1, k2, turning = spheroid.factors
+        mass = fluid.density * spheroid.volume
+        inertia = 0.2 * mass * (spheroid.a**2 + spheroid.b**2)
+        middle = np.array([0.5 * (body.outer[0, 0] + body.outer[-1, 0]), 0.0, 0.0])
+        found = np.diag(added_mass_at(self.coefficients(body, fluid), middle))[[0, 2, 4]]
+        most = np.array([(1 + k1) * mass, (1 + k2) * mass, (1 + turning) * inertia])
+        assert (found <= self.excess * most).all()

@@ -1,9 +1,8 @@
 """Contract of simulators: motions with a known solution, the ends of a flight, contact, and failures."""
 
 import math
-import pickle
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import resources
 from typing import Any, ClassVar
@@ -18,7 +17,7 @@ from driftform.motion.path.interpolation import interpolate_positions
 from driftform.plugins.seams import require_flights
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, straight_pipe, tumbling_agent
 from driftform.testing.bodies import spheroid_body
-from driftform.testing.contract import SeamContract
+from driftform.testing.contract import AnsweringContract, Question
 from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Fluid, Pipe, Scenario, Segment
@@ -120,12 +119,18 @@ def make_known_agent(name: str) -> Agent:
     return spheres.get(name, spheroid)
 
 
-class PointSimulatorContract(SeamContract[Simulator[Any]]):
+class PointSimulatorContract(AnsweringContract[Simulator[Any]]):
     """The contract of simulators of points, which know neither attitude nor inertia: neutral bodies drift with the water.
 
     Inherit this class as :class:`SimulatorContract`. It asks where a flight begins and ends, in straight pipes, bends and
-    tees, that the water carries a neutral body, and that flights can be repeated.
+    tees, that the water carries a neutral body, which way others go, and that flights can be repeated.
     """
+
+    def questions(self) -> Sequence[Question]:
+        """Return flights with and without a wall, of agents that turn and that do not."""
+        scenario = water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pitch_deg=10.0, pipe=(9.0, 0.3))
+        agents = (tumbling_agent(damped=True), tumbling_agent(), SPHEROID.agent())
+        return [*(("simulate", agent, scenario) for agent in agents), ("simulate", HEAVY, water_scenario(0.5))]
 
     def fly(self, agent: Agent, scenario: Scenario, end: End | None = End.HORIZON) -> Trajectory:
         """Return the trajectory of a flight that must have this end; ``None`` allows any."""
@@ -171,16 +176,20 @@ class PointSimulatorContract(SeamContract[Simulator[Any]]):
         assert by_run[0] > 1.0 and abs(by_run[2]) < 0.1
         assert by_branch[2] > 0.3
 
+    def fly_in_steps(self, agent: Agent, scenario: Scenario, count: int) -> Trajectory:
+        """Return the last of ``count`` equal steps of a flight, whose times are since the release."""
+        simulator, duration = self.plugin(), scenario.flight.horizon / count
+        flown = self.fly(agent, scenario.model_copy(update={"flight": FlightLimits(horizon=duration)}))
+        for _ in range(count - 1):
+            before, flown = flown, simulator.step(agent, scenario, flown, duration)
+            assert flown.t[0] == before.t[-1] and flown.end is End.HORIZON
+        assert flown.t[-1] == pytest.approx(scenario.flight.horizon, rel=1e-9)
+        return flown
+
     def test_steps_carry_a_neutral_body_as_one_flight_does(self) -> None:
-        """Ten steps of 50 ms in a cross current, with times since the release, end 0.5 m downstream of the release."""
-        flow = UniformFlow(speed=1.0, added=(0.0, 0.2, -0.1))
-        scenario, simulator = water_scenario(0.5, flow=flow), self.plugin()
-        flown = [self.fly(NEUTRAL, water_scenario(0.05, flow=flow))]
-        for _ in range(9):
-            flown.append(simulator.step(NEUTRAL, scenario, flown[-1], 0.05))
-            assert flown[-1].t[0] == flown[-2].t[-1]
-        assert flown[-1].t[-1] == pytest.approx(0.5, rel=1e-9)
-        np.testing.assert_allclose(flown[-1].position[-1], (0.5, 0.1, -0.05), atol=1e-6)
+        """Ten steps of 50 ms in a cross current end 0.5 m downstream of the release."""
+        flown = self.fly_in_steps(NEUTRAL, water_scenario(0.5, flow=UniformFlow(speed=1.0, added=(0.0, 0.2, -0.1))), 10)
+        np.testing.assert_allclose(flown.position[-1], (0.5, 0.1, -0.05), atol=1e-6)
 
     def test_samples_are_finite_and_in_order(self) -> None:
         """Times increase strictly, quaternions have unit length, and all values are finite."""
@@ -281,14 +290,25 @@ class PointSimulatorContract(SeamContract[Simulator[Any]]):
             assert largest_distance(*paths) < 0.05
         assert simulator.screen_batch([], [], matters) == []
 
-    def test_the_same_flight_twice_is_the_same_to_the_last_bit(self) -> None:
-        """Earlier flights have no effect, and a pickled copy in a worker process gives the same flight."""
-        scenario = water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pitch_deg=10.0, pipe=(9.0, 0.3))
-        simulator, agent = self.plugin(), tumbling_agent(damped=True)
-        first = simulator.simulate(agent, scenario)
-        simulator.simulate(HEAVY, water_scenario(0.5))
-        assert_identical(first, simulator.simulate(agent, scenario))
-        assert_identical(first, self.copy().simulate(*pickle.loads(pickle.dumps((agent, scenario)))))
+    @pytest.mark.parametrize(("density", "way"), [(0.8, 1), (1.25, -1)])
+    def test_a_buoyant_body_rises_and_a_heavy_one_sinks(self, density: float, way: int) -> None:
+        """In still water a sphere of 0.8 times the density of water has risen after 0.2 s, one of 1.25 times has sunk."""
+        sphere = sphere_agent(RADIUS, density * NEUTRAL_MASS, drag=0.47)
+        trajectory = self.fly(sphere, water_scenario(0.2))
+        assert way * trajectory.position[-1, 2] > 1e-3
+        np.testing.assert_allclose(trajectory.position[:, :2], 0, atol=1e-6)
+
+    @pytest.mark.parametrize("density", [1.0, 1.25])
+    def test_the_estimated_error_covers_what_short_steps_change(self, density: float) -> None:
+        """Through a bend, a flight in a hundred steps ends within three times the claimed error, where there is one."""
+        parts: list[dict[str, Any]] = [{"length": 0.3}, {"kind": "bend", "radius": 0.3}, {"length": 0.4}]
+        sphere = sphere_agent(RADIUS, density * NEUTRAL_MASS, drag=0.47)
+        scenario = _parts_scenario(parts, position=(0.1, 0.0, 0.06)).model_copy(
+            update={"flight": FlightLimits(horizon=1.0)}
+        )
+        whole, flown = self.fly(sphere, scenario), self.fly_in_steps(sphere, scenario, 100)
+        apart = largest_distance(flown.position[-1:], whole.position[-1:])
+        assert whole.error is None or apart <= 3 * whole.error + 1e-6
 
 
 class SimulatorContract(PointSimulatorContract):
@@ -323,13 +343,8 @@ class SimulatorContract(PointSimulatorContract):
 
     def test_a_hundred_steps_equal_one_flight(self) -> None:
         """Without contact a body that tumbles in space is at the same place after them within 1e-6 m, in the same attitude."""
-        agent, simulator = tumbling_agent(), self.plugin()
-        scenario = water_scenario(1.0, (0.4, 0.3, -0.2), speed=0.5, pitch_deg=20.0)
-        whole = self.fly(agent, scenario)
-        flown = simulator.simulate(agent, water_scenario(0.01, (0.4, 0.3, -0.2), speed=0.5, pitch_deg=20.0))
-        for _ in range(99):
-            flown = simulator.step(agent, scenario, flown, 0.01)
-        assert flown.t[-1] == pytest.approx(1.0, rel=1e-9) and flown.end is End.HORIZON
+        agent, scenario = tumbling_agent(), water_scenario(1.0, (0.4, 0.3, -0.2), speed=0.5, pitch_deg=20.0)
+        whole, flown = self.fly(agent, scenario), self.fly_in_steps(agent, scenario, 100)
         np.testing.assert_allclose(flown.position[-1], whole.position[-1], atol=1e-6)
         np.testing.assert_allclose(flown.velocity[-1], whole.velocity[-1], atol=1e-4)
 

@@ -95,18 +95,6 @@ class StrategyContract(Contract):
             told += len(outcomes)
         return asked
 
-    @pytest.mark.parametrize("budget", [1, 13, 99])
-    def test_it_may_be_asked_for_a_batch_while_another_is_flown(self, budget: int) -> None:
-        """If :meth:`can_ask_ahead` says so; the same seed asks for the same candidates, whatever the budget."""
-        whole = self.play(self.start(8), 150, ahead=True)
-        assert len(whole) == 150
-        assert find_difference(self.play(self.start(8), budget, ahead=True), whole[:budget]) is None
-
-    @pytest.mark.parametrize("limit", [1, 2, 3, 7, 20, 1000])
-    def test_an_ask_is_never_empty_and_never_beyond_the_limit(self, limit: int) -> None:
-        """A batch has at least one candidate, so that the run ends, and at most the remaining number of evaluations."""
-        self.ask(self.start(), limit)
-
     @pytest.mark.parametrize(("budget", "limit"), [(1, 1000), (13, 1000), (100, 1000), (60, 3), (240, 40)])
     def test_a_budget_is_spent_exactly(self, budget: int, limit: int) -> None:
         """This holds also if it ends in a batch, or is handed out in pieces; parents are evaluations that ``tell`` received."""
@@ -145,11 +133,13 @@ class StrategyContract(Contract):
         asked = self.play(strategy, 150, what_matters)
         assert find_difference(asked, self.play(self.start(7), 150, closeness)) is None
 
+    @pytest.mark.parametrize("ahead", [False, True])
     @pytest.mark.parametrize("budget", [1, 13, 60, 99])
-    def test_a_larger_budget_begins_with_the_same_candidates(self, budget: int) -> None:
-        """The limit shortens a batch without changing its candidates, so that a run can be extended later."""
-        longer = self.play(self.start(6), 150)[:budget]
-        assert find_difference(self.play(self.start(6), budget), longer) is None
+    def test_a_larger_budget_begins_with_the_same_candidates(self, budget: int, ahead: bool) -> None:
+        """The limit shortens a batch without changing its candidates; so does an ask ahead, if :meth:`can_ask_ahead` says yes."""
+        longer = self.play(self.start(6), 150, ahead=ahead)
+        assert len(longer) == 150
+        assert find_difference(self.play(self.start(6), budget, ahead=ahead), longer[:budget]) is None
 
     def test_the_search_continues_if_all_fitness_is_zero(self) -> None:
         """A fitness of zero everywhere does not cause a division by zero, and the search continues."""
