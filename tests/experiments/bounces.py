@@ -14,6 +14,9 @@ same law and has the same drag, and the history force of Mei and Adrian (J. Flui
 driftform's first bounces are too high and too long. Agents have Reynolds numbers a hundred times as large, where it fades.
 The law of the restitution is a fit to many spheres; near a Stokes number of 27, where it falls steeply, single measured rebounds
 differ from it as much as this one does.
+
+Met: with the history force the first bounce within 6 %; without it heights within 25 % and times within 18 % at a Stokes number of
+152. Not met: the height at 27, which is half of the measured one.
 """
 
 import math

@@ -10,6 +10,8 @@ speed after 3 s. The end-heavy ones have the centre of gravity a tenth of the le
 
 Left out: the oscillations of cylinders that fall (Marchildon 1964: above Re = 300), since no vortex of the model is shed in
 turns. The swing of the short cylinder is damped by the drag of its strips alone, and dies down slowly.
+
+Met: both C_d within 3 %, and how each end-heavy cylinder falls.
 """
 
 import math

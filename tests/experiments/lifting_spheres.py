@@ -10,6 +10,8 @@ with friction 0.3 and `drag = "strips"`; the greatest height of the lowest point
 
 Left out: gusts, which vanish at the floor, and the lift of a spin (Magnus), to which the authors attribute the later hops. The
 lift is that of the shear, which fades as the sphere gains the water's speed.
+
+Met: which spheres lift off and which stay on the floor. The abstract states no height.
 """
 
 from rolling import FLUID, carry_along_floor, make_pipe

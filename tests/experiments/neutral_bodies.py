@@ -13,6 +13,8 @@ friction, released evenly over what their centres can reach; their mean velocity
 Left out: the flow through the gap around a body that fills the bore; bodies of more than 0.3 of it are out of range. In gusts a
 small sphere also visits the slow water at the wall. The fastest of the abstract may have been in laminar flow: its velocities
 begin at 0.2 feet per second.
+
+Met: all rows, also where bodies are out of range.
 """
 
 from carried import Carrying

@@ -10,6 +10,8 @@ Driftform: panels and drag by strips, the derivatives by finite differences.
 
 Left out: vortices that leave the hull's sides ahead of the tail, which turn it less than a tail's wake does. One hull at
 small angles is all that the section of the wake was chosen by.
+
+Met: three derivatives within 7 %. Not met: N_r', a third too small.
 """
 
 import numpy as np
