@@ -61,8 +61,8 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ),
     # The promise, and what it depends on.
     ("misses.py", "share * (len(ordered) + 1)", "share * len(ordered)", ("test_misses.py",)),
-    ("misses.py", "len(offsets) - 1 - int(used.sum())", "len(offsets)", ("runs/test_dependence.py",)),
-    ("misses.py", "slopes[rows] ** 2 - rest / len(offsets)", "slopes[rows] ** 2", ("runs/test_dependence.py",)),
+    ("misses.py", "len(offsets) - 1 - int(used.sum())", "len(offsets)", ("runs/test_misses.py",)),
+    ("misses.py", "slopes[rows] ** 2 - rest / len(offsets)", "slopes[rows] ** 2", ("runs/test_misses.py",)),
     ("finalists.py", "len(targets)), 100.0)", "len(targets)), 95.0)", ("test_finalists.py",)),
     ("finalists.py", "bounds[index] >= bars", "bounds[index] > bars", ("test_finalists.py",)),
     ("finalists.py", "2 * len(column) > len(fitness)", "len(column) > 0", ("test_finalists.py",)),

@@ -114,13 +114,6 @@ def test_another_study_is_kept_out_of_a_run(run: Run) -> None:
         df.evolve(small(seed=2), run.path, progress=False)
 
 
-def test_nothing_is_written_where_something_else_is(tmp_path: Path) -> None:
-    (tmp_path / "thesis.tex").write_text("mine")
-    with pytest.raises(InputError, match="is not empty"):
-        df.evolve(small(), tmp_path)
-    assert [p.name for p in tmp_path.iterdir()] == ["thesis.tex"]
-
-
 @pytest.mark.parametrize("workers", [0, -1])
 def test_no_workers_are_refused(workers: int, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=f"workers = {workers}"):
@@ -191,11 +184,6 @@ def test_the_best_is_the_largest_fitness_of_the_table(run: Run) -> None:
         fitness = columns[f"fitness_{target}"]
         assert found["fitness"] == max(fitness) and found["evaluation"] == int(np.argmax(fitness))
         assert run[target].genome == columns["genome"][found["evaluation"]]
-
-
-def test_a_directory_without_a_run_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="is not a run directory"):
-        df.open_run(tmp_path)
 
 
 def test_an_agent_flies_again_as_in_its_run(run: Run) -> None:

@@ -29,11 +29,6 @@ def test_an_agent_opens_by_its_file_by_its_run_and_by_its_text(finished_run: tup
     assert json.loads(call("inspect", tight, "--json").stdout) == by_text
 
 
-def test_a_run_in_a_directory_with_a_space_opens(run_copy: Path, call: Call) -> None:
-    run_copy.rename("my run")
-    assert call("inspect", "my run:TP1").exit_code == 0
-
-
 @pytest.mark.parametrize("command", ["inspect", "simulate", "export"])
 def test_a_builder_that_raises_is_told_in_one_line(call: Call, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def build(*_: object) -> None:

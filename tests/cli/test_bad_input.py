@@ -101,22 +101,10 @@ def test_of_a_study_file(refused: Refused, tmp_path: Path, text: str, line: int 
         assert part in message
 
 
-def test_every_fault_of_a_study_is_told_at_once(call: Callable[..., Any]) -> None:
-    Path("study.toml").write_text(BASE + "[fluid]\ndensity = -1\n[builder]\nwal = 1\n[simulator]\nuse = 'x'\n")
-    lines = call("evolve", "study.toml", *OUT).stderr.splitlines()
-    assert [line.split(": ")[1] for line in lines] == ["study.toml:3", "study.toml:5", "study.toml:7"]
-
-
 def test_the_line_is_that_of_the_file_which_holds_the_key(refused: Refused, tmp_path: Path) -> None:
     (tmp_path / "lake.toml").write_text(BASE + "[fluid]\ndensty = 1000\n")
     (tmp_path / "study.toml").write_text('base = "lake.toml"\n')
     assert refused("evolve", "study.toml", *OUT).startswith("error: lake.toml:3: ")
-
-
-def test_a_base_that_leads_back_over_another_file(refused: Refused, tmp_path: Path) -> None:
-    (tmp_path / "a.toml").write_text('base = "b.toml"\n')
-    (tmp_path / "b.toml").write_text('base = "a.toml"\n')
-    assert refused("evolve", "a.toml", *OUT) == "error: b.toml:1: 'base' leads back to a.toml"
 
 
 def test_a_study_that_is_no_text_file(refused: Refused, tmp_path: Path) -> None:

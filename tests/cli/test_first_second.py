@@ -1,14 +1,22 @@
-"""The first second: Ctrl-C while modules are imported, streams that are closed, and a cache that cannot be written to."""
+"""The first second and the last kilobyte: Ctrl-C while modules are imported, closed streams, full disks, no home, and clocks that jump."""
 
+import itertools
 import os
+import signal
+import sqlite3
 import subprocess
 import sys
+import sysconfig
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
+from processes import is_alive, wait_until
 
+from driftform.search.local import InProcess
 from driftform.util import kernel_cache
 
 pytestmark = pytest.mark.long
@@ -89,3 +97,110 @@ def test_an_announcement_from_the_future_does_not_silence_this_one(
     kernel_cache.announce.__wrapped__(15)
     kernel_cache.announce.__wrapped__(15)
     assert capsys.readouterr().err.count("compiling the equations of motion") == 2
+
+
+Call = Callable[..., Any]
+Rows = Callable[[Path], list[tuple[Any, ...]]]
+Start = Callable[..., subprocess.Popen[str]]
+
+
+@pytest.fixture
+def here(fakes: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Evaluations are made in this process."""
+    monkeypatch.setattr("driftform.search.executors._make_executor", lambda study, *_: InProcess(study.make_pipeline()))
+
+
+@contextmanager
+def files_of_at_most(size: int) -> Iterator[None]:
+    """Let no file of this process grow beyond a size, as on a disk that is full then."""
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+SIZES = [0, 1, 100, 512, 1024, 2048, 3000, 4096, 8192, 16_384, 30_000, 50_000, 70_000, 100_000, 150_000, 200_000]
+
+
+@posix
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(
+    "size", [pytest.param(s, marks=() if s in (0, 4096, 8192, 100_000) else pytest.mark.slow) for s in SIZES]
+)
+def test_a_full_disk_is_one_line_with_a_name_and_what_it_leaves_goes_on_when_there_is_room(
+    call: Call, rows: Rows, tmp_path: Path, size: int
+) -> None:
+    with files_of_at_most(size):
+        result = call("evolve", *RUN, "--out", "run")
+    assert isinstance(result.exception, SystemExit), result.exception
+    assert result.exit_code == 1, "the limit is below what the run needs"
+    line = result.stderr.splitlines()[-1]
+    assert line.startswith("error: run/"), line
+    # An exporter says what it was told of its own file.
+    assert "free the disk" in line or "File too large" in line, line
+    assert "Traceback" not in result.stderr
+    kept = rows(tmp_path / "run") if (tmp_path / "run" / "run.db").is_file() else []
+    again = call("resume", "run", "--workers", 1)
+    if again.exit_code == 2:
+        assert "start it again with the same 'driftform evolve' and --out run" in again.stderr
+        again = call("evolve", *RUN, "--out", "run")
+    assert again.exit_code == 0, again.stderr
+    found = rows(tmp_path / "run")
+    assert call("evolve", *RUN, "--out", "whole").exit_code == 0
+    assert found == rows(tmp_path / "whole")
+    assert set(kept) <= set(found)
+    assert not list((tmp_path / "run").rglob("*.part*"))
+    with closing(sqlite3.connect(tmp_path / "run" / "run.db")) as connection:
+        assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+
+
+@pytest.mark.usefixtures("here")
+def test_a_clock_that_jumps_back_changes_no_result(
+    call: Call, rows: Rows, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert call("evolve", *RUN, "--out", "whole").exit_code == 0
+    hours = itertools.count()
+    with monkeypatch.context() as jumping:
+        jumping.setattr(time, "time", lambda: 1e9 - 3600.0 * next(hours))
+        result = call("evolve", *RUN, "--out", "jumping")
+        assert result.exit_code == 0, result.stderr
+        assert call("watch", "jumping", "--once").exit_code == 0
+        assert call("resume", "jumping", "--workers", 1).exit_code == 0
+    assert rows(tmp_path / "jumping") == rows(tmp_path / "whole")
+
+
+def test_without_a_home_and_a_cache_the_program_works(fake_plugin: Path, tmp_path: Path) -> None:
+    # Below a file nobody can write, not even the superuser of a container.
+    (tmp_path / "file").touch()
+    names = ("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "LOCALAPPDATA", "USERPROFILE")
+    nowhere = dict.fromkeys(names, str(tmp_path / "file" / "nowhere"))
+    done = subprocess.run(
+        [str(Path(sysconfig.get_path("scripts")) / "driftform"), "evolve", *map(str, RUN), "--out", "run"],
+        cwd=tmp_path,
+        env=os.environ | nowhere | {"PYTHONPATH": str(fake_plugin), "NUMBA_CACHE_DIR": ""},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+@pytest.mark.parametrize("delay", [0.0, 0.3, 3.0], ids=["workers start", "workers import", "workers fly"])
+def test_killed_in_long_flights_it_leaves_no_process(start: Start, tmp_path: Path, delay: float) -> None:
+    words = ("evolve", *RUN[:-4], "--workers", 2, "--simulator", "fake", "--set", "simulator.pause=600", "--out", "run")
+    with start(*words, cwd=tmp_path) as process:
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        end = time.monotonic() + 600
+        while len(started := [int(child) for child in children.read_text().split()]) < 3:
+            assert time.monotonic() < end and process.poll() is None
+            time.sleep(0.02)
+        time.sleep(delay)
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+    wait_until(lambda: not any(map(is_alive, started)))

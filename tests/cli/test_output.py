@@ -38,12 +38,6 @@ def test_the_results_of_a_robust_run_find_room_in_80_columns_in_a_line_for_each_
     assert [line.split() for line in lines[3:]] == [list(row) for row in rows]
 
 
-def test_headings_are_whole_in_one_line_where_there_is_room() -> None:
-    row = ("TP1", "8.5", "0", "-0.25", "100.000", "12.345", "12.345", "12.345", "1234.5")
-    heading = printed(RESULTS, [row], range(1, 9), 120)[0]
-    assert all(title in heading for title in RESULTS)
-
-
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=6), st.integers(80, 120))
 def test_no_number_is_folded_where_text_can_be(numbers: list[float], columns: int) -> None:
     cells = [f"{number:.3g}" for number in numbers]

@@ -24,14 +24,6 @@ def test_more_samples_begin_with_the_same_ones(call: Call) -> None:
         assert Path("few", name).read_text() == Path("many", name).read_text()
 
 
-def test_a_sample_can_be_inspected_and_exported(call: Call) -> None:
-    call("sample", "--count", 1, "--out", "out")
-    assert call("inspect", "out/agent-0001.json").exit_code == 0
-    result = call("export", "out/agent-0001.json", "--out", "parts")
-    assert result.exit_code == 0
-    assert result.stdout.startswith(str(Path("parts", "agent-0001.stl")))
-
-
 def test_a_sample_says_why_most_of_its_misfits_cannot_be_released(call: Call) -> None:
     arguments = ("--count", 6, "--set", "pipe.segments.0.radius=0.0125", "--set", "targets={}")
     found = json.loads(call("sample", "--out", "some", *arguments, "--json").stdout)

@@ -44,11 +44,6 @@ def test_scenarios_are_listed_and_shown_as_toml_to_copy(call: Call) -> None:
     assert "pipe-inspection" in call("scenarios").stdout
 
 
-def test_a_scenario_that_was_copied_is_a_study(call: Call) -> None:
-    Path("mine.toml").write_text(call("scenarios", "show", "pipe-inspection").stdout)
-    assert call("sample", "--scenario", "mine.toml", "--count", 1, "--out", "out").exit_code == 0
-
-
 def test_a_picture_shows_what_is_wrong_with_a_study(call: Call) -> None:
     lines = ['base = "pipe-inspection"', "[targets]", "high = [3.0, 0, 1.4]", "good = [4.0, 0, 0.2]"]
     Path("mine.toml").write_text("\n".join(lines))

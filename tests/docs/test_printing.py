@@ -1,19 +1,36 @@
-"""The pause of docs/printing.md, in which the core is put into a print."""
+"""What docs/printing.md tells of kits: the numbers of random agents, and the pause in which the core is put in."""
 
+import re
 import shlex
 import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from driftform.cli.app import app
+from driftform.study import load_study
 
-pytestmark = pytest.mark.long
+
+def test_of_a_hundred_random_agents(pages: dict[str, str]) -> None:
+    from driftform_frusta.kit_options import PartOptions
+    from driftform_kit.cutting.pieces import make_kit
+
+    pipeline, rng = load_study("paper", run={"seed": 0}).make_pipeline(), np.random.default_rng(1)
+    options = PartOptions(kit=True)
+    places = []
+    for _ in range(100):
+        joint = make_kit(pipeline.make_agent(pipeline.grammar.random(rng)).body, options).core_joint
+        if joint.kind == "sleeve":
+            places.append(abs(joint.z))
+    page = re.sub(r"\s+", " ", pages["printing.md"])
+    assert f"{min(places):.0f} to {max(places):.0f} mm, on a side that stays as wide as the core" in page
 
 
+@pytest.mark.long
 @pytest.mark.peers
 def test_the_pause_of_the_page_comes_once_before_the_first_layer_above_its_height(
     blocks: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -117,8 +117,3 @@ def test_hatching_covers_the_wall_and_not_the_hole():
     assert 0.5 * length == pytest.approx(100**2 - 60**2, rel=1e-3)
     middles = np.array([(a + b) / 2 for a, b in pieces])
     assert not ((middles > 20.5) & (middles < 79.5)).all(axis=1).any()
-
-
-def test_no_text_is_too_small_to_read(read, bare):
-    picture = read(section_svg(bare))
-    assert all(float(e.get("font-size")) >= 10 for e in picture.root.iter() if e.tag.endswith("text"))

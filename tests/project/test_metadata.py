@@ -129,3 +129,10 @@ def test_a_commit_is_checked_by_the_lints_of_ci() -> None:
     for command in ("ruff check", "ruff format", "mypy"):
         assert any(hook["entry"].startswith(f"uv run --group lint {command}") for hook in local["hooks"])
         assert f"\nuv run {command}" in script
+
+
+def test_the_extra_studio_is_all_that_brings_a_server() -> None:
+    project = read_project(ROOT)
+    names = {need.partition("=")[0].partition(">")[0] for need in project["dependencies"]}
+    assert not names & {"driftform-studio", "starlette", "uvicorn", "fastapi", "nicegui"}
+    assert project["optional-dependencies"]["studio"] == [f"driftform-studio=={project['version']}"]

@@ -33,13 +33,6 @@ def write(tmp_path: Path) -> Write:
     return written
 
 
-def test_the_default_is_the_built_in_scenario() -> None:
-    study = load_study(run={"seed": 1})
-    assert study.document == load_study("pipe-inspection", run={"seed": 1}).document
-    assert study.scenario.target_names == tuple(f"TP{n}" for n in range(1, 11))
-    assert study.evaluations == 500
-
-
 def test_a_file_contains_only_what_differs_from_its_base(write: Write) -> None:
     study = load_study(write(BASE + "[flow]\nspeed = 0.5\n[fluid]\ngravity = 1.62\n"))
     base = load_study()
@@ -202,12 +195,6 @@ def test_a_resolved_study_is_the_same_study(
     assert held.document == study.document
 
 
-def test_the_built_in_scenarios_load_and_resolve() -> None:
-    for name in read_scenarios():
-        study = load_study(name)
-        assert load_study(Document(name, study.document)).document == study.document
-
-
 def test_a_run_of_0_2_0_opens_with_the_tables_of_seams_that_it_had() -> None:
     study = load_study("paper", run={"seed": 1})
     former = {**study.document, "inspector": {}, "reporter": {}}
@@ -230,13 +217,6 @@ def test_a_strategy_begins_at_the_same_random_numbers_each_time() -> None:
     study = load_study(run={"seed": 1})
     assert study.make_strategy().ask(10) == study.make_strategy().ask(10)
     assert study.make_strategy().ask(10) != load_study(run={"seed": 2}).make_strategy().ask(10)
-
-
-def test_every_fault_is_an_argument_of_the_error(write: Write) -> None:
-    with pytest.raises(InputError) as caught:
-        load_study(write(BASE + "[fluid]\ndensity = -1\ngravity = 'x'\n[fitness]\nuse = 'y'\n"))
-    assert len(caught.value.args) == 3
-    assert str(caught.value).count("\n") == 2
 
 
 def test_the_default_is_the_papers_pipe_with_the_effects_that_the_paper_neglects() -> None:

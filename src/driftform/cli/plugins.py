@@ -85,8 +85,7 @@ def new(
     import shlex
 
     from driftform.cli.output import print_json
-    from driftform.plugins.scaffold import list_files, list_uses, make_names
-    from driftform.plugins.scaffold.installation import list_installation
+    from driftform.plugins.scaffold import list_files, list_installation, list_uses, make_names
     from driftform.util.files import check_new_directory, write_folder, write_text
 
     parts = [make_names(name, one) for one in dict.fromkeys(seam)]

@@ -57,12 +57,13 @@ def require_flights(
             raise _refuse(plugin, method, f"a flight that ended by {_describe(flight.end)}", "an End")
         if not len(t) or t[0] != 0 or not (np.diff(t) > 0).all():
             raise _refuse(plugin, method, "a flight without increasing times", "times from 0 s")
-        if not flight.end.failed and not all(
-            np.isfinite(array).all() for array in (t, flight.position, flight.quaternion, flight.velocity)
-        ):
-            raise _refuse(plugin, method, "a flight that is not finite", "an end that says so")
-        if not flight.end.failed and not _have_unit_length(flight.quaternion):
-            raise _refuse(plugin, method, "a flight with quaternions of another length", "length 1")
+        if not flight.end.failed:
+            arrays = (t, flight.position, flight.quaternion, flight.velocity)
+            if not all(np.isfinite(array).all() for array in arrays):
+                raise _refuse(plugin, method, "a flight that is not finite", "an end that says so")
+            squares = np.einsum("ij,ij->i", flight.quaternion, flight.quaternion)
+            if squares.min() < 0.998 or squares.max() > 1.002:
+                raise _refuse(plugin, method, "a flight with quaternions of another length", "length 1")
         for name in ("contact", "energy_drift", "error"):
             value = getattr(flight, name)
             if value is not None and not value >= 0:
@@ -241,12 +242,6 @@ def _is_semidefinite(matrix: FloatArray, length: float) -> bool:
     scaled = matrix * np.outer(scale, scale)
     rounding = 1e-6 * np.abs(scaled).max()
     return bool(np.abs(scaled - scaled.T).max() <= rounding and np.linalg.eigvalsh(scaled).min() >= -rounding)
-
-
-def _have_unit_length(quaternions: FloatArray) -> bool:
-    """Whether all quaternions (k, 4) have the length 1, within 1e-3."""
-    squares = np.einsum("ij,ij->i", quaternions, quaternions)
-    return bool(squares.min() >= 0.998 and squares.max() <= 1.002)
 
 
 def _are_numbers(values: object, count: int, least: float, most: float) -> bool:

@@ -90,14 +90,8 @@ def _write(part: Path, study: Study, store: Store, format: str, trajectories: bo
     targets = study.scenario.target_names
     tables: dict[str, Sequence[Column]] = {"evaluations": evaluation_columns(targets)}
     write, rows, seen = FORMATS[format], {}, set[int]()
-
-    def note(records: Iterable[Record]) -> Iterator[Record]:
-        for record in records:
-            seen.add(record.index)
-            yield record
-
     with count_progress("evaluations") as progress:
-        records = _count(note(_read_in_chunks(store, targets)), progress, store.count())
+        records = _count(_read_in_chunks(store, targets), progress, store.count(), seen)
         path = part / f"evaluations.{format}"
         rows["evaluations"] = write(path, tables["evaluations"], evaluation_batches(study, records))
     if trajectories:
@@ -106,7 +100,7 @@ def _write(part: Path, study: Study, store: Store, format: str, trajectories: bo
             # What has been stored since has no row among the evaluations.
             known = (record for record in _read_in_chunks(store, targets) if record.index in seen)
             path = part / f"trajectories.{format}"
-            batches = sample_batches(_count(known, progress, len(seen)))
+            batches = sample_batches(_count(known, progress, len(seen), set()))
             rows["trajectories"] = write(path, SAMPLE_COLUMNS, batches)
     facts = {"driftform": __version__, "seed": study.seed}
     (part / COLUMNS).write_text(describe_tables(tables, facts), encoding="utf-8")
@@ -118,8 +112,12 @@ def _read_in_chunks(store: Store, targets: tuple[str, ...]) -> Iterator[Record]:
         yield from list(store.read_records(targets, first, CHUNK))
 
 
-def _count(records: Iterable[Record], progress: Callable[[int, int], None], total: int) -> Iterator[Record]:
+def _count(
+    records: Iterable[Record], progress: Callable[[int, int], None], total: int, seen: set[int]
+) -> Iterator[Record]:
+    """Yield records, show how many, and keep their indices in ``seen``."""
     for number, record in enumerate(records, start=1):
+        seen.add(record.index)
         yield record
         # More may have been stored meanwhile.
         progress(number, max(number, total))

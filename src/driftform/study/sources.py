@@ -64,7 +64,7 @@ NOTHING = object()
 def find_value(node: Any, path: KeyPath) -> Any:
     """Return the value at a path, ``NOTHING`` if the path does not exist."""
     for name in path:
-        # A table may hold an item of a list by its number: see 'merge'.
+        # A table may hold an item of a list by its number: see 'merge_source'.
         key = str(name) if isinstance(node, Mapping) else name
         listed = isinstance(node, list | tuple) and isinstance(key, int) and key < len(node)
         if not listed and not (isinstance(node, Mapping) and key in node):
@@ -211,52 +211,40 @@ def _name_argument(line: object) -> str:
 
 
 def merge_source(below: Mapping[str, Any], source: Source) -> dict[str, Any]:
-    """Return ``below`` overridden by the keys of a source; see :func:`merge`.
+    """Return ``below`` overridden by the keys of a source: tables are merged key by key, other values are replaced.
+
+    A table whose keys are numbers is merged into a list item by item. A table that the source ``replaces`` is replaced as
+    a whole. So is a table that selects another plugin, but for the options that every plugin of its seam has; a table that
+    selects another ``kind`` loses the keys that only the former kind has.
 
     Raises InputError if the source sets an item that its list does not have.
     """
-    try:
-        return merge(below, source.data, source.replaces)
-    except _NoItemError as error:
-        *path, index = error.path
-        known = f"its items are 0 to {error.count - 1}" if error.count else "it has no items"
-        key = ".".join(map(str, path))
-        raise InputError(f"{source.locate(tuple(path))}: {key} has no item '{index}'; {known}") from None
 
+    def merge_tables(old: Mapping[str, Any], new: Mapping[str, Any], path: KeyPath) -> dict[str, Any]:
+        return {**old, **{key: merge_values(old.get(key), value, (*path, key)) for key, value in new.items()}}
 
-def merge(
-    below: Mapping[str, Any], above: Mapping[str, Any], replaced: Sequence[str] = (), path: KeyPath = ()
-) -> dict[str, Any]:
-    """Return ``below`` overridden by ``above``: tables are merged key by key, other values are replaced.
+    def merge_values(old: Any, value: Any, path: KeyPath) -> Any:
+        if len(path) == 1 and path[0] in source.replaces:
+            return value
+        # A place in a pipe is a table in place of coordinates.
+        if isinstance(old, list) and isinstance(value, Mapping) and value and "part" not in value:
+            return merge_items(old, value, path)
+        if not (isinstance(old, Mapping) and isinstance(value, Mapping)):
+            return value
+        if len(path) == 1:
+            old = _drop_other_options(str(path[0]), old, value)
+        return merge_tables(old, value, path)
 
-    A table whose keys are numbers is merged into a list item by item. A table of ``replaced`` is replaced as a whole.
-    So is a table that selects another plugin, but for the options that every plugin of its seam has; a table that
-    selects another ``kind`` loses the keys that only the former kind has.
-    """
-    result = dict(below)
-    for key, value in above.items():
-        result[key] = _merge_value(result.get(key), value, (*path, key)) if key not in replaced else value
-    return result
+    def merge_items(old: list[Any], value: Mapping[str, Any], path: KeyPath) -> list[Any]:
+        items = list(old)
+        for name, item in value.items():
+            if not (name.isdecimal() and int(name) < len(items)):
+                known = f"its items are 0 to {len(items) - 1}" if items else "it has no items"
+                raise InputError(f"{source.locate(path)}: {'.'.join(map(str, path))} has no item '{name}'; {known}")
+            items[int(name)] = merge_values(items[int(name)], item, (*path, int(name)))
+        return items
 
-
-def _merge_value(old: Any, value: Any, path: KeyPath) -> Any:
-    # A place in a pipe is a table in place of coordinates.
-    if isinstance(old, list) and isinstance(value, Mapping) and value and "part" not in value:
-        return _merge_items(old, value, path)
-    if not (isinstance(old, Mapping) and isinstance(value, Mapping)):
-        return value
-    if len(path) == 1:
-        old = _drop_other_options(str(path[0]), old, value)
-    return merge(old, value, path=path)
-
-
-def _merge_items(old: list[Any], value: Mapping[str, Any], path: KeyPath) -> list[Any]:
-    items = list(old)
-    for name, item in value.items():
-        if not (name.isdecimal() and int(name) < len(items)):
-            raise _NoItemError((*path, name), len(items))
-        items[int(name)] = _merge_value(items[int(name)], item, (*path, int(name)))
-    return items
+    return merge_tables(below, source.data, ())
 
 
 def _drop_other_options(table: str, old: Mapping[str, Any], above: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -270,14 +258,6 @@ def _drop_other_options(table: str, old: Mapping[str, Any], above: Mapping[str, 
         return old
     dropped = former.model_fields.keys() - chosen.model_fields.keys()
     return {key: value for key, value in old.items() if key not in dropped}
-
-
-class _NoItemError(LookupError):
-    """An item that a list does not have, by its ``path``; the list has ``count`` items."""
-
-    def __init__(self, path: KeyPath, count: int) -> None:
-        super().__init__(path)
-        self.path, self.count = path, count
 
 
 def locate_key(layers: Sequence[Source], path: KeyPath) -> str:

@@ -1,18 +1,23 @@
 """Creates new plugins for any seams: a small distribution that installs and passes its tests, to be edited.
 
 Each seam has a folder of templates, in which ``string.Template`` fills in names, and ``about.toml`` with the data of
-the seam; ``common`` contains the templates that all seams share.
+the seam; ``common`` contains the templates that all seams share. The commands that install the result are those of pip or uv.
 """
 
+import json
 import keyword
 import re
+import shlex
 import sys
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from importlib import resources, util
+from importlib import metadata, resources, util
+from pathlib import Path
 from string import Template
 from typing import Any
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 from driftform import __version__, interfaces
 from driftform.errors import InputError, did_you_mean
@@ -159,3 +164,27 @@ def _read_about(seam: str) -> dict[str, Any]:
 def _fill(folder: str, name: str, words: Mapping[str, str]) -> str:
     text = (resources.files(__name__) / folder / name).read_text(encoding="utf-8")
     return Template(text).substitute(words)
+
+
+def list_installation() -> list[str]:
+    """Return the commands that install a new distribution where driftform is and run its tests, from its folder.
+
+    An environment with pip takes it as any other. One without was made by uv. If it is that of a clone of driftform, the
+    distribution gets an environment of its own, so that ``uv sync`` of the clone does not uninstall it.
+    """
+    if util.find_spec("pip") is not None:
+        return ['pip install -e ".[test]"', "pytest"]
+    clone = _find_clone()
+    if clone is not None:
+        return [f"uv add --editable {shlex.quote(str(clone))}", "uv run --extra test pytest"]
+    return ['uv pip install -e ".[test]"', "pytest"]
+
+
+def _find_clone() -> Path | None:
+    """Return the folder of driftform's source if this environment is in it."""
+    text = metadata.distribution("driftform").read_text("direct_url.json")
+    origin = json.loads(text) if text else {}
+    if not origin.get("dir_info", {}).get("editable"):
+        return None
+    folder = Path(url2pathname(urlsplit(origin["url"]).path))
+    return folder if Path(sys.prefix).is_relative_to(folder) else None
