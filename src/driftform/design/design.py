@@ -10,9 +10,8 @@ from typing import Any, Self
 import numpy as np
 
 from driftform.agent import hull_mass
-from driftform.design.departures import list_departures
 from driftform.design.flight import DisturbedFlights, Flight
-from driftform.design.inspection import compare_added_mass, inspect_agent
+from driftform.design.inspection import compare_added_mass, inspect_agent, list_departures
 from driftform.design.live import LiveFlight
 from driftform.errors import InputError, WorkFailedError
 from driftform.figures.section import section_svg
