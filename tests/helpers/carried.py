@@ -58,12 +58,14 @@ class Carried:
     """Where bodies are after some diameters of the pipe.
 
     They are the share in the outer tenth of the area that their origins can reach, each in its own attitude, the share that
-    touches the wall, the mean speed over that of evenly spread ones, and the height (m) of each above the axis, (n,).
+    touches the wall, the mean speed over that of ones which are spread evenly over that area in the attitudes of these, with its
+    standard error, and the height (m) of each above the axis, (n,).
     """
 
     outer: float
     touching: float
     speed: float
+    error: float
     heights: FloatArray
 
 
@@ -95,7 +97,10 @@ class Carrying:
         return self.radius - self.body.max_diameter / 2
 
     def fly(self, seed: int, place: list[float]) -> FloatArray:
-        """Return x, z, clearance (m) and the share of the area that is nearer to the axis after each time, (k, 4)."""
+        """Return x, z, clearance (m), the share of the area that is nearer to the axis, and its mean speed of water (m/s).
+
+        They are for each time, (k, 5); the speed is the mean over the attitudes at the release and at all times up to it.
+        """
         there = self.release_at(place).with_gusts(seed)
         agent = make_carried_agent(self.body, there, self.ratio, self.without)
         if self.any_attitude:
@@ -111,10 +116,12 @@ class Carrying:
         part = replace(
             flight, **{name: getattr(flight, name)[rows] for name in ("t", "position", "quaternion", "velocity")}
         )
-        free = [np.hypot(*find_free_places(q, there, agent)[:, 1:].T) for q in part.quaternion]
+        attitudes = [flight.quaternion[0], *part.quaternion]
+        release, *free = [np.hypot(*find_free_places(q, there, agent)[:, 1:].T) for q in attitudes]
+        even = np.cumsum([self.mean_speed(r) for r in (release, *free)])[1:] / np.arange(2, len(free) + 2)
         off = np.hypot(*part.position[:, 1:].T)
         nearer = [np.mean(inner < r) for inner, r in zip(free, off, strict=True)]
-        return np.column_stack([part.position[:, [0, 2]], wall_clearances(part, there, agent), nearer])
+        return np.column_stack([part.position[:, [0, 2]], wall_clearances(part, there, agent), nearer, even])
 
     def release_at(self, place: list[float], axis: FloatArray | tuple[float, ...] = (1.0, 0.0, 0.0)) -> Scenario:
         """Return the scenario with a release of the body at ``place`` (m) with its ``axis``; world frame."""
@@ -131,18 +138,23 @@ class Carrying:
         places = [place.tolist() for place in spread_evenly(count, self.room)]
         found = np.array(list(run(self.fly, range(count), places)))
         times = 2 * self.radius / self.speed * np.array(self.diameters)
-        even, carried = self.even_speed(), []
+        carried = []
         for k, time in enumerate(times):
-            x, z, clear, nearer = found[:, k].T
-            carried.append(
-                Carried(float(np.mean(nearer > 0.9)), float(np.mean(clear < NEAR)), float(x.mean() / time / even), z)
-            )
+            x, z, clear, nearer, even = found[:, k].T
+            speeds = x / time / even.mean()
+            error = float(speeds.std() / count**0.5)
+            shares = float(np.mean(nearer > 0.9)), float(np.mean(clear < NEAR))
+            carried.append(Carried(*shares, float(speeds.mean()), error, z))
         return carried
 
     def even_speed(self) -> float:
         """Return the mean speed of the water, as such bodies meet it, over the room of their centres, m/s."""
+        return self.mean_speed(self.room * np.sqrt((np.arange(2000) + 0.5) / 2000))
+
+    def mean_speed(self, r: FloatArray) -> float:
+        """Return the mean speed of the water, as such bodies meet it along the pipe, at distances (m) from its axis, m/s."""
         scenario = self.scenario
         pipe, flow = pipe_rows(scenario), flow_array(scenario)
         across, along = estimate_drag(self.body, scenario.fluid.viscosity).spread
-        spread, r = ((1.0, 0.0, 0.0), across, along), self.room * np.sqrt((np.arange(2000) + 0.5) / 2000)
+        spread = ((1.0, 0.0, 0.0), across, along)
         return float(np.mean([water_motion((0.0, y, 0.0), 0.0, pipe, flow, spread)[0][0] for y in r.tolist()]))

@@ -67,22 +67,23 @@ def run() -> Iterator[Any]:
 
 
 def test_neutral_bodies_stay_where_simulations_of_such_bodies_find_them(run, count_of, publish):
-    count, lines, everything, turned = count_of("FLIGHTS", 400), list(LINES), [], []
+    count, lines, everything, turned = count_of("FLIGHTS", 400), list(LINES), {}, []
     for name, (body, radius, speed, diameters) in CASES.items():
         carrying = Carrying(body() if callable(body) else body, radius, speed, diameters)
-        found = carrying.observe(count, run)
-        everything += found
+        everything[name] = found = carrying.observe(count, run)
         lines.append(write_row(name, diameters, found))
         if any(long in name for long in LONG):
             carrying = replace(carrying, any_attitude=True, diameters=diameters[:2])
-            found = carrying.observe(count, run)
-            # Bodies that were released along the pipe turn at first, which leaves their centres less room.
-            assert found[0].outer == pytest.approx(0.1, abs=0.04)
+            everything[f"{name}, turned"] = found = carrying.observe(count, run)
             turned.append(write_row(f"{name}, released in any attitude", carrying.diameters, found))
     publish("carried bodies", lines + turned)
-    assert all(found.outer == pytest.approx(0.1, abs=0.06) for found in everything)
-    assert max(found.touching for found in everything) <= 0.06
-    assert all(found.speed == pytest.approx(1.0, abs=0.02) for found in everything)
+    for name, found in everything.items():
+        for number, there in enumerate(found):
+            # Long bodies that were released along the pipe turn at first, which leaves their centres less room.
+            is_turning = number == 0 and name in CASES and not name.startswith("sphere of")
+            assert is_turning or there.outer == pytest.approx(0.1, abs=max(0.04, 3 * (0.09 / count) ** 0.5)), name
+            # No speed is beyond 2 % by more than its own scatter.
+            assert there.touching <= 0.06 and abs(there.speed - 1) <= 0.02 + 2 * there.error, name
 
 
 def test_no_term_of_the_drag_gathers_neutral_bodies(run, count_of, publish):
@@ -95,9 +96,9 @@ def test_no_term_of_the_drag_gathers_neutral_bodies(run, count_of, publish):
         lines.append(write_row(name, ("nothing", *TERMS), [whole, *others]))
         assert all(found.touching <= 0.06 for found in (whole, *others))
         assert all(found.speed == pytest.approx(1.0, abs=0.02) for found in (whole, *others))
-        assert whole.outer == pytest.approx(0.1, abs=0.08)
-        # A layer at the wall that grew, as that of the full lift did, would have nearly all of them.
-        assert max(found.outer for found in others) < 0.3
+        error = 3 * (0.09 / count) ** 0.5
+        assert whole.outer == pytest.approx(0.1, abs=error)
+        assert all(found.outer == pytest.approx(whole.outer, abs=error) for found in others)
     publish("terms of the drag", lines)
 
 
