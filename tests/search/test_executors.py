@@ -104,7 +104,7 @@ def test_workers_find_what_this_process_finds(jobs: list[Job], make: Make) -> No
     ("options", "reason"),
     [
         ({"die": 0.08}, f"its process died {ATTEMPTS} times (exit code 1)"),
-        ({"hang": 0.08, "timeout": 2.0}, "its evaluation did not end within 2 s (run.evaluation_timeout)"),
+        ({"hang": 0.08, "timeout": 0.5}, "its evaluation did not end within 0.5 s (run.evaluation_timeout)"),
     ],
     ids=["killed", "endless"],
 )

@@ -192,7 +192,7 @@ BAD_FILES = {
     "x_m,r_m\n0,.1\n.2,.1\n.1,.1\n": "line 4: x falls to .1",
     "x_m,r_m\n0,0\n1,0\n": "it needs at least two points at different x, and a radius above 0",
     "x_m,r_m\n0,0\n1,1\n2,0\n3,1\n": "the radius is 0 between nose and tail",
-    "x_m,r_m\n0,1\n1000,1\n": "is 1000 m long; a body has 0.001 to 100 m: check x_mm and x_m",
+    "x_m,r_m\n0,1\n1000,1\n": "is 1000 m at its largest; a body has 0.005 to 20 m: check x_mm and x_m",
     "": "its first line is ''",
 }
 
@@ -211,6 +211,14 @@ def test_wrong_options_and_files_are_refused_in_one_line(refused):
     assert "'cog' is 3 m from the nose, and the body 1 m long" in refused(*given, "--cog", 3)
     assert "mass" in refused("body", "p.csv", "--mass", -1, "--cog", 0.1)
     assert "is not possible: about the axis at most 0.01" in refused(*given, "--cog", 0.1, "--inertia", 5, 5)
+    trimesh.creation.cylinder(0.02, 0.2).export("in-metres.stl")
+    assert "is 0.0002 m at its largest; a body has 0.005 to 20 m: is it in m or in? set --unit" in refused(
+        "body", "in-metres.stl", "--mass", 1, "--cog", 0.1
+    )
+    trimesh.creation.cylinder(2, 20).export("in-cm.stl")
+    assert "4e+04 kg/m3 in a body 0.02 m long, possible are 0.01 to 22600: is it 3.4 times" in refused(
+        "body", "in-cm.stl", "--mass", 0.01, "--cog", 0.01
+    )
     assert "--unit ft: unknown unit; choose from mm, cm, m, in" in refused(*given, "--cog", 0.1, "--unit", "ft")
     assert "p.stl: cannot be read as STL" in refused("body", "p.stl", "--mass", 1, "--cog", 0.1)
     assert "p.doc: unknown format '.doc' of a profile" in refused("body", "p.doc", "--mass", 1, "--cog", 0.1)

@@ -59,7 +59,7 @@ class PoolExecutor:
 
     The genomes of a task that had begun are evaluated again one by one, so that the genome to blame is known. It fails if
     its process ends itself :data:`ATTEMPTS` times. A process that is killed was not ended by its genome, unless it takes all
-    memory: the genome fails after :data:`KILLS` times. One that takes longer than ``run.evaluation_timeout`` fails at once.
+    memory: the genome fails after :data:`KILLS` times. One that takes more processor time than ``run.evaluation_timeout`` fails at once.
 
     Attributes:
         processes: number of genomes that are evaluated at the same time.

@@ -83,7 +83,7 @@ class RunOptions(Table):
         None, "evaluations in the whole run; by default 50 for each target", "", gt=0, le=MAX_EVALUATIONS, strict=True
     )
     evaluation_timeout: float = option(
-        60.0, "time after which an evaluation has failed, and its worker process is replaced", "s", gt=0, le=86400
+        60.0, "processor time after which an evaluation has failed; waiting counts a tenth", "s", gt=0, le=86400
     )
     formats: tuple[str, ...] = option(("stl",), "formats to export for the best agent of each target")
 

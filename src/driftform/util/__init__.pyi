@@ -1,3 +1,4 @@
+from . import cores as cores
 from . import files as files
 from . import foreign as foreign
 from . import notebook as notebook

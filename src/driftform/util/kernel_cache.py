@@ -12,7 +12,7 @@ import shutil
 import sys
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from tempfile import gettempdir
@@ -30,6 +30,9 @@ KERNELS = ("util", "water", "motion")
 
 ANNOUNCED_S = 300.0
 """Time for which one announcement of the compilation serves all processes, s."""
+
+WAIT_S = 600.0
+"""Longest wait for another process that compiles, s: ten times as long as it takes on an idle machine."""
 
 UNUSED_S = 30 * 86400.0
 """Time without use after which a folder is removed, s."""
@@ -88,15 +91,18 @@ def use_folder(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def lock(path: Path) -> Iterator[None]:
-    """Let one process at a time into this context; on a file system without locks, all of them."""
-    held = FileLock(path)
-    with suppress(OSError, NotImplementedError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        held.acquire()
-    try:
+    """Let one process at a time into this context; all of them where nothing can be written, or after :data:`WAIT_S`."""
+    with ExitStack() as held:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            held.enter_context(FileLock(path, WAIT_S))
+        except TimeoutError:
+            print(
+                f"{path} was held by another process for {WAIT_S:g} s; not waiting longer", file=sys.stderr, flush=True
+            )
+        except (OSError, NotImplementedError):
+            pass
         yield
-    finally:
-        held.release()
 
 
 @cache
@@ -117,7 +123,10 @@ def announce(seconds: int) -> None:
         if abs(time.time() - marker.stat().st_mtime) < ANNOUNCED_S and marker.read_text() == session:
             return
     with suppress(OSError):
-        marker.write_text(session)
+        # In a folder for all, another user may have put a link there.
+        number = os.open(marker, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_NOFOLLOW", 0), 0o600)
+        os.write(number, session.encode())
+        os.close(number)
     is_worker = multiprocessing.parent_process() is not None
     if not (is_worker and sys.stdout.isatty() and sys.stderr.isatty()):
         text = f"compiling the equations of motion for this kind of flight, about {seconds} s{often}"

@@ -45,6 +45,22 @@ def test_a_tee_of_a_new_shape_is_solved_once_and_then_read(solved: list[Junction
     assert np.array_equal(again.branch, first.branch, equal_nan=True)
 
 
+@pytest.mark.parametrize("damage", [b"", b"text", b"PK\x03\x04" + bytes(200)])
+def test_a_damaged_file_in_the_cache_is_made_again_with_one_line(
+    solved: list[Junction], capsys: pytest.CaptureFixture[str], damage: bytes
+) -> None:
+    first = load_tee(SHAPE)
+    [file] = store.cache_folder().glob("*.npz")
+    sound = file.read_bytes()
+    for data in (damage, sound[: len(sound) // 2], sound[:600] + damage + sound[600 + len(damage) + 1 :]):
+        file.write_bytes(data)
+        load_tee.cache_clear()
+        assert np.array_equal(load_tee(SHAPE).branch, first.branch, equal_nan=True)
+        said = capsys.readouterr().err
+        assert said.startswith(f"{file} is damaged (") and said.count("\n") == 1
+    assert solved == [SHAPE] * 4
+
+
 def test_the_clock_of_an_evaluation_stops_while_a_tee_is_solved(
     solved: list[Junction], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,6 +1,5 @@
 """Exudyn's ray tracer as a camera: shapes -> an image, without a display."""
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -9,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.types import FloatArray
+from driftform.util import cores
 from driftform_exudyn.headless import defer_interrupts, exudyn, items
 from driftform_exudyn.scene import Pose
 from driftform_exudyn.shapes import POINT_KEYS, Shape, place
@@ -108,7 +108,7 @@ def _set_up(settings: Any, rays: int, pen: float) -> None:
     light.diffuse, light.specular = 0.4, 0.25
     tracer = settings.raytracer
     tracer.multiSampling = rays
-    tracer.numberOfThreads = os.cpu_count() or 1
+    tracer.numberOfThreads = cores.count_cores()
     tracer.advanced.zBiasLines = 0.0
     tracer.material1.emission = [0.44, 0.46, 0.48]
     tracer.material1.specular = [0.0, 0.0, 0.0]

@@ -214,7 +214,10 @@ def _read_netcdf(path: Path) -> VelocityGrid:
         if len(dimensions) != 1:
             raise ValueError(f"has a variable {name} with {len(dimensions)} dimensions instead of one")
         names.append(dimensions[0])
-    axes = [variables[name].values * _read_units(name, variables[name], LENGTHS) for name in places]
+    axes = [
+        variables[name].values * find_unit(name, variables[name].attributes.get("units", ""), LENGTHS)
+        for name in places
+    ]
     order = [np.argsort(values) for values in axes]
     found = [_check_axis(name, values[o]) for name, values, o in zip("xyz", axes, order, strict=True)]
     parts = []
@@ -227,7 +230,7 @@ def _read_netcdf(path: Path) -> VelocityGrid:
             )
         values = values.reshape([values.shape[dimensions.index(d)] for d in kept])
         values = values.transpose([kept.index(n) for n in names])[np.ix_(*order)]
-        parts.append(values * _read_units(name, variables[name], SPEEDS))
+        parts.append(values * find_unit(name, variables[name].attributes.get("units", ""), SPEEDS))
     origin, spacing, _ = np.array(found).T
     return VelocityGrid(origin, spacing, np.stack(parts, axis=-1))
 
@@ -267,11 +270,6 @@ def _load_variables(path: Path) -> dict[str, _Variable]:
         # Damaged files raise whatever the first wrong byte leads to: KeyError, RuntimeError, MemoryError and others.
         raise ValueError(f"is not a NetCDF file that can be read: {describe_error(error)}") from None
     return found
-
-
-def _read_units(name: str, variable: _Variable, known: Mapping[str, float]) -> float:
-    """Return the unit of a variable in SI units; 1 if it does not say."""
-    return find_unit(name, variable.attributes.get("units", ""), known)
 
 
 def _read_vtk(path: Path) -> VelocityGrid:

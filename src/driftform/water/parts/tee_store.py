@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from filelock import FileLock
 
-from driftform.errors import InputError
+from driftform.errors import InputError, describe_error
 from driftform.types import FloatArray
 from driftform.util.files import cache_folder, write_whole
 from driftform.util.preparation import preparing
@@ -71,9 +71,10 @@ def load_tee(junction: Junction) -> TeePotentials:
             folder.mkdir(parents=True, exist_ok=True)
             # Of several processes that need the same tee, one computes it.
             with FileLock(folder / f"{name}.lock"):
-                if not (folder / name).is_file():
+                if (found := _read_cached(folder / name)) is None:
                     save_tee(junction, folder / name)
-                return _read(folder / name)
+                    found = _read(folder / name)
+                return found
         return _compute(junction)
 
 
@@ -81,6 +82,17 @@ def is_stored(junction: Junction) -> bool:
     """Return whether the potentials of a tee are in the package or in the user's cache."""
     name = file_name(junction)
     return (PACKAGED / name).is_file() or (cache_folder() / name).is_file()
+
+
+def _read_cached(path: Path) -> TeePotentials | None:
+    """Return what the user's cache holds; ``None`` without a file, and, with a line, for a damaged one."""
+    try:
+        return _read(path)
+    except FileNotFoundError:
+        return None
+    except Exception as error:
+        print(f"{path} is damaged ({describe_error(error)}) and is made again", file=sys.stderr, flush=True)
+        return None
 
 
 def save_tee(junction: Junction, path: Path) -> None:
@@ -106,7 +118,7 @@ def _write(path: Path, found: TeePotentials) -> None:
 
 
 def _read(path: Path) -> TeePotentials:
-    with np.load(path) as data:
+    with path.open("rb") as file, np.load(file) as data:
         head, needed, changes = data["head"], data["needed"], data["changes"]
         last = head[HEAD + LEVEL_SIZE * (int(head[0]) - 1) :]
         total = int(last[7] + last[4] * last[5] * last[6]) - len(head)

@@ -14,6 +14,9 @@ _Length = Annotated[float, Field(ge=0, le=1000)]
 Profile = tuple[tuple[_Length, _Length], ...]
 """Distance from the nose and radius of each point of a profile, m."""
 
+MIN_DENSITY, MAX_DENSITY = 0.01, 22_600.0
+"""Bounds of a body's mean density, kg/m3: a thousandth of that of foam, and that of osmium (CRC Handbook: 22 590)."""
+
 _Inertia = Annotated[float, Field(gt=0, le=1e12)]
 
 
@@ -37,6 +40,12 @@ class ProfileOptions(Table):
     @model_validator(mode="after")
     def _is_a_body(self) -> "ProfileOptions":
         x, r = check_profile(self.profile, self.cog)
+        density = self.mass / solid_of_revolution(place_profile(np.array(self.profile))).volume
+        if not MIN_DENSITY <= density <= MAX_DENSITY:
+            raise ValueError(
+                f"mass {self.mass:g} kg is {density:.3g} kg/m3 in a body {x[-1]:.4g} m long, possible are {MIN_DENSITY:g} to "
+                f"{MAX_DENSITY:g}: is it {float(np.cbrt(density / 1000)):.2g} times as long, or the mass not in kg?"
+            )
         # Mass at the two ends and on the rim: no body has more, and none less across than half of that around its axis.
         widest = self.mass * float(r.max()) ** 2
         longest = self.mass * float(self.cog * (x[-1] - self.cog)) + widest

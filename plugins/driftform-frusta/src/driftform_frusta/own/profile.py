@@ -19,8 +19,8 @@ UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
 MAX_DEVIATION = 0.02
 """Greatest distance from a solid of revolution that is accepted, over the diameter."""
 
-MIN_LENGTH, MAX_LENGTH = 1e-3, 100.0
-"""Bounds of a body's length, m."""
+MIN_LENGTH, MAX_LENGTH = 5e-3, 20.0
+"""Bounds of a body's length or diameter, the greater of both, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,20 +56,27 @@ def read_profile(path: Path, unit: str | None = None, flip: bool = False) -> Pro
         raise InputError(f"{path}: no such file")
     if suffix != ".csv" and suffix not in MESHES:
         kinds = ", ".join((".csv", *MESHES))
-        raise InputError(f"{path}: unknown format '{suffix}' of a profile; choose from {kinds}")
+        raise InputError(
+            f"{path}: unknown format '{suffix}' of a profile; choose from {kinds}, or export it as one of these"
+        )
     try:
         if suffix == ".csv":
             profile = Profile(_read_points(path))
         else:
-            scale = UNITS[unit or ("m" if suffix == ".glb" else "mm")]
-            triangles = scale * foreign.call_apart(read_triangles, path, **limits)
+            unit = unit or ("m" if suffix == ".glb" else "mm")
+            triangles = UNITS[unit] * foreign.call_apart(read_triangles, path, **limits)
             profile = Profile(*find_profile(triangles, MAX_DEVIATION))
     except (ValueError, csv.Error) as error:
         raise InputError(f"{path}: {error}") from None
-    if not MIN_LENGTH <= profile.length <= MAX_LENGTH:
-        advice = "check x_mm and x_m" if suffix == ".csv" else "set --unit"
+    largest = max(profile.length, 2 * float(profile.points[:, 1].max()))
+    if not MIN_LENGTH <= largest <= MAX_LENGTH:
+        advice = "check x_mm and x_m"
+        if suffix != ".csv":
+            size = largest / UNITS[unit or "mm"]
+            likely = [name for name, factor in UNITS.items() if MIN_LENGTH <= size * factor <= MAX_LENGTH]
+            advice = f"is it in {' or '.join(likely)}? set --unit" if likely else "set --unit"
         raise InputError(
-            f"{path}: is {profile.length:.4g} m long; a body has {MIN_LENGTH:g} to {MAX_LENGTH:g} m: {advice}"
+            f"{path}: is {largest:.4g} m at its largest; a body has {MIN_LENGTH:g} to {MAX_LENGTH:g} m: {advice}"
         )
     points, axis = simplify_contour(profile.points), profile.axis
     if flip:

@@ -21,7 +21,7 @@ from driftform_kit.checks.walls import REACH, Wall, find_thinnest_wall
 from driftform_kit.cutting.pieces import make_kit
 from driftform_kit.reading import read_meshes
 
-_MIN_SIZE, _MAX_SIZE = 1.0, 10_000.0
+_MIN_SIZE, _MAX_SIZE = 5.0, 10_000.0
 """mm: a smaller part was written in metres, a larger one in micrometres."""
 
 _SHARES = (1.0, 0.75, 0.6, 0.5, 0.4, 0.3, 0.2)
