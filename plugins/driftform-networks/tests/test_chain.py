@@ -211,6 +211,11 @@ def test_a_body_is_as_fast_as_the_flow_of_each_hour() -> None:
     assert passage.age[1] == pytest.approx(3600 + 3200)
 
 
+def test_a_body_waits_in_an_hour_without_any_flow() -> None:
+    passage = trace(make_network({"ab": [1e-4, 0.0, 2e-4]}), "a", unsteady=True, walks=50)
+    assert passage.age[1] == pytest.approx(3600 + 3600 + 3200)
+
+
 def test_flows_that_do_not_change_are_the_same_with_and_without_steps() -> None:
     flows = {"ab": [0.012] * 3, "bc": [0.008] * 3, "bd": [0.004] * 3}
     network = make_network(flows)

@@ -47,7 +47,7 @@ def show_network(network: Network, hour: float, outputs: Outputs, json: bool) ->
 
 def _draw(network: Network, snapshot: Snapshot, hour: float, page: style.Page) -> str:
     """Return the map, with the speed of the water in each link."""
-    fastest = float(snapshot.speed[np.isfinite(snapshot.speed)].max())
+    fastest = float(snapshot.speed[np.isfinite(snapshot.speed)].max(initial=1e-9))
     shares = np.full(len(network.links), np.nan)
     shares[snapshot.links] = np.minimum(snapshot.speed / fastest, 1.0)
     sources = [Mark(node, network.nodes[node]) for node in np.flatnonzero(network.stores).tolist()]

@@ -88,12 +88,12 @@ class Routing:
     @property
     def transfer(self) -> FloatArray:
         """Transfer through each link, (links, bands, bands)."""
-        return np.array([straight.transfer for straight in self.transfers])
+        return np.array([straight.transfer for straight in self.transfers]).reshape(-1, self.bands, self.bands)
 
     @property
     def slowness(self) -> FloatArray:
         """Slowness in each link, (links, bands)."""
-        return np.array([straight.slowness for straight in self.transfers])
+        return np.array([straight.slowness for straight in self.transfers]).reshape(-1, self.bands)
 
     def stack_ends(self, most: int) -> tuple[IntArray, FloatArray, FloatArray]:
         """Return what bodies do at the end of each link as arrays with room for ``most`` outlets.
