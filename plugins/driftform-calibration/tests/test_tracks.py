@@ -183,6 +183,15 @@ def test_frames_need_their_rate(tmp_path):
     with pytest.raises(InputError, match="has frames and no times; give --fps"):
         read_track(path, BODY, Reading())
     assert read_track(path, BODY, Reading(fps=60.0)).t == pytest.approx(t)
+    path = write_csv(tmp_path / "film.csv", np.arange(40), points)
+    assert read_track(path, BODY, Reading(fps=60.0)).t == pytest.approx(t), "a column t may count frames"
+
+
+def test_time_stamps_count_from_the_first(tmp_path):
+    t, points = fall(150)
+    path = write_csv(tmp_path / "film.csv", np.round(1764320000 + t, 6), points)
+    found = read_track(path, BODY, Reading())
+    assert found.notes == () and found.t == pytest.approx(t, abs=2e-6)
 
 
 def test_the_ends_of_the_body_are_known_and_other_points_must_be_placed(tmp_path):

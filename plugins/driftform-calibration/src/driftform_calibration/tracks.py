@@ -81,8 +81,7 @@ class Track:
 
     def cut(self, end: float) -> "Track":
         """Return the track up to the time ``end``, s."""
-        lost = tuple(t for t in self.lost if t <= end)
-        return replace(_pick_rows(self, np.flatnonzero(self.t <= end)), lost=lost)
+        return replace(_pick_rows(self, np.flatnonzero(self.t <= end)), lost=tuple(t for t in self.lost if t <= end))
 
     @property
     def is_spatial(self) -> bool:
@@ -128,7 +127,9 @@ def read_track(path: Path, body: Body, reading: Reading) -> Track:
     markers = _name_markers(path, table, body, reading)
     if table.is_frames and reading.fps is None:
         raise InputError(f"{path}: has frames and no times; give --fps, the frames per second")
-    t = np.asarray(table.t / reading.fps) if table.is_frames and reading.fps else table.t
+    counts = table.is_frames or bool((np.diff(table.t) == 1.0).all())
+    t = np.asarray(table.t / reading.fps) if counts and reading.fps else table.t
+    t = t - np.nanmin(t) if np.nanmin(t) > 1e6 else t  # Time stamps have few digits left for the motion.
     down = table.is_image or reading.scale is not None if reading.y_down is None else reading.y_down
     notes = list(table.notes)
     if down and reading.y_down is None:
@@ -204,9 +205,8 @@ def _name_markers(path: Path, table: TrackTable, body: Body, reading: Reading) -
     if not found and len(table.points) == 1:
         return dict.fromkeys(table.points, 0.0)
     if not found:
-        names = ", ".join(table.points)
         raise InputError(
-            f"{path}: has the points {names}; say where on the axis they are, such as --point "
+            f"{path}: has the points {', '.join(table.points)}; say where on the axis they are, such as --point "
             f"{next(iter(table.points))}=0.01 (m from the core's centre, fore positive)"
         )
     return found
