@@ -37,6 +37,13 @@ def test_it_finds_what_a_search_through_all_flights_finds(call, run_copy: Path, 
     assert told["point"] == [4.2, 0.0, -0.35]
 
 
+def test_at_a_target_it_finds_the_best_for_that_target(call, run_copy: Path, finished_run) -> None:
+    told = json.loads(finished_run[1].stdout)["targets"]["TP7"]
+    picked = json.loads(call("pick", run_copy, "5.5", "0.0", "-0.4", "--json").stdout)
+    assert picked["distance"] == pytest.approx(told["distance"], abs=1e-9)
+    assert StoredAgent.read(Path(picked["agent"])).genome == StoredAgent.read(run_copy / "best/TP7/agent.json").genome
+
+
 def test_the_agent_serves_other_commands_and_flies_past_the_point_again(call, run_copy: Path) -> None:
     picked = json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout)
     place = ", ".join(ANYWHERE).replace("0,", "0.0,")

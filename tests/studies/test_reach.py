@@ -3,6 +3,7 @@
 ``FLIGHTS=2000 pytest -m slow -s tests/studies/test_reach.py`` takes fewer than the page tells of.
 """
 
+import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -135,3 +136,12 @@ def test_ribs_reaches_what_any_strategy_ever_reached_and_points_that_were_no_tar
         if run.strategy == "ribs":
             assert np.count_nonzero(run.reach.reached) >= 0.95 * everything
             assert run.near >= 90
+
+
+def test_pick_finds_the_flight_that_a_search_through_all_of_them_finds(runs: list[Lit], call) -> None:
+    run = runs[0]
+    scenario = load_study("paper", run={"seed": 0}).scenario
+    for (x, y, z), expected in list(zip(random_points(scenario), run.distances, strict=True))[:3]:
+        result = call("pick", run.directory, float(x), float(y), float(z), "--json")
+        assert result.exit_code == 0, result.output
+        assert json.loads(result.stdout)["distance"] == pytest.approx(expected, abs=1e-12)
