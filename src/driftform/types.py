@@ -523,7 +523,7 @@ class Evaluation:
         failure: the reason of the failure in one line, ``None`` for a successful evaluation.
         seconds: duration of the evaluation, s.
         offsets: vector from each target to the closest approach, m, (targets, 3), NaN where the flight failed before,
-            in place of the trajectory of a flight whose trajectory is not kept; otherwise ``None``.
+            of a flight of a run, whose trajectory is compressed or, if it was disturbed, not kept; otherwise ``None``.
     """
 
     genome: Genome

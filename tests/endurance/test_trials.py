@@ -81,7 +81,8 @@ def test_a_run_that_is_killed_a_hundred_times_loses_no_row_that_was_shown(
     start: Start, run: Program, rows: Rows, tmp_path: Path, count_of: Count, show_row: ShowRow
 ) -> None:
     kills, dice = count_of("KILLS", 100), random.Random(1)
-    study = (*STUDY, "--evaluations", 8 * kills)
+    # Half a second of flights is written at once, which are 25.
+    study = (*STUDY, "--evaluations", 60 * kills)
     stored, early = set[Row](), 0
     for number in range(kills):
         words = ("resume", "run") if (tmp_path / "run" / "resolved.toml").exists() else (*study, *PAUSE)

@@ -114,7 +114,7 @@ def test_a_run_whose_directory_goes_away_stops_and_says_so(
     tmp_path: Path, rows: Rows, deed: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # So that the first are written before the directory goes away.
-    monkeypatch.setattr("driftform.search.loop.UNWRITTEN_S", 0.0)
+    monkeypatch.setattr("driftform.search.journal.UNWRITTEN_S", 0.0)
     study = load_study(
         None, use={"simulator": "fake", "strategy": "paper"}, targets=["TP1"], run={"seed": 1, "evaluations": 40}
     )

@@ -201,9 +201,8 @@ def test_one_that_is_best_undisturbed_loses_to_one_that_can_be_relied_on(store: 
     favourite = store.find_best("TP2")
     assert favourite is not None
     other = next(i for i in range(8) if i != favourite[0])
-    fickle = [99.0, 99.0, 10.0, 10.0]
-    store.add_disturbed([scored(other, c, 70.0) for c in range(4)], ("TP2", "TP6"))
-    store.add_disturbed([scored(favourite[0], c, fickle[c]) for c in range(4)], ("TP2", "TP6"))
+    flights = {other: [70.0] * 4, favourite[0]: [99.0, 99.0, 10.0, 10.0]}
+    store.add([], ("TP2", "TP6"), [scored(index, c, at[c]) for index, at in flights.items() for c in range(4)])
     found = find_winner(study, store, "TP2")
     assert found is not None
     assert (found.index, found.score) == (other, 70.0)
@@ -215,24 +214,22 @@ def test_of_finalists_that_do_equally_well_the_lightest_print_wins(store: Store)
     masses = weigh_prints(study_of(), store)
     heavy, light, lightest = sorted(range(8), key=lambda index: -masses[index])[-3:]
     for index, score in ((heavy, 90.0), (light, 89.6), (lightest, 89.4)):
-        store.add_disturbed([scored(index, c, score) for c in range(4)], ("TP2", "TP6"))
+        store.add([], ("TP2", "TP6"), [scored(index, c, score) for c in range(4)])
     found = find_winner(study_of(), store, "TP2")
     assert found is not None and found.index == light
     # What has flown under the conditions of the promise stays chosen.
-    store.add_disturbed([scored(heavy, c, 90.0) for c in range(4, 13)], ("TP2", "TP6"))
+    store.add([], ("TP2", "TP6"), [scored(heavy, c, 90.0) for c in range(4, 13)])
     found = find_winner(study_of(), store, "TP2")
     assert found is not None and found.index == heavy
 
 
 def test_a_finalist_whose_round_was_interrupted_does_not_win_yet(store: Store) -> None:
-    store.add_disturbed([scored(0, c, 100.0) for c in range(3)], ("TP2", "TP6"))
+    store.add([], ("TP2", "TP6"), [scored(0, c, 100.0) for c in range(3)])
     assert find_winner(study_of(), store, "TP2") is None
     best = find_best_agent(study_of(), store, "TP2")
     assert best is not None and "robust" not in best.result and best.result["p90"] is None
-
-
-def test_a_winner_whose_flights_were_interrupted_promises_nothing_yet(store: Store) -> None:
-    store.add_disturbed([scored(0, c, 100.0) for c in range(6)], ("TP2", "TP6"))
+    # One whose flights under the conditions of the promise were interrupted promises nothing yet.
+    store.add([], ("TP2", "TP6"), [scored(0, c, 100.0) for c in range(3, 6)])
     best = find_best_agent(study_of(), store, "TP2")
     assert best is not None
     assert best.result["evaluation"] == 0 and best.result["median"] is None and best.result["p90"] is None

@@ -13,7 +13,8 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.pipeline import MARGIN
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
-from driftform.search.jobs import UNWRITTEN_S, Job, Outcome
+from driftform.search.jobs import Job, Outcome
+from driftform.search.journal import UNWRITTEN_S
 from driftform.search.local import InProcess
 from driftform.search.loop import BestFitness, run_search
 from driftform.search.results import write_results

@@ -10,6 +10,7 @@ import pytest
 from driftform.runs.store import Record, Store
 from driftform.search.finalists import fly_finalists
 from driftform.search.jobs import Job
+from driftform.search.journal import Journal
 from driftform.search.local import InProcess
 from driftform.search.loop import run_search
 from driftform.search.survey import Survey, read_scores
@@ -47,7 +48,8 @@ def fly_batch(study: Study, store: Store, candidates: list[Candidate]) -> tuple[
     flown = dict(chain.from_iterable(executor.evaluate(jobs)))
     flights = [flown[i] for i in range(len(candidates))]
     store.add([Record(i, c, e, 0) for i, (c, e) in enumerate(zip(candidates, flights, strict=True))], TARGETS)
-    return flights, Survey(study).fly(store, executor, 0, candidates, flights)
+    with Journal(store, TARGETS) as journal:
+        return flights, Survey(study, journal, executor).fly(0, candidates, flights)
 
 
 def mean_of(flight: Evaluation, flown: FloatArray) -> FloatArray:
@@ -57,8 +59,7 @@ def mean_of(flight: Evaluation, flown: FloatArray) -> FloatArray:
 
 def disturbed(store: Store, index: int) -> FloatArray:
     """Fitness of the disturbed flights of an evaluation, (flights, targets)."""
-    flown = [store.read_disturbed(target).get(index, {}) for target in TARGETS]
-    return np.array([[column[number] for column in flown] for number in sorted(flown[0])])
+    return np.array(list(store.read_flights(TARGETS, index, index + 1).values()))
 
 
 def test_a_strategy_receives_the_mean_of_all_flights_where_it_matters(store: Store) -> None:
@@ -75,13 +76,15 @@ def test_a_strategy_receives_the_mean_of_all_flights_where_it_matters(store: Sto
 
 def test_an_agent_that_falls_behind_the_best_under_the_same_conditions_flies_no_more(store: Store) -> None:
     study = study_of("robustness.survey=8", "robustness.conditions=8", "robustness.finalists=1")
-    executor, survey = InProcess(study.make_pipeline()), Survey(study)
+    executor = InProcess(study.make_pipeline())
     candidates = candidates_of(study, [(-1.0, 100.0)] * 6)
     jobs = [Job(number, candidate.genome) for number, candidate in enumerate(candidates)]
     flown = dict(chain.from_iterable(executor.evaluate(jobs)))
     store.add([Record(i, c, flown[i], 0) for i, c in enumerate(candidates)], TARGETS)
-    for index, candidate in enumerate(candidates):
-        survey.fly(store, executor, index, [candidate], [flown[index]])
+    with Journal(store, TARGETS) as journal:
+        survey = Survey(study, journal, executor)
+        for index, candidate in enumerate(candidates):
+            survey.fly(index, [candidate], [flown[index]])
     flights = [disturbed(store, index) for index in range(6)]
 
     def mean(index: int, stage: int) -> float:

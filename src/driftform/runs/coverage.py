@@ -311,13 +311,7 @@ def map_coverage(flights: Iterable[tuple[int, Trajectory]], cells: PipeGrid) -> 
 
 @dataclass(frozen=True)
 class ClosestPass:
-    """The closest pass of a flight by a point.
-
-    Attributes:
-        evaluation: index of the flight's evaluation.
-        distance, t: distance from the point, m, and time, s.
-        checked: whether the error of the flight was estimated.
-    """
+    """The closest pass of an evaluation's flight by a point: distance, m, time, s, and whether the flight's error was estimated."""
 
     evaluation: int
     distance: float

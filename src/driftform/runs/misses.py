@@ -18,13 +18,7 @@ MIN_FLIGHTS = 20
 
 @dataclass(frozen=True)
 class Quantity:
-    """A disturbed quantity.
-
-    Attributes:
-        name: for people.
-        advice: what reduces its effect.
-        fields: of a condition: its deviations.
-    """
+    """A disturbed quantity: its name, what reduces its effect, and its fields of a condition."""
 
     name: str
     advice: str

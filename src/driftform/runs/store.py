@@ -48,9 +48,6 @@ _TABLES = {statement.split()[2]: _normalise(statement) for statement in _SCHEMA.
 _HEADER = 100
 """Bytes that every SQLite file begins with."""
 
-_MAX_INTEGER = 2**63 - 1
-"""Integer of SQLite."""
-
 _MAX_ROW_BYTES = MAX_FLIGHT_BYTES + (1 << 20)
 """Largest row that is written or read, bytes: SQLite refuses a larger one before it takes memory."""
 
@@ -64,14 +61,7 @@ _NEXT_STEP = "restore a copy of it, or start a new run"
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One stored evaluation.
-
-    Attributes:
-        index: in the run, from 0.
-        candidate: as the strategy asked for it.
-        evaluation: its outcome.
-        seed: of its random parts.
-    """
+    """One stored evaluation: its index in the run, its candidate as the strategy asked for it, its outcome, and the seed of its gusts."""
 
     index: int
     candidate: Candidate
@@ -83,12 +73,7 @@ class Record:
 class EvaluationSummary:
     """A stored evaluation without its genome and flight.
 
-    Attributes:
-        index: in the run, from 0.
-        generation: from 0.
-        population: target that its population works for, ``""`` for all.
-        failure: why it has no flight that counts, ``None`` if it has one.
-        fitness: for each target, %.
+    ``population`` is the target that its population works for, ``""`` for all; ``failure`` says why it has no flight that counts.
     """
 
     index: int
@@ -268,33 +253,26 @@ class Store:
                 "resume it where it is now, with all evaluations that were shown"
             )
 
-    def add(self, records: Sequence[Record], targets: Sequence[str]) -> None:
-        """Write evaluations, all or none; when this returns they survive a crash.
+    def add(self, records: Sequence[Record], targets: Sequence[str], flights: Sequence[DisturbedResult] = ()) -> None:
+        """Write evaluations and disturbed flights, all or none; when this returns they survive a crash.
 
         Raises WorkFailedError if they cannot be written.
         """
         self.check_place()
         # One fsync for all of them: on a disk that makes each wait 4 ms it is what a write costs.
-        with self._writing(f"evaluations {records[0].index} to {records[-1].index}"):
+        with self._writing("evaluations"):
             for record in records:
                 fitness = zip(targets, record.evaluation.fitness.tolist(), strict=True)
                 scores = [(record.index, target, value) for target, value in fitness]
                 with self._naming(f"evaluation {record.index}"):
                     self._connection.execute(_INSERT, _row(record))
                     self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", scores)
-
-    def add_disturbed(self, flights: Sequence[DisturbedResult], targets: Sequence[str]) -> None:
-        """Write the results of flights under disturbed conditions, all or none; as :meth:`add` writes evaluations."""
-        if not flights:
-            return
-        self.check_place()
-        rows = [
-            (flight.evaluation, flight.condition, target, value, *offset, flight.failure)
-            for flight in flights
-            # SQLite stores NaN as NULL.
-            for target, value, offset in zip(targets, flight.fitness.tolist(), flight.offsets.tolist(), strict=True)
-        ]
-        with self._writing("disturbed flights"):
+            rows = [
+                (flight.evaluation, flight.condition, target, value, *offset, flight.failure)
+                for flight in flights
+                # SQLite stores NaN as NULL.
+                for target, value, offset in zip(targets, flight.fitness.tolist(), flight.offsets.tolist(), strict=True)
+            ]
             self._connection.executemany("INSERT INTO disturbed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", rows)
 
     def list_disturbed(self) -> set[tuple[int, int]]:
@@ -316,6 +294,17 @@ class Store:
             for index, condition, fitness, failed in self._connection.execute(query, (target, first, end)):
                 found.setdefault(index, {})[condition] = nan if failed else float(fitness)
         return found
+
+    def read_flights(
+        self, targets: Sequence[str], first: int = 0, end: int = MAX_INDEX
+    ) -> dict[tuple[int, int], FloatArray]:
+        """Return what :meth:`read_disturbed` does for some targets, (targets,), by pairs of evaluation and condition."""
+        columns = [self.read_disturbed(target, first, end) for target in targets]
+        return {
+            (index, number): np.array([column[index][number] for column in columns])
+            for index, flights in columns[0].items()
+            for number in flights
+        }
 
     def read_offsets(self, target: str, evaluation: int) -> dict[int, FloatArray]:
         """Return the offset (m, (3,)) of every disturbed flight of an evaluation, by condition.
@@ -377,7 +366,7 @@ class Store:
     def read_records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
         """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
         # An end in any case: without one, SQLite would read all that follows, to leave it out.
-        end = first + count if count >= 0 else _MAX_INTEGER
+        end = first + count if count >= 0 else MAX_INDEX
         query = "SELECT * FROM evaluation WHERE id >= ? AND id < ? ORDER BY id"
         with self._reading(), closing(self._connection.execute(query, (first, end))) as rows:
             for row in rows:

@@ -37,14 +37,7 @@ NOISY_LOGGERS = ("distributed", "tornado", "asyncio", "bokeh")
 
 
 class Cluster(PoolExecutor):
-    """Evaluates on the workers of a Dask cluster.
-
-    Args:
-        document: of the study.
-        client: of the cluster.
-        where: the cluster, in messages.
-        local: the cluster itself, if it ends with this executor.
-    """
+    """Evaluates on the workers of a Dask cluster; ``where`` names it, and ``local`` is a cluster that ends with this executor."""
 
     def __init__(self, document: Mapping[str, Any], client: Any, where: str, local: Any = None) -> None:
         super().__init__(document)

@@ -1,17 +1,17 @@
 """Flights of evaluations under disturbed conditions: each is flown once, and stored as it arrives."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from driftform.agent.plain import PlainBody
 from driftform.motion.path.targets import find_offsets
-from driftform.runs.store import DisturbedResult, Store
-from driftform.search.jobs import UNWRITTEN_S, Executor, Job
+from driftform.runs.store import DisturbedResult
+from driftform.search.jobs import Executor, Job
+from driftform.search.journal import Journal
 from driftform.study import Study
-from driftform.types import BoolArray
+from driftform.types import BoolArray, FloatArray, Genome
 from driftform.util.latest import keep_latest
 from driftform.water.disturbances import FLOWN, Condition, Specimen, draw_conditions, know_gusts
 from driftform.water.scenario import evaluation_seed
@@ -49,32 +49,29 @@ def draw_baseline(study: Study, target: int, plain: PlainBody) -> dict[int, Cond
 
 def fly_disturbed(
     study: Study,
-    store: Store,
+    journal: Journal,
     executor: Executor,
     conditions: Sequence[Condition] | Mapping[int, Condition],
-    flights: Iterable[tuple[int, int]],
+    genomes: Mapping[int, Genome],
+    pairs: Sequence[tuple[int, int]],
     on_flights: Callable[[int], None] = lambda _: None,
     threshold: tuple[float, ...] | None = None,
     wanted: Mapping[int, BoolArray] | None = None,
-) -> int:
-    """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs.
+) -> dict[tuple[int, int], FloatArray]:
+    """Fly each pair of an evaluation and a condition that is not stored; return the fitness (%) of all, (targets,), NaN for none.
 
     Args:
+        journal: takes the flights.
         conditions: by number; a pair holds that of one.
-        flights: pairs of an evaluation and a condition.
+        genomes: by evaluation.
         on_flights: called with the number of pairs that are done.
-        threshold: that of :class:`driftform.search.Job`.
+        threshold: that of :class:`driftform.search.jobs.Job`.
         wanted: for which targets the flights of an evaluation are, (targets,); all if it is not given. For another target
             they are stored as flights that say nothing, without an offset.
     """
-    targets = study.scenario.target_names
-    pairs = list(flights)
-    indices = {index for index, _ in pairs}
-    # A flight has a result for each target.
-    flown = store.read_disturbed(targets[0], min(indices, default=0), max(indices, default=-1) + 1)
-    missing = [(index, condition) for index, condition in pairs if condition not in flown.get(index, ())]
-    genomes = {index: store.read_genome(index) for index in {index for index, _ in missing}}
-    flown_for = {index: np.ones(len(targets), bool) if wanted is None else wanted[index] for index in genomes}
+    fitness = journal.read_flights(genomes)
+    missing = [pair for pair in pairs if pair not in fitness]
+    flown_for = wanted or dict.fromkeys(genomes, np.ones(len(study.scenario.targets), bool))
     jobs = [
         Job(
             number,
@@ -88,20 +85,13 @@ def fly_disturbed(
     ]
     count = len(pairs) - len(missing)
     on_flights(count)
-    unwritten, seconds = list[DisturbedResult](), 0.0
-    with ExitStack() as at_end:
-        # Also where the run is interrupted.
-        at_end.callback(lambda: store.add_disturbed(unwritten, targets))
-        for arrived in executor.evaluate(jobs):
-            for number, evaluation in arrived:
-                index, condition = missing[number]
-                at, offsets = flown_for[index], find_offsets(evaluation, study.scenario)
-                fitness, offsets = np.where(at, evaluation.fitness, 0.0), np.where(at[:, None], offsets, np.nan)
-                unwritten.append(DisturbedResult(index, condition, fitness, offsets, evaluation.failure))
-                seconds += evaluation.seconds
-            if seconds > UNWRITTEN_S:
-                store.add_disturbed(unwritten, targets)
-                unwritten, seconds = [], 0.0
-            count += len(arrived)
-            on_flights(count)
-    return len(pairs)
+    for arrived in executor.evaluate(jobs):
+        for number, evaluation in arrived:
+            index, condition = missing[number]
+            at, offsets = flown_for[index], find_offsets(evaluation, study.scenario)
+            found, offsets = np.where(at, evaluation.fitness, 0.0), np.where(at[:, None], offsets, np.nan)
+            journal.add(DisturbedResult(index, condition, found, offsets, evaluation.failure), evaluation.seconds)
+            fitness[index, condition] = np.where(np.isnan(offsets[:, 0]), np.nan, found)
+        count += len(arrived)
+        on_flights(count)
+    return fitness

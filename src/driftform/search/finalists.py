@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import partial
 from math import ceil, inf, isnan, nan
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -23,9 +23,10 @@ from driftform.runs.wording import describe_result, name_verdict
 from driftform.search.baseline import Aim, read_baselines, tune_baselines, write_baselines
 from driftform.search.disturbed import draw_baseline, draw_rounds, fly_disturbed
 from driftform.search.jobs import Executor
-from driftform.search.survey import read_flights, read_scores
+from driftform.search.journal import Journal
+from driftform.search.survey import read_scores
 from driftform.study import Study
-from driftform.types import BoolArray, FloatArray, Verdict
+from driftform.types import BoolArray, FloatArray, Genome, Verdict
 from driftform.water.disturbances import FLOWN, Specimen
 from driftform.water.scenario import Robustness
 
@@ -56,26 +57,37 @@ def fly_finalists(
     conditions = draw_rounds(study)
     to_come = min(len(finalists), len(targets)) * (len(conditions) - robustness.conditions)
     to_come += len(targets) * robustness.checks
-    fly = partial(fly_disturbed, study, store, executor, conditions)
-    done = _race(study, store, fly, finalists, scores, lambda count, left: on_flights(count, left + to_come))
-    won = [None if (winner := find_winner(study, store, t)) is None else winner.index for t in targets]
-    winners = {index: np.array([index == of for of in won]) for index in won if index is not None}
-    numbers = range(robustness.conditions, len(conditions))
-    checked = [(index, number) for index in sorted(winners) for number in numbers]
-    total = done + len(checked) + robustness.checks * sum(index is not None for index in won)
-    fly(checked, lambda count: on_flights(done + count, total), wanted=winners)
-    _fly_baselines(study, store, executor, won, lambda count: on_flights(done + len(checked) + count, total))
+    genomes = {index: store.read_genome(index) for index in finalists}
+    with Journal(store, targets) as journal:
+        fly = partial(fly_disturbed, study, journal, executor, conditions, genomes)
+        done = _race(study, fly, finalists, scores, lambda count, left: on_flights(count, left + to_come))
+        journal.write()
+        won = [None if (winner := find_winner(study, store, t)) is None else winner.index for t in targets]
+        winners = {index: np.array([index == of for of in won]) for index in won if index is not None}
+        # One that the survey flew under all conditions may win without being a finalist.
+        genomes |= {index: store.read_genome(index) for index in winners}
+        numbers = range(robustness.conditions, len(conditions))
+        checked = [(index, number) for index in sorted(winners) for number in numbers]
+        total = done + len(checked) + robustness.checks * sum(index is not None for index in won)
+        fly(checked, lambda count: on_flights(done + count, total), wanted=winners)
+        done += len(checked)
+        _fly_baselines(study, store, journal, executor, genomes, won, lambda count: on_flights(done + count, total))
 
 
 def _fly_baselines(
-    study: Study, store: Store, executor: Executor, won: Sequence[int | None], on_flights: Callable[[int], None]
+    study: Study,
+    store: Store,
+    journal: Journal,
+    executor: Executor,
+    genomes: Mapping[int, Genome],
+    won: Sequence[int | None],
+    on_flights: Callable[[int], None],
 ) -> None:
     """Tune the baseline of each target, and fly it in place of the winner; on_flights is called with the flights that are done."""
     targets, baselines, done = study.scenario.target_names, read_baselines(store), 0
     missing = [(t, index) for t, index in enumerate(won) if index is not None and (t, index) not in baselines]
     if missing:
         pipeline = study.make_pipeline()
-        genomes = {index: store.read_genome(index) for _, index in missing}
         aims = [Aim(target, genomes[index], pipeline.make_agent(genomes[index]).body) for target, index in missing]
         tuned = tune_baselines(study, executor, aims)
         baselines |= {(t, index): tuned[t] for t, index in missing if t in tuned}
@@ -86,7 +98,8 @@ def _fly_baselines(
         if (target, index) in baselines:
             conditions = draw_baseline(study, target, baselines[target, index])
             flights, for_target = [(index, number) for number in conditions], {index: np.arange(len(targets)) == target}
-            fly_disturbed(study, store, executor, conditions, flights, wanted=for_target)
+            genome = {index: genomes[index]}
+            fly_disturbed(study, journal, executor, conditions, genome, flights, wanted=for_target)
         done += study.scenario.robustness.checks
         on_flights(done)
 
@@ -113,8 +126,7 @@ def choose_finalists(fitness: FloatArray, count: int, eligible: BoolArray) -> li
 
 def _race(
     study: Study,
-    store: Store,
-    fly: Callable[..., int],
+    fly: Callable[..., Mapping[tuple[int, int], FloatArray]],
     finalists: Mapping[int, BoolArray],
     scores: Mapping[int, FloatArray],
     on_flights: Callable[[int, int], None],
@@ -130,23 +142,19 @@ def _race(
         on_flights: called with the number of flights that are done, and an upper bound of their total.
     """
     robustness, targets = study.scenario.robustness, study.scenario.target_names
-    count, done = robustness.conditions, 0
+    count, done, flown = robustness.conditions, 0, dict[tuple[int, int], FloatArray]()
+    perfect = np.full((count, len(targets)), 100.0)
     # The error of an unchecked flight is far below the differences that decide; what is promised is checked.
     unchecked = (inf,) * len(targets)
 
     def fly_on(indices: Sequence[int], first: int, end: int, later: int) -> int:
         pairs = [(index, number) for index in indices for number in range(first, end)]
-        bound = done + len(pairs) + later
-        return done + fly(pairs, lambda flown: on_flights(done + flown, bound), unchecked, finalists)
+        after = done + len(pairs)
+        flown.update(fly(pairs, lambda flights: on_flights(done + flights, after + later), unchecked, finalists))
+        return after
 
-    def find_bounds(flown: int) -> dict[int, FloatArray]:
-        flights = read_flights(store, targets, flown, min(finalists), max(finalists) + 1)
-        perfect = np.full((count - flown, len(targets)), 100.0)
-        return {
-            index: robust_fitness(np.vstack([flights[index], perfect]), robustness)
-            for index in finalists
-            if index in flights
-        }
+    def bound(index: int, end: int) -> FloatArray:
+        return robust_fitness(np.vstack([*(flown[index, at] for at in range(end)), perfect[end:]]), robustness)
 
     leaders = [
         max((index for index, may in finalists.items() if may[number]), key=lambda index: scores[index][number])
@@ -154,21 +162,16 @@ def _race(
     ]
     racing = sorted(set(finalists).difference(leaders))
     done = fly_on(sorted(set(leaders)), 0, count, len(racing) * count)
-    reached = find_bounds(count)
-    bars = lower_bar(np.array([reached[leader][number] for number, leader in enumerate(leaders)]))
+    bars = lower_bar(np.array([bound(leader, count)[number] for number, leader in enumerate(leaders)]))
     for first in range(0, count, ROUND):
         end = min(first + ROUND, count)
         done = fly_on(racing, first, end, len(racing) * (count - end))
-        bounds = find_bounds(end)
-        racing = [index for index in racing if (bounds[index] >= bars)[finalists[index]].any()]
+        racing = [index for index in racing if (bound(index, end) >= bars)[finalists[index]].any()]
     return done
 
 
-Score = TypeVar("Score", float, FloatArray)
-
-
-def lower_bar(best: Score) -> Score:
-    """Return the least score (%) that is equal to the best."""
+def lower_bar(best: Any) -> Any:
+    """Return the least score (%) that is equal to the best, a number or an array."""
     return best - EQUAL * (100.0 - best)
 
 

@@ -3,13 +3,15 @@
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from driftform.errors import WorkFailedError, describe_error
+from driftform.interfaces import Begin
 from driftform.pipeline import Pipeline
 from driftform.runs.compression import compress_evaluation
 from driftform.types import Evaluation, Genome
@@ -19,7 +21,7 @@ from driftform.water.disturbances import Condition, draw_conditions
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Job:
     """One genome to evaluate.
 
@@ -60,10 +62,11 @@ class Executor(Protocol):
         Raises FunctionDiedError if one of them ends its process.
         """
 
-    def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
-        """Begin a call of a function with the study's grammar, its builder and arguments; return a function that waits for its result.
+    @property
+    def begin(self) -> Begin | None:
+        """What begins a call in a worker for :meth:`driftform.interfaces.SearchSpace.begin`; ``None`` without workers.
 
-        All must be picklable. What the function raises, the waiting raises.
+        What the function raises, the waiting raises.
         """
 
 
@@ -88,13 +91,6 @@ MIN_TASK_S = 0.005
 
 MAX_TASK_S = 1.0
 """Longest duration of a task of several genomes, s: the work that a crash repeats."""
-
-
-UNWRITTEN_S = 0.5
-"""Most time that flights took which are not written yet, s: a kill repeats that much work.
-
-A disk takes milliseconds to keep what is written, as long as some flights take, whether one or many are written.
-"""
 
 
 class WorkersLostError(WorkFailedError):
@@ -134,7 +130,7 @@ class FunctionDiedError(WorkFailedError):
 def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
     """Evaluate the genomes of one task.
 
-    Trajectories are compressed as a run stores them. Of a disturbed flight a run stores no more than how far it passes the targets.
+    Trajectories are compressed as a run stores them. Of a disturbed flight a run stores no more than its offsets from the targets.
     """
     evaluations = pipeline.evaluate(
         [job.genome for job in batch],
@@ -162,14 +158,17 @@ def rehearse(pipeline: Pipeline) -> None:
 
 
 def _reduce(evaluation: Evaluation, job: Job, scenario: Scenario) -> Evaluation:
-    """Return what a run stores of an evaluation."""
-    if job.condition is not None:
-        # Imported here: it loads the compiler.
-        from driftform.motion.path.targets import find_offsets
+    """Return what a run stores of an evaluation, and how it passes the targets, which the coordinator need not find."""
+    # Imported here: it loads the compiler.
+    from driftform.motion.path.targets import find_offsets
 
+    if job.condition is not None:
         return replace(evaluation, offsets=find_offsets(evaluation, scenario), trajectory=None)
     try:
-        return compress_evaluation(evaluation)
+        compressed = compress_evaluation(evaluation)
+        # Of the samples as they are read back, so that a strategy receives the same live and resumed. They stay in the copy.
+        offsets = find_offsets(replace(compressed, trajectory=copy(compressed.trajectory)), scenario)
+        return replace(compressed, offsets=offsets)
     except ValueError as error:
         failed = Evaluation.failed(evaluation.genome, len(evaluation.fitness), describe_error(error))
         return replace(failed, seconds=evaluation.seconds)

@@ -27,6 +27,8 @@ from driftform.util.files import keep_directory
 class InProcess:
     """Evaluates in this process, one task at a time: for a few genomes, and for debugging."""
 
+    begin = None
+
     def __init__(self, pipeline: Pipeline) -> None:
         self._pipeline = pipeline
         self._seconds: float | None = None
@@ -46,12 +48,6 @@ class InProcess:
         with keep_directory():
             return [function() for function in functions]
 
-    def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
-        """Call a function with the study's grammar, its builder and arguments, and return what returns its result."""
-        with keep_directory():
-            result = function(self._pipeline.grammar, self._pipeline.builder, *args)
-        return lambda: result
-
     def close(self) -> None:
         """Do nothing: there are no workers to stop."""
 
@@ -70,7 +66,7 @@ class LocalProcesses(PoolExecutor):
             process.start(partial(prepare, rehearses=number == 0))
 
     def _submit(self, function: Callable[[], T]) -> "Future[T]":
-        return min(self._processes, key=lambda process: process.tasks).start(function)
+        return min(self._processes, key=lambda process: process.worker.tasks if process.worker else 0).start(function)
 
     def call(self, functions: "Sequence[Callable[[], T]]") -> list[T]:
         """Call functions in the worker processes, in turn, and return what they return, in their order.

@@ -3,7 +3,6 @@
 import logging
 from collections import deque
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, field
 from itertools import chain, repeat
 from typing import Any
@@ -15,8 +14,9 @@ from driftform.interfaces import Strategy
 from driftform.plugins.faults import report_faults
 from driftform.plugins.seams import require_candidates
 from driftform.runs.store import Record, Store
-from driftform.search.jobs import UNWRITTEN_S, Executor, Job
-from driftform.search.survey import Survey, count_survey
+from driftform.search.jobs import Executor, Job
+from driftform.search.journal import Journal
+from driftform.search.survey import Survey
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation
 from driftform.util.files import keep_directory
@@ -37,21 +37,6 @@ class _Batch:
     seeds: Sequence[int]
     outcomes: dict[int, Evaluation] = field(default_factory=dict)
 
-    def add(self, index: int, evaluation: Evaluation) -> Record:
-        """Take the outcome of one of the candidates; return what is stored of it."""
-        number = index - self.first
-        self.outcomes[index] = evaluation
-        return Record(index, self.candidates[number], evaluation, self.seeds[number])
-
-    @property
-    def is_complete(self) -> bool:
-        return len(self.outcomes) == len(self.candidates)
-
-    @property
-    def ordered(self) -> list[Evaluation]:
-        """The outcomes in the order of the candidates."""
-        return [self.outcomes[index] for index in range(self.first, self.first + len(self.candidates))]
-
 
 @report_faults()
 def run_search(
@@ -71,17 +56,15 @@ def run_search(
     """
     strategy, targets = study.make_strategy(executor.begin), study.scenario.target_names
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
-    survey, waiting = Survey(study), deque[Job]()
+    waiting = deque[Job]()
     # What is added while outcomes arrive is evaluated too; the next is asked for only if there is one.
     arrivals = chain.from_iterable(executor.evaluate(waiting) for _ in repeat(None))
     batches: deque[_Batch] = deque()
     asked = told = 0
     # No other process writes meanwhile: beyond what is stored now there is nothing to read.
     stored = store.last_index() + 1
-    journal = _Journal(store, targets, on_record)
-    with ExitStack() as at_end:
-        # Also where the search is interrupted.
-        at_end.callback(journal.write)
+    with Journal(store, targets, on_record) as journal:
+        survey = Survey(study, journal, executor)
         while told < study.evaluations:
             # The order of these calls depends on no time: with any workers, and after an interruption, it is the same.
             while asked < study.evaluations and (not batches or (len(batches) <= AHEAD and strategy.can_ask_ahead())):
@@ -102,46 +85,20 @@ def run_search(
                 )
                 batches.append(batch)
                 asked += len(batch.candidates)
-            while not batches[0].is_complete:
+            while len(batches[0].outcomes) < len(batches[0].candidates):
                 for index, evaluation in next(arrivals):
                     batch = next(batch for batch in reversed(batches) if batch.first <= index)
-                    journal.add(batch.add(index, evaluation))
-            batch = batches[0]
-            if len(batches) == 1 or count_survey(study.scenario.robustness):
-                # Nothing is flown meanwhile, or the survey reads them.
-                journal.write()
-            outcomes = survey.fly(store, executor, told, batch.candidates, batch.ordered)
+                    number, batch.outcomes[index] = index - batch.first, evaluation
+                    record = Record(index, batch.candidates[number], evaluation, batch.seeds[number])
+                    journal.add(record, evaluation.seconds)
+            batch = batches.popleft()
+            ordered = [evaluation for _, evaluation in sorted(batch.outcomes.items())]
+            outcomes = survey.fly(told, batch.candidates, ordered)
             with keep_directory():
                 strategy.tell(told, outcomes)
-            best.add(batch.ordered)
-            batches.popleft()
+            best.add(ordered)
             told += len(batch.candidates)
             _log.debug("%d of %d evaluations", told, study.evaluations)
-
-
-class _Journal:
-    """New evaluations on their way into the store, in the order in which they arrive.
-
-    What a strategy has learned from is therefore never missing where something that it asked for later is stored.
-    """
-
-    def __init__(self, store: Store, targets: Sequence[str], on_record: Callable[[Record], None]) -> None:
-        self._store, self._targets, self._on_record = store, targets, on_record
-        self._unwritten: list[Record] = []
-
-    def add(self, record: Record) -> None:
-        """Take an evaluation; write it, with those before it, if they took longer than :data:`UNWRITTEN_S`."""
-        self._unwritten.append(record)
-        if sum(record.evaluation.seconds for record in self._unwritten) > UNWRITTEN_S:
-            self.write()
-
-    def write(self) -> None:
-        """Write what is left; what is shown is stored."""
-        records, self._unwritten = self._unwritten, []
-        if records:
-            self._store.add(records, self._targets)
-        for record in records:
-            self._on_record(record)
 
 
 def _ask(study: Study, strategy: Strategy[Any], asked: int) -> _Batch:
@@ -154,12 +111,7 @@ def _ask(study: Study, strategy: Strategy[Any], asked: int) -> _Batch:
 
 
 class BestFitness:
-    """The best fitness of a run so far for each target: what an evaluation must exceed to appear among its results.
-
-    Args:
-        targets: number of targets.
-        count: number of best evaluations that a run shows for each of them.
-    """
+    """The ``count`` best fitnesses of a run so far for each of some targets: what others must exceed to appear among them."""
 
     def __init__(self, targets: int, count: int) -> None:
         self._best = np.full((count, targets), -np.inf)

@@ -6,9 +6,11 @@ limit no task's time, and leave their processes behind when the coordinator is k
 
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from driftform.search.jobs import (
@@ -73,6 +75,7 @@ class PoolExecutor:
         self._calls: list[_Call] = []
         self._repeated: deque[_Task] = deque()
         self._running: dict[Future[list[Outcome]], _Task] = {}
+        self._ended = SimpleQueue[Future[list[Outcome]]]()
         self._failed_starts = 0
         self._seconds: float | None = None
 
@@ -98,7 +101,9 @@ class PoolExecutor:
         try:
             while call.waiting or call.running or call.arrived:
                 while len(self._running) < TASKS_PER_PROCESS * self.processes and (task := self._next_task()):
-                    self._running[self._submit(partial(work, task.jobs))] = task
+                    future = self._submit(partial(work, task.jobs))
+                    self._running[future] = task
+                    future.add_done_callback(self._ended.put)
                 if not call.arrived:
                     self._collect()
                 if call.arrived:
@@ -137,16 +142,18 @@ class PoolExecutor:
     def _collect(self) -> None:
         """Wait until a task ends, and keep the outcomes for the calls whose jobs they are of; raise errors of tasks."""
         self._poll()
-        wait(list(self._running), POLL_S, FIRST_COMPLETED)
-        for future in [future for future in self._running if future.done()]:
-            task, error = self._running.pop(future), self._find_error(future)
-            if error is None:
-                self._failed_starts = 0
-                self._finish(task, future.result())
-            elif isinstance(error, WorkerDiedError):
-                self._repeat(task, error)
-            else:
-                raise error
+        with suppress(Empty):
+            timeout = POLL_S
+            while True:
+                future, timeout = self._ended.get(timeout=timeout), 0.0
+                task, error = self._running.pop(future), self._find_error(future)
+                if error is None:
+                    self._failed_starts = 0
+                    self._finish(task, future.result())
+                elif isinstance(error, WorkerDiedError):
+                    self._repeat(task, error)
+                else:
+                    raise error
 
     def _finish(self, task: _Task, outcomes: Sequence[Outcome]) -> None:
         task.call.running -= len(task.jobs)

@@ -9,6 +9,7 @@ their target, whatever disturbs them, would displace those that reach it, and a 
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from math import inf
 
 import numpy as np
@@ -16,6 +17,7 @@ import numpy as np
 from driftform.runs.store import Store
 from driftform.search.disturbed import draw_rounds, fly_disturbed
 from driftform.search.jobs import Executor
+from driftform.search.journal import Journal
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation, FloatArray
 from driftform.water.scenario import Robustness
@@ -31,27 +33,19 @@ class Survey:
 
     It is run in stages: few conditions for many agents, many for few. An agent goes on while, for a target that it is
     among the best for, its mean over the conditions so far is among those of the best earlier agents over the same conditions.
-
-    Args:
-        study: the study of the run; without disturbed conditions nothing is flown.
+    Without disturbed conditions in the study nothing is flown.
     """
 
-    def __init__(self, study: Study) -> None:
+    def __init__(self, study: Study, journal: Journal, executor: Executor) -> None:
         robustness, targets = study.scenario.robustness, study.scenario.target_names
         count = count_survey(robustness)
-        self._study = study
+        self._study, self._journal, self._executor = study, journal, executor
+        self._threshold = (inf,) * len(targets)
         self._conditions = draw_rounds(study) if count else ()
         self._stages = sorted({count // 4, count // 2, count} - {0})
         self._best = {stage: np.full((robustness.finalists, len(targets)), -np.inf) for stage in self._stages}
 
-    def fly(
-        self,
-        store: Store,
-        executor: Executor,
-        first: int,
-        candidates: Sequence[Candidate],
-        evaluations: Sequence[Evaluation],
-    ) -> list[Evaluation]:
+    def fly(self, first: int, candidates: Sequence[Candidate], evaluations: Sequence[Evaluation]) -> list[Evaluation]:
         """Return what a strategy is given for a batch: evaluations with the mean fitness of all flights of an agent.
 
         An agent is surveyed if its undisturbed fitness exceeds its ``threshold`` for some target: any other fitness does
@@ -61,23 +55,24 @@ class Survey:
             first: index of the first evaluation.
             candidates, evaluations: the batch, and its undisturbed flights.
         """
-        targets, given = self._study.scenario.target_names, list(evaluations)
+        given = list(evaluations)
         matters = {
             number: evaluation.fitness > np.array(candidate.threshold)
             for number, (candidate, evaluation) in enumerate(zip(candidates, evaluations, strict=True))
             if evaluation.failure is None and candidate.threshold is not None
         }
         alive = [number for number, at in matters.items() if at.any()]
-        flown = 0
+        flown = dict[tuple[int, int], FloatArray]()
+        genomes = {first + number: candidates[number].genome for number in alive}
+        # The error of an unchecked flight is far below the differences that decide.
+        fly = partial(fly_disturbed, self._study, self._journal, self._executor, self._conditions, genomes)
         for stage in self._stages if alive else ():
-            pairs = [(first + number, condition) for number in alive for condition in range(flown, stage)]
-            # The error of an unchecked flight is far below the differences that decide.
-            fly_disturbed(self._study, store, executor, self._conditions, pairs, threshold=(inf,) * len(targets))
-            flights = read_flights(store, targets, stage, first, first + len(candidates))
+            pairs = [(first + number, condition) for number in alive for condition in range(stage)]
+            flown |= fly([pair for pair in pairs if pair not in flown], threshold=self._threshold)
             for number in alive:
-                mean = _mean_fitness(evaluations[number].fitness, flights[first + number])
-                given[number] = replace(given[number], fitness=mean)
-            best, flown = self._best[stage], stage
+                flights = np.array([flown[first + number, condition] for condition in range(stage)])
+                given[number] = replace(given[number], fitness=_mean_fitness(evaluations[number].fitness, flights))
+            best = self._best[stage]
             added = [given[number].fitness for number in alive]
             alive = [n for n in alive if np.any((given[n].fitness > best[0])[matters[n]])]
             if added:
@@ -94,23 +89,16 @@ def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:
     undisturbed = {
         brief.index: np.array(brief.fitness) for brief in store.read_summaries(targets) if brief.failure is None
     }
-    surveyed = read_flights(store, targets, count, 0, store.last_index() + 1) if count else {}
-    if surveyed:
-        return {index: _mean_fitness(undisturbed[index], flights) for index, flights in surveyed.items()}
-    return undisturbed
+    flown, surveyed = store.read_flights(targets), range(count)
+    means = {
+        index: _mean_fitness(undisturbed[index], np.array([flown[index, number] for number in surveyed]))
+        for index in sorted({index for index, _ in flown})
+        if count and all((index, number) in flown for number in surveyed)
+    }
+    return means or undisturbed
 
 
 def _mean_fitness(undisturbed: FloatArray, disturbed: FloatArray) -> FloatArray:
     """Return the mean of an undisturbed flight, (targets,), and of disturbed ones, (flights, targets), NaN if they failed."""
     flights = np.vstack([undisturbed, disturbed])
     return np.asarray(np.nanmean(flights, axis=0) if np.isnan(disturbed).any() else flights.mean(axis=0))
-
-
-def read_flights(store: Store, targets: Sequence[str], count: int, first: int, end: int) -> dict[int, FloatArray]:
-    """Return the fitness of the first ``count`` disturbed flights, (count, targets), of evaluations that have all."""
-    columns = [store.read_disturbed(target, first, end) for target in targets]
-    return {
-        index: np.array([[column[index][number] for column in columns] for number in range(count)])
-        for index, flights in columns[0].items()
-        if all(number in flights for number in range(count))
-    }

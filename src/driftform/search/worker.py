@@ -187,11 +187,6 @@ class LocalProcess:
         self._document = document
         self.worker: Worker | None = None
 
-    @property
-    def tasks(self) -> int:
-        """Number of functions that are not answered yet."""
-        return 0 if self.worker is None else self.worker.tasks
-
     def start(self, function: Callable[[], T]) -> "Future[T]":
         """Call a function in the process, which is started if necessary."""
         future = None if self.worker is None else self.worker.submit(function)

@@ -86,12 +86,7 @@ class _FlightRecord:
 
 
 class _Family:
-    """The latest flights of descendants of one random genome, and their early positions as one array, because all are compared.
-
-    Attributes:
-        members: with an early position, oldest first.
-        early: position of each, m, (n, 3).
-    """
+    """The latest flights of descendants of one random genome, oldest first, and their early positions, m, (n, 3), as one array."""
 
     def __init__(self) -> None:
         self.members: deque[_FlightRecord] = deque(maxlen=FAMILY_SIZE)

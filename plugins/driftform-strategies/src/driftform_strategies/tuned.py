@@ -56,15 +56,7 @@ class TunedOptions(Table):
 
 @dataclass(eq=False)
 class Job:
-    """A shape on its way to hit a target.
-
-    Attributes:
-        shape, target: of the flights.
-        tuning: of the next flight.
-        parents: of the shape.
-        flights: number that it had.
-        bar: miss below which the next flight matters, m.
-    """
+    """A shape on its way to hit a target: ``flights`` it had, the ``tuning`` of the next, and the miss (m) below which that matters."""
 
     shape: Shape
     target: int
