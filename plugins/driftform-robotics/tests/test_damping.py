@@ -9,13 +9,7 @@ from driftform.motion.forces.terminal import terminal_speeds
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Agent, Coefficients, MassProperties
 from driftform.water import Fluid
-from driftform_robotics.models.link import (
-    MIN_SPEED,
-    linear_damping,
-    quadratic_damping,
-    quadratic_wrench,
-    reference_speed,
-)
+from driftform_robotics.models.link import MIN_SPEED, make_link, quadratic_damping, quadratic_wrench, reference_speed
 
 
 @pytest.fixture
@@ -58,10 +52,11 @@ def test_across_it_is_the_cylinders_textbook_drag(cylinder: Agent) -> None:
 
 
 def test_damping_by_matrices_about_the_centre_of_gravity_stays_as_it_is(jobs: dict[str, ExportJob]) -> None:
-    agent = jobs["skewed"].agent
+    job = jobs["skewed"]
+    agent = job.agent
     D = quadratic_damping(agent, Fluid(), 0.3)
     np.testing.assert_allclose(D, agent.coefficients.quadratic_damping, rtol=1e-9, atol=1e-15)
-    np.testing.assert_allclose(linear_damping(agent), agent.coefficients.linear_damping, rtol=1e-12)
+    np.testing.assert_allclose(make_link(job).linear_damping, agent.coefficients.linear_damping, rtol=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(5))

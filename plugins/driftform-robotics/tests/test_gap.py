@@ -51,7 +51,7 @@ def test_a_program_with_our_equations_and_short_steps_has_our_path(jobs: dict[st
 def test_without_water_the_path_is_free_fall(jobs: dict[str, ExportJob]) -> None:
     job = jobs["random"]
     link, none = make_link(job), np.zeros((6, 6))
-    dry = replace(read_link("", link, 0.0), added=none, momentum=none, linear=none, quadratic=none)
+    dry = replace(read_link("", link, 0.0), added=none, linear=none, products=np.zeros((2, 6, 6, 6)))
     path = fly_reader(dry, job, link, 5.0, 0.001)
     fallen = np.array([0, 0, -0.5 * job.scenario.fluid.gravity * 5.0 * 5.001])
     moving = link.velocity - job.scenario.current()

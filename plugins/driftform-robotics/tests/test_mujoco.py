@@ -12,11 +12,8 @@ from robots import random_states
 
 from driftform.interfaces import ExportJob
 from driftform.motion.forces.inertia import added_mass_at
-from driftform.testing.agents import Spheroid
-from driftform.types import Agent, Coefficients
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Scenario
-from driftform_robotics.models.ellipsoid import added_mass_factors
+from driftform_robotics.models.ellipsoid import added_mass_factors, fit_spheroid
 from driftform_robotics.models.link import quadratic_wrench
 
 
@@ -54,14 +51,14 @@ def quaternion(R: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["agent.xml", "scene.xml"])
 def test_it_reads_the_mass_the_centre_and_the_inertia(name: str, job: ExportJob, export: Callable) -> None:
+    """Nine tenths of the least added mass, and the added inertia about transverse axes, are in them."""
     model, _ = load(export("mjcf", job) / name)
-    expected = job.agent.mass
-    assert model.body_mass[1] == pytest.approx(expected.mass, rel=1e-10)
+    own, added = job.agent.mass, np.diag(added_mass_at(job.agent.coefficients, job.agent.mass.cog))
+    assert model.body_mass[1] == pytest.approx(own.mass + 0.9 * min(added[:2]), rel=1e-10)
     np.testing.assert_allclose(model.body_ipos[1], 0, atol=1e-15)
-    np.testing.assert_allclose(
-        inertia_of_body(model, 1), expected.inertia, rtol=1e-8, atol=1e-8 * expected.inertia.max()
-    )
-    assert model.body_mass[2] < 1e-8 * expected.mass
+    inertia = own.inertia + np.diag([0.0, 1.0, 1.0]) * added[4:].mean()
+    np.testing.assert_allclose(inertia_of_body(model, 1), inertia, rtol=1e-8, atol=1e-8 * inertia.max())
+    assert model.body_mass[2] < 1e-8 * own.mass
 
 
 def test_it_reads_the_urdf_as_a_body_that_floats(job: ExportJob, export: Callable) -> None:
@@ -92,12 +89,13 @@ def test_the_agent_is_released_where_and_as_fast_as_in_the_scenario(job: ExportJ
 
 def test_weight_and_buoyancy_act_where_they_do(job: ExportJob, export: Callable) -> None:
     """The moment of buoyancy rights the agent, which compensated gravity at the COG alone would not."""
-    _, data = load(export("mjcf", job) / "agent.xml")
+    model, data = load(export("mjcf", job) / "agent.xml")
     mass, fluid = job.agent.mass, job.scenario.fluid
     R = matrix_from_quaternion(job.scenario.release_quaternion())
     lift = np.array([0, 0, fluid.density * mass.volume * fluid.gravity])
     moment = np.cross(mass.cob - mass.cog, R.T @ lift)
-    np.testing.assert_allclose(data.qfrc_gravcomp[:3], lift, rtol=1e-9)
+    carried = data.qfrc_gravcomp[:3] - [0, 0, (model.body_mass[1] - mass.mass) * fluid.gravity]
+    np.testing.assert_allclose(carried, lift, rtol=1e-9)
     np.testing.assert_allclose(data.qfrc_gravcomp[3:], moment, rtol=1e-7, atol=1e-9 * np.abs(moment).max())
 
 
@@ -117,7 +115,9 @@ def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(
     for state in random_states(10):
         slow = replace(state, omega=np.zeros(3))
         nu = slow.R.T @ (slow.velocity - job.scenario.current())
-        momentum, turning = added[:3, :3] @ nu, added[3:, :3] @ nu
+        # What is in the mass has the momentum of a point, and no moment.
+        momentum = added[:3, :3] @ nu - (model.body_mass[1] - job.agent.mass.mass) * nu
+        turning = added[3:, :3] @ nu
         expected = np.concatenate((np.zeros(3), np.cross(momentum, nu)))
         assert np.abs(turning - np.cross([centre, 0, 0], momentum)).max() < 0.01 * np.abs(turning).max() + 1e-12
         found = fluid_forces(folder / "agent.xml", slow)
@@ -125,12 +125,12 @@ def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(
         np.testing.assert_allclose(found[:3], 0, atol=1e-9)
 
 
-def test_added_mass_has_no_inertia_there(jobs: dict[str, ExportJob], export: Callable) -> None:
+def test_added_mass_has_the_inertia_that_is_in_the_mass(jobs: dict[str, ExportJob], export: Callable) -> None:
     """The comment in the file says what MuJoCo ignores."""
     job = jobs["another"]
-    _, data = load(export("mjcf", job) / "agent.xml")
+    model, data = load(export("mjcf", job) / "agent.xml")
     mass, fluid = job.agent.mass, job.scenario.fluid
-    net = (fluid.density * mass.volume / mass.mass - 1) * fluid.gravity
+    net = (fluid.density * mass.volume - mass.mass) / model.body_mass[1] * fluid.gravity
     np.testing.assert_allclose(data.qacc[:3], [0, 0, net], atol=1e-6 * abs(net))
     assert "ignores the inertia of added mass" in (export("mjcf", job) / "agent.xml").read_text(encoding="utf-8")
 
@@ -149,12 +149,8 @@ def test_drag_along_one_axis_is_ours_at_the_speed_of_reference(
     found = fluid_forces(folder / "agent.xml", state)[axis]
     fluid = job.scenario.fluid
     ours = [quadratic_wrench(job.agent, fluid, sign * nu)[axis] * sign for sign in (1, -1)]
-    if axis == 0:
-        # Coefficients may not be negative: along the axis it can only be too much.
-        assert found <= 0.999 * np.mean(ours)
-    else:
-        # Turning, the ellipsoid's centre moves, and is dragged, besides.
-        assert found == pytest.approx(np.mean(ours), rel=1e-6 if axis == 2 else 0.7)
+    # Moving across or turning, the needles have the moments of strips, too.
+    assert found == pytest.approx(np.mean(ours), rel=0.02 if axis < 3 else 0.1)
 
 
 def test_the_agent_stays_in_the_pipe(jobs: dict[str, ExportJob], export: Callable) -> None:
@@ -171,12 +167,7 @@ def test_the_agent_stays_in_the_pipe(jobs: dict[str, ExportJob], export: Callabl
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.3, 1.0, 3.0, 50.0])
-def test_the_fit_gives_back_any_spheroid_flat_ones_too(ratio: float, export: Callable) -> None:
-    k1, k2 = added_mass_factors(ratio)
-    base = Spheroid(0.06, 0.01).agent()
-    b = 0.06 * ratio
-    displaced = 1024 * 4 / 3 * np.pi * 0.06 * b * b
-    added = displaced * np.diag([k1, k2, k2, 0, 1e-3, 1e-3])
-    agent: Agent = replace(base, coefficients=Coefficients(added))
-    model, _ = load(export("mjcf", ExportJob("spheroid", agent, Scenario())) / "agent.xml")
-    np.testing.assert_allclose(model.geom("water").size, [0.06, b, b], rtol=1e-6)
+def test_the_fit_gives_back_any_spheroid_flat_ones_too(ratio: float) -> None:
+    k1, k2, _ = added_mass_factors(ratio)
+    displaced = 1024 * 4 / 3 * np.pi * 0.06**3 * ratio**2
+    assert fit_spheroid(k1 * displaced, k2 * displaced, 1024.0) == pytest.approx((0.06, 0.06 * ratio), rel=1e-6)

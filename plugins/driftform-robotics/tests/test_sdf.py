@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robots import check_sdf, model_of, still
+from robots import check_sdf, inertia_of, model_of, still
 
 from driftform.interfaces import ExportJob
 from driftform.motion.forces.inertia import added_mass_at, rigid_body_mass, shift_origin
@@ -35,15 +35,20 @@ def test_added_mass_is_written_once(job: ExportJob, export: Callable) -> None:
         assert ("<xDotU>" in text) == (not in_link)
 
 
-def test_fortress_gets_the_same_added_mass_with_the_other_sign(job: ExportJob, export: Callable) -> None:
+def test_fortress_gets_the_added_mass_with_the_other_sign_less_what_is_in_the_mass(
+    job: ExportJob, export: Callable
+) -> None:
     text = (export("sdf", job, gazebo="fortress") / "model.sdf").read_text(encoding="utf-8")
     found = np.zeros((6, 6))
     for element in ET.fromstring(text).find("model/plugin"):
         if isinstance(element.tag, str) and element.tag[1:4] == "Dot":
             found["xyzkmn".index(element.tag[0]), "UVWPQR".index(element.tag[4])] = float(element.text)
-    agent = job.agent
+    agent, inertial = job.agent, ET.fromstring(text).find("model/link/inertial")
     expected = added_mass_at(agent.coefficients, agent.mass.cog)
-    np.testing.assert_allclose(found, -expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max())
+    moved = np.diag([float(inertial.findtext("mass")) - agent.mass.mass] * 3 + [0.0] * 3)
+    moved[3:, 3:] = inertia_of(inertial.find("inertia").findtext) - agent.mass.inertia
+    assert moved[0, 0] > 0
+    np.testing.assert_allclose(found, moved - expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max())
 
 
 def test_the_release_gives_body_and_water_the_momentum_of_their_speed(

@@ -12,23 +12,17 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import Exporter, ExportJob, Table, option
 from driftform.types import FloatArray, WrittenFile
 from driftform.util import files as writing
-from driftform_robotics.models.link import (
-    Link,
-    describe_link,
-    make_link,
-    warn_of_damping,
-    warn_of_flow,
-    warn_of_folding,
-)
+from driftform_frusta.triangles import Mesh
+from driftform_robotics.models.link import Link, describe_link, make_link
 from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolve_contour
-from driftform_robotics.models.pipe import Bore, Wall, list_bores, make_wall
+from driftform_robotics.models.pipe import Bore, list_bores, make_wall
 from driftform_robotics.models.text import make_identifier, render
 
 HULL = "meshes/hull.obj"
 """File of the outer surface of the hull, about the centre of gravity."""
 
 PIPE = "meshes/pipe.obj"
-"""File of the pipe's wall, about its middle."""
+"""File of the pipe's wall, in the world frame."""
 
 
 OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
@@ -82,7 +76,7 @@ class Model:
         return list_bores(self.job.scenario.pipe)
 
     @cached_property
-    def wall(self) -> Wall | None:
+    def wall(self) -> Mesh | None:
         """The wall of the pipe, ``None`` in open water."""
         return make_wall(self.job.scenario.pipe)
 
@@ -99,11 +93,6 @@ class Model:
     def axis_point(self, x: float) -> FloatArray:
         """Return the point of the body's axis at ``x`` (m, body frame), relative to the centre of gravity, m, (3,)."""
         return np.array([x, 0.0, 0.0]) - self.job.agent.mass.cog
-
-    def list_warnings(self) -> list[str]:
-        """Warn of features that no format represents exactly: a folded outline, a varying flow, drag by strips."""
-        folding, flow = warn_of_folding(self.job.agent.body), warn_of_flow(self.job.scenario)
-        return [*folding, *flow, *warn_of_damping(self.link)]
 
 
 class ModelExporter(Exporter[OptionsT_co]):
@@ -155,12 +144,11 @@ class ModelExporter(Exporter[OptionsT_co]):
         if not self.block:
             return super().describe_water(job)
         model = self._make_model(job)
-        notes = describe_link(job.name, model.link)
-        return render(self.block, model=model, notes=notes, **self.list_values()).partition("\n")[2]
+        return render(self.block, **self.list_values(model)).partition("\n")[2]
 
-    def list_values(self) -> dict[str, Any]:
-        """Return the values of the format's templates, apart from the model."""
-        return {}
+    def list_values(self, model: Model) -> dict[str, Any]:
+        """Return the values of the format's templates: the model as its files have it, and notes about its water."""
+        return {"model": model, "notes": describe_link(model.job.name, model.link)}
 
     def _make_model(self, job: ExportJob) -> Model:
         speed = self.options.drag_speed if isinstance(self.options, WaterOptions) else None

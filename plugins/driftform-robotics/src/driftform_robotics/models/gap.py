@@ -9,12 +9,13 @@ A program differs from it in the mass matrix, in M, in its damping, and by its s
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import product
 
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.types import FloatArray
+from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform_robotics.models.link import Link
 
@@ -42,23 +43,25 @@ class Reader:
 
     Attributes:
         name: of the program.
-        added, momentum: added mass as a mass, and as a source of Coriolis forces, (6, 6).
-        linear, quadratic: damping, (6, 6).
+        added: added mass as a mass, (6, 6).
+        linear: damping, (6, 6).
+        products: forces of the water per product of the rates j and |k|, and of j and k, (2, 6, 6, 6).
         smoothing: 0 if the program solves the added mass together with the mass. Otherwise it multiplies the added
             mass by the acceleration of the previous step, and this is the weight of the newest acceleration in that.
         density: of the water that lifts the link, kg/m3.
         turning: the current (m/s, world frame, (3,)) in which the program lacks -M_A (w x u) on a link that rotates
             at w.
+        ellipsoids: rows of :func:`driftform_robotics.models.ellipsoid.fit_ellipsoids`, for their drag and lift.
     """
 
     name: str
     added: FloatArray
-    momentum: FloatArray
     linear: FloatArray
-    quadratic: FloatArray
+    products: FloatArray
     density: float
     smoothing: float = 0.0
     turning: FloatArray | Sequence[float] = (0.0, 0.0, 0.0)
+    ellipsoids: FloatArray = field(default_factory=lambda: np.zeros((0, 7)))
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,26 @@ class Gap:
 
 def read_link(name: str, link: Link, density: float) -> Reader:
     """Return a program that reads all of a link, in water of a density (kg/m3)."""
-    return Reader(name, link.added_mass, link.added_mass, link.linear_damping, link.quadratic_damping, density)
+    products = quadratic_products(link.quadratic_damping)
+    products[1] += coriolis_products(link.added_mass)
+    return Reader(name, link.added_mass, link.linear_damping, products, density)
+
+
+def quadratic_products(damping: FloatArray) -> FloatArray:
+    """Return the forces of quadratic damping per product of rates j and |k|, and of j and k, (2, 6, 6, 6)."""
+    products = np.zeros((2, 6, 6, 6))
+    products[0][:, range(6), range(6)] = -damping
+    return products
+
+
+def coriolis_products(matrix: FloatArray) -> FloatArray:
+    """Return the forces (P x w, H x w + P x v) of a mass matrix, with (P, H) = M nu, per product of rates j <= k, (6, 6, 6)."""
+    found = np.zeros((6, 6, 6))
+    for j, k in product(range(6), range(6)):
+        P, H = np.split(matrix[:, j], 2)
+        v, w = np.split(np.eye(6)[k], 2)
+        found[:, min(j, k), max(j, k)] += np.concatenate((np.cross(P, w), np.cross(H, w) + np.cross(P, v)))
+    return found
 
 
 def measure_gap(reader: Reader, job: ExportJob, link: Link, step: float | None = None) -> Gap:
@@ -127,24 +149,39 @@ def measure_gap(reader: Reader, job: ExportJob, link: Link, step: float | None =
     return make_gap(STEPS[-1], paths[STEPS[-1]], True)
 
 
-def fly_own(job: ExportJob, link: Link, seconds: float) -> FloatArray:
-    """Return the displacement of the centre of gravity relative to the water, m, (:data:`POINTS` + 1, 3).
-
-    The flight is that of driftform in open water; it is not finite where that fails.
-    """
+def fly_calm(job: ExportJob, link: Link, seconds: float) -> Trajectory:
+    """Return driftform's flight in open water at rest, with the link's attitude and velocity relative to the current."""
     from driftform.motion import forces, path, solver
-    from driftform.util import rotations
 
     fluid = job.scenario.fluid.model_copy(update={"water_level": None})
     calm = Scenario().flow.model_copy(update={"speed": 0.0})
-    scenario = Scenario(fluid=fluid, flow=calm)
-    model = forces.flight_model(job.agent, scenario)
+    model = forces.flight_model(job.agent, Scenario(fluid=fluid, flow=calm))
     start = np.zeros(13)
     start[3:7] = link.quaternion
     start[7:10] = link.velocity - job.scenario.current()
     accuracy = solver.Accuracy(tolerance=1e-7)
     samples = solver.integrate_once(model, start, seconds, accuracy)
-    flight = path.finish_trajectory(samples, model, seconds, accuracy.step_limit)
+    return path.finish_trajectory(samples, model, seconds, accuracy.step_limit)
+
+
+def list_motions(job: ExportJob, link: Link) -> FloatArray:
+    """Return velocities of the centre of gravity and angular velocities at even times of :func:`fly_calm`, (n, 6)."""
+    flight = fly_calm(job, link, TIMES[-1])
+    times = np.linspace(0.0, flight.t[-1], POINTS + 1)
+    found = np.column_stack([np.interp(times, flight.t, rates) for rates in flight.velocity.T])
+    found[:, :3] += np.cross(found[:, 3:], job.agent.mass.cog)
+    return found
+
+
+def fly_own(job: ExportJob, link: Link, seconds: float) -> FloatArray:
+    """Return the displacement of the centre of gravity relative to the water, m, (:data:`POINTS` + 1, 3).
+
+    The flight is :func:`fly_calm`; it is not finite where that fails.
+    """
+    from driftform.motion import path
+    from driftform.util import rotations
+
+    flight = fly_calm(job, link, seconds)
     times = np.linspace(0.0, seconds, POINTS + 1)
     found = np.full((len(times), 3), np.nan)
     flown = times <= flight.t[-1] + 1e-9
@@ -157,27 +194,33 @@ def fly_own(job: ExportJob, link: Link, seconds: float) -> FloatArray:
 
 def fly_reader(reader: Reader, job: ExportJob, link: Link, seconds: float, step: float) -> FloatArray:
     """Return a program's displacement relative to the water like :func:`fly_own`, with steps of ``step`` (s)."""
+    from driftform.util import rotations
     from driftform_robotics.models.stepping import fill_path
 
     gravity, lift = job.scenario.fluid.gravity, reader.density * link.volume * job.scenario.fluid.gravity
     solved, lagged = (_NONE, reader.added) if reader.smoothing else (reader.added, _NONE)
     moving = link.rotation.T @ (link.velocity - job.scenario.current())
     lacking = reader.added if np.any(reader.turning) else _NONE
+    products = reader.products.copy()
+    products[1] += coriolis_products(link.rigid_mass)
     # Steps longer than an interval are cut to it.
     every = max(1, round(seconds / POINTS / step))
     path = np.zeros((POINTS + 1, 3))
     fill_path(
         seconds / POINTS / every,
         every,
-        link.rotation.copy(),
-        np.concatenate((moving, np.zeros(3))),
+        rotations.rotation_from_quaternion(*link.quaternion.tolist()),
+        tuple(moving.tolist()),
         np.linalg.inv(link.rigid_mass + solved).astype(np.float64),
-        link.rigid_mass + reader.momentum,
-        np.array([reader.linear, reader.quadratic]),
+        reader.linear.copy(),
+        products,
+        reader.ellipsoids,
         lagged.copy(),
         lacking.copy(),
-        np.array([link.mass * gravity - lift, lift, *link.buoyancy, *reader.turning, reader.smoothing]),
-        np.zeros((5, 6)),
+        (link.mass * gravity - lift, lift, reader.smoothing, reader.density),
+        tuple(link.buoyancy.tolist()),
+        tuple(np.array(reader.turning, dtype=float).tolist()),
+        np.zeros(6),
         path[1:],
     )
     return path

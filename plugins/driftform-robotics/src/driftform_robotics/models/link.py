@@ -1,7 +1,7 @@
 """ExportJob -> the link that all formats write, about the centre of gravity and along the body's axes, with its damping."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,7 +76,7 @@ def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
     from driftform.util import rotations
 
     agent, scenario = job.agent, job.scenario
-    mass = agent.mass
+    mass, coefficients = agent.mass, agent.coefficients
     speed = drag_speed or reference_speed(agent, scenario.fluid)
     quaternion, velocity = scenario.release_quaternion(), scenario.release_velocity()
     return Link(
@@ -85,14 +85,33 @@ def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
         volume=mass.volume,
         buoyancy=mass.cob - mass.cog,
         core=-mass.cog,
-        added_mass=forces.added_mass_at(agent.coefficients, mass.cog),
-        linear_damping=linear_damping(agent),
+        added_mass=forces.added_mass_at(coefficients, mass.cog),
+        linear_damping=forces.shift_origin(coefficients.linear_damping, mass.cog - coefficients.origin),
         quadratic_damping=quadratic_damping(agent, scenario.fluid, speed),
-        added_mass_ratio=forces.largest_added_mass_ratio(mass, agent.coefficients),
-        drag_speed=speed if agent.coefficients.drag is not None else 0.0,
+        added_mass_ratio=forces.largest_added_mass_ratio(mass, coefficients),
+        drag_speed=speed if coefficients.drag is not None else 0.0,
         position=scenario.release_position() + rotations.matrix_from_quaternion(quaternion) @ mass.cog,
         quaternion=quaternion,
         velocity=scenario.current() if velocity is None else velocity,
+    )
+
+
+def move_to_mass(link: Link, mass: float, inertia: float, density: float) -> Link:
+    """Return a link whose own mass has a part of its added mass, which then needs no lag and no ellipsoid.
+
+    The part is ``mass`` (kg) in all directions and ``inertia`` (kg m2) about both transverse axes. As much water (kg/m3)
+    is displaced about the centre of gravity besides, so that weight and moment in water remain.
+    """
+    moved = np.diag([mass] * 3 + [0.0, inertia, inertia])
+    volume, added = link.volume + mass / density, link.added_mass - moved
+    return replace(
+        link,
+        mass=link.mass + mass,
+        inertia=link.inertia + moved[3:, 3:],
+        volume=volume,
+        buoyancy=link.buoyancy * link.volume / volume,
+        added_mass=added,
+        added_mass_ratio=float(np.abs(np.linalg.eigvals(np.linalg.solve(link.rigid_mass + moved, added))).max()),
     )
 
 
@@ -131,6 +150,17 @@ def warn_of_damping(link: Link) -> Iterator[str]:
         )
 
 
+def warn_of_fit(link: Link, drag_speed: float | None) -> Iterator[str]:
+    """Warn if the terms of a program were fitted to drag by strips, or, with a ``drag_speed`` (m/s), converted."""
+    if link.drag_speed and not drag_speed:
+        yield (
+            "Drag and lift are fitted to the forces along the first 5 s of driftform's flight in open water: export again for "
+            "another release."
+        )
+    elif drag_speed:
+        yield from warn_of_damping(link)
+
+
 def describe_link(name: str, link: Link, axes: str = "y to port, z up") -> list[str]:
     """Describe the reference of a link's numbers, and whether lagging added mass diverges."""
     ratio = link.added_mass_ratio
@@ -166,12 +196,6 @@ def warn_of_divergence(link: Link, smoothing: float) -> Iterator[str]:
         )
 
 
-def linear_damping(agent: Agent) -> FloatArray:
-    """Return the linear damping D_1 about the centre of gravity, (6, 6)."""
-    coefficients = agent.coefficients
-    return forces.shift_origin(coefficients.linear_damping, agent.mass.cog - coefficients.origin)
-
-
 def reference_speed(agent: Agent, fluid: Fluid) -> float:
     """Return the speed, m/s, at which an agent with drag by strips rises or sinks across its axis."""
     drag = agent.coefficients.drag
@@ -189,13 +213,16 @@ def quadratic_damping(agent: Agent, fluid: Fluid, speed: float) -> FloatArray:
     the two directions. The effects of motion along several axes add up here. They do not with strips, whose drag
     depends on the total lateral speed. Quadratic damping about the centre of gravity is returned unchanged.
     """
-    rates = np.repeat([speed, 2 * speed / agent.body.length], 3)
-    columns = []
-    for j, rate in enumerate(rates):
-        nu = np.zeros(6)
-        nu[j] = rate
-        columns.append((quadratic_wrench(agent, fluid, -nu) - quadratic_wrench(agent, fluid, nu)) / (2 * rate**2))
-    return np.column_stack(columns)
+    motions = list_single_motions(agent, speed)
+    ahead, astern = np.split(np.array([quadratic_wrench(agent, fluid, nu) for nu in motions]), 2)
+    damping: FloatArray = (astern - ahead).T / (2 * motions[:6].max(axis=1) ** 2)
+    return damping
+
+
+def list_single_motions(agent: Agent, speed: float) -> FloatArray:
+    """Return motions along and about each axis alone, and then their opposites, (12, 6); see :func:`quadratic_damping`."""
+    ahead = np.diag(np.repeat([speed, 2 * speed / agent.body.length], 3))
+    return np.concatenate((ahead, -ahead))
 
 
 def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:

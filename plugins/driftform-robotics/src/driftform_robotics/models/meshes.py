@@ -40,16 +40,6 @@ def revolve_contour(contour: FloatArray, segments: int = SEGMENTS) -> Mesh:
     return Mesh(np.roll(mesh.vertices, 1, axis=1), np.concatenate((aft, bands[::2], bands[1::2], fore)))
 
 
-def make_tube(length: float, radius: float, wall: float) -> Mesh:
-    """Return a pipe about the x axis, its middle at the origin; ``radius`` is that of its bore, m."""
-    corners = np.array([(0, -1), (1, -1), (1, 1), (0, 1)]) * (wall, length / 2) + (radius, 0)
-    mesh = Mesh.revolve(corners, SEGMENTS, closed=True)
-    vertices, bands = mesh.vertices, mesh.triangles
-    # In the file, the rings at each end of the bore come first.
-    order = np.arange(len(vertices)).reshape(4, SEGMENTS)[[0, 3, 2, 1]].ravel()
-    return Mesh(np.roll(vertices[order], 1, axis=1), order[np.concatenate((bands[::2], bands[1::2]))])
-
-
 def convex_pieces(contour: FloatArray, segments: int = SEGMENTS) -> list[Piece]:
     """Return a hull cut across its axis wherever its meridian is hollow.
 

@@ -4,28 +4,33 @@ Format: https://mujoco.readthedocs.io, "XML reference". :mod:`driftform_robotics
 computes the forces of the water.
 """
 
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
 from driftform.interfaces import Table
-from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid
+from driftform.types import FloatArray
+from driftform_robotics.models.ellipsoid import added_mass, fit_ellipsoids
 from driftform_robotics.models.exporter import PIPE, Model, ModelExporter, ModelOptions
-from driftform_robotics.models.gap import COMMON_STEP, Reader, measure_gap
-from driftform_robotics.models.link import Link
+from driftform_robotics.models.gap import COMMON_STEP, Reader, coriolis_products, measure_gap
+from driftform_robotics.models.link import Link, move_to_mass, warn_of_fit, warn_of_flow, warn_of_folding
 from driftform_robotics.models.meshes import obj_text
 from driftform_robotics.models.text import render
+
+SHARE = 0.9
+"""Share of the least added mass that is in the mass of the file; the ellipsoid has the rest."""
 
 BUOYANT_MASS = 1e-9
 """Mass of the small body on which buoyancy acts, relative to the agent's."""
 
 
 class MjcfExporter(ModelExporter[ModelOptions]):
-    """A model for MuJoCo: inertia, exact buoyancy, and an ellipsoid with the agent's added mass along and across.
+    """A model for MuJoCo: exact weight in water, and ellipsoids with the agent's added mass, drag and lift.
 
     `scene.xml` holds the pipe and includes `agent.xml`. MuJoCo models the Coriolis forces of added mass, Munk's moment
-    among them, but not its inertia: agents accelerate as if they moved no water. A warning states how far the path is from
-    the true one. The body frame and the free joint are at the centre of gravity.
+    among them, but not its inertia, of which mass and inertia in the file have what they can. A warning states how far the
+    path is from the true one. The body frame and the free joint are at the centre of gravity.
     """
 
     name = "mjcf"
@@ -34,12 +39,21 @@ class MjcfExporter(ModelExporter[ModelOptions]):
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return ``scene.xml`` and ``agent.xml``, and the warnings."""
-        density = model.job.scenario.fluid.density
-        ellipsoid, step = fit_ellipsoid(model.link, density), self.options.step or COMMON_STEP
-        gap = measure_gap(read_mujoco(model.link, density), model.job, model.link, step)
-        warnings = [gap.describe(), *_list_warnings(model, ellipsoid)]
+        fluid, step = model.job.scenario.fluid, self.options.step or COMMON_STEP
+        own = model.link.added_mass
+        mass = SHARE * float(min(own[0, 0], own[1, 1]))
+        link = move_to_mass(model.link, mass, 0.5 * float(own[4, 4] + own[5, 5]), fluid.density)
+        ellipsoids = fit_ellipsoids(model.job, link, self.options.drag_speed)
+        gap = measure_gap(read_mujoco(ellipsoids, fluid.density), model.job, link, step)
+        warnings = [gap.describe(), *_list_warnings(model, link, self.options.drag_speed)]
         agent = render(
-            "mujoco/agent.xml", model=model, ellipsoid=ellipsoid, step=step, warnings=warnings, negligible=BUOYANT_MASS
+            "mujoco/agent.xml",
+            model=replace(model, link=link),
+            mass=mass,
+            ellipsoids=ellipsoids,
+            step=step,
+            warnings=warnings,
+            negligible=BUOYANT_MASS,
         )
         # The planks of a pipe with parts are hidden, and its wall is displayed in their place.
         wall = model.wall if model.job.scenario.pipe.straight is None else None
@@ -47,30 +61,29 @@ class MjcfExporter(ModelExporter[ModelOptions]):
         if len(model.bores) > 1:
             extent = float(np.ptp([bore.position for bore in model.bores], axis=0).max())
         files = {"scene.xml": render("mujoco/scene.xml", model=model, wall=wall, extent=extent), "agent.xml": agent}
-        return files | ({} if wall is None else {PIPE: obj_text(wall.mesh)}), warnings
+        return files | ({} if wall is None else {PIPE: obj_text(wall)}), warnings
 
 
-def read_mujoco(link: Link, density: float) -> Reader:
+def read_mujoco(ellipsoids: FloatArray, density: float) -> Reader:
     """Return MuJoCo in water of a density (kg/m3): without the inertia of added mass, and without linear damping."""
-    none = np.zeros((6, 6))
-    return Reader("MuJoCo", none, link.added_mass, none, link.quadratic_damping, density)
+    none, products = np.zeros((6, 6)), np.zeros((2, 6, 6, 6))
+    for a, b, x, *_ in ellipsoids.tolist():
+        products[1] += coriolis_products(added_mass(a, b, x, density))
+    return Reader("MuJoCo", none, none, products, density, ellipsoids=ellipsoids)
 
 
-def _list_warnings(model: Model, ellipsoid: Ellipsoid) -> list[str]:
-    link, scenario = model.link, model.job.scenario
-    fluid = scenario.fluid
-    surge, sway = link.added_mass[0, 0] / link.mass, link.added_mass[1, 1] / link.mass
-    pitch = float(link.added_mass[4, 4] - link.added_mass[1, 5] ** 2 / link.added_mass[1, 1])
+def _list_warnings(model: Model, link: Link, drag_speed: float | None) -> list[str]:
+    along, across = (1 + model.link.added_mass[i, i] / model.link.mass for i in (0, 1))
+    moved = link.mass / model.link.mass
     found = [
-        "MuJoCo ignores the inertia of added mass: it accelerates the agent "
-        f"{1 + surge:.3g} times as fast along its axis, and {1 + sway:.3g} times as fast across it. "
-        "Do not predict with this model where it goes: an agent that sinks may rise.",
-        "The ellipsoid has the agent's added mass along and across its axis; in pitch it has "
-        f"{ellipsoid.added_inertia(fluid.density):.3g} kg m2, and the agent {pitch:.3g} kg m2.",
-        *model.list_warnings(),
+        "MuJoCo ignores the inertia of added mass: a part of it is in the mass of this file, which is "
+        f"{moved:.3g} times the agent's own, where {along:.3g} times would be right along the axis, and {across:.3g} across it.",
+        *warn_of_fit(model.link, drag_speed),
+        *warn_of_folding(model.job.agent.body),
+        *warn_of_flow(model.job.scenario),
     ]
     if link.linear_damping.any():
         found.append("Linear damping is left out: MuJoCo's linear damping is that of a sphere, from viscosity.")
-    if fluid.water_level is not None:
+    if model.job.scenario.fluid.water_level is not None:
         found.append("MuJoCo has no water surface: the water is everywhere.")
     return found

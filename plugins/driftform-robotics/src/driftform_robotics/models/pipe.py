@@ -1,16 +1,14 @@
-"""The pipe for other simulators: a ring of planks for collisions, and a mesh for display."""
+"""The pipe for other simulators: a ring of planks for collisions, and the same as a mesh for display."""
 
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
+from itertools import pairwise, product
 
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.water import Pipe, Segment
+from driftform.water import Pipe
 from driftform.water.parts import shapes
 from driftform_frusta.triangles import Mesh
-from driftform_robotics.models.meshes import make_tube
-from driftform_robotics.models.walls import make_parts_mesh
 
 PLANKS = 64
 """Number of planks around the bore: their faces lie within 0.08 % of its radius from the circle."""
@@ -24,21 +22,18 @@ CHORD = 0.25
 RELATIVE_THICKNESS = 0.02
 """Thickness of the wall, relative to the radius of the bore."""
 
+_CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
+"""Corners of a box of size 1, (8, 3)."""
+
+_FACES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+"""Their indices around each face, counterclockwise from outside."""
+
 
 @dataclass(frozen=True, eq=False)
 class Plank:
     """A box: ``size`` along its own axes (m), ``position`` (m) and ``rotation`` (3, 3) in the pipe's frame."""
 
     size: FloatArray
-    position: FloatArray
-    rotation: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class Wall:
-    """The wall of a whole pipe as a closed ``mesh``, in a frame with its ``position`` (m) and ``rotation`` (3, 3) in the world."""
-
-    mesh: Mesh
     position: FloatArray
     rotation: FloatArray
 
@@ -58,25 +53,20 @@ class Bore:
     planks: int = PLANKS
     part: shapes.PipePart | None = None
 
-    @property
-    def thickness(self) -> float:
-        """Thickness of the wall, m."""
-        return RELATIVE_THICKNESS * self.radius
-
     def make_planks(self) -> list[Plank]:
         """Return the wall as boxes, because programs replace a mesh by its convex hull, which is solid for a pipe.
 
         The polygon of their inner faces has the area of the bore.
         """
         half = np.pi / self.planks
-        apothem = self.radius * np.sqrt(half / np.tan(half))
-        size = np.array([self.length, 2 * (apothem + self.thickness) * np.tan(half), self.thickness])
+        apothem, thickness = self.radius * np.sqrt(half / np.tan(half)), RELATIVE_THICKNESS * self.radius
+        size = np.array([self.length, 2 * (apothem + thickness) * np.tan(half), thickness])
         axis = np.array([1.0, 0.0, 0.0])
         found = []
         for angle in 2 * half * np.arange(self.planks):
             outward = np.array([0.0, np.cos(angle), np.sin(angle)])
             rotation = np.column_stack((axis, np.cross(outward, axis), outward))
-            found.append(Plank(size, (apothem + self.thickness / 2) * outward, rotation))
+            found.append(Plank(size, (apothem + thickness / 2) * outward, rotation))
         if self.part is None:
             return found
         middles = self.position + np.array([plank.position for plank in found]) @ self.rotation.T
@@ -89,7 +79,7 @@ def list_bores(pipe: Pipe) -> list[Bore]:
     if pipe.is_open:
         return []
     if pipe.straight is not None:
-        return [make_bore(pipe.straight)]
+        return [make_bore(np.array(pipe.straight.start), np.array(pipe.straight.end), pipe.straight.radius)]
     bores = []
     for placed in pipe.layout.parts:
         part = placed.part
@@ -99,35 +89,30 @@ def list_bores(pipe: Pipe) -> list[Bore]:
             # Outside a bend, chords of the axis' own length would leave wedges between them.
             turn = part.angle / (len(axis.points) - 1) if isinstance(part, shapes.Bend) else 0.0
             for (start, end), (first, last) in zip(pairwise(axis.points), pairwise(axis.radii), strict=True):
-                length, position, rotation = _frame_chord(start, end)
-                length += (first + last) * np.tan(0.5 * turn)
-                bores.append(Bore(length, 0.5 * (first + last), position, rotation, CHORD_PLANKS, hidden))
+                bore = make_bore(start, end, 0.5 * (first + last))
+                length = bore.length + (first + last) * np.tan(0.5 * turn)
+                bores.append(replace(bore, length=length, planks=CHORD_PLANKS, part=hidden))
     return bores
 
 
-def make_wall(pipe: Pipe) -> Wall | None:
-    """Return the wall of a pipe, ``None`` in open water; that of a pipe with parts is in the world frame."""
-    if pipe.is_open:
+def make_wall(pipe: Pipe) -> Mesh | None:
+    """Return the planks of a pipe as one mesh in the world frame, ``None`` in open water."""
+    boxes = [
+        bore.position + (plank.position + _CORNERS * plank.size @ plank.rotation.T) @ bore.rotation.T
+        for bore in list_bores(pipe)
+        for plank in bore.make_planks()
+    ]
+    if not boxes:
         return None
-    if pipe.straight is not None:
-        bore = make_bore(pipe.straight)
-        return Wall(make_tube(bore.length, bore.radius, bore.thickness), bore.position, bore.rotation)
-    mesh = make_parts_mesh(pipe, RELATIVE_THICKNESS * pipe.layout.narrowest)
-    return Wall(mesh, np.zeros(3), np.eye(3))
+    faces = (8 * np.arange(len(boxes))[:, None, None] + _FACES[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)).reshape(-1, 3)
+    return Mesh(np.concatenate(boxes), faces)
 
 
-def make_bore(segment: Segment) -> Bore:
-    """Return a segment of a scenario's pipe with its frame."""
-    length, position, rotation = _frame_chord(np.array(segment.start), np.array(segment.end))
-    return Bore(length, segment.radius, position, rotation)
-
-
-def _frame_chord(start: FloatArray, end: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """Return length, middle and axes (columns) of a bore between two points."""
+def make_bore(start: FloatArray, end: FloatArray, radius: float) -> Bore:
+    """Return the bore of a radius (m) between two points of its axis (m, world frame, (3,))."""
     length = float(np.linalg.norm(end - start))
     axis = (end - start) / length
     # Any direction across will do; the axis of the world with the smallest component is far from parallel.
     across = np.cross(np.eye(3)[int(np.argmin(np.abs(axis)))], axis)
     across /= np.linalg.norm(across)
-    rotation = np.column_stack((axis, across, np.cross(axis, across)))
-    return length, (start + end) / 2, rotation
+    return Bore(length, radius, (start + end) / 2, np.column_stack((axis, across, np.cross(axis, across))))

@@ -8,98 +8,109 @@ acceleration use that of the previous step, smoothed or not.
 import math
 
 from driftform.types import FloatArray
-from driftform.util import compiled
+from driftform.util.compiled import compiled
+from driftform.util.rotations import rotation_from_vector
+from driftform.util.small_vectors import (
+    ZERO,
+    Rotation,
+    Vector,
+    add,
+    cross,
+    multiply,
+    scale,
+    subtract,
+    to_body,
+    to_world,
+)
 
 
 @compiled
 def fill_path(
     step: float,
     every: int,
-    R: FloatArray,
-    nu: FloatArray,
+    R: Rotation,
+    v: Vector,
     inverse: FloatArray,
-    momentum: FloatArray,
-    damping: FloatArray,
-    added: FloatArray,
+    linear: FloatArray,
+    products: FloatArray,
+    ellipsoids: FloatArray,
+    lagged: FloatArray,
     lacking: FloatArray,
-    numbers: FloatArray,
-    room: FloatArray,
+    net: tuple[float, float, float, float],
+    cob: Vector,
+    current: Vector,
+    out: FloatArray,
     path: FloatArray,
 ) -> None:
     """Fill in the displacement of the centre of gravity relative to the water.
 
     Args:
         step, every: time step, s; steps between two points of the path.
-        R, nu: attitude (body to world, (3, 3)) and velocities (body axes, (6,)) at the release; both change.
+        R, v: attitude, body to world, and velocity (body axes, m/s) at the release.
         inverse: of the mass matrix by which the program divides, (6, 6).
-        momentum: matrix of the momenta whose change of direction are Coriolis forces, (6, 6).
-        damping: linear and quadratic damping, (2, 6, 6).
-        added: added mass that the program multiplies by the acceleration of the previous step, (6, 6).
-        lacking: added mass whose force -M_A (w x u) the program lacks in a current u on a body that rotates at w, (6,
-            6).
-        numbers: weight less buoyancy, and buoyancy (N); centre of buoyancy (m, body axes); u (m/s, world frame);
-            weight of the newest acceleration.
-        room: work space, (5, 6); its third row is the smoothed acceleration.
+        linear, products, ellipsoids: see :class:`driftform_robotics.models.gap.Reader`.
+        lagged: added mass that the program multiplies by the acceleration of the previous step, (6, 6).
+        lacking: added mass whose force -M_A (w x u) the program lacks in the current u on a body that rotates at w.
+        net: weight less buoyancy, and buoyancy, N; weight of the newest acceleration; density, kg/m3.
+        cob, current: centre of buoyancy (m, body axes); u (m/s, world frame).
+        out: work space, (6,).
         path: to be filled in, m, (n, 3).
     """
-    weight, lift, smoothing = numbers[0], numbers[1], numbers[8]
-    x, y, z = 0.0, 0.0, 0.0
-    for k in range(path.shape[0] * every):
+    w, place, before = ZERO, ZERO, (ZERO, ZERO)
+    for n in range(path.shape[0] * every):
+        rates = (v[0], v[1], v[2], w[0], w[1], w[2])
         for i in range(6):
-            room[0, i], room[1, i] = 0.0, 0.0
+            out[i] = 0.0
             for j in range(6):
-                room[0, i] += momentum[i, j] * nu[j]
-                drag = damping[0, i, j] + damping[1, i, j] * abs(nu[j])
-                room[1, i] -= drag * nu[j] + added[i, j] * room[2, j]
-        for i in range(3):
-            room[1, i] -= weight * R[2, i]
-            room[3, i] = R[0, i] * numbers[5] + R[1, i] * numbers[6] + R[2, i] * numbers[7]
-            room[3, 3 + i], room[4, i], room[4, 3 + i] = lift * R[2, i], 0.0, 0.0
-        _add_cross(room[0], 0, nu, 3, room[1], 0)
-        _add_cross(room[0], 3, nu, 3, room[1], 3)
-        _add_cross(room[0], 0, nu, 0, room[1], 3)
-        _add_cross(numbers, 2, room[3], 3, room[1], 3)
-        _add_cross(nu, 3, room[3], 0, room[4], 0)
-        _add_cross(nu, 3, nu, 0, room[4], 3)
-        for i in range(6):
-            for j in range(3):
-                room[1, i] += lacking[i, j] * room[4, j]
-        for i in range(6):
-            room[0, i] = 0.0
-            for j in range(6):
-                room[0, i] += inverse[i, j] * room[1, j]
-            room[2, i] += smoothing * (room[0, i] - room[2, i])
-        for i in range(3):
-            nu[i] += step * (room[0, i] + room[4, 3 + i])
-            nu[3 + i] += step * room[0, 3 + i]
-        for i in range(3):
-            room[3, i] = R[i, 0] * nu[0] + R[i, 1] * nu[1] + R[i, 2] * nu[2]
-        x, y, z = x + step * room[3, 0], y + step * room[3, 1], z + step * room[3, 2]
-        _turn(R, step * nu[3], step * nu[4], step * nu[5])
-        for i in range(3):
-            nu[i] = R[0, i] * room[3, 0] + R[1, i] * room[3, 1] + R[2, i] * room[3, 2]
-        if (k + 1) % every == 0:
-            path[k // every, 0], path[k // every, 1], path[k // every, 2] = x, y, z
+                for k in range(6):
+                    out[i] += (products[0, i, j, k] * abs(rates[k]) + products[1, i, j, k] * rates[k]) * rates[j]
+        for row in range(ellipsoids.shape[0]):
+            add_ellipsoid(ellipsoids[row], rates, net[3], out)
+        slow, lag = multiply(linear, v, w), multiply(lagged, before[0], before[1])
+        turned = multiply(lacking, cross(w, to_body(R, current)), ZERO)
+        force = subtract(add((out[0], out[1], out[2]), turned[0]), add(add(slow[0], lag[0]), scale(net[0], R[2])))
+        moment = subtract(add((out[3], out[4], out[5]), turned[1]), add(slow[1], lag[1]))
+        a, alpha = multiply(inverse, force, add(moment, cross(cob, scale(net[1], R[2]))))
+        before = (
+            add(before[0], scale(net[2], subtract(a, before[0]))),
+            add(before[1], scale(net[2], subtract(alpha, before[1]))),
+        )
+        moving = to_world(R, add(v, scale(step, add(a, cross(w, v)))))
+        w, place = add(w, scale(step, alpha)), add(place, scale(step, moving))
+        turn = rotation_from_vector(step * w[0], step * w[1], step * w[2])
+        R = (to_body(turn, R[0]), to_body(turn, R[1]), to_body(turn, R[2]))
+        v = to_body(R, moving)
+        if (n + 1) % every == 0:
+            path[n // every, 0], path[n // every, 1], path[n // every, 2] = place
 
 
 @compiled
-def _add_cross(a: FloatArray, i: int, b: FloatArray, j: int, out: FloatArray, k: int) -> None:
-    """Add the cross product of three numbers of ``a`` from ``i`` and of ``b`` from ``j`` to ``out`` from ``k``."""
-    out[k] += a[i + 1] * b[j + 2] - a[i + 2] * b[j + 1]
-    out[k + 1] += a[i + 2] * b[j] - a[i] * b[j + 2]
-    out[k + 2] += a[i] * b[j + 1] - a[i + 1] * b[j]
+def add_ellipsoid(row: FloatArray, nu: tuple[float, ...], density: float, out: FloatArray) -> None:
+    """Add force and moment about the centre of gravity by MuJoCo's ellipsoid model without slender drag, (6,).
 
-
-@compiled
-def _turn(R: FloatArray, p: float, q: float, r: float) -> None:
-    """Rotate an attitude by a rotation vector (body axes, rad), by Rodrigues' formula."""
-    square = p * p + q * q + r * r
-    angle = math.sqrt(square)
-    s, c = (math.sin(angle) / angle, (1.0 - math.cos(angle)) / square) if square > 1e-12 else (1.0, 0.5)
-    for i in range(3):
-        a, b, d = R[i, 0], R[i, 1], R[i, 2]
-        # Of the row: times the vector, and its component along the vector.
-        u, v, w = b * r - d * q, d * p - a * r, a * q - b * p
-        R[i, 0] = a + s * u + c * (v * r - w * q)
-        R[i, 1] = b + s * v + c * (w * p - u * r)
-        R[i, 2] = d + s * w + c * (u * q - v * p)
+    ``row`` is one of :func:`driftform_robotics.models.ellipsoid.fit_ellipsoids`, ``nu`` the velocities (body axes, (6,)).
+    The law is that of ``mj_viscousForces`` in MuJoCo's ``src/engine/engine_passive.c``.
+    """
+    a, b, x = row[0], row[1], row[2]
+    u, v, w, p, q, r = nu[0], nu[1] + x * nu[5], nu[2] - x * nu[4], nu[3], nu[4], nu[5]
+    speed, side = math.sqrt(u * u + v * v + w * w), v * v + w * w
+    ends, flank = b**4, (a * b) ** 2
+    projected = ends * u * u + flank * side
+    squared = ends * ends * u * u + flank * flank * side
+    area = math.pi * math.sqrt(squared / projected) if projected > 0.0 else 0.0
+    drag = -density * row[3] * area * speed
+    widest = max(a, b) ** 4
+    moments = (
+        8.0 / 15.0 * math.pi * a * ends * p,
+        8.0 / 15.0 * math.pi * b * widest * q,
+        8.0 / 15.0 * math.pi * b * widest * r,
+    )
+    turn = -density * row[4] * math.sqrt(moments[0] ** 2 + moments[1] ** 2 + moments[2] ** 2)
+    # Kutta's lift (n x v) x v = v (n v) - n v^2, with n along the normal of the projected area.
+    lift = density * row[5] * area * projected / (speed * squared) if squared > 0.0 else 0.0
+    spin = density * row[6] * 4.0 / 3.0 * math.pi * a * b * b
+    fx = drag * u + lift * (u * projected - ends * u * speed * speed) + spin * (q * w - r * v)
+    fy = drag * v + lift * (v * projected - flank * v * speed * speed) + spin * (r * u - p * w)
+    fz = drag * w + lift * (w * projected - flank * w * speed * speed) + spin * (p * v - q * u)
+    out[0], out[1], out[2] = out[0] + fx, out[1] + fy, out[2] + fz
+    out[3], out[4], out[5] = out[3] + turn * p, out[4] + turn * q - x * fz, out[5] + turn * r + x * fy

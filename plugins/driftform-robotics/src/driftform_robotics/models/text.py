@@ -90,10 +90,9 @@ def _list_symmetric(matrix: FloatArray, axes: str, prefix: str = "") -> list[tup
     return [(f"{prefix}{axes[i]}{axes[j]}", format_number(matrix[i, j])) for i, j in pairs]
 
 
-def list_entries(matrix: FloatArray) -> list[tuple[int, int]]:
-    """Return the rows and columns of the entries that are not zero to rounding."""
-    found = np.argwhere(np.abs(matrix) > 1e-12 * np.abs(matrix).max())
-    return [(int(i), int(j)) for i, j in found]
+def list_entries(array: FloatArray) -> list[tuple[int, ...]]:
+    """Return the indices of the entries that are not zero to rounding."""
+    return [tuple(found) for found in np.argwhere(np.abs(array) > 1e-12 * np.abs(array).max()).tolist()]
 
 
 def roll_pitch_yaw(rotation: FloatArray) -> FloatArray:

@@ -38,7 +38,8 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return ``agent.urdf`` and the files of a ROS 2 package, and the warnings."""
         package = f"{model.title}_description"
-        dry = Reader("a program that knows no water", *4 * (np.zeros((6, 6)),), 0.0)
+        none = np.zeros((6, 6))
+        dry = Reader("a program that knows no water", none, none, np.zeros((2, 6, 6, 6)), 0.0)
         gap = measure_gap(dry, model.job, model.link, COMMON_STEP)
         warnings = [gap.describe(), *warn_of_folding(model.job.agent.body)]
         values: dict[str, Any] = {"model": model, "warnings": warnings}

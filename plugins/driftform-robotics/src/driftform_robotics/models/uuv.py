@@ -15,7 +15,7 @@ from driftform.interfaces import Table, option
 from driftform.types import FloatArray
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.gap import measure_gap, read_link
-from driftform_robotics.models.link import LAGS, warn_of_divergence, warn_of_flow
+from driftform_robotics.models.link import LAGS, warn_of_damping, warn_of_divergence, warn_of_flow, warn_of_folding
 from driftform_robotics.models.text import render, roll_pitch_yaw
 
 SMOOTHING = LAGS["the UUV simulator"]
@@ -62,30 +62,29 @@ class UuvExporter(ModelExporter[UuvOptions]):
     Options: ClassVar[type[Table]] = UuvOptions
     block = "uuv/block.xml"
 
-    def list_values(self) -> dict[str, Any]:
-        """Return the signs of matrices in the frame of the simulator's forces."""
-        return {"signs": np.outer(TO_NED, TO_NED)}
+    def list_values(self, model: Model) -> dict[str, Any]:
+        """Return also the signs of matrices in the frame of the simulator's forces."""
+        return {**super().list_values(model), "signs": np.outer(TO_NED, TO_NED)}
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return the launch files, the xacro, the world and the files of a ROS package, and the warnings."""
         scenario, link = model.job.scenario, model.link
         level = scenario.fluid.water_level
         offset = np.array([0.0, 0.0, -self.options.depth if level is None else -level])
-        reader = read_link("the UUV simulator", link, scenario.fluid.density)
-        diagonal = np.diag(np.diag(link.quadratic_damping))
-        gap = measure_gap(replace(reader, quadratic=diagonal, smoothing=SMOOTHING), model.job, link, self.options.step)
+        diagonal = replace(link, quadratic_damping=np.diag(np.diag(link.quadratic_damping)))
+        reader = replace(read_link("the UUV simulator", diagonal, scenario.fluid.density), smoothing=SMOOTHING)
+        gap = measure_gap(reader, model.job, link, self.options.step)
         warnings = [gap.describe(), *_list_warnings(model, offset)]
         x, y, z = scenario.current().tolist()
         speed = float(np.linalg.norm((x, y, z)))
         values = {
-            "model": model,
+            **self.list_values(model),
             "warnings": warnings,
             "flow": list(warn_of_flow(scenario)),
             "offset": offset,
             "step": gap.step,
             "angles": roll_pitch_yaw(link.rotation),
             "turn": np.roll(link.quaternion, -1),
-            **self.list_values(),
             # Tag, mean, minimum and maximum of the parameters of the current's plugin; m/s and rad.
             "current": [
                 ("velocity", speed, 0.0, max(1.0, 2 * speed)),
@@ -97,8 +96,13 @@ class UuvExporter(ModelExporter[UuvOptions]):
 
 
 def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
-    scenario = model.job.scenario
-    found = [*warn_of_divergence(model.link, SMOOTHING), *model.list_warnings()]
+    scenario, body, link = model.job.scenario, model.job.agent.body, model.link
+    found = [
+        *warn_of_divergence(link, SMOOTHING),
+        *warn_of_folding(body),
+        *warn_of_flow(scenario),
+        *warn_of_damping(link),
+    ]
     axes = [axis for placed in scenario.pipe.layout.parts for axis in placed.part.list_axes(placed.part.length)]
     top = max((float((axis.points[:, 2] + axis.radii).max()) for axis in axes), default=-np.inf)
     if scenario.fluid.water_level is None and top + offset[2] >= 0:
