@@ -8,6 +8,8 @@ from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
 Vector: TypeAlias = tuple[float, float, float]
+"""Components of a vector."""
+
 Rotation: TypeAlias = tuple[Vector, Vector, Vector]
 """Rows of the rotation matrix, body to world."""
 
@@ -15,6 +17,7 @@ Wrench: TypeAlias = tuple[Vector, Vector]
 """Force and torque about the body's origin, in body axes."""
 
 ZERO: Vector = (0.0, 0.0, 0.0)
+"""The vector of length 0."""
 
 
 @compiled

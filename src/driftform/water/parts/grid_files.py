@@ -43,11 +43,13 @@ _VECTORS = ("U", "velocity", "Velocity", "u")
 
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3}
+"""Units of coordinates, m."""
+
 SPEEDS = {f"{unit}{end}": factor for unit, factor in LENGTHS.items() for end in ("/s", "s-1")} | {
     **dict.fromkeys(("km/h", "kmh-1"), 1 / 3.6),
     **dict.fromkeys(("kt", "kts", "knot", "knots"), 1852 / 3600),
 }
-"""Units of coordinates, m, and of velocities, m/s, without spaces and signs of powers."""
+"""Units of velocities, m/s, without spaces and signs of powers."""
 
 _SPELLINGS = (("met(er|re)s?", "m"), ("centi", "c"), ("milli", "m"), ("kilo", "k"), ("seconds?|sec", "s"), ("per", "/"))
 
