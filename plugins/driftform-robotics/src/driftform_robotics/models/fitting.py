@@ -6,7 +6,6 @@ and to the lift of the tail, which no program has. Other motions have weights th
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import lsq_linear
 
 from driftform.interfaces import ExportJob
 from driftform.types import FloatArray
@@ -28,6 +27,8 @@ _YAW = {0: (0, 1.0), 2: (1, 1.0), 4: (5, -1.0)}
 
 def solve_bounded(matrix: FloatArray, target: FloatArray, lower: npt.ArrayLike, upper: npt.ArrayLike) -> FloatArray:
     """Return x between bounds with ``matrix @ x`` nearest to ``target``; x is small where the matrix does not say it."""
+    from scipy.optimize import lsq_linear
+
     norms = np.linalg.norm(matrix, axis=0)
     norms[norms <= 1e-9 * norms.max()] = np.inf
     ridge = RIDGE * max(float(np.linalg.norm(target)), 1e-300) * np.eye(len(norms))
