@@ -155,7 +155,7 @@ class Worker:
         self._end(left)
 
     def _measure_processor(self) -> float:
-        """Return the processor time of the worker, s; the time of the wall where the system does not tell it."""
+        """Return the processor time of the worker, s; or wall time where the system does not give it."""
         with suppress(AttributeError, OSError, TypeError):
             # The clock of a process of Linux by its number, as clock_getcpuclockid(3) makes it.
             return time.clock_gettime((~self._process.pid << 3) | 2)  # type: ignore[operator]
