@@ -1,6 +1,5 @@
 """``driftform network``: the commands, which call the functions of :mod:`driftform_networks.planning.following`, and their words."""
 
-import os
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Sequence
@@ -14,7 +13,7 @@ import typer
 
 from driftform.cli import formats, options
 from driftform.errors import InputError, did_you_mean
-from driftform.util import files
+from driftform.util import cores, files
 
 if TYPE_CHECKING:
     from driftform_networks.flights.bodies import Traveller
@@ -235,9 +234,7 @@ def _travel(given: Given, network: "Network") -> dict[str, Any]:
     from driftform_networks.flights.travelling import Travel
 
     travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
-    # A batch system or taskset may allow less than all cores.
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return {"travel": travel, "workers": given.workers or cores, "cache": given.cache}
+    return {"travel": travel, "workers": given.workers or cores.count_cores(), "cache": given.cache}
 
 
 def _collect(given: Given, agents: Sequence[str], buoyancies: Sequence[float]) -> "list[Traveller]":
