@@ -222,7 +222,8 @@ some formats need, are extras: `uv sync --extra robotics --extra film` in a clon
 | `step` | `exporter step` | cadquery-ocp-novtk | Apache-2.0; the Open CASCADE in it is under the LGPL 2.1 with an exception |
 | `png` | PNG of every figure | resvg-py | MIT |
 | `pdf` | assembly sheets as PDF; needs the Cairo library of the system | cairosvg | LGPL-3.0 or later |
-| `grids` | `flow.kind = "grid"` from VTK and NetCDF files | meshio, netCDF4 | MIT |
+| `netcdf` | `flow.kind = "grid"` from NetCDF files | netCDF4 | MIT |
+| `vtk` | `flow.kind = "grid"` from VTK files, legacy and XML; 0.6 GB | vtk | BSD-3-Clause |
 | `networks` | `driftform network show` and the like: pipe networks from EPANET files | driftform-networks, epanet-plus | MIT |
 | `studio` | `driftform studio`, a page in the browser | driftform-studio, starlette, uvicorn | MIT, BSD-3-Clause |
 

@@ -167,11 +167,17 @@ def make_vtk() -> bytes:
 
 
 def make_vtu(folder: Path) -> bytes:
-    import meshio
+    from vtkmodules.vtkFiltersCore import vtkAppendFilter
+    from vtkmodules.vtkIOLegacy import vtkDataSetReader
+    from vtkmodules.vtkIOXML import vtkXMLDataSetWriter
 
-    points = np.array([(x, y, z) for x in range(4) for y in range(4) for z in range(4)], dtype=float)
-    cells = [("vertex", np.arange(64)[:, None])]
-    meshio.Mesh(points, cells, point_data={"U": points}).write(folder / "made.vtu")
+    reader, append, writer = vtkDataSetReader(), vtkAppendFilter(), vtkXMLDataSetWriter()
+    reader.ReadFromInputStringOn()
+    reader.SetInputString(make_vtk().decode())
+    append.SetInputConnection(reader.GetOutputPort())
+    writer.SetInputConnection(append.GetOutputPort())
+    writer.SetFileName(str(folder / "made.vtu"))
+    writer.Write()
     return (folder / "made.vtu").read_bytes()
 
 

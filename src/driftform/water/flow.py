@@ -93,7 +93,7 @@ class GridFlow(Table):
     kind: Literal["grid"] = option("grid", "name of the flow profile")
     file: str = option(
         ...,
-        "file with the velocities, in the world frame and SI units: .csv, .nc, .vtk or .vtu; a relative path begins at the "
+        "file with the velocities, in the world frame and SI units: .csv, .nc, .vtk, .vti, .vtr, .vts or .vtu; a relative path begins at the "
         "folder of the study file",
         min_length=1,
     )

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain, islice, takewhile
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 from warnings import catch_warnings
@@ -27,13 +28,24 @@ MEMORY = 500 << 20
 UNEVEN = 1e-3
 """Largest deviation of a node from its place in a regular grid, in spacings."""
 
+_PREAMBLE = 50
+"""Lines at the beginning of a table among which the names of its columns are looked for."""
+
 LINEAR_LAYERS = 3
 """Layers of nodes beyond the water that are extrapolated linearly; further out the velocity is constant."""
 
-_PLACES = (("x", "y", "z"), ("Points:0", "Points:1", "Points:2"), ("Points_0", "Points_1", "Points_2"))
+_PLACES = (
+    ("x", "y", "z"),
+    ("X", "Y", "Z"),
+    ("Points:0", "Points:1", "Points:2"),
+    ("Points_0", "Points_1", "Points_2"),
+    ("x-coordinate", "y-coordinate", "z-coordinate"),
+)
 _VELOCITIES = (
     ("u", "v", "w"),
     ("ux", "uy", "uz"),
+    ("Velocity u", "Velocity v", "Velocity w"),
+    ("x-velocity", "y-velocity", "z-velocity"),
     ("vx", "vy", "vz"),
     *(tuple(f"{name}{mark}{i}" for i in range(3)) for name in ("U", "Velocity", "velocity") for mark in ":_"),
     ("current_x", "current_y", "current_z"),
@@ -90,12 +102,12 @@ class VelocityGrid:
 
 
 def read_grid(path: Path) -> VelocityGrid:
-    """Read a grid; the ending of the file's name, .csv, .nc, .vtk or .vtu, decides the format.
+    """Read a grid; the ending of the file's name, .csv, .nc, .vtk, .vti, .vtr, .vts or .vtu, decides the format.
 
     Raises:
         ValueError: if the file cannot be read, has no velocities, or is not a regular grid; the message does not name
             the file.
-        ModuleNotFoundError: if a package of the extra ``grids`` is missing.
+        ModuleNotFoundError: if netCDF4 or VTK, extras ``netcdf`` and ``vtk``, are missing.
     """
     if path.suffix.lower() == ".csv":
         try:
@@ -116,28 +128,60 @@ def _read_foreign(name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _read_csv(path: Path) -> VelocityGrid:
-    """Read a table with a header line, one node per row in any order."""
+    """Read a table, one node per row in any order, with the names of its columns in a line before.
+
+    Columns are separated by commas, by semicolons (numbers may have decimal commas then) or by spaces. A name may end in a
+    unit in brackets. Lines before the names, and what follows the table, as CFX writes them, are left out.
+    """
     with path.open("rb") as start:
         encoding = find_encoding(start.read(65536))
     with path.open(encoding=encoding, errors="replace") as file:
-        names = [name.strip().strip('"') for name in file.readline().split(",")]
+        first = [*islice(file, _PREAMBLE)]
+        heading, separator = _find_heading(first)
+        heads = [name.strip().strip('"') for name in first[heading].split(separator)] if first else [""]
+        rows = takewhile(lambda line: not line.startswith("["), chain(first[heading + 1 :], file))
+        if separator == ";":
+            rows = (line.replace(",", ".") for line in rows)
         try:
             with catch_warnings(action="ignore"):
-                table = np.loadtxt(file, delimiter=",", ndmin=2)
+                table = np.loadtxt(rows, delimiter=separator, ndmin=2)
         except ValueError as error:
             raise ValueError(f"is not a table of numbers: {error}") from None
     if not table.size:
         raise ValueError("has no line below its header")
-    if table.shape[1] != len(names):
-        raise ValueError(f"has {len(names)} columns in its header, but {table.shape[1]} below it")
+    if table.shape[1] != len(heads):
+        raise ValueError(f"has {len(heads)} columns in its header, but {table.shape[1]} below it")
+    names, units = zip(*map(_split_unit, heads), strict=True)
     columns = dict(zip(names, table.T, strict=True))
     places = _choose(_PLACES, columns, "coordinates")
     velocities = _choose(_VELOCITIES, columns, "velocity")
+    for name, unit in zip(names, units, strict=True):
+        if name in places or name in velocities:
+            columns[name] = columns[name] * find_unit(name, unit, LENGTHS if name in places else SPEEDS)
     missing = columns.get("vtkValidPointMask", np.ones(len(table))) == 0
     return _sort_nodes(
         np.stack([columns[n] for n in places], axis=1),
         np.where(missing[:, None], np.nan, np.stack([columns[n] for n in velocities], axis=1)),
     )
+
+
+def _find_heading(lines: Sequence[str]) -> tuple[int, str | None]:
+    """Return which line of the beginning of a table has the names of its columns, and what separates them.
+
+    It is the first with names of coordinates, else the first line, which is then shown as what the file has.
+    """
+    for number, line in enumerate(lines):
+        separator = next((mark for mark in ";," if mark in line), None)
+        names = {_split_unit(name)[0] for name in line.replace('"', "").split(separator)}
+        if any(names.issuperset(places) for places in _PLACES):
+            return number, separator
+    return 0, ","
+
+
+def _split_unit(head: str) -> tuple[str, str]:
+    """Return the name of a column, and the unit in brackets after it; the unit is empty if there is none."""
+    found = re.fullmatch(r"(.*?)\s*[\[(](.*)[\])]", head.strip())
+    return (found[1], found[2]) if found else (head.strip(), "")
 
 
 def _choose(known: Sequence[Sequence[str]], found: Mapping[str, object], what: str) -> Sequence[str]:
@@ -275,54 +319,74 @@ def _load_variables(path: Path) -> dict[str, _Variable]:
 
 
 def _read_vtk(path: Path) -> VelocityGrid:
-    """Read the points of a VTK file in any order, with a vector at each."""
-    import meshio
+    """Read a data set of VTK, legacy or XML, of any kind, with a vector at each point, or in each cell.
 
-    # meshio.read ends the process if a file is damaged; the readers of the formats raise.
-    read = meshio.vtu.read if path.suffix.lower() == ".vtu" else meshio.vtk.read
-    try:
-        mesh = read(str(path))
-    except OSError:
-        raise
-    except Exception as error:
-        reason = f": {error}" if str(error) else ""
-        raise ValueError(f"is not a VTK file that meshio can read{reason}") from None
-    data = mesh.point_data
-    name = _find_vector(data)
-    if name is None and (name := _find_vector(mesh.cell_data_dict)) is not None:
-        data = {name: _average_cells(mesh, name)}
-    if name is None:
-        held = ", ".join([*data, *mesh.cell_data_dict]) or "no data"
-        raise ValueError(
-            f"has no velocity: its points and cells have {held}, but not a vector named {', '.join(_VECTORS)}"
-        )
-    velocity = np.array(data[name], dtype=np.float64)
-    if "vtkValidPointMask" in mesh.point_data:
-        velocity[np.ravel(mesh.point_data["vtkValidPointMask"]) == 0] = np.nan
-    return _sort_nodes(np.asarray(mesh.points, dtype=np.float64), velocity)
-
-
-def _find_vector(data: Mapping[str, Any]) -> str | None:
-    """Return the name of the velocity in the data of points, or in those of cells, by their type."""
-    blocks = {name: next(iter(found.values())) if isinstance(found, dict) else found for name, found in data.items()}
-    return next((name for name in _VECTORS if name in blocks and np.ndim(blocks[name]) == 2), None)
-
-
-def _average_cells(mesh: Any, name: str) -> FloatArray:
-    """Return at each point the mean of the vectors of the cells around it, (n, 3); NaN at a point of no cell.
-
-    Finite-volume programs have one velocity for each cell.
+    Finite-volume programs have one velocity for each cell: a point has the mean of the cells around it.
     """
-    total, count = np.zeros((len(mesh.points), 3)), np.zeros(len(mesh.points))
-    for block, values in zip(mesh.cells, mesh.cell_data[name], strict=True):
-        corners = np.asarray(block.data)
-        np.add.at(total, corners, np.asarray(values, dtype=np.float64)[:, None, :])
-        np.add.at(count, corners, 1.0)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(total / count[:, None])
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersCore import vtkCellDataToPointData
+    from vtkmodules.vtkFiltersGeneral import vtkImageDataToPointSet, vtkRectilinearGridToPointSet
+
+    data = _load_data_set(path)
+    vectors = _find_vector(data.GetPointData())
+    if vectors is None and _find_vector(data.GetCellData()) is not None:
+        data = _convert(vtkCellDataToPointData(), data)
+        vectors = _find_vector(data.GetPointData())
+    if vectors is None:
+        parts = (data.GetPointData(), data.GetCellData())
+        found = [part.GetArrayName(i) for part in parts for i in range(part.GetNumberOfArrays())]
+        raise ValueError(
+            f"has no velocity: its points and cells have {', '.join(found) or 'no data'}, but not a vector named "
+            f"{', '.join(_VECTORS)}"
+        )
+    velocity = np.array(vtk_to_numpy(vectors), dtype=np.float64)
+    for name, hidden in (("vtkValidPointMask", lambda mask: mask == 0), ("vtkGhostType", lambda kind: kind & 2 != 0)):
+        if (flags := data.GetPointData().GetArray(name)) is not None:
+            velocity[hidden(vtk_to_numpy(flags))] = np.nan
+    for kind, convert in (("ImageData", vtkImageDataToPointSet), ("RectilinearGrid", vtkRectilinearGridToPointSet)):
+        if data.IsA(f"vtk{kind}"):
+            data = _convert(convert(), data)
+    return _sort_nodes(np.array(vtk_to_numpy(data.GetPoints().GetData()), dtype=np.float64), velocity)
 
 
-_READERS = {".nc": _read_netcdf, ".vtk": _read_vtk, ".vtu": _read_vtk}
+def _load_data_set(path: Path) -> Any:
+    """Return the data set of a VTK file. What VTK prints of a damaged file becomes the reason why it is refused."""
+    from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
+    from vtkmodules.vtkIOLegacy import vtkDataSetReader
+    from vtkmodules.vtkIOXML import vtkXMLGenericDataObjectReader
+
+    window = vtkStringOutputWindow()
+    vtkOutputWindow.SetInstance(window)
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    reader = vtkDataSetReader() if path.suffix.lower() == ".vtk" else vtkXMLGenericDataObjectReader()
+    if path.suffix.lower() == ".vtk":
+        for part in ("Vectors", "Scalars", "Fields"):
+            getattr(reader, f"ReadAll{part}On")()
+    reader.SetFileName(str(path))
+    reader.Update()
+    data, printed = reader.GetOutputDataObject(0), str(window.GetOutput())
+    if printed or data is None or not data.IsA("vtkDataSet") or not data.GetNumberOfPoints():
+        reason = re.search(r"\): (.{0,200})", printed)
+        raise ValueError(f"is not a VTK file that can be read{': ' + reason[1] if reason else ''}")
+    if data.GetNumberOfPoints() > MAX_NODES:
+        raise ValueError(f"has {data.GetNumberOfPoints()} nodes, more than {MAX_NODES}")
+    return data
+
+
+def _convert(step: Any, data: Any) -> Any:
+    """Return what a filter of VTK makes of a data set."""
+    step.SetInputData(data)
+    step.Update()
+    return step.GetOutput()
+
+
+def _find_vector(data: Any) -> Any:
+    """Return the velocity in the data of VTK's points or cells, or ``None``."""
+    arrays = [data.GetArray(name) for name in _VECTORS]
+    return next((array for array in arrays if array is not None and array.GetNumberOfComponents() == 3), None)
+
+
+_READERS = {".nc": _read_netcdf, **dict.fromkeys((".vtk", ".vti", ".vtr", ".vts", ".vtu"), _read_vtk)}
 """Readers by the ending of the file's name."""
 
 

@@ -79,8 +79,9 @@ def _load(path: Path, _: tuple[int, int], layout: Layout, reference: float, wall
     except ValueError as error:
         raise _WrongGridError(f"flow.file = '{path}' {error}") from None
     except ModuleNotFoundError as error:
+        extra = "netcdf" if path.suffix.lower() == ".nc" else "vtk"
         raise _WrongGridError(
-            f"flow.file = '{path}' needs the package {error.name}: pip install 'driftform[grids]'"
+            f"flow.file = '{path}' needs the package {error.name}: pip install 'driftform[{extra}]'"
         ) from None
     return array
 
