@@ -9,7 +9,7 @@ CORE = ROOT / "src" / "driftform"
 PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"))
 PACKAGES = [*sorted(path.parent for path in CORE.glob("*/__init__.py")), *PLUGINS]
 
-MAX_LINES, MAX_LINES_OF_PACKAGE, MAX_LINES_OF_FUNCTION = 32_100, 5_650, 120
+MAX_LINES, MAX_LINES_OF_PACKAGE, MAX_LINES_OF_FUNCTION = 32_100, 5_700, 120
 
 MAX_LINES_WITH_PLUGINS, MAX_LINES_OF_TESTS = 60_500, 52_700
 

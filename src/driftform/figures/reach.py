@@ -41,7 +41,7 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str, page: Page = S
     """
     cells = reach.cells
     is_world = cells.is_straight and bool(np.allclose(cells.axes[:2], ((1, 0, 0), (0, 0, 1))))
-    shift = cells.origin[[0, 2]] if is_world else np.zeros(2)
+    shift = cells.layout.inlet.centre[[0, 2]] if is_world else np.zeros(2)
     # The pipe in the coordinates of the map, in the plane y = 0.
     (length, radius), (x, z) = cells.size[:2] * cells.shape * (1, 0.5), shift
     pipe = Pipe(segments=(Segment(start=(x, 0.0, z), end=(x + length, 0.0, z), radius=float(radius)),))

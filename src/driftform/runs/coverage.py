@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from driftform.errors import InputError
 from driftform.types import BoolArray, FloatArray, Trajectory
-from driftform.water import Pipe, Scenario, Segment
+from driftform.water import Scenario
 from driftform.water.parts.layout import Layout
-from driftform.water.parts.shapes import locate_on_axis, place_on_axis
+from driftform.water.parts.shapes import Straight, locate_on_axis, place_on_axis
 from driftform.water.pipe import Vector
 
 IntArray = npt.NDArray[np.int64]
@@ -20,7 +20,7 @@ _ROWS, _COLUMNS = 20, 1000
 """Default number of cells across the pipe, and greatest default number along it."""
 
 _APART = 0.2
-"""Distance between the run and a branch on a map of a pipe with parts, m."""
+"""Distance between the run and a branch on a map, m."""
 
 BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05)
 """Distances between the classes of cells, m."""
@@ -29,148 +29,44 @@ _ROUNDING = 1e-9
 """Distance (m) by which a point of the map may lie beyond the end of a part by rounding."""
 
 _FINE = 0.1
-"""Step along a path through a pipe with parts, in sides of a cell."""
+"""Length of the pieces of a path, in sides of a cell."""
 
 
 @dataclass(frozen=True, eq=False)
 class PipeGrid:
-    """Grid of cells over a straight pipe's section in the vertical plane through its axis.
+    """Grid of cells over the section of a pipe, unrolled: the run from inlet to outlet, then each branch.
 
-    The coordinates on the map are the distance along the axis from the upstream end, and the height above the axis,
-    perpendicular to it. A cell is a box centred on that plane, as deep as it is high: a flight that
-    gusts have blown out of the plane does not cross it. Cells are half open, so that each point is in
-    exactly one.
+    The coordinates on the map are the distance along the axes from the inlet, and the height above them: in a vertical
+    part, the axes that the pipe carries along take the place of up and aside. A branch begins at the axis of its run,
+    :data:`_APART` after the end of the chain before it on the map. All chains have rows for the widest bore.
 
-    Attributes:
-        origin: centre of the pipe's upstream end, m, (3,).
-        axes: unit vectors along the axis, upward and aside, in the world frame, (3, 3). Aside completes a
-            right-handed frame as y does with x and z: it is upward x along. In a vertical pipe, upward is the world's
-            x.
-        size: of a cell along, upward and aside, m, (3,).
-        shape: number of cells along the axis, and across it.
-    """
-
-    is_straight: ClassVar = True
-    """Whether the map is a plane of the world."""
-
-    origin: FloatArray
-    axes: FloatArray
-    size: FloatArray
-    shape: tuple[int, int]
-
-    @classmethod
-    def of_segment(cls, segment: Segment, side: float | None = None) -> "PipeGrid":
-        """Return the grid of a segment's section; the sides of its cells are as close to ``side`` (m) as possible.
-
-        The default side is a tenth of the radius, or more, so that there are at most 1000 cells along the pipe.
-        """
-        start = np.array(segment.start)
-        axis = np.subtract(segment.end, segment.start)
-        length = float(np.linalg.norm(axis))
-        along = axis / length
-        upward = np.array([0.0, 0.0, 1.0]) - along[2] * along
-        if np.linalg.norm(upward) < 1e-6:
-            upward = np.array([1.0, 0.0, 0.0]) - along[0] * along
-        upward /= np.linalg.norm(upward)
-        axes = np.array([along, upward, np.cross(upward, along)])
-        return cls(start, axes, *_divide_section(length, segment.radius, side))
-
-    @classmethod
-    def of_scenario(cls, scenario: Scenario, side: float | None = None) -> "PipeGrid":
-        """Return the grid of a scenario's pipe; see :meth:`of_segment` and :class:`UnrolledGrid`.
-
-        Raises InputError if the scenario is open water, which has no section.
-        """
-        if scenario.pipe.is_open:
-            raise InputError("a map of what flights reach needs a pipe; this scenario is open water")
-        segment = scenario.pipe.straight
-        return UnrolledGrid.of_pipe(scenario.pipe, side) if segment is None else cls.of_segment(segment, side)
-
-    @property
-    def cell_count(self) -> int:
-        """Number of cells."""
-        return self.shape[0] * self.shape[1]
-
-    def to_map(self, points: FloatArray) -> FloatArray:
-        """Return world points (n, 3) as distance along, height above and distance aside of the axis, m, (n, 3)."""
-        return np.asarray((points - self.origin) @ self.axes.T)
-
-    def to_world(self, points: FloatArray) -> FloatArray:
-        """Return the world points (n, 3) of points on the map (n, 2), m."""
-        return np.asarray(self.origin + points @ self.axes[:2])
-
-    def centres(self) -> FloatArray:
-        """Return the centres of all cells on the map, m, (cells, 2): upward first, then along."""
-        column, row = np.divmod(np.arange(self.cell_count), self.shape[1])
-        return np.column_stack([(column + 0.5) * self.size[0], (row + 0.5 - self.shape[1] / 2) * self.size[1]])
-
-    def cell_of(self, points: FloatArray) -> IntArray:
-        """Return the cell that contains each world point (n, 3), or -1, (n,)."""
-        return self._cell_at(self._place(points))
-
-    def find_crossed(self, trajectory: Trajectory) -> tuple[IntArray, FloatArray]:
-        """Return the cells that a flight crosses, ascending (k,), and its least distances from their centres, m, (k,).
-
-        The path between samples is their cubic Hermite curve. It is cut where it crosses the sides of cells; the
-        distance in a cell is that of the nearest point of the parts inside it.
-        """
-        from driftform.motion.path.crossing import lower_distances
-        from driftform.motion.path.curve import world_velocity
-
-        place = self._place(trajectory.position)
-        if len(trajectory.t) == 1:
-            return self._find_nearest(place)
-        nearest = np.full(self.cell_count, np.inf)
-        rate = world_velocity(trajectory) @ (self.axes.T / self.size)
-        lower_distances(trajectory.t, place, rate, self.size, self.shape, nearest)
-        found = np.flatnonzero(np.isfinite(nearest))
-        return found, nearest[found]
-
-    def _find_nearest(self, place: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Return the cells of points on the map, (n, 3) in sides of a cell, and their least distances from the centres."""
-        cells, nearest = self._cell_at(place), np.full(self.cell_count, np.inf)
-        offset = np.linalg.norm((place - np.floor(place) - 0.5) * self.size, axis=1)
-        np.minimum.at(nearest, cells[cells >= 0], offset[cells >= 0])
-        found = np.flatnonzero(np.isfinite(nearest))
-        return found, nearest[found]
-
-    def _place(self, points: FloatArray) -> FloatArray:
-        """Return world points on the map, in sides of a cell from the lower upstream corner, (n, 3)."""
-        to_cells = self.axes.T / self.size
-        corner = np.array([0.0, self.shape[1] / 2, 0.5]) - self.origin @ to_cells
-        return np.asarray(points @ to_cells + corner)
-
-    def _cell_at(self, place: FloatArray) -> IntArray:
-        cell = np.floor(place).astype(np.int64)
-        inside = ((cell >= 0) & (cell < (*self.shape, 1))).all(axis=1)
-        return np.where(inside, cell[:, 0] * self.shape[1] + cell[:, 1], -1)
-
-
-@dataclass(frozen=True, eq=False)
-class UnrolledGrid(PipeGrid):
-    """Grid of cells over the section of a pipe with parts, unrolled: the run from inlet to outlet, then each branch.
-
-    The coordinates are the distance along the axes and the height above them; in a vertical part, the axes that the pipe
-    carries along take the place of up and aside. A branch begins at the axis of its run, :data:`_APART` after the end of
-    the chain before it on the map. All chains have rows for the widest bore.
-
-    ``origin`` and ``axes`` are those of the inlet.
+    A cell is a box centred on the vertical plane through the axis, as deep as it is high: a flight that gusts have blown
+    out of the plane does not cross it. Cells are half open, so that each point is in exactly one.
 
     Attributes:
         layout: the parts.
         starts: what to add to the distance along the axes from the inlet to get the place of each part on the map, m,
             (parts,).
+        size: of a cell along, upward and aside, m, (3,).
+        shape: number of cells along the axis, and across it.
     """
-
-    is_straight: ClassVar = False
 
     layout: Layout
     starts: FloatArray
+    size: FloatArray
+    shape: tuple[int, int]
 
     @classmethod
-    def of_pipe(cls, pipe: Pipe, side: float | None = None) -> "UnrolledGrid":
-        """Return the grid of a pipe with parts; see :meth:`PipeGrid.of_segment` for ``side``."""
-        layout = pipe.layout
+    def of_scenario(cls, scenario: Scenario, side: float | None = None) -> "PipeGrid":
+        """Return the grid of a scenario's pipe; the sides of its cells are as close to ``side`` (m) as possible.
+
+        The default side is a tenth of the radius, or more, so that there are at most 1000 cells along the pipe.
+
+        Raises InputError if the scenario is open water, which has no section.
+        """
+        if scenario.pipe.is_open:
+            raise InputError("a map of what flights reach needs a pipe; this scenario is open water")
+        layout = scenario.pipe.layout
         firsts, ends = list(range(len(layout.parts))), layout.depths.copy()
         for index, placed in enumerate(layout.parts):
             ends[index] += placed.part.length
@@ -182,10 +78,22 @@ class UnrolledGrid(PipeGrid):
             if placed.upstream is not None:
                 starts[chain] = at + _APART - layout.junction_depth(placed.upstream)
             at = float((starts + ends)[chain].max())
-        inlet = layout.inlet
-        radius = max(placed.part.radius for placed in layout.parts)
-        axes = inlet.axes[[0, 2, 1]] * [[1], [1], [-1]]
-        return cls(inlet.centre, axes, *_divide_section(at, radius, side), layout, starts)
+        return cls(layout, starts, *_divide_section(at, max(p.part.radius for p in layout.parts), side))
+
+    @property
+    def axes(self) -> FloatArray:
+        """Unit vectors along the axis, upward and aside at the inlet, in the world frame, (3, 3)."""
+        return self.layout.inlet.axes[[0, 2, 1]]
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether the map is a plane of the world."""
+        return all(isinstance(placed.part, Straight) for placed in self.layout.parts)
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells."""
+        return self.shape[0] * self.shape[1]
 
     def to_map(self, points: FloatArray) -> FloatArray:
         """Return world points (n, 3) as place along, height above and distance aside of the axis, m, (n, 3).
@@ -205,7 +113,7 @@ class UnrolledGrid(PipeGrid):
             off = points[here] - foot
             found[here, 0] = start + self.layout.depths[index] + along
             found[here, 1] = (off * axes[:, 2]).sum(axis=1)
-            found[here, 2] = -(off * axes[:, 1]).sum(axis=1)
+            found[here, 2] = (off * axes[:, 1]).sum(axis=1)
         return found
 
     def to_world(self, points: FloatArray) -> FloatArray:
@@ -228,24 +136,50 @@ class UnrolledGrid(PipeGrid):
                 found[here] = foot + points[here, 1:] * axes[:, 2]
         return found
 
+    def centres(self) -> FloatArray:
+        """Return the centres of all cells on the map, m, (cells, 2): upward first, then along."""
+        column, row = np.divmod(np.arange(self.cell_count), self.shape[1])
+        return np.column_stack([(column + 0.5) * self.size[0], (row + 0.5 - self.shape[1] / 2) * self.size[1]])
+
+    def cell_of(self, points: FloatArray) -> IntArray:
+        """Return the cell that contains each world point (n, 3), or -1, (n,)."""
+        return self._cell_at(self._place(points))
+
     def find_crossed(self, trajectory: Trajectory) -> tuple[IntArray, FloatArray]:
         """Return the cells that a flight crosses, ascending (k,), and its least distances from their centres, m, (k,).
 
-        The path between samples is their cubic Hermite curve, in steps of a tenth of a cell.
+        The path between samples is their cubic Hermite curve, in straight pieces of a tenth of a cell: each counts for
+        the cell of its middle.
         """
         from driftform.motion.path.interpolation import interpolate_positions
 
-        t, step = trajectory.t, _FINE * float(self.size.min())
-        lengths = np.linalg.norm(np.diff(trajectory.position, axis=0), axis=1)
-        pieces = np.maximum(1, np.ceil(lengths / step)).astype(np.int64)
+        speed = np.linalg.norm(trajectory.velocity[:, :3], axis=1)
+        chords = np.linalg.norm(np.diff(trajectory.position, axis=0), axis=1)
+        lengths = np.maximum(chords, np.diff(trajectory.t) * np.maximum(speed[1:], speed[:-1]))
+        pieces = np.maximum(1, np.ceil(lengths / (_FINE * self.size.min()))).astype(np.int64)
         between = np.concatenate([[0.0], np.cumsum(pieces)])
-        times = np.interp(np.arange(between[-1] + 1), between, t)
-        points = interpolate_positions(trajectory, times)
-        return self._find_nearest(self._place(points[self.layout.find_part(points) >= 0]))
+        points = interpolate_positions(trajectory, np.interp(np.arange(between[-1] + 1), between, trajectory.t))
+        place = self._place(points[self.layout.find_part(points) >= 0])
+        begin, end = (place[:-1], place[1:]) if len(place) > 1 else (place, place)
+        # Where a flight enters a branch, or is outside between two pieces, the map does not go on.
+        end = np.where(np.abs(end - begin).max(axis=1, keepdims=True) < 1.0, end, begin)
+        middle, way = 0.5 * (begin + end), (end - begin) * self.size
+        to_centre = (np.floor(middle) + 0.5 - begin) * self.size
+        share = (to_centre * way).sum(axis=1) / np.maximum((way * way).sum(axis=1), 1e-300)
+        distance = np.linalg.norm(to_centre - np.clip(share, 0.0, 1.0)[:, None] * way, axis=1)
+        cells, nearest = self._cell_at(middle), np.full(self.cell_count, np.inf)
+        np.minimum.at(nearest, cells[cells >= 0], distance[cells >= 0])
+        found = np.flatnonzero(np.isfinite(nearest))
+        return found, nearest[found]
 
     def _place(self, points: FloatArray) -> FloatArray:
-        """Return world points on the map, in sides of a cell from the lower corner, (n, 3)."""
+        """Return world points on the map, in sides of a cell from the lower upstream corner, (n, 3)."""
         return np.asarray(self.to_map(points) / self.size + [0.0, self.shape[1] / 2, 0.5])
+
+    def _cell_at(self, place: FloatArray) -> IntArray:
+        cell = np.floor(place).astype(np.int64)
+        inside = ((cell >= 0) & (cell < (*self.shape, 1))).all(axis=1)
+        return np.where(inside, cell[:, 0] * self.shape[1] + cell[:, 1], -1)
 
 
 def _divide_section(length: float, radius: float, side: float | None) -> tuple[FloatArray, tuple[int, int]]:

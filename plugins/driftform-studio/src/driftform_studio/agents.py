@@ -181,8 +181,7 @@ def _find_real(cells: PipeGrid, pipe: Pipe) -> npt.NDArray[np.bool_]:
     centres = cells.centres()
     world = cells.to_world(centres)
     real: npt.NDArray[np.bool_] = np.asarray(np.isfinite(world).all(axis=1))
-    if not cells.is_straight:
-        real[real] = pipe.layout.find_part(world[real]) >= 0
+    real[real] = pipe.layout.find_part(world[real]) >= 0
     # Where a branch leaves, the map of the run and that of the branch overlap: each point is on one of them.
     real[real] = np.abs(cells.to_map(world[real])[:, :2] - centres[real]).max(axis=1) < 1e-6
     return real

@@ -139,9 +139,8 @@ def _read_csv(path: Path) -> VelocityGrid:
         first = [*islice(file, _PREAMBLE)]
         heading, separator = _find_heading(first)
         heads = [name.strip().strip('"') for name in first[heading].split(separator)] if first else [""]
-        rows = takewhile(lambda line: not line.startswith("["), chain(first[heading + 1 :], file))
-        if separator == ";":
-            rows = (line.replace(",", ".") for line in rows)
+        below = takewhile(lambda line: not line.startswith("["), chain(first[heading + 1 :], file))
+        rows = (line.replace(",", ".") for line in below) if separator == ";" else below
         try:
             with catch_warnings(action="ignore"):
                 table = np.loadtxt(rows, delimiter=separator, ndmin=2)
@@ -340,9 +339,10 @@ def _read_vtk(path: Path) -> VelocityGrid:
             f"{', '.join(_VECTORS)}"
         )
     velocity = np.array(vtk_to_numpy(vectors), dtype=np.float64)
-    for name, hidden in (("vtkValidPointMask", lambda mask: mask == 0), ("vtkGhostType", lambda kind: kind & 2 != 0)):
-        if (flags := data.GetPointData().GetArray(name)) is not None:
-            velocity[hidden(vtk_to_numpy(flags))] = np.nan
+    if (valid := data.GetPointData().GetArray("vtkValidPointMask")) is not None:
+        velocity[vtk_to_numpy(valid) == 0] = np.nan
+    if (ghosts := data.GetPointData().GetArray("vtkGhostType")) is not None:
+        velocity[vtk_to_numpy(ghosts) & 2 != 0] = np.nan
     for kind, convert in (("ImageData", vtkImageDataToPointSet), ("RectilinearGrid", vtkRectilinearGridToPointSet)):
         if data.IsA(f"vtk{kind}"):
             data = _convert(convert(), data)
