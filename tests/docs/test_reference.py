@@ -2,6 +2,7 @@
 
 import ast
 import re
+import subprocess
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,23 +16,40 @@ from driftform.plugins.scaffold import list_files, make_names
 ROOT = Path(__file__).parents[2]
 FILES = sorted(file for folder in ("src", "plugins/*/src") for file in ROOT.glob(f"{folder}/**/*.py"))
 
-_SHOWN = re.compile(r"^::: (driftform\S*)\n((?: {4}.*\n)*)", re.MULTILINE)
+_ROLE = re.compile(r":(?:mod|class|func|meth|attr|data|exc):`~?([^`]+)`")
+
+TEST_WITH: dict[str, tuple[str, ...]] = {
+    "driftform.plugins.hookspecs": (),
+    "driftform.testing.bodies": (),
+    "driftform.testing.agents": ("Spheroid", "sphere_agent", "tumbling_agent"),
+    "driftform.testing.fitness": ("PIPE", "straight_trajectory"),
+    "driftform.testing.simulator": ("water_scenario",),
+    "driftform.testing.strategy": ("search_space", "two_target_fitness"),
+    "driftform.testing.renderer": ("Frames", "drifting_trajectory", "read_film"),
+    "driftform.testing.checker": ("write_box",),
+}
+"""The hooks, and bodies, agents and flights to test with: modules, and their names, or none for all that are public."""
 
 
 @pytest.fixture(scope="module")
 def package() -> Any:
-    """The modules of the package by name, as the site reads them: nothing is imported."""
+    """The modules of the package by name, as the page is made: nothing is imported."""
     import griffe
 
     return griffe.load("driftform", search_paths=[ROOT / "src"]).modules_collection
 
 
 @pytest.fixture(scope="module")
-def shown(pages: dict[str, str]) -> dict[str, list[str]]:
+def shown() -> dict[str, list[str]]:
     """The modules that the reference shows, each with the names that it is limited to; none for all that are public."""
     found: dict[str, list[str]] = {}
-    for module, options in _SHOWN.findall(pages["reference.md"]):
-        found.setdefault(module, []).extend(re.findall(r"^ +- (\w+)$", options, re.MULTILINE))
+    for module in MODULES:
+        for name, home in sorted(find_homes(module).items(), key=lambda item: (item[1], item[0])):
+            if not name.startswith("__"):
+                is_module = home.rpartition(".")[2] == name and home.count(".") > 1
+                found.setdefault(home, []).extend(() if is_module else (name,))
+    for module, names in TEST_WITH.items():
+        found.setdefault(module, []).extend(names)
     return found
 
 
@@ -39,82 +57,80 @@ INTRODUCTION = """# Python reference
 
 The public interface: plugins and scripts import these modules, and nothing else of driftform. Of a name that is a
 module itself, what this page lists is public too: `from driftform.water.field import water_velocity`. This page is made
-from the docstrings, which state shapes, units and frames. On GitHub it is a list of names: the source has the same text.
+from the docstrings, which state shapes, units and frames.
 [python.md](python.md) shows how to use the functions, and [dataflow.md](dataflow.md) how the values flow.
 """
 
-WITHOUT_TEXTS = ("driftform.cli.options", "driftform.figures.style")
-"""Modules of constants that are explained by their values, or together."""
 
-TEST_WITH = """
-## Hooks
-
-::: driftform.plugins.hookspecs
-
-## Bodies, agents and flights to test with
-
-::: driftform.testing.bodies
-
-::: driftform.testing.agents
-    options:
-      members:
-        - Spheroid
-        - sphere_agent
-        - tumbling_agent
-
-::: driftform.testing.fitness
-    options:
-      members:
-        - PIPE
-        - straight_trajectory
-
-::: driftform.testing.simulator
-    options:
-      members:
-        - water_scenario
-
-::: driftform.testing.strategy
-    options:
-      members:
-        - search_space
-        - two_target_fitness
-
-::: driftform.testing.renderer
-    options:
-      members:
-        - Frames
-        - drifting_trajectory
-        - read_film
-
-::: driftform.testing.checker
-    options:
-      members:
-        - write_box
-"""
+def tell(member: Any) -> str:
+    """A docstring as Markdown: sections are lists."""
+    if member.docstring is None:
+        return ""
+    text = ""
+    for section in member.docstring.parse("google", warnings=False):
+        if section.kind.value == "text":
+            text += f"{mark_code(section.value)}\n\n"
+        elif section.kind.value == "examples":
+            text += "".join(f"```pycon\n{part}\n```\n\n" for _, part in section.value)
+        else:
+            text += f"{section.kind.value.capitalize()}:\n\n"
+            for item in section.value if isinstance(section.value, list) else [section.value]:
+                name = getattr(item, "name", "") or getattr(item, "annotation", "") or "note"
+                said = getattr(item, "description", "") or getattr(item, "contents", "")
+                text += f"- `{name}`: {mark_code(' '.join(said.split()))}\n"
+            text += "\n"
+    return text
 
 
-def reference_page() -> str:
-    """The page: each public module with its names, grouped by the modules that define them."""
+def mark_code(text: str) -> str:
+    """Text of a docstring with roles and double backticks as Markdown."""
+    return _ROLE.sub(r"`\1`", text).replace("``", "`")
+
+
+def sign(member: Any) -> str:
+    """The signature of a function, the head of a class, or a name with its type and a short value."""
+    if member.is_function:
+        line = f"def {member.signature()}"
+        if len(line) <= 100:
+            return line
+        command = ["ruff", "format", "--line-length", "100", "-"]
+        done = subprocess.run(command, input=f"{line}: ...\n", capture_output=True, text=True, check=True)
+        return done.stdout.rstrip().removesuffix(": ...")
+    if member.is_class:
+        return f"class {member.name}" + (f"({', '.join(map(str, member.bases))})" if member.bases else "")
+    value = f" = {member.value}" if member.value is not None and len(str(member.value)) < 60 else ""
+    return member.name + (f": {member.annotation}" if member.annotation else "") + value
+
+
+def describe(member: Any, path: str) -> str:
+    """A public name: its signature and docstring; of a class also its fields and methods."""
+    text = f'<a id="{path}"></a>\n\n### {member.name}\n\n'
+    fields, methods = [], []
+    if member.is_class:
+        for name, part in member.all_members.items():
+            if not name.startswith("_") and not part.is_alias:
+                (methods if part.is_function or "property" in part.labels else fields).append(part)
+    lines = [sign(member), *(f"    {sign(part)}" for part in fields)]
+    text += "```py\n" + "\n".join(lines) + f"\n```\n\n{tell(member)}"
+    text += "".join(f"`{part.name}`: {tell(part)}" for part in fields if part.docstring)
+    return text + "".join(f"```py\n{sign(part)}\n```\n\n{tell(part)}" for part in methods)
+
+
+def reference_page(package: Any, shown: dict[str, list[str]]) -> str:
+    """The page: the modules that define public names, with these."""
     page = INTRODUCTION
-    for module in MODULES:
-        page += f"\n## {module}\n"
-        groups: dict[str, list[str]] = {}
-        for name, home in sorted(find_homes(module).items()):
-            if not name.startswith("__"):
-                groups.setdefault(home, []).append(name)
-        for home, names in sorted(groups.items()):
-            if names == [home.rpartition(".")[2]] and home.count(".") > 1:
-                page += f"\n::: {home}\n"
-                if home in WITHOUT_TEXTS:
-                    page += "    options:\n      show_if_no_docstring: true\n"
-            else:
-                members = "".join(f"        - {name}\n" for name in names)
-                page += f"\n::: {home}\n    options:\n      members:\n{members}"
-    return page + TEST_WITH
+    for home, names in shown.items():
+        module = package[home]
+        found = dict(members_of(module)) if module.is_module else {module.name: module}
+        page += f"\n## {home}\n\n" + (tell(module) if module.is_module and not names else "")
+        prefix = f"{home}." if module.is_module else home.removesuffix(module.name)
+        page += "".join(describe(found[name], prefix + name) for name in names or found)
+    return page.rstrip() + "\n"
 
 
-def test_the_page_lists_the_public_interface(up_to_date: Any) -> None:
-    up_to_date(ROOT / "docs" / "reference.md", reference_page())
+@pytest.mark.peers
+def test_the_page_shows_the_public_interface(package: Any, shown: dict[str, list[str]], up_to_date: Any) -> None:
+    up_to_date(ROOT / "docs" / "reference.md", reference_page(package, shown))
 
 
 def imports(code: str) -> Iterator[tuple[str, str]]:
@@ -203,6 +219,7 @@ def test_the_site_shows_them_all(package: Any, shown: dict[str, list[str]], site
     for module in set(shown) - set(names):
         names += [f"{module}.{name}" for name in shown[module] or dict(members_of(package[module]))]
     assert [name for name in names if f'id="{name}"' not in page] == []
+    assert "strictly increasing from 0" in page and not re.search(r":(class|func|mod|meth):", page)
 
 
 @pytest.mark.peers

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 from accessibility import find_barriers, look
-from public import find_homes
 
 ROOT = Path(__file__).parents[2]
 
@@ -43,15 +42,6 @@ def test_fenced_blocks_are_blocks_and_show_their_file(site: Path) -> None:
     assert "src/driftform_dwell/dwell.py</span>" in text_of(site, "write-a-plugin")
 
 
-def test_the_reference_holds_what_the_package_offers(site: Path) -> None:
-    reference = text_of(site, "reference")
-    for name, home in find_homes("driftform").items():
-        if not name.startswith("__"):
-            assert f'id="{home}.{name}"' in reference, name
-    assert "strictly increasing from 0" in reference
-    assert not re.search(r":(class|func|mod|meth):", reference)
-
-
 def test_the_site_opens_with_the_picture_and_four_doors(site: Path) -> None:
     home = text_of(site, "").partition("<article")[2].partition("<h2")[0]
     assert 'src="images/flight.png"' in home and "driftform evolve" in re.sub("<[^>]+>", "", home)
@@ -65,7 +55,7 @@ def test_pages_for_users_hold_no_commands_for_developers(pages: dict[str, str]) 
 
 
 FEW = """
-document.querySelectorAll(".doc-module").forEach((e, i) => { if (i % 24) e.remove(); });
+document.querySelectorAll("article > h3, article > p, article > div, article > ul").forEach((e, i) => { if (i > 400) e.remove(); });
 document.querySelectorAll("nav li.md-nav__item").forEach((e, i) => { if (i > 150) e.remove(); });
 """
 """Leaves four of the modules of the reference, and as much of its contents."""
