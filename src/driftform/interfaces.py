@@ -481,8 +481,6 @@ class PrintJob:
         export: the agent that the files should represent, ``None`` if unknown.
         volume: volume of material by the agent's closed-form geometry, m3, ``None`` if unknown.
         source: OpenSCAD source of the same solid, ``None`` if there is no such file.
-        withheld: name of a source that came within a file of unknown origin and was not asked for, so that no program
-            may run it; ``None`` if there is no such source.
     """
 
     files: tuple[Path, ...]
@@ -490,7 +488,6 @@ class PrintJob:
     export: ExportJob | None = None
     volume: float | None = None
     source: Path | None = None
-    withheld: str | None = None
 
 
 class Checker(Plugin[OptionsT_co]):

@@ -92,29 +92,18 @@ def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call: Call, 
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="runs a script as a program")
-@pytest.mark.parametrize(
-    ("place", "text"),
-    [("attached", "the OpenSCAD source attached to it"), ("near", "the OpenSCAD source in its folder, stranger.scad,")],
-)
-def test_source_of_a_stranger_is_rendered_only_when_asked_for(
-    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, text: str
+def test_no_program_runs_the_source_that_a_stranger_attached(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    name = "Metadata/agent.scad" if place == "attached" else "Metadata/notes.txt"
-    path = write_3mf(tmp_path / "stranger.3mf", attached={name: "cube(10);"})
-    if place == "near":
-        (tmp_path / "stranger.scad").write_text("cube(10);")
+    path = write_3mf(tmp_path / "stranger.3mf", attached={"Metadata/agent.scad": "cube(10);"})
     programs = tmp_path / "programs"
     programs.mkdir()
     openscad = programs / "openscad"
     openscad.write_text(f"#!{sys.executable}\nopen({str(tmp_path / 'ran')!r}, 'w')\n")
     openscad.chmod(0o755)
     monkeypatch.setenv("PATH", str(programs))
-    found = lines(call("check", path, "--json"))["openscad"]
-    assert found["state"] == "skipped"
-    assert found["detail"] == f"{text} is not rendered; add --attached if you trust it"
+    assert lines(call("check", path, "--json"))["openscad"]["state"] == "skipped"
     assert not (tmp_path / "ran").exists()
-    assert lines(call("check", path, "--attached", "--json"))["openscad"]["state"] == "fail"
-    assert (tmp_path / "ran").exists()
 
 
 @pytest.mark.parametrize("harm", ["content", "method", "encrypted"])

@@ -38,8 +38,6 @@ MIN_DIAMETER = 1e-3
 
 _STATIONS = 240
 _SLICES = 2000
-_STEPS = 400
-_ROUNDS = 30
 
 
 @dataclass(frozen=True)
@@ -93,21 +91,19 @@ def ball_mass(diameter: float, density: float) -> float:
     return float(np.pi / 6 * density * diameter**3)
 
 
-def place_one_ball(body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False) -> tuple[Piece, ...]:
+def place_one_ball(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
     """Return a ball on the axis of the mass and the moment of ``wanted``, beside the core; empty if it has no room.
 
-    The density is that of the ballast, kg/m3; ``in_kit`` is as for :func:`max_ball_radius`.
+    The density is that of the ballast, kg/m3.
     """
     if not _can_hold(body, wanted) or wanted.x is None:
         return ()
     piece = make_ball(wanted.mass, wanted.x, density)
-    room = max_ball_radius(body, np.array([wanted.x]), in_kit)
+    room = max_ball_radius(body, np.array([wanted.x]))
     return (piece,) if room[0] >= piece.element.x - piece.start else ()
 
 
-def place_two_balls(
-    body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False, between: float = 0.0
-) -> tuple[Piece, ...]:
+def place_two_balls(body: Body, wanted: RequiredBallast, density: float, between: float = 0.0) -> tuple[Piece, ...]:
     """Return two balls, one on either side of the position of ``wanted``; empty if no pair has room.
 
     It is the closest pair with at least ``between`` (m) between them, because that changes the inertia least; the
@@ -116,7 +112,7 @@ def place_two_balls(
     if not _can_hold(body, wanted) or wanted.x is None:
         return ()
     mass, x, stations = wanted.mass, wanted.x, _stations(body)
-    room = max_ball_radius(body, stations, in_kit)
+    room = max_ball_radius(body, stations)
     aft, fore = stations[stations < x], stations[stations > x]
     if not len(aft) or not len(fore):
         return ()
@@ -164,35 +160,13 @@ def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: 
     return tuple(sorted(thick, key=lambda piece: abs(piece.element.x - x))[:1])
 
 
-def place_nearest_ball(body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False) -> tuple[Piece, ...]:
-    """Return the ball of that mass whose centre is nearest to the wanted one; empty if it fits nowhere."""
-    if not _can_hold(body, wanted):
-        return ()
-    x = _stations(body)
-    fits = max_ball_radius(body, x, in_kit) >= ball_diameter(wanted.mass, density) / 2
-    if not fits.any():
-        return ()
-    nearest = np.abs(x[fits] - wanted.moment / wanted.mass).argmin()
-    return (make_ball(wanted.mass, float(x[fits][nearest]), density),)
-
-
 def place_by_hand(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
-    """Return ballast of the wanted mass and moment that can be fixed without a seat; empty if none fits.
+    """Return ballast that can be fixed without a seat, of the wanted mass and as near as possible to the wanted place.
 
-    Balls are set in epoxy putty, which counts; where that would weigh more than they do, a ring of putty lies on the wall.
+    A little is a ring of putty on the wall, and more is a filling of the bore; empty if neither fits.
     """
-    for balls in (place_one_ball(body, wanted, density), place_two_balls(body, wanted, density)):
-        if embedded := _embed_all(body, balls, density):
-            return embedded
-        if balls and (ring := place_ring(body, wanted)):
-            return ring
-    return place_filling(body, wanted, density) or place_ring(body, wanted)
-
-
-def place_nearest_by_hand(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
-    """Return ballast as of :func:`place_by_hand` of the wanted mass, whose centre is as near as possible to the wanted one."""
-    if embedded := _embed_all(body, place_nearest_ball(body, wanted, density), density):
-        return embedded
+    if found := place_ring(body, wanted) or place_filling(body, wanted, density):
+        return found
     if not _can_hold(body, wanted):
         return ()
     places = sorted(_stations(body), key=lambda x: abs(x - wanted.moment / wanted.mass))
@@ -223,55 +197,17 @@ def place_ring(body: Body, wanted: RequiredBallast) -> tuple[Piece, ...]:
     return (Piece(element, start, end, None, wanted.mass, thick),)
 
 
-def _embed_all(body: Body, balls: tuple[Piece, ...], density: float) -> tuple[Piece, ...]:
-    embedded = [embed(body, ball, density) for ball in balls]
-    return () if None in embedded else tuple(piece for piece in embedded if piece is not None)
-
-
-def embed(body: Body, ball: Piece, density: float) -> Piece | None:
-    """Return a smaller ball in putty, which together have the mass and the centre of a ball; ``None`` if they cannot.
-
-    The putty fills the bore over the length of the ball, and weighs no more than the ball.
-    """
-    from scipy.optimize import brentq
-
-    assert ball.diameter is not None
-    bore, x, mass = _Bore(body), ball.element.x, ball.element.mass
-
-    def excess(diameter: float) -> float:
-        return bore.embed(x, diameter, density).mass - mass
-
-    # Bore and ball are wider on one side: the centre of both is moved to where it should be.
-    for _ in range(_ROUNDS):
-        if excess(MIN_DIAMETER) > 0 or excess(ball.diameter) < 0:
-            return None
-        diameter = float(brentq(excess, MIN_DIAMETER, ball.diameter, xtol=1e-12))
-        element = bore.embed(x, diameter, density)
-        x += ball.element.x - element.x
-    putty = element.mass - ball_mass(diameter, density)
-    if putty > mass / 2:
-        return None
-    return Piece(element, x - diameter / 2, x + diameter / 2, diameter, putty)
-
-
 def _can_hold(body: Body, wanted: RequiredBallast) -> bool:
     return bool(len(body.cavity)) and wanted.mass >= NEGLIGIBLE
 
 
-def max_ball_radius(body: Body, x: FloatArray, in_kit: bool = False) -> FloatArray:
-    """Return the radius (m) of the largest ball that can be put to each ``x`` (n,) on the axis, beside the core, or 0.
+def max_ball_radius(body: Body, x: FloatArray) -> FloatArray:
+    """Return the radius (m) of the largest ball that has room at each ``x`` (n,) on the axis, beside the core, or 0.
 
-    A hull opens at the core's equator: the ball passes the bore from there, before the core. How a ball gets into a kit,
-    with ``in_kit``, is up to the kit.
+    How a ball gets there is up to the kit.
     """
     aft, fore = body.core.ends
     free = np.minimum(_distance_to_wall(body, x), np.maximum(aft - x, x - fore))
-    for side, end in enumerate(body.cavity[[0, -1], 0]) if not in_kit else ():
-        path = np.linspace(0.0, end, _STEPS)
-        narrowest = np.minimum.accumulate(np.minimum(_distance_to_wall(body, path), body.core.radius))
-        # The ball has passed all of the path up to the station before x.
-        passed = narrowest[np.clip((x / end * (_STEPS - 1)).astype(int), 0, _STEPS - 1)]
-        free = np.where((x > 0) == bool(side), np.minimum(free, passed), free)
     return np.asarray(np.maximum(free, 0.0), dtype=np.float64)
 
 
@@ -305,16 +241,6 @@ class _Bore:
         self.area = np.pi * np.maximum(outer**2 - inner**2, 0.0)
         self.polar = np.pi / 2 * np.maximum(outer**4 - inner**4, 0.0)
         self.before = np.concatenate(([0.0], np.cumsum(self.area * self.width)))
-
-    def embed(self, x: float, diameter: float, density: float) -> MassElement:
-        """Return a ball at ``x`` of some ``density`` (kg/m3), and the putty that fills the bore over its length."""
-        low, high = np.interp([x - diameter / 2, x + diameter / 2], self.edges, self.before)
-        filled = self.fill(float(low), float(high - low), PUTTY).element
-        ball = MassElement.of_ball(ball_mass(diameter, density - PUTTY), x, diameter / 2)
-        mass = filled.mass + ball.mass
-        centre = (filled.mass * filled.x + ball.mass * ball.x) / mass
-        across = sum(e.transverse + e.mass * (e.x - centre) ** 2 for e in (filled, ball))
-        return MassElement(mass, centre, filled.axial + ball.axial, across)
 
     def fill(self, first: float, volume: float, density: float) -> Piece:
         """Return the filling of ``volume`` (m3) that leaves the ``first`` m3 from aft empty."""

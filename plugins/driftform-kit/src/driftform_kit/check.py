@@ -123,7 +123,6 @@ def check_file(
     printer: Printer | None = None,
     kit: bool = False,
     programs: bool = True,
-    attached: bool = False,
     on_program: Callable[[str], None] = lambda _: None,
 ) -> list[Finding]:
     """Return what the installed checkers find about a printable file.
@@ -132,8 +131,6 @@ def check_file(
         path: of the file.
         agent: agent of the file; ``None`` for the agent.json in the file or in its folder, if any.
         settings: ``key=value`` of the study, as ``--set`` takes them.
-        attached: whether OpenSCAD source in the file, or with its name in its folder, is rendered: source may read
-            files, and take all the time and memory that OpenSCAD is given.
         printer, kit, programs, on_program: as for :func:`check_design`. A 3MF file of a kit says itself that it is
             one, for which printer, and with which options it was made; ``settings`` come before these.
 
@@ -145,15 +142,7 @@ def check_file(
     with TemporaryDirectory() as name:
         folder = Path(name)
         known = agent or extract_attachment(path, "agent.json", folder) or path.with_name("agent.json")
-        inside, sibling = extract_attachment(path, ".scad", folder), path.with_suffix(".scad")
-        source = inside or (sibling if files.is_file(sibling) and sibling != path else None)
-        where = "attached to it" if inside else f"in its folder, {sibling.name},"
-        job = PrintJob(
-            (path,),
-            printer or Printer(),
-            source=source if attached else None,
-            withheld=None if source is None or attached else f"OpenSCAD source {where}",
-        )
+        job = PrintJob((path,), printer or Printer())
         if agent is None and not files.is_file(Path(known)):
             if kit:
                 raise InputError(f"--kit: the agent of {path} is not known; name it with --agent")

@@ -53,13 +53,6 @@ def check(
     programs: Annotated[
         bool, typer.Option("--programs/--no-programs", help="Run OpenSCAD, a slicer and the like, if they are on PATH.")
     ] = True,
-    attached: Annotated[
-        bool,
-        typer.Option(
-            "--attached",
-            help="Also render the OpenSCAD source in a FILE or in its folder: only of files that you trust.",
-        ),
-    ] = False,
     settings: options.Settings = None,
     json: options.Json = False,
 ) -> None:
@@ -85,20 +78,10 @@ def check(
 
     path = Path(subject)
     if files.is_file(path) and path.suffix.lower() != ".json":
-        findings = check_file(
-            path,
-            agent,
-            settings or (),
-            printer=printer,
-            kit=kit,
-            programs=programs,
-            attached=attached,
-            on_program=announce,
-        )
+        given = settings or ()
+        findings = check_file(path, agent, given, printer=printer, kit=kit, programs=programs, on_program=announce)
     elif agent is not None:
         raise InputError(f"--agent {agent}: goes with a FILE, and '{subject}' is not one")
-    elif attached:
-        raise InputError(f"--attached: goes with a FILE, and '{subject}' is not one")
     else:
         [format] = formats.parse_formats(format, "exporter", "stl")
         design = open_agent(subject, *(settings or ()))

@@ -191,10 +191,7 @@ class _Planner:
         if density <= water:
             raise InputError(f"--ballast-density {density:g}: must be more than that of the water, {water:g} kg/m3")
         if self.measure is None:
-            pieces = ballast.place_by_hand(body, required, density) or ballast.place_nearest_by_hand(
-                body, required, density
-            )
-            return _Plan(self.weight, required, pieces)
+            return _Plan(self.weight, required, ballast.place_by_hand(body, required, density))
         kit = self.measure(None)
         pieces = _fill_seats(kit.held, required, density) if kit.held else ()
         seats = [next(ball for ball in kit.held if ball.x == piece.element.x) for piece in pieces]
@@ -212,25 +209,17 @@ class _Planner:
         )
 
     def plan_seats(self, required: RequiredBallast, kit: KitReport, measure: MeasureKit) -> _Plan:
-        """Ballast that the kit holds by seats, which weigh too; or any of the right moment; or the nearest ball that it holds."""
+        """Ballast that the kit holds by seats, which weigh too; or else what can be fixed by hand."""
         body, reasons = self.agent.body, list[str]()
-
-        def settle(place: Callable[..., tuple[Piece, ...]]) -> _Plan | None:
+        places: list[Callable[..., tuple[Piece, ...]]] = [ballast.place_one_ball]
+        places += [partial(ballast.place_two_balls, between=distance) for distance in _BETWEEN]
+        for place in places:
             try:
-                return self.settle(kit, measure, place)
+                if plan := self.settle(kit, measure, place):
+                    return plan
             except WorkFailedError as error:
                 reasons.append(str(error))
-                return None
-
-        exact: list[Callable[..., tuple[Piece, ...]]] = [ballast.place_one_ball]
-        exact += [partial(ballast.place_two_balls, between=distance) for distance in _BETWEEN]
-        for place in exact:
-            if plan := settle(place):
-                return plan
         pieces = ballast.place_by_hand(body, required, self.density)
-        if not pieces and (plan := settle(ballast.place_nearest_ball)):
-            return plan
-        pieces = pieces or ballast.place_nearest_by_hand(body, required, self.density)
         unheld = reasons[0] if reasons else "no ball has room where it is needed"
         return _Plan(self.weight, required, pieces, unheld=unheld)
 
@@ -242,7 +231,7 @@ class _Planner:
         assumed = np.zeros(2)  # mass and moment of the seats
         for _ in range(_ROUNDS):
             required = self.find_required(self.add(assumed))
-            pieces = place(self.agent.body, required, self.density, in_kit=True)
+            pieces = place(self.agent.body, required, self.density)
             if not pieces and assumed[0]:
                 raise WorkFailedError(
                     f"with the mass of a seat, {1000 * assumed[0]:.2f} g, no ball has room where it is needed"

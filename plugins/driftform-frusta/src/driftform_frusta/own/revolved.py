@@ -117,20 +117,10 @@ def _measure_deviation(placed: FloatArray, contour: FloatArray) -> float:
 
 
 def simplify_contour(points: FloatArray) -> FloatArray:
-    """Return the contour without points that carry no shape, at most :data:`MAX_POINTS` (Ramer, Douglas and Peucker)."""
-    tolerance, keep = TOLERANCE * 2 * float(points[:, 1].max()), np.ones(len(points), dtype=bool)
-    while keep.all() or keep.sum() > MAX_POINTS:
-        keep[1:-1] = False
-        waiting = [(0, len(points) - 1)]
-        while waiting:
-            first, last = waiting.pop()
-            if last - first > 1:
-                off = distance_from(points[first + 1 : last], points[[first, last]])
-                if off.max() > tolerance:
-                    middle = first + 1 + int(off.argmax())
-                    keep[middle] = True
-                    waiting += [(first, middle), (middle, last)]
-        if keep.all():
-            break
+    """Return the contour without points that carry no shape, at most :data:`MAX_POINTS`."""
+    from driftform.figures.scene import simplify_polyline
+
+    tolerance = TOLERANCE * 2 * float(points[:, 1].max())
+    while len(kept := simplify_polyline(points, tolerance)) > MAX_POINTS:
         tolerance *= 1.5
-    return points[keep]
+    return kept

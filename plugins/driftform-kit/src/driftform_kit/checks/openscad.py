@@ -32,8 +32,6 @@ class OpenScadChecker(Checker[OpenScadOptions]):
         yield Finding(self.name, *self._judge(job))
 
     def _judge(self, job: PrintJob) -> tuple[State, str]:
-        if job.withheld is not None:
-            return State.SKIPPED, f"the {job.withheld} is not rendered; add --attached if you trust it"
         if job.source is None:
             return State.SKIPPED, "no OpenSCAD source to render"
         with TemporaryDirectory() as folder:
