@@ -1,11 +1,14 @@
 """driftform as a notebook uses it."""
 
+import copy
 import json
+import pickle
 import re
 import subprocess
 import sys
 from base64 import b64decode
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -19,6 +22,7 @@ from driftform.cli.app import app
 from driftform.errors import InputError
 from driftform.runs.agent_file import StoredAgent
 from driftform.study import Study
+from driftform.types import Evaluation
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
@@ -101,6 +105,36 @@ def test_an_interrupted_run_goes_on_to_the_same_end(run: Run, tmp_path: Path, mo
             df.evolve(small(), tmp_path / "run", progress=False)
     assert 0 < len(df.open_run(tmp_path / "run").evaluations()["genome"]) < 20
     assert df.evolve(small(), tmp_path / "run", progress=False).best() == run.best()
+
+
+def test_a_function_is_called_with_what_the_strategy_is_told(tmp_path: Path) -> None:
+    told: list[tuple[int, int]] = []
+    study = df.load_study("paper", use={"simulator": "native"}, run={"seed": 1, "evaluations": 7, "robust": 0})
+    run = df.evolve(
+        study, tmp_path / "run", progress=False, on_batch=lambda first, found: told.append((first, len(found)))
+    )
+    assert sum(count for _, count in told) == 7
+    assert [first for first, _ in told] == [0, *np.cumsum([count for _, count in told])[:-1]]
+    assert study.scenario.robustness.conditions == 0 and run["TP1"].result["p90"] is None
+
+
+def test_values_are_equal_by_their_content_after_pickle_and_copy(run: Run) -> None:
+    best = run["TP3"]
+    for value in (run.study, run.study.make_pipeline(), best, best.agent, best.simulate()):
+        again = pickle.loads(pickle.dumps(value))
+        assert again == value == copy.deepcopy(value) and hash(again) == hash(value)
+    other = best.under("flow.speed=0.7")
+    assert other != best and other.study != best.study and other.pipeline != best.pipeline
+    assert other.agent == best.agent and best.agent != best.agent.body
+    moved = replace(best.agent, body=replace(best.agent.body, outer=best.agent.body.outer + 1e-9))
+    assert moved != best.agent
+
+
+def test_values_show_themselves_in_one_line(run: Run) -> None:
+    flight = run["TP3"].simulate()
+    found = Evaluation.failed(run["TP3"].stored.genome, 3, "it sank")
+    for value in (flight.agent, flight.agent.coefficients, flight.trajectory, found):
+        assert re.fullmatch(r"<\w+.{10,90}>", repr(value))
 
 
 def test_progress_goes_to_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,10 +7,10 @@ flight as its path. Quantities are in SI units, fitness is in percent, frames ar
 
 import os
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, closing, contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from driftform.design import opening
 from driftform.design.design import Design
@@ -33,7 +33,7 @@ from driftform.search.report.page import write_report
 from driftform.search.results import map_run
 from driftform.study import Study, study
 from driftform.study.sources import say_in_python
-from driftform.types import Trajectory
+from driftform.types import Evaluation, Trajectory
 from driftform.util.notebook import show_picture, show_table
 from driftform.util.progress import count_progress
 from driftform.water.disturbances import Specimen
@@ -45,6 +45,10 @@ if TYPE_CHECKING:
     from driftform.study import load_study
 else:
     load_study = say_in_python(study.load_study)
+
+
+OnBatch: TypeAlias = Callable[[int, Sequence[Evaluation]], None]
+"""Takes the index of the first evaluation of a batch, and its evaluations."""
 
 
 class NoTargetError(InputError, KeyError):
@@ -190,29 +194,41 @@ class Run(StoredRun, Mapping[str, Design]):
 
 
 class _Counter(Observer):
-    """Prints on stderr how many evaluations are done."""
+    """Prints on stderr how many evaluations are done, if it is to, and calls a function for each batch."""
 
-    def __init__(self, budget: int) -> None:
-        self._budget, self._done = budget, 0
+    def __init__(self, budget: int, progress: bool, on_batch: OnBatch | None) -> None:
+        self._budget, self._done, self._shows = budget, 0, progress
+        self._on_batch = on_batch
         self._progress: Callable[[int, int], None] = lambda _, __: None
 
     @contextmanager
     def open_search(self, stored: int) -> Iterator[None]:
-        with count_progress("evaluations") as self._progress:
+        with count_progress("evaluations") if self._shows else nullcontext(self._progress) as self._progress:
             yield
 
     def record(self, record: Record) -> None:
         self._done += 1
         self._progress(self._done, self._budget)
 
+    def end_batch(self, first: int, evaluations: Sequence[Evaluation]) -> None:
+        if self._on_batch is not None:
+            self._on_batch(first, evaluations)
+
     def warn(self, text: str) -> None:
         warnings.warn(text, stacklevel=2)
 
     def open_finalists(self) -> AbstractContextManager[Callable[[int, int], None]]:
-        return count_progress("disturbed flights")
+        return count_progress("disturbed flights") if self._shows else super().open_finalists()
 
 
-def evolve(study: Study, directory: str | os.PathLike[str], *, workers: int = 1, progress: bool = True) -> Run:
+def evolve(
+    study: Study,
+    directory: str | os.PathLike[str],
+    *,
+    workers: int = 1,
+    progress: bool = True,
+    on_batch: OnBatch | None = None,
+) -> Run:
     """Evolve agents for every target of a study, as ``driftform evolve`` does, and return the run.
 
     A directory that holds a run of the same study is continued: to run a cell again costs nothing, and what was
@@ -223,6 +239,8 @@ def evolve(study: Study, directory: str | os.PathLike[str], *, workers: int = 1,
         directory: where the run is written; see ``docs/dataflow.md`` for its files.
         workers: processes; the result does not depend on it.
         progress: whether the number of evaluations done is printed on stderr.
+        on_batch: called after each batch of the search, stored or new, with the index of its first evaluation and its
+            evaluations, as ``Strategy.tell`` is.
 
     Raises:
         InputError: if the study has no targets, not even its smallest agent can be released, or the directory holds
@@ -240,7 +258,7 @@ def evolve(study: Study, directory: str | os.PathLike[str], *, workers: int = 1,
     for warning in study.list_warnings():
         warnings.warn(warning, stacklevel=2)
     with Run.ensure(Path(directory), study) as run, closing(_make_executor(study, workers)) as executor:
-        problems = run.advance(executor, _Counter(study.evaluations) if progress else None)
+        problems = run.advance(executor, _Counter(study.evaluations, progress, on_batch))
     for problem in problems:
         warnings.warn(problem, stacklevel=2)
     return run

@@ -21,7 +21,7 @@ from driftform.plugins.seams import (
     require_morphology,
     require_scores,
 )
-from driftform.types import Agent, Body, End, Evaluation, FloatArray, Genome, Morphology, Trajectory
+from driftform.types import Agent, Body, ByContent, End, Evaluation, FloatArray, Genome, Morphology, Trajectory
 from driftform.water import Scenario
 from driftform.water.disturbances import (
     Condition,
@@ -63,7 +63,7 @@ class ScoredFlight:
 
 
 @dataclass(frozen=True, eq=False)
-class Pipeline:
+class Pipeline(ByContent):
     """One plugin for each step, and the scenario of the flights.
 
     Attributes:

@@ -13,7 +13,8 @@ Conventions, stated once (``docs/conventions.md`` expands on them):
 Arrays in these values are float64, C-contiguous and read-only.
 """
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import StrEnum
 from operator import index
 from typing import Any, Protocol, TypeAlias
@@ -22,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
-    "Agent", "Body", "Candidate", "Coefficients", "Core", "Drag", "End", "Evaluation", "Finding",
+    "Agent", "Body", "ByContent", "Candidate", "Coefficients", "Core", "Drag", "End", "Evaluation", "Finding",
     "Fittings", "FloatArray", "Genome", "MassProperties", "Module", "Moments", "Morphology", "State",
     "Trajectory", "Verdict", "WrittenFile",
 ]  # fmt: skip
@@ -62,6 +63,37 @@ def freeze_fields(value: object, **shapes: tuple[int | None, ...]) -> None:
     for name, shape in shapes.items():
         what = f"{type(value).__name__}.{name}"
         object.__setattr__(value, name, freeze(getattr(value, name), shape, what))
+
+
+class ByContent:
+    """A value that equals another of its class if their fields have the same content; see :func:`same_content`."""
+
+    def __eq__(self, other: object) -> bool:
+        return same_content(self, other) if type(self) is type(other) else NotImplemented
+
+    def __hash__(self) -> int:
+        # Arrays have no hash: values of one class are told apart by their content alone.
+        return hash(type(self))
+
+
+def same_content(a: Any, b: Any) -> bool:
+    """Return whether two values have the same content.
+
+    Arrays are compared element by element, and NaN equals NaN; dataclasses by their fields, mappings and sequences by
+    their items, plugins by their class and options; anything else by ``==``.
+    """
+    if a is b or type(a) is not type(b):
+        return a is b
+    if isinstance(a, np.ndarray):
+        return np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")
+    if is_dataclass(a):
+        return all(same_content(getattr(a, field.name), getattr(b, field.name)) for field in fields(a))
+    if isinstance(a, Mapping):
+        return a.keys() == b.keys() and all(same_content(a[key], b[key]) for key in a)
+    if isinstance(a, Sequence) and not isinstance(a, str | bytes):
+        return len(a) == len(b) and all(map(same_content, a, b))
+    options = getattr(a, "options", None)
+    return bool(a == b) if options is None else same_content(options, b.options)
 
 
 @dataclass(frozen=True)
@@ -367,7 +399,7 @@ class Drag:
         )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Coefficients:
     """Hydrodynamic coefficients about ``origin``, in body axes.
 
@@ -392,6 +424,10 @@ class Coefficients:
     def __post_init__(self) -> None:
         freeze_fields(self, origin=(3,), added_mass=(6, 6), linear_damping=(6, 6), quadratic_damping=(6, 6))
 
+    def __repr__(self) -> str:
+        along, across = self.added_mass[0, 0], self.added_mass[2, 2]
+        return f"<Coefficients: added mass {along:.4g} kg along, {across:.4g} kg across{', drag' if self.drag else ''}>"
+
     def scale_damping(self, axial: float, across: float | None = None) -> "Coefficients":
         """Return the coefficients with damping and drag times ``axial`` along the axis, and ``across`` across it.
 
@@ -409,8 +445,8 @@ class Coefficients:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Agent:
+@dataclass(frozen=True, eq=False, repr=False)
+class Agent(ByContent):
     """An agent that can fly: what a simulator and a renderer receive, and an exporter in its job.
 
     A simulator reads only ``mass``, ``coefficients`` and, for contact with walls, ``body``. ``morphology`` and
@@ -422,6 +458,9 @@ class Agent:
     coefficients: Coefficients
     morphology: Morphology | None = None
     genome: Genome | None = None
+
+    def __repr__(self) -> str:
+        return f"<Agent: {self.body.length:.3f} m long, {self.body.max_diameter:.3f} m wide, {self.mass.mass:.4f} kg>"
 
 
 class End(StrEnum):
@@ -448,7 +487,7 @@ class End(StrEnum):
         return self in (End.NON_FINITE, End.STEP_LIMIT, End.NOT_CONVERGED)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """The motion of an agent during one flight.
 
@@ -481,6 +520,9 @@ class Trajectory:
             if (value := getattr(self, name)) is not None:
                 object.__setattr__(self, name, float(value))
 
+    def __repr__(self) -> str:
+        return f"<Trajectory: {len(self.t)} samples, {self.t[-1]:.2f} s to the {self.end}>"
+
     @property
     def failure(self) -> str | None:
         """When and why the flight failed, ``None`` for a sound one."""
@@ -512,7 +554,7 @@ class Candidate:
         object.__setattr__(self, "generation", index(self.generation))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Evaluation:
     """The outcome of one evaluation, successful or failed.
 
@@ -537,6 +579,12 @@ class Evaluation:
         freeze_fields(self, fitness=(None,))
         if self.offsets is not None:
             freeze_fields(self, offsets=(None, 3))
+
+    def __repr__(self) -> str:
+        found = (
+            f"failed, {self.failure}" if self.failure else f"fitness {np.max(self.fitness, initial=0):.2f} % at most"
+        )
+        return f"<Evaluation of {len(self.genome.symbols)} symbols: {found}>"
 
     @classmethod
     def failed(cls, genome: Genome, targets: int, failure: str, trajectory: Trajectory | None = None) -> "Evaluation":

@@ -7,6 +7,8 @@ import typer
 
 from driftform.cli.options import (
     ExecutorName,
+    FitnessName,
+    GrammarName,
     Hydrodynamics,
     Json,
     Robust,
@@ -42,6 +44,8 @@ def evolve(
     scheduler: Scheduler = None,
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
+    grammar: GrammarName = None,
+    fitness: FitnessName = None,
     calibration: Annotated[
         str | None,
         make_option(
@@ -64,14 +68,19 @@ def evolve(
     """
     from driftform.study import load_study
 
-    given = {"conditions": robust, "within": within}
-    disturbed = (f"robustness.{key}={value}" for key, value in given.items() if value is not None)
+    use = {
+        "strategy": strategy,
+        "simulator": simulator,
+        "hydrodynamics": hydrodynamics,
+        "grammar": grammar,
+        "fitness": fitness,
+    }
     checked = load_study(
         study,
-        (*(settings or ()), *disturbed),
+        settings or (),
         targets=target or (),
-        use={"strategy": strategy, "simulator": simulator, "hydrodynamics": hydrodynamics},
-        run={"seed": seed, "evaluations": evaluations},
+        use=use,
+        run={"seed": seed, "evaluations": evaluations, "robust": robust, "within": within},
         calibration=calibration,
     )
     # The modules that run a study take a second to import. A wrong study is refused before, and workers import meanwhile.

@@ -42,6 +42,12 @@ Simulator: TypeAlias = Annotated[
 Hydrodynamics: TypeAlias = Annotated[
     str | None, make_option("NAME", "Hydrodynamic model to use.", complete=complete_plugin("hydrodynamics"))
 ]
+GrammarName: TypeAlias = Annotated[
+    str | None, make_option("NAME", "Grammar to use.", complete=complete_plugin("grammar"))
+]
+FitnessName: TypeAlias = Annotated[
+    str | None, make_option("NAME", "Fitness to use.", complete=complete_plugin("fitness"))
+]
 StrategyName: TypeAlias = Annotated[
     str | None, make_option("NAME", "Search strategy to use.", complete=complete_plugin("strategy"))
 ]

@@ -28,7 +28,7 @@ from driftform.plugins.seams import require_file, require_files
 from driftform.runs.agent_file import StoredAgent
 from driftform.study import Document, Study, load_study
 from driftform.study.sources import say_in_python
-from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory, WrittenFile
+from driftform.types import Agent, ByContent, Coefficients, FloatArray, MassProperties, Trajectory, WrittenFile
 from driftform.util.files import is_directory, make_directory, safe_stem
 from driftform.util.notebook import show_picture
 from driftform.water import Scenario
@@ -44,7 +44,7 @@ def ignore(_: object, __: object = None) -> None:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Design:
+class Design(ByContent):
     """An agent: its genome, the body that the genome makes, and the scenario that it flies in.
 
     Attributes:

@@ -13,14 +13,14 @@ from driftform.figures.style import Page
 from driftform.motion.path.targets import approach_targets, name_outlet
 from driftform.runs.misses import Misses
 from driftform.runs.table_files import FLIGHT_COLUMNS
-from driftform.types import Agent, End, FloatArray, Trajectory
+from driftform.types import Agent, ByContent, End, FloatArray, Trajectory
 from driftform.util.files import make_directory
 from driftform.util.notebook import show_picture, show_table
 from driftform.water import Scenario
 
 
 @dataclass(frozen=True, eq=False)
-class Flight:
+class Flight(ByContent):
     """One flight of an agent through its scenario.
 
     Attributes:

@@ -1,7 +1,7 @@
 """Advance a run: search to the end of its budget, fly the finalists, write the best agents; and what is best so far."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
@@ -15,6 +15,7 @@ from driftform.search.jobs import Executor
 from driftform.search.loop import run_search
 from driftform.search.results import Best, write_results
 from driftform.search.versions import find_versions
+from driftform.types import Evaluation
 from driftform.util.files import is_file
 from driftform.water.flow import GridFlow
 
@@ -30,6 +31,9 @@ class Observer:
 
     def record(self, record: Record) -> None:
         """Take one evaluation, stored or new."""
+
+    def end_batch(self, first: int, evaluations: Sequence[Evaluation]) -> None:
+        """Take the evaluations from ``first`` on that the strategy asked for together, after it was told of them."""
 
     def warn(self, text: str) -> None:
         """Take a line about what the first flights show."""
@@ -124,7 +128,7 @@ def _search(run: StoredRun, store: Store, executor: Executor, observer: Observer
             observer.warn(text)
 
     with observer.open_search(store.count()):
-        run_search(run.study, store, executor, record)
+        run_search(run.study, store, executor, record, observer.end_batch)
 
 
 def find_best(run: StoredRun, target: str) -> StoredAgent | None:

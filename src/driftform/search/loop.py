@@ -40,7 +40,11 @@ class _Batch:
 
 @report_faults()
 def run_search(
-    study: Study, store: Store, executor: Executor, on_record: Callable[[Record], None] = lambda _: None
+    study: Study,
+    store: Store,
+    executor: Executor,
+    on_record: Callable[[Record], None] = lambda _: None,
+    on_batch: Callable[[int, Sequence[Evaluation]], None] = lambda _, __: None,
 ) -> None:
     """Ask, evaluate, tell, until the budget is spent; a strategy that can is asked for a batch while another is flown.
 
@@ -49,6 +53,7 @@ def run_search(
 
     Args:
         on_record: called with each evaluation, stored or new.
+        on_batch: called as the strategy is told: with the index of the first evaluation of each batch, and all of it.
 
     Raises:
         InputError: where the stored evaluations are not those that this study asks for.
@@ -96,6 +101,7 @@ def run_search(
             outcomes = survey.fly(told, batch.candidates, ordered)
             with keep_directory():
                 strategy.tell(told, outcomes)
+                on_batch(told, outcomes)
             best.add(ordered)
             told += len(batch.candidates)
             _log.debug("%d of %d evaluations", told, study.evaluations)

@@ -47,7 +47,7 @@ from driftform.study.sources import (
     read_sources,
 )
 from driftform.study.toml_positions import find_key_lines
-from driftform.types import Finding, Genome, State
+from driftform.types import ByContent, Finding, Genome, State
 from driftform.util.options import MAX_SEED, Table, option
 from driftform.water import Scenario
 from driftform.water.flow import GridFlow
@@ -56,6 +56,9 @@ _log = logging.getLogger(__name__)
 
 DEFAULT = "pipe-inspection"
 """The default scenario."""
+
+ROBUST = {"robust": "conditions", "within": "within"}
+"""The keys of ``[robustness]`` that have a short name beside those of ``[run]``."""
 
 NOT_FLOWN = ("strategy", "run")
 """The tables that do not decide how an agent is built and flies."""
@@ -89,7 +92,7 @@ class RunOptions(Table):
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Study(ByContent):
     """A checked study.
 
     Attributes:
@@ -275,7 +278,8 @@ def load_study(
         settings: ``key=value`` with a dotted key and a TOML value, which override the file.
         targets: targets to keep; empty for all.
         use: plugin by seam, if not ``None``.
-        run: values of ``[run]``, if not ``None``.
+        run: values of ``[run]``, if not ``None``; and as options of ``driftform evolve``, ``robust`` (number of disturbed
+            conditions) and ``within`` (m).
         calibration: path of a file with the table ``[calibration]``, which replaces that of the study.
 
     Raises:
@@ -297,7 +301,8 @@ def load_study(
     layers.extend(parse_setting(text) for text in settings)
     for key, value in (run or {}).items():
         if value is not None:
-            layers.append(Source(f"--{key}", {"run": {key: value}}, is_option=True))
+            table, name = ("robustness", ROBUST[key]) if key in ROBUST else ("run", key)
+            layers.append(Source(f"--{key}", {table: {name: value}}, is_option=True))
     document: dict[str, Any] = {}
     for layer in layers:
         document = merge_source(document, layer)
