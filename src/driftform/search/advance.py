@@ -15,6 +15,7 @@ from driftform.search.jobs import Executor
 from driftform.search.loop import run_search
 from driftform.search.results import Best, write_results
 from driftform.search.versions import find_versions
+from driftform.search.witness import find_difference
 from driftform.types import Evaluation
 from driftform.util.files import is_file
 from driftform.water.flow import GridFlow
@@ -78,6 +79,8 @@ def finish_run(run: StoredRun, executor: Executor, observer: Observer) -> list[B
         except DriftformError:
             store.check_place()
             raise
+        if difference := find_difference(run.study, store, {int(best.result["evaluation"]) for best in found}):
+            observer.warn(difference)
         if not any(best.problems for best in found):
             files = {best.target: [path.relative_to(run.path).as_posix() for path in best.files] for best in found}
             results = {best.target: best.result for best in found}
