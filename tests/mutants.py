@@ -64,10 +64,10 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("misses.py", "len(offsets) - 1 - int(used.sum())", "len(offsets)", ("runs/test_misses.py",)),
     ("misses.py", "slopes[rows] ** 2 - rest / len(offsets)", "slopes[rows] ** 2", ("runs/test_misses.py",)),
     ("finalists.py", "len(targets)), 100.0)", "len(targets)), 95.0)", ("test_finalists.py",)),
-    ("finalists.py", "bounds[index] >= bars", "bounds[index] > bars", ("test_finalists.py",)),
+    ("finalists.py", "(bound(index, end) >= bars)", "(bound(index, end) > bars)", ("test_finalists.py",)),
     ("finalists.py", "2 * len(column) > len(fitness)", "len(column) > 0", ("test_finalists.py",)),
     ("finalists.py", "range(robustness.conditions, len", "range(0, len", ("test_finalists.py",)),
-    ("finalists.py", "(-undisturbed[i], i)", "(undisturbed[i], i)", ("test_finalists.py",)),
+    ("finalists.py", "-undisturbed[i], i))", "undisturbed[i], i))", ("test_finalists.py",)),
     ("survey.py", "{count // 4, count // 2, count}", "{count // 2, count}", ("test_survey.py",)),
     ("survey.py", "np.vstack([undisturbed, disturbed])", "np.vstack([disturbed])", ("test_survey.py",)),
     ("disturbed.py", "(study.seed, 1)", "(study.seed, 0)", ("test_survey.py", "test_finalists.py")),
@@ -84,7 +84,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
         ("test_status.py",),
     ),
     ("coverage.py", "row + 0.5 - self.shape[1] / 2", "row - self.shape[1] / 2", ("runs/test_coverage.py",)),
-    ("coverage.py", "upward, np.cross(upward, along)", "upward, np.cross(along, upward)", ("runs/test_coverage.py",)),
+    ("coverage.py", "inlet.axes[[0, 2, 1]]", "inlet.axes[[0, 1, 2]]", ("runs/test_coverage.py",)),
     # Ballast.
     ("trim.py", "(kit.mass * kit.cog - moment)", "(kit.mass * kit.cog)", ("driftform-kit/tests/test_ballast.py",)),
     ("trim.py", "agent.mass.cob[0] + volume * x)", "agent.mass.cob[0])", ("driftform-kit/tests/test_ballast.py",)),
@@ -100,7 +100,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     # Search.
     ("tuning.py", "> min(misses[:-1]) / 2", "> min(misses[:-1])", ("test_tuning.py",)),
     ("tuning.py", "min(max(at, 0.02), 0.98)", "at", ("test_tuning.py",)),
-    ("tuned.py", "(height - self._drops[target]) / root", "height / root", ("test_tuned.py",)),
+    ("tuned.py", "(height - aim.drop) / root", "height / root", ("test_tuned.py",)),
     ("tuned.py", "elite.root * sqrt(shape.size / elite.shape.size)", "elite.root", ("test_tuned.py",)),
     ("evolution.py", "(change.undo(), -moved)", "(change.undo(), moved)", ("test_evolution.py",)),
     # Films.

@@ -219,7 +219,9 @@ def list_chosen() -> list[Mutant]:
     from mutants import CHOSEN
 
     files = [path for folder in ("src", "tests", "plugins") for path in (ROOT / folder).rglob("*.py")]
-    sources = {path: path.read_text(encoding="utf-8") for path in files if "tests" not in path.parts}
+    # From here: the folder of the clone may be called "tests", too.
+    kept = [path for path in files if "tests" not in path.relative_to(ROOT).parts]
+    sources = {path: path.read_text(encoding="utf-8") for path in kept}
 
     def find_test(ending: str) -> str:
         for path in (ROOT / ending, *files):

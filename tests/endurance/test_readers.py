@@ -6,15 +6,12 @@ process with limits is called directly: its crashes and its limits are an error 
 and only what follows is judged here.
 """
 
-import io
 import os
 import resource
 import signal
-import struct
 import sys
 import time
 import traceback
-import zipfile
 from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -23,15 +20,17 @@ from warnings import catch_warnings
 
 import numpy as np
 import pytest
+from grids import make_data_set, table_of, write_csv, write_netcdf3, write_netcdf4, write_vtk
 from hypothesis import HealthCheck, given, seed, settings
 from hypothesis import strategies as st
+from prints import CORNERS, TRIANGLES, edit_archive, mesh_xml, write_3mf
 
 from driftform import open_agent, open_run
 from driftform.errors import DriftformError
 from driftform.runs.agent_file import StoredAgent
 from driftform.study import load_study
 from driftform.util import foreign
-from driftform.water.parts.grid_files import read_grid
+from driftform.water.parts.grid_files import VelocityGrid, read_grid
 
 pytestmark = [
     pytest.mark.slow,
@@ -146,104 +145,41 @@ NETWORK = b"""[JUNCTIONS]
 [END]
 """
 
-TRIANGLES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-CORNERS = np.array([[0, 0, 0], [40, 0, 0], [0, 40, 0], [0, 0, 40]], dtype=float)
+MOVED = (
+    f'<object id="1">{mesh_xml()}</object><object id="2"><components>'
+    '<component objectid="1" transform="1 0 0 0 1 0 0 0 1 5 0 0"/></components></object>'
+)
 
 
-def make_csv_grid() -> bytes:
-    nodes = [(x, y, z) for x in range(4) for y in range(4) for z in range(4)]
-    return b"x,y,z,u,v,w\n" + b"".join(b"%d,%d,%d,%.1f,0,0\n" % (*n, sum(n)) for n in nodes)
+def written(write: Callable[..., Any], path: Path, *arguments: Any) -> list[bytes]:
+    """Return what a function writes to a file."""
+    write(path, *arguments)
+    return [path.read_bytes()]
 
 
-def make_vtk() -> bytes:
-    nodes = [(x, y, z) for z in range(4) for y in range(4) for x in range(4)]
-    points, vectors = ("\n".join(f"{a} {b} {c}" for a, b, c in nodes) for _ in range(2))
-    cells = "\n".join(f"1 {k}" for k in range(64))
-    return (
-        "# vtk DataFile Version 3.0\nflow\nASCII\nDATASET UNSTRUCTURED_GRID\n"
-        f"POINTS 64 double\n{points}\nCELLS 64 128\n{cells}\nCELL_TYPES 64\n{'1 ' * 64}\n"
-        f"POINT_DATA 64\nVECTORS U double\n{vectors}\n"
-    ).encode()
-
-
-def make_vtu(folder: Path) -> bytes:
-    from vtkmodules.vtkFiltersCore import vtkAppendFilter
-    from vtkmodules.vtkIOLegacy import vtkDataSetReader
-    from vtkmodules.vtkIOXML import vtkXMLDataSetWriter
-
-    reader, append, writer = vtkDataSetReader(), vtkAppendFilter(), vtkXMLDataSetWriter()
-    reader.ReadFromInputStringOn()
-    reader.SetInputString(make_vtk().decode())
-    append.SetInputConnection(reader.GetOutputPort())
-    writer.SetInputConnection(append.GetOutputPort())
-    writer.SetFileName(str(folder / "made.vtu"))
-    writer.Write()
-    return (folder / "made.vtu").read_bytes()
-
-
-def make_netcdf3(folder: Path) -> bytes:
-    from scipy.io import netcdf_file
-
-    with netcdf_file(folder / "made3.nc", "w") as file:
-        for name in "xyz":
-            file.createDimension(name, 4)
-            file.createVariable(name, "f8", (name,))[:] = np.arange(4.0)
-        for name in "uvw":
-            file.createVariable(name, "f8", tuple("xyz"))[:] = np.ones((4, 4, 4))
-    return (folder / "made3.nc").read_bytes()
-
-
-def make_netcdf4(folder: Path) -> bytes:
-    import netCDF4
-
-    with netCDF4.Dataset(folder / "made4.nc", "w") as file:
-        for name in "xyz":
-            file.createDimension(name, 4)
-            file.createVariable(name, "f8", (name,))[:] = np.arange(4.0)
-        for name in "uvw":
-            file.createVariable(name, "f8", tuple("xyz"), zlib=True, chunksizes=(2, 2, 2))[:] = np.ones((4, 4, 4))
-    return (folder / "made4.nc").read_bytes()
-
-
-def make_3mf() -> bytes:
-    core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
-    kind = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
-    vertices = "".join(f'<vertex x="{x:g}" y="{y:g}" z="{z:g}"/>' for x, y, z in CORNERS)
-    triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in TRIANGLES)
-    model = (
-        f'<model unit="millimeter" xmlns="{core}"><resources><object id="1" type="model"><mesh><vertices>'
-        f"{vertices}</vertices><triangles>{triangles}</triangles></mesh></object>"
-        '<object id="2"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 5 0 0"/></components></object>'
-        '</resources><build><item objectid="2"/></build></model>'
-    )
-    held = io.BytesIO()
+def write_stored_3mf(path: Path) -> None:
+    write_3mf(path, MOVED, '<item objectid="2"/>')
     # Stored as they are: a changed byte then reaches the XML, and not only the check of the archive.
-    with zipfile.ZipFile(held, "w", zipfile.ZIP_STORED) as archive:
-        archive.writestr("_rels/.rels", f'<R><Relationship Target="/m.model" Id="r" Type="{kind}"/></R>')
-        archive.writestr("m.model", model)
-    return held.getvalue()
+    edit_archive(path)
 
 
-def make_stl() -> bytes:
-    body = b"".join(struct.pack("<12fH", 0, 0, 0, *CORNERS[t].ravel(), 0) for t in TRIANGLES)
-    return b"made".ljust(80, b"\0") + struct.pack("<I", len(TRIANGLES)) + body
+def make_grid() -> VelocityGrid:
+    velocity = np.zeros((4, 4, 4, 3))
+    velocity[..., 0] = np.indices((4, 4, 4)).sum(axis=0)
+    return VelocityGrid(np.zeros(3), np.ones(3), velocity)
 
 
-def make_obj() -> bytes:
-    lines = [f"v {x:g} {y:g} {z:g}" for x, y, z in CORNERS]
-    return "\n".join([*lines, "usemtl red", *(f"f {a + 1} {b + 1} {c + 1}" for a, b, c in TRIANGLES), ""]).encode()
+def write_grid(path: Path, mode: str) -> list[bytes]:
+    return written(write_vtk, path, make_data_set(make_grid(), "vtu"), mode)
 
 
-def make_ply() -> bytes:
-    head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-    lines = [f"{x:g} {y:g} {z:g}" for x, y, z in CORNERS] + [f"3 {a} {b} {c}" for a, b, c in TRIANGLES]
-    return (head + "element face 4\nproperty list uchar int vertex_indices\nend_header\n" + "\n".join(lines)).encode()
-
-
-def make_glb(folder: Path) -> bytes:
+def make_mesh(kind: str, **options: str) -> list[bytes]:
     import trimesh
 
-    return bytes(trimesh.Trimesh(CORNERS / 1000, TRIANGLES).export(file_type="glb"))
+    # GLB is in metres, the others are in millimetres.
+    mesh = trimesh.Trimesh(CORNERS / (1000 if kind == "glb" else 1), TRIANGLES)
+    content = mesh.export(file_type=kind, **options)
+    return [content.encode() if isinstance(content, str) else bytes(content)]
 
 
 def make_step(folder: Path) -> bytes:
@@ -327,16 +263,16 @@ READERS: dict[str, tuple[str, Make, Callable[[Path], Any]]] = {
     "track": ("track.csv", lambda _: TRACKS, read_track),
     "profile": ("body.csv", lambda _: [b"x_mm,r_mm\n0,5\n20,30\n150,8\n", b"x_m;r_m\n0;0\n0,2;0,03\n"], read_own_body),
     "network": ("town.inp", lambda _: [NETWORK], read_network),
-    "CSV grid": ("grid.csv", lambda _: [make_csv_grid()], read_grid),
-    "VTK": ("grid.vtk", lambda _: [make_vtk()], read_grid),
-    "VTU": ("grid.vtu", lambda f: [make_vtu(f)], read_grid),
-    "NetCDF-3": ("grid.nc", lambda f: [make_netcdf3(f)], read_grid),
-    "NetCDF-4": ("grid.nc", lambda f: [make_netcdf4(f)], read_grid),
-    "3MF": ("part.3mf", lambda _: [make_3mf()], read_printable),
-    "STL": ("part.stl", lambda _: [make_stl()], read_both),
-    "OBJ": ("part.obj", lambda _: [make_obj()], read_both),
-    "PLY": ("part.ply", lambda _: [make_ply()], read_both),
-    "GLB": ("part.glb", lambda f: [make_glb(f)], read_both),
+    "CSV grid": ("grid.csv", lambda f: written(write_csv, f / "made.csv", table_of(make_grid())), read_grid),
+    "VTK": ("grid.vtk", lambda f: write_grid(f / "made.vtk", "Version 3.0"), read_grid),
+    "VTU": ("grid.vtu", lambda f: write_grid(f / "made.vtu", "Appended"), read_grid),
+    "NetCDF-3": ("grid.nc", lambda f: written(write_netcdf3, f / "made.nc", make_grid()), read_grid),
+    "NetCDF-4": ("grid.nc", lambda f: written(write_netcdf4, f / "made.nc", make_grid()), read_grid),
+    "3MF": ("part.3mf", lambda f: written(write_stored_3mf, f / "made.3mf"), read_printable),
+    "STL": ("part.stl", lambda _: make_mesh("stl"), read_both),
+    "OBJ": ("part.obj", lambda _: make_mesh("obj"), read_both),
+    "PLY": ("part.ply", lambda _: make_mesh("ply", encoding="ascii"), read_both),
+    "GLB": ("part.glb", lambda _: make_mesh("glb"), read_both),
     "STEP": ("part.step", lambda f: [make_step(f)], read_own_body),
     "run": ("run.db", lambda f: [make_run(f)], read_run),
 }

@@ -50,16 +50,6 @@ def test_the_bodies_of_the_gallery_share_the_scale_of_the_bar(read, points, pipe
         assert drawn == pytest.approx(px_per_m * np.array([body.length, body.max_diameter]), abs=0.05)
 
 
-def test_each_body_has_its_name_and_error_under_it(read, points, pipe, flights):
-    picture = read(overview_svg(flights, pipe, "Six"))
-    boxes = {e.text: points(e) for e in picture.root.iter() if e.tag.endswith("text")}
-    for flight, outline in zip(flights, picture.all("outline"), strict=True):
-        body = points(outline)
-        error = boxes[f"{flight.value:.2f} %"]
-        assert error[0, 1] > body[:, 1].max()
-        assert error[0, 1] - body[:, 1].max() < 200
-
-
 def test_targets_that_share_a_flight_share_a_line_in_the_gallery_and_a_colour(read, pipe, flights):
     shared = [replace(flights[1], name=name, value=error) for name, error in (("TP6", 0.1), ("TP9", 2.5))]
     picture = read(overview_svg([flights[0], *shared, flights[2]], pipe, "Shared"))

@@ -110,13 +110,6 @@ def test_series_with_the_same_dashes_differ_in_colour_for_anyone(sight: str) -> 
     assert min(apart.values()) > 5
 
 
-def test_the_simulation_of_colour_blindness_confuses_what_it_should() -> None:
-    # A red and a green of equal lightness for deuteranopes, of Ishihara's kind.
-    red, green = "#c06050", "#8c8840"
-    apart = {s: np.linalg.norm(see(red, SEEN[s]) - see(green, SEEN[s])) for s in ("anyone", "deuteranopia")}
-    assert apart["deuteranopia"] < 0.4 * apart["anyone"]
-
-
 def test_lines_differ_in_their_dashes_on_paper_alone(read, draw) -> None:
     dashes = [line.get("stroke-dasharray") for line in read(draw["overview"](Page.find(85.0))).all("firm")]
     assert len(set(dashes)) == len(DASHES) and dashes[0] == "none"

@@ -86,17 +86,6 @@ def test_the_legend_has_every_colour_and_the_distances_between_them(read, points
     assert "no flight" in texts
 
 
-def test_the_colours_differ_in_lightness_and_get_darker_the_closer_it_is():
-    def lightness(colour: str) -> float:
-        """Relative luminance (WCAG 2.1)."""
-        channels = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
-        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
-        return float(np.dot(linear, [0.2126, 0.7152, 0.0722]))
-
-    steps = np.diff([lightness(colour) ** (1 / 3) for colour in RAMP])
-    assert (steps > 0.05).all()
-
-
 segments = (
     st.tuples(*[st.tuples(*[st.floats(-20, 20)] * 3)] * 2, st.floats(0.2, 3))
     .filter(lambda s: np.linalg.norm(np.subtract(s[1], s[0])) > 1)

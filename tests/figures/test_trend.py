@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.figures.trend import _COLUMNS, Trend, trend_svg
+from driftform.figures.trend import Trend, trend_svg
 
 FLIGHTS = np.array([10.0, 20.0, 30.0])
 
@@ -55,15 +55,3 @@ def test_any_number_of_targets_fits_in_the_picture_and_no_text_covers_another(re
     assert len(picture.all("mean")) == count
     assert picture.outside() == []
     assert picture.overlapping_texts() == []
-
-
-def test_targets_that_are_met_exactly_at_once_can_be_drawn(read):
-    perfect = np.full((2, 3), 100.0)
-    picture = drawn(read, Trend("TP1", FLIGHTS, perfect, perfect))
-    assert picture.outside() == []
-
-
-def test_the_panels_are_in_rows_of_five(read, points):
-    picture = drawn(read, *(trend(f"T{i}") for i in range(_COLUMNS + 1)))
-    heights = {round(points(line)[:, 1].mean(), 1) for line in picture.all("mean")}
-    assert len(heights) == 2

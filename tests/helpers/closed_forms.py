@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
+from textbook import distance_from_textbook, random_case
 
 from driftform.motion.forces.inertia import added_mass_at, rigid_body_mass, shift_origin
 from driftform.motion.path.curve import evaluate_path, world_velocity
@@ -185,6 +186,16 @@ class ClosedForms(SimulatorContract):
         heading = np.unwrap(2 * np.arctan2(trajectory.quaternion[:, 3], trajectory.quaternion[:, 0]))
         np.testing.assert_allclose(heading, np.unwrap(expected[:, 3]), atol=self.accuracy * math.pi)
         assert np.abs(trajectory.velocity[:, [2, 3, 4]]).max() < 1e-6, "the motion has left its plane"
+
+    @pytest.mark.parametrize("seed", range(10))
+    def test_a_flight_agrees_with_fossens_equations(self, seed: int) -> None:
+        """A body without symmetry, whose centres all lie elsewhere, flies as matrices and another integrator say."""
+        agent, scenario = random_case(seed)
+        trajectory = self.fly(agent, scenario)
+        assert np.linalg.norm(np.diff(trajectory.position, axis=0), axis=1).sum() > 1.0, "it has to go somewhere"
+        off = distance_from_textbook(trajectory, agent, scenario, scenario.flight.horizon)
+        assert off < self.agreement
+        assert trajectory.error is not None and off <= trajectory.error
 
     def test_motion_at_an_angle_feels_munks_moment(self) -> None:
         """At 1 m/s and 10 degrees a moment of 0.0038375 N m turns the nose away: pitch acceleration = moment / (I + A55)."""

@@ -61,21 +61,6 @@ def test_a_fall_through_a_shaft_ends_when_it_has_fallen_so_far():
         assert len(trajectory.t) == len(samples)
 
 
-def test_a_tumbling_flight_passes_the_outlet_when_a_finer_one_does():
-    scenario = scenario_of(
-        9.0, radius=1.0, end=(2.0, 0.3, -0.4), flow=UniformFlow(speed=1.0), velocity=(1.0, 0.2, -0.1)
-    )
-    coarse, _, _ = flown(tumbling_agent(), scenario, Accuracy(position=math.inf, tolerance=1e-9))
-    fine, _, _ = flown(tumbling_agent(), scenario, Accuracy(position=math.inf, tolerance=1e-12, max_step=1e-3))
-    axis = np.array([2.0, 0.3, -0.4]) / np.linalg.norm([2.0, 0.3, -0.4])
-    for trajectory in (coarse, fine):
-        assert trajectory.end == End.OUTLET
-        assert trajectory.position[-1] @ axis == pytest.approx(np.linalg.norm([2.0, 0.3, -0.4]), abs=1e-9)
-        assert np.linalg.norm(trajectory.quaternion[-1]) == pytest.approx(1.0, abs=1e-12)
-    assert coarse.t[-1] == pytest.approx(fine.t[-1], abs=1e-5)
-    assert coarse.position[-1] == pytest.approx(fine.position[-1], abs=1e-5)
-
-
 def test_a_flight_that_is_not_accurate_enough_has_failed_and_tells_its_error():
     scenario = scenario_of(0.5)
     _, samples, model = flown(sphere_agent(0.01, 0.05), scenario)
@@ -118,14 +103,6 @@ def test_a_body_released_with_the_current_has_the_velocity_of_the_water_there(fl
 
 
 # When a wall is first touched.
-
-
-@pytest.mark.parametrize("accuracy", [TIGHT, Accuracy(max_step=0.2)])
-def test_a_sphere_touches_when_the_way_to_the_wall_is_covered(accuracy):
-    # 0.2 m less its radius of 10 mm, at 0.5 m/s across.
-    scenario = scenario_of(0.8, radius=0.2, velocity=(1.0, 0.3, 0.4))
-    trajectory, _, _ = flown(sphere_agent(0.01, NEUTRAL), scenario, accuracy)
-    assert trajectory.contact == pytest.approx(0.19 / 0.5, abs=1e-6)
 
 
 def reach_beyond(agent, rows, radius):
@@ -281,18 +258,3 @@ def test_a_bobbing_body_keeps_its_energy(agent, release):
     assert height.min() < -1e-3, "it is meant to go down"
     assert height.max() > 1e-3, "and up"
     assert trajectory.energy_drift < 1e-6
-
-
-def test_a_level_cylinder_bobs_with_the_period_of_its_waterline():
-    # Small heave at half immersion: k = rho g 2 r L, on the mass with its added mass.
-    agent, amplitude = floater(0.5), 2e-4
-    scenario = scenario_of(2.0, level=0.0, position=(0.0, 0.0, amplitude))
-    trajectory, _, _ = flown(agent, scenario, Accuracy(position=math.inf, tolerance=1e-10, max_step=0.01))
-    spring = DENSITY * GRAVITY * 2 * 0.02 * 0.12
-    mass = agent.mass.mass + 0.85 * DENSITY * agent.mass.volume
-    omega = math.sqrt(spring / mass)
-    expected = amplitude * np.cos(omega * trajectory.t)
-    # The waterline narrows, k sqrt(1 - (z / r)^2), which lowers the frequency by the share (amplitude / r)^2 / 16.
-    slack = amplitude * (amplitude / 0.02) ** 2 / 16 * omega * trajectory.t[-1] + 1e-9
-    assert trajectory.position[:, 2] == pytest.approx(expected, abs=2 * slack)
-    assert omega * trajectory.t[-1] > 4 * np.pi

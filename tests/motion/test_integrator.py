@@ -237,22 +237,6 @@ def test_a_flight_that_fails_twice_alike_is_not_refined_any_further(broken):
     assert integrate(model, start, 1.0, accuracy).tolerance == accuracy.tolerance
 
 
-def test_a_neutral_body_rides_on_water_that_speeds_up():
-    # v = a t and x = a t^2 / 2, whatever its attitude: the equations in time, not at one instant.
-    a = np.array([0.6, 0.1, -0.2])
-    size = float(np.linalg.norm(a))
-    x, y, z = (90 * a / size).tolist()
-    pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(x, y, z), radius=9),))
-    flow = UniformFlow(speed=0.5, acceleration=size)
-    scenario = Scenario(pipe=pipe, flow=flow, fluid=Fluid(density=1024.0), release=Release(pitch_deg=30.0))
-    model = flight_model(SPHEROID.agent(), scenario)
-    samples = integrate(model, release_state(model, scenario), 5.0, Accuracy()).samples
-    t = samples[:, :1]
-    assert samples[:, 1:4] == pytest.approx((0.5 * t / size + 0.5 * t**2) * a, abs=1e-9)
-    assert samples[:, 8:11] == pytest.approx((0.5 / size + t) * a, abs=1e-9)
-    assert samples[:, 11:] == pytest.approx(np.zeros((len(t), 3)), abs=1e-9)
-
-
 # How far apart two flights get.
 
 

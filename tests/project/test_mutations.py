@@ -10,6 +10,13 @@ import pytest
 PROGRAM = Path(__file__).parents[1] / "mutations.py"
 
 
+def test_each_chosen_change_has_its_place_and_its_tests() -> None:
+    listed = subprocess.run(
+        [sys.executable, PROGRAM, "--chosen", "--list"], capture_output=True, text=True, check=False
+    )
+    assert listed.returncode == 0, f"tests/mutants.py is out of date: {listed.stderr}"
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="mutants run in forks")
 def test_no_mutant_of_the_core_formulas_lives() -> None:

@@ -41,11 +41,6 @@ def pipe(**tables):
     return Scenario.model_validate({"pipe": {"segments": (segment,)}, **tables})
 
 
-def test_every_column_of_a_latin_hypercube_has_one_share_in_each_interval():
-    shares = draw_latin_hypercube(np.random.default_rng(4), 50, 7)
-    assert (np.sort(np.floor(50 * shares), axis=0) == np.arange(50)[:, None]).all()
-
-
 def test_the_latin_hypercube_is_that_of_scipy():
     theirs = qmc.LatinHypercube(9, rng=np.random.default_rng(3)).random(70)
     # SciPy draws from a child of the generator.

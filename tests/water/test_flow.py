@@ -5,42 +5,13 @@ import pytest
 from driftform.errors import InputError
 from driftform.study import load_study
 from driftform.water import Scenario
-from driftform.water.flow import (
-    FLOWS,
-    DevelopedFlow,
-    DevelopingFlow,
-    GridFlow,
-    LogLawFlow,
-    PowerLawFlow,
-    TurbulentFlow,
-    UniformFlow,
-)
+from driftform.water.flow import FLOWS, GridFlow
 
 PIPE = {"segments": [{"start": [0, 0, 0], "end": [9.0, 0, 0], "radius": 1.0}]}
 
 
 def scenario(**tables):
     return Scenario.model_validate({"pipe": PIPE, **tables})
-
-
-@pytest.mark.parametrize(
-    ("table", "flow"),
-    [
-        ({}, UniformFlow(speed=1.0)),
-        ({"speed": -0.5}, UniformFlow(speed=-0.5)),
-        ({"kind": "uniform", "speed": 0}, UniformFlow(speed=0.0)),
-        ({"acceleration": -0.25}, UniformFlow(speed=1.0, acceleration=-0.25)),
-        ({"kind": "power_law"}, PowerLawFlow(speed=1.0, exponent=7.0)),
-        ({"kind": "power_law", "speed": 0.5, "exponent": 9}, PowerLawFlow(speed=0.5, exponent=9.0)),
-        ({"kind": "log_law", "roughness": 1e-4}, LogLawFlow(roughness=1e-4)),
-        ({"kind": "developing", "speed": 2}, DevelopingFlow(speed=2.0)),
-        ({"kind": "developed", "upstream": 30}, DevelopedFlow(upstream=30.0)),
-        ({"kind": "turbulent", "roughness": 1e-4}, TurbulentFlow(roughness=1e-4)),
-    ],
-)
-def test_a_table_of_a_study_file_is_a_flow(table, flow):
-    assert scenario(flow=table).flow == flow
-    assert type(scenario(flow=table).flow) is type(flow)
 
 
 def test_every_kind_of_flow_is_known_by_its_name_and_survives_a_round_trip():
@@ -92,11 +63,3 @@ def test_a_fault_of_a_flow_is_one_line_with_its_key_and_not_its_table(settings, 
         load_study("paper", settings=settings, run={"seed": 1})
     [line] = caught.value.args
     assert all(part in line for part in parts) and "tag" not in line, "that is pydantic's word"
-
-
-def test_a_kind_set_on_the_command_line_drops_the_keys_that_only_the_kind_of_the_file_has(tmp_path):
-    path = tmp_path / "study.toml"
-    path.write_text('base = "pipe-inspection"\n[flow]\nkind = "power_law"\nexponent = 9\nspeed = 0.5\n')
-    assert load_study(str(path)).scenario.flow == PowerLawFlow(speed=0.5, exponent=9.0, upstream=100.0)
-    assert load_study(str(path), ["flow.kind=log_law"]).scenario.flow == LogLawFlow(speed=0.5, upstream=100.0)
-    assert load_study(str(path), ["flow.kind=power_law", "flow.speed=1"]).scenario.flow.speed == 1.0

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 from driftform.errors import InputError
 from driftform.study import load_study
 from driftform.types import MassProperties
 from driftform.water import Scenario
-from driftform.water.flow import FLOWS, UniformFlow
+from driftform.water.flow import UniformFlow
 from driftform.water.scenario import Release
 
 PIPE = {"segments": [{"start": [0, 0, 0], "end": [9.0, 0, 0], "radius": 1.0}]}
@@ -16,13 +15,6 @@ PIPE = {"segments": [{"start": [0, 0, 0], "end": [9.0, 0, 0], "radius": 1.0}]}
 
 def scenario(**tables):
     return Scenario.model_validate({"pipe": PIPE, **tables})
-
-
-@pytest.mark.parametrize("kind", [kind for kind in FLOWS if kind not in ("uniform", "grid")])
-def test_a_profile_needs_a_pipe(kind):
-    with pytest.raises(ValidationError, match=f"flow.kind = '{kind}' needs a pipe"):
-        Scenario.model_validate({"flow": {"kind": kind}})
-    assert Scenario.model_validate({"flow": {"kind": "uniform"}}).flow == UniformFlow()
 
 
 def test_the_current_follows_the_first_segment():

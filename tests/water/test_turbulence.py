@@ -11,7 +11,6 @@ from driftform.motion.forces.model import flight_model
 from driftform.testing.agents import sphere_agent
 from driftform.water.gusts import eddy_diffusivity
 from driftform.water.velocity import FRICTION, flow_array, pipe_rows, water_motion
-from driftform_native.simulator import NativeOptions, NativeSimulator
 
 PIPES = [(0.05, 0.5), (0.1, 1.0), (0.15, 1.5), (1.0, 1.0)]
 """Radius (m) and mean speed (m/s)."""
@@ -113,28 +112,6 @@ def test_tracers_spread_from_the_axis_like_a_diffusing_substance():
 def test_tracers_disperse_along_the_pipe_as_their_profile_and_diffusivity_say():
     scenario = straight_pipe(0.1, 1.0)
     assert dispersion_of_tracers(scenario) == pytest.approx(dispersion_by_integral(scenario), rel=0.10)
-
-
-@pytest.mark.long
-def test_small_spheres_of_the_simulator_stay_evenly_spread():
-    radius, count = 0.1, 200
-    scenario = straight_pipe(radius, 1.0, flight={"horizon": 6.0})
-    size = 0.01 * radius
-    agent = sphere_agent(size, scenario.fluid.density * 4 / 3 * math.pi * size**3, drag=1.0)
-    # Where each sphere ends is chaotic, and does not matter.
-    simulator = NativeSimulator(NativeOptions(accuracy=0.1))
-    ends, speeds = [], []
-    for seed, place in enumerate(spread_evenly(count, radius - size).tolist()):
-        release = scenario.release.model_copy(update={"position": tuple(place), "frame": "world"})
-        flight = simulator.simulate(agent, scenario.with_gusts(seed).model_copy(update={"release": release}))
-        assert not flight.end.failed
-        row = np.searchsorted(flight.t, 5.0)
-        ends.append(np.hypot(*flight.position[row, 1:]) / (radius - size))
-        speeds.append(flight.position[row, 0] / flight.t[row])
-    error = math.sqrt(0.09 / count)
-    assert np.mean(np.array(ends) > math.sqrt(0.9)) == pytest.approx(0.1, abs=3 * error)
-    # The bulk speed over the room of the centres is higher by the slow water that they cannot enter.
-    assert np.mean(speeds) == pytest.approx(1.01, abs=3 * np.std(speeds) / math.sqrt(count) + 0.005)
 
 
 def test_a_body_against_the_wall_meets_no_gust_across_it():

@@ -95,10 +95,6 @@ def test_figure_2_of_the_paper_is_three_modules_behind_the_core():
     )
 
 
-def test_the_bare_core_has_no_modules():
-    assert LSystemGrammar(LSystemOptions()).express(Genome("lsystem", ("C",))) == Morphology()
-
-
 def test_two_iterations_build_what_the_rules_say():
     # The word is, with what has no effect in brackets: C, three of "addF tiltp 0 S moveF", then three of
     # "addF tiltp 0 [addB tiltn 1] M moveB, addB tiltn 1 M moveB, addB tiltn 1 M moveB [moveF]".
@@ -146,18 +142,6 @@ def test_inserting_keeps_the_length_of_every_letter_of_the_word(seed):
     assert len(letters) == 39
     assert total == pytest.approx(sum(LENGTHS[letter] for letter in letters), rel=1e-12)
     assert 0.0975 - 1e-12 <= total <= 0.39 + 1e-12
-
-
-@pytest.mark.parametrize(("letter", "total"), [("S", 0.0975), ("L", 0.39)])
-def test_the_bounds_of_the_length_are_reached(letter, total):
-    morphology = LSystemGrammar(LSystemOptions()).express(uniform_genotype(f"addF tiltp 0 {letter} moveF"))
-    assert sum(module.length for module in morphology.modules) == pytest.approx(total, rel=1e-12)
-
-
-@given(seed=SEEDS)
-def test_skipping_leaves_1_to_39_modules(seed):
-    grammar = LSystemGrammar(LSystemOptions(occupied="skip"))
-    assert 1 <= len(grammar.express(random_genome(seed)).modules) <= 39
 
 
 @pytest.mark.parametrize(("quintuple", "modules"), [("addF tiltp 0 S moveN", 1), ("addF tiltp 0 S moveF", 39)])

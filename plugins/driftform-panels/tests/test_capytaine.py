@@ -3,7 +3,7 @@
 ``UPDATE_DOCS=1 pytest -m slow -s plugins/driftform-panels/tests/test_capytaine.py`` computes the table anew (half an
 hour) and writes it to ``capytaine.json`` and to docs/validation.md. Capytaine 3 has flat panels of constant strength,
 here on meshes that repeat one wedge of the body around the axis; there is no free surface. A cup is not among the
-bodies: what Capytaine finds for one does not settle from mesh to mesh (surge by 2 %). ``test_flat_panels`` has one.
+bodies: what Capytaine finds for one does not settle from mesh to mesh (surge by 2 %). ``test_solve`` has one.
 """
 
 import json

@@ -135,6 +135,23 @@ def test_the_page_shows_how_well_cylinders_agree_with_another_code(published):
     published("cylinders", lines)
 
 
+FLAT_PANELS = {
+    "cup": ([(0, 0), (0, 2), (6, 2), (6, 1.4), (2, 1.4), (2, 0)], (54.80, 71.72, 160.70, 56.08)),
+    "bicone": ([(0, 0), (1, 1), (3, 0.5), (4, 1.5), (4, 0)], (7.894, 5.270, 8.226, 0.4185)),
+    "disc": ([(0, 0), (0, 2), (0.8, 2), (0.8, 0)], (25.80, 2.355, 13.39, 0.0)),
+}
+"""Surge, sway, yaw and coupling of bodies cut into plane quadrilaterals of constant potential, whose integrals have closed
+forms (Hess and Smith 1967), without rings or elliptic integrals: the limit of meshes of 32 and 64 around the axis."""
+
+
+@pytest.mark.parametrize("name", FLAT_PANELS)
+def test_bodies_with_hollows_and_sharp_edges_have_the_added_mass_of_flat_panels(name):
+    contour, expected = FLAT_PANELS[name]
+    found = values(solve(contour))
+    unit = np.array([*found[:3], math.sqrt(found[1] * found[2])])
+    np.testing.assert_allclose(found / unit, expected / unit, rtol=0, atol=3e-3)
+
+
 def test_a_thin_disc_moves_as_much_water_as_lamb_says():
     # Broadside 8/3 R^3, and 16/45 R^5 about a diameter; a thickness of R/500 adds a little.
     solution = solve(cylinder_body(0.004, 1.0).outer, PanelOptions(panels=30, corner=0.01))
