@@ -89,12 +89,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("trim.py", "(kit.mass * kit.cog - moment)", "(kit.mass * kit.cog)", ("driftform-kit/tests/test_ballast.py",)),
     ("trim.py", "agent.mass.cob[0] + volume * x)", "agent.mass.cob[0])", ("driftform-kit/tests/test_ballast.py",)),
     ("ballast.py", "axial / 2 + wanted.mass * thick**2 / 12", "axial / 2", ("driftform-kit/tests/test_ballast.py",)),
-    (
-        "ballast.py",
-        "e.transverse + e.mass * (e.x - centre) ** 2",
-        "e.transverse",
-        ("driftform-kit/tests/test_ballast.py",),
-    ),
+    ("ballast.py", "+ float(mass @ (self.x - x) ** 2)", "", ("driftform-kit/tests/test_ballast.py",)),
     ("ballast_seat.py", "0.2 * volume * radius**2", "0.4 * volume * radius**2", ("test_ballast_seat.py",)),
     ("ballast_seat.py", "volume * x**2 + own", "own", ("test_ballast_seat.py",)),
     # Search.
