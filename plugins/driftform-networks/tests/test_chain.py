@@ -12,7 +12,7 @@ from driftform_networks.hydraulics.network import Hydraulics, Network, take_snap
 from driftform_networks.passages.passage import Passage, find_loops, follow
 from driftform_networks.passages.routing import Routing, RoutingTable, TransferTable, route_tracers
 from driftform_networks.passages.walkers import summarise_walks, walk
-from driftform_networks.planning.following import trace
+from driftform_networks.planning.following import route, trace
 
 LENGTH, AREA = 100.0, 0.01
 """Of every pipe, m and m2."""
@@ -175,7 +175,7 @@ def test_all_water_of_the_only_source_is_marked(seed: int) -> None:
     assert passage.visits[1:] == pytest.approx([through[node] / source for node in network.nodes[1:]])
     assert passage.seen == pytest.approx(np.array(list(flows.values())) / source)
     assert sum(end.probability for end in passage.ends) == pytest.approx(1)
-    drawn = trace(network, "a", unsteady=True, walks=200)
+    drawn = trace(network, "a", walks=200)
     assert sum(end.probability for end in drawn.ends) == pytest.approx(1)
 
 
@@ -196,7 +196,7 @@ def test_walks_agree_with_the_chain_that_they_are_drawn_from(make: object) -> No
 def test_a_body_comes_back_where_the_flow_reverses_and_sees_the_part_that_it_went() -> None:
     """An hour of 0.1 litres/s into a pipe of 1000 litres, and an hour of 0.2 back: it turns after 36 % of the pipe."""
     network = make_network({"ab": [1e-4, -2e-4], "ca": [1e-4, -2e-4]}, {"b": "tank", "c": "reservoir"})
-    passage = trace(network, "a", unsteady=True, walks=50)
+    passage = trace(network, "a", walks=50)
     assert dict(zip(network.links, passage.seen, strict=True)) == pytest.approx({"ab": 0.36, "ca": 0.36})
     assert find_ends(passage) == {("under way", ""): 1.0}
     # It is back at the release after half an hour, and never arrives elsewhere.
@@ -206,21 +206,29 @@ def test_a_body_comes_back_where_the_flow_reverses_and_sees_the_part_that_it_wen
 
 def test_a_body_is_as_fast_as_the_flow_of_each_hour() -> None:
     """An hour of 0.1 litres/s takes it through 360 of 1000 litres, and 0.2 litres/s through the other 640 in 3200 s."""
-    passage = trace(make_network({"ab": [1e-4, 2e-4]}), "a", unsteady=True, walks=50)
+    passage = trace(make_network({"ab": [1e-4, 2e-4]}), "a", walks=50)
     assert passage.probability == pytest.approx([1, 1])
     assert passage.age[1] == pytest.approx(3600 + 3200)
+    steady = trace(make_network({"ab": [1e-4, 2e-4]}), "a", steady=True)
+    assert steady.age[1] == pytest.approx(10_000)
 
 
 def test_a_body_waits_in_an_hour_without_any_flow() -> None:
-    passage = trace(make_network({"ab": [1e-4, 0.0, 2e-4]}), "a", unsteady=True, walks=50)
+    passage = trace(make_network({"ab": [1e-4, 0.0, 2e-4]}), "a", walks=50)
     assert passage.age[1] == pytest.approx(3600 + 3600 + 3200)
+
+
+def test_a_wide_body_waits_at_a_dead_end_until_water_leads_on() -> None:
+    passage = route(make_network({"ab": [1e-3, 1e-3], "bc": [0.0, 1e-3]}), "sphere:60mm", "a", walks=50)
+    assert passage.quantiles[2].min() > 3600
+    assert find_ends(passage) == {("stuck", "c"): 1.0}
 
 
 def test_flows_that_do_not_change_are_the_same_with_and_without_steps() -> None:
     flows = {"ab": [0.012] * 3, "bc": [0.008] * 3, "bd": [0.004] * 3}
     network = make_network(flows)
-    steady = trace(network, "a", walks=0)
-    drawn = trace(network, "a", unsteady=True, walks=20_000)
+    steady = trace(network, "a", steady=True, walks=0)
+    drawn = trace(network, "a", walks=20_000)
     assert drawn.probability == pytest.approx(steady.probability, abs=0.015)
     assert drawn.age == pytest.approx(steady.age)
     assert all(low == high for low, high in pairwise(drawn.quantiles[1]))

@@ -19,7 +19,12 @@ def sphere() -> Traveller:
 
 
 def make_tee(
-    share: float = 0.3, bore: float = 0.3, side: float = 0.3, exit_share: float = 0.0, stores: bool = False
+    share: float = 0.3,
+    bore: float = 0.3,
+    side: float = 0.3,
+    exit_share: float = 0.0,
+    stores: bool = False,
+    offtake: float = 0.02,
 ) -> Junction:
     """A run that goes straight on, and a branch to the right that takes ``share`` of the water."""
     return Junction(
@@ -31,6 +36,7 @@ def make_tee(
         np.array([0.0, math.pi / 2]),
         stores,
         1,
+        offtake,
     )
 
 
@@ -48,7 +54,7 @@ def test_a_body_that_is_anywhere_enters_the_branch_with_the_water_that_carries_i
     room = 1 - 0.06 / bore
     height = brentq(lambda h: cut_segment(h) - share, 0, 1)
     expected = room**2 * cut_segment(height / room) + (1 - room**2) * math.acos(height / room) / math.pi
-    table = divide_bodies(sphere, make_tee(share, bore), None, 0.02)
+    table = divide_bodies(sphere, make_tee(share, bore), None)
     assert table.choice[:, 1] == pytest.approx(np.full(BANDS, expected), abs=4e-3)
     assert table.choice[:, 0] == pytest.approx(1 - table.choice[:, 1])
     # It arrives in any band.
@@ -57,29 +63,29 @@ def test_a_body_that_is_anywhere_enters_the_branch_with_the_water_that_carries_i
 
 
 def test_a_link_without_a_bore_has_the_room_of_the_widest_outlet(sphere: Traveller) -> None:
-    pump, pipe = (divide_bodies(sphere, make_tee(bore=bore), None, 0.02) for bore in (0.0, 0.3))
+    pump, pipe = (divide_bodies(sphere, make_tee(bore=bore), None) for bore in (0.0, 0.3))
     assert pump.choice == pytest.approx(pipe.choice)
 
 
 def test_bodies_of_a_band_divide_as_counted(sphere: Traveller) -> None:
     """Of four in band 3, one lies where the water goes on."""
     points = np.array([[3, 0.8, 0.0], [3, 0.75, 0.0], [3, 0.7, 0.1], [3, -0.2, 0.0], [7, -0.8, 0.0]])
-    table = divide_bodies(sphere, make_tee(), points, 0.02)
+    table = divide_bodies(sphere, make_tee(), points)
     assert table.choice[3] == pytest.approx([0.25, 0.75])
     assert table.choice[7] == pytest.approx([1.0, 0.0])
-    anywhere = divide_bodies(sphere, make_tee(), None, 0.02).choice[0]
+    anywhere = divide_bodies(sphere, make_tee(), None).choice[0]
     assert table.choice[0] == pytest.approx(anywhere)
-    nowhere = divide_bodies(sphere, make_tee(), np.zeros((0, 3)), 0.02)
+    nowhere = divide_bodies(sphere, make_tee(), np.zeros((0, 3)))
     assert nowhere.choice == pytest.approx(np.tile(anywhere, (BANDS, 1)))
 
 
 def test_a_single_outlet_takes_all(sphere: Traveller) -> None:
-    one = Junction(0.3, np.array([0.3]), np.ones(1), 0.0, np.zeros((1, 2)), np.zeros(1), False, 1)
-    assert divide_bodies(sphere, one, None, 0.02).choice == pytest.approx(np.ones((BANDS, 1)))
+    one = Junction(0.3, np.array([0.3]), np.ones(1), 0.0, np.zeros((1, 2)), np.zeros(1), False, 1, 0.02)
+    assert divide_bodies(sphere, one, None).choice == pytest.approx(np.ones((BANDS, 1)))
 
 
 def test_a_branch_that_is_too_narrow_holds_the_bodies_that_its_water_carries(sphere: Traveller) -> None:
-    open_one, narrow = (divide_bodies(sphere, make_tee(side=side), None, 0.02) for side in (0.3, 0.05))
+    open_one, narrow = (divide_bodies(sphere, make_tee(side=side), None) for side in (0.3, 0.05))
     assert narrow.choice[:, 0] == pytest.approx(open_one.choice[:, 0])
     assert not narrow.choice[:, 1].any()
     assert narrow.obstacle == "too wide: 60 mm in a bore of 50 mm"
@@ -90,13 +96,13 @@ def test_a_branch_that_is_too_narrow_holds_the_bodies_that_its_water_carries(sph
 def test_the_demand_takes_its_share_of_bodies_that_fit_service_pipes(
     sphere: Traveller, service: float, leaves: float
 ) -> None:
-    table = divide_bodies(sphere, make_tee(exit_share=0.4), None, service)
+    table = divide_bodies(sphere, make_tee(exit_share=0.4, offtake=service), None)
     assert table.leaves == pytest.approx(np.full(BANDS, leaves))
     assert table.choice.sum(axis=1) == pytest.approx(np.full(BANDS, 1 - leaves))
 
 
 def test_all_bodies_leave_into_a_tank(sphere: Traveller) -> None:
-    table = divide_bodies(sphere, make_tee(stores=True), None, 0.02)
+    table = divide_bodies(sphere, make_tee(stores=True), None)
     assert table.leaves == pytest.approx(np.ones(BANDS))
     assert not table.choice.any()
 
@@ -104,10 +110,10 @@ def test_all_bodies_leave_into_a_tank(sphere: Traveller) -> None:
 @pytest.mark.parametrize(("service", "leaves"), [(0.02, 0.0), (0.08, 1.0)])
 def test_a_dead_end_lets_a_body_out_that_fits(sphere: Traveller, service: float, leaves: float) -> None:
     none = np.zeros(0)
-    end = Junction(0.3, none, none, 1.0, np.zeros((0, 2)), none, False, 1)
-    table = divide_bodies(sphere, end, None, service)
+    end = Junction(0.3, none, none, 1.0, np.zeros((0, 2)), none, False, 1, service)
+    table = divide_bodies(sphere, end, None)
     assert table.leaves == pytest.approx(np.full(BANDS, leaves))
-    assert table.obstacle == f"a dead end: too wide for service pipes of {1000 * service:.0f} mm"
+    assert table.obstacle == f"at a dead end: too wide for the {1000 * service:.0f} mm that its demand takes"
 
 
 def test_flights_give_the_outlet_and_the_band_in_it(sphere: Traveller) -> None:
@@ -116,12 +122,12 @@ def test_flights_give_the_outlet_and_the_band_in_it(sphere: Traveller) -> None:
     onward[:, 0, 2], onward[:, 0, 4], onward[:, 1, 6] = 0.5, 0.125, 0.25
     onward[8, 1] = 0.0
     points = np.array([[1, 0.0, 0.75]])
-    table = divide_bodies(sphere, make_tee(exit_share=0.2), points, 0.08, onward, TEE)
+    table = divide_bodies(sphere, make_tee(exit_share=0.2, offtake=0.08), points, onward, TEE)
     assert table.choice[0] == pytest.approx([0.8 * 0.625, 0.8 * 0.25])
     assert table.arrival[0, 0, [2, 4]] == pytest.approx([0.8, 0.2])
     assert table.arrival[0, 1, 6] == pytest.approx(1.0)
     # Where no flight went, a body would keep its band.
     assert table.choice[8, 1] == 0.0
     assert table.arrival[8, 1] == pytest.approx(np.eye(BANDS)[8])
-    assert table.obstacle == "held in a tee, where the flow divides"
-    assert divide_bodies(sphere, make_tee(side=0.05), points, 0.08, onward).obstacle.startswith("too wide")
+    assert table.obstacle == "held in a tee: where the flow divides"
+    assert divide_bodies(sphere, make_tee(side=0.05), points, onward).obstacle.startswith("too wide")

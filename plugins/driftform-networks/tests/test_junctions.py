@@ -146,7 +146,7 @@ def test_a_run_of_cells_is_the_power_of_one(sphere: Traveller, cells: int, seed:
     assert table.transfer == pytest.approx(np.linalg.matrix_power(transfer, cells))
     spent = sum(np.linalg.matrix_power(transfer, cell) @ slowness for cell in range(cells))
     assert table.slowness == pytest.approx(spent / cells)
-    assert table.obstacle == "rests on the wall of a 300 mm bore at about 0.5 m/s"
+    assert table.obstacle == "at rest on the wall: 300 mm, about 0.5 m/s"
 
 
 @pytest.mark.parametrize("room", [0.3, 1.0])

@@ -90,7 +90,7 @@ def test_a_plan_of_net3_beats_random_nets_and_keeps_below_its_bound(call: Callab
 def test_fleets_in_changing_flows_keep_below_what_steering_sees(epanet: Any, tmp_path: Path) -> None:
     network, sphere = epanet.read_library("Net3"), [open_traveller("sphere:5mm")]
     more: dict[str, Any] = {"within": 6.0, "walks": 200, "cache": tmp_path}
-    found = plan_fleet(network, sphere, ["61"], 3, unsteady=True, **more)
+    found = plan_fleet(network, sphere, ["61"], 3, **more)
     assert (found.curve <= found.bound + 1e-9).all() and (np.diff(found.bound) >= -1e-9).all()
     # A narrow body that the water mixes is a tracer.
     assert found.curve == pytest.approx(found.tracers, abs=0.03)
@@ -116,10 +116,24 @@ def test_what_is_seen_is_counted_by_material_and_weighed_by_risk(
     assert groups == [("iron", 400, pytest.approx(5 / 6)), ("lead", 200, pytest.approx(1 / 3))]
     weighed = replace(network, weight=read_weights(columns, "risk"))
     assert trace(weighed, "source", walks=0).coverage == pytest.approx((1 + 3 * 2 / 3 + 4 / 3) / 8)
-    options = ["--pipes", "pipes.csv", "--by", "material", "--by", "diameter", "--receiver", "ahead", "--range", 150]
+    options = [
+        "--pipes",
+        "pipes.csv",
+        "--by",
+        "material",
+        "--by",
+        "diameter",
+        "--receiver",
+        "ahead",
+        "--range",
+        150,
+        "--gis",
+        "gis",
+    ]
     document = json.loads(call("tracers", fork_file, "--release", "source", *options, "--json").stdout)
     assert [row["value"] for row in document["by"]["material"]] == ["iron", "lead"]
     assert [row["value"] for row in document["by"]["diameter"]] == ["0.3"]
+    assert {Path(file).name for file in document["files"]} == {"links-unknown-crs.geojson", "nodes-unknown-crs.geojson"}
     assert document["in_range"] == pytest.approx(0.25)
     assert document["heard"] == pytest.approx(0.25 * 2 / 3)
 
@@ -132,29 +146,6 @@ def test_many_numbers_are_grouped_into_classes_of_about_equal_length(epanet: Any
     assert sum(length for _, length, _ in groups) == pytest.approx(network.length.sum())
     assert max(length for _, length, _ in groups) < 0.4 * network.length.sum()
     assert all(share == pytest.approx(0.25) for *_, share in groups)
-
-
-@pytest.mark.parametrize(
-    ("option", "expected"),
-    [
-        (["--pipes", "pipes.csv", "--by", "colour"], "--by colour: no such column"),
-        (["--pipes", "pipes.csv", "--weight", "material"], "weight 'iron': expected a number"),
-        (["--pipes", "wrong.csv"], "wrong.csv: line 2: fork has no link 'x'"),
-        (["--receiver", "nowhere"], "--receiver nowhere: fork has no such node"),
-        (["--within", "soon"], "expected a time such as 8h"),
-        (["--gis", "gis", "--crs", "Gauss"], "--crs Gauss: expected the number"),
-        (["--open", "ahead"], "--open ahead: expected NAME=VALUE"),
-        (["--unsteady"], "is simulated until hour 0"),
-    ],
-)
-def test_a_wrong_option_is_one_line(
-    option: list[str], expected: str, fork_file: Path, call: Callable[..., Any]
-) -> None:
-    Path("pipes.csv").write_text("pipe,material\nmain,iron\n")
-    Path("wrong.csv").write_text("pipe,material\nx,iron\n")
-    result = call("tracers", fork_file, "--release", "source", *option)
-    assert (result.exit_code, result.stderr.count("\n")) == (2, 1), result.output
-    assert expected in result.stderr
 
 
 def test_hydrants_are_read_with_a_heading_and_without(fork_file: Path, tmp_path: Path) -> None:
@@ -182,7 +173,7 @@ def test_gdal_reads_the_maps_with_their_reference_system(epanet: Any, tmp_path: 
     if shutil.which("ogrinfo") is None:
         pytest.skip("ogrinfo of gdal-bin is not installed")
     folder = tmp_path / "gis"
-    result = call("tracers", "Net3", "--release", "61", "--walks", 0, "--gis", folder, "--crs", "EPSG:25832")
+    result = call("tracers", "Net3", "--release", "61", "--steady", 0, "--gis", folder, "--crs", "EPSG:25832")
     assert result.exit_code == 0, result.stderr
     for name, kind, _count in (("nodes", "Point", 83), ("links", "Line String", None)):
         said = subprocess.run(["ogrinfo", "-al", "-so", folder / f"{name}.geojson"], capture_output=True, text=True, check=True).stdout  # fmt: skip

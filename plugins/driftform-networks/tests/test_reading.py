@@ -90,6 +90,7 @@ def test_names_are_read_in_the_letters_in_which_they_were_written(name: str, enc
 def test_a_file_without_units_has_those_of_epanet(tmp_path: Path) -> None:
     """EPANET's default is GPM, with feet and inches."""
     network = open_network(write(tmp_path, UNITS), tmp_path)
+    assert "no Units in [OPTIONS]: flows are GPM" in network.hydraulics.warnings[0]
     assert network.length == pytest.approx(200 * 0.3048)
     assert network.diameter == pytest.approx(300 * 0.0254)
     assert network.hydraulics.flow[0] == pytest.approx(np.array([30, 20, 10]) * 6.30901964e-05, rel=2e-5)
@@ -129,6 +130,16 @@ def test_negative_pressures_are_a_warning_with_nodes_and_values(tmp_path: Path, 
         assert "ahead -1." in result.stdout
 
 
+def test_absurd_bores_and_speeds_are_warnings_and_bores_in_metres_end_a_trip(
+    tmp_path: Path, call: Callable[..., Any]
+) -> None:
+    shown = call("show", write(tmp_path, FORK.replace("branch 200 300", "branch 200 12"))).stdout
+    assert "1 bores are not from 20 mm to 4 m: side 12 mm" in shown
+    assert "1 pipes are faster than 10 m/s: side 88.4 m/s" in shown
+    result = call("tracers", write(tmp_path, FORK.replace(" 300 ", " 0.3 ")), "--release", "source")
+    assert result.exit_code == 2 and "the median bore is 0.3 mm" in result.stderr
+
+
 def test_a_network_that_lacks_a_source_is_shown_and_not_travelled(tmp_path: Path, call: Callable[..., Any]) -> None:
     path = write(tmp_path, FORK.replace("200 300 100 0 Open\n on", "200 300 100 0 Closed\n on"))
     assert call("show", path).exit_code == 0
@@ -150,7 +161,7 @@ def test_a_pump_ends_a_trip_and_the_table_names_it(tmp_path: Path, call: Callabl
     assert set(document["nodes"]) == {"well", "before"}
     [end] = document["stuck"]
     assert (end["place"], end["probability"]) == ("lift", pytest.approx(1))
-    assert end["reason"].startswith("a pump")
+    assert end["reason"] == "before a pump that lets no body pass (release behind it, at behind)"
 
 
 def test_a_valve_lets_bodies_pass_that_fit_its_opening_and_is_listed(tmp_path: Path) -> None:

@@ -35,16 +35,17 @@ WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
 def test_a_well_mixed_small_sphere_goes_where_tracers_go(epanet: Any, tmp_path: Path) -> None:
     network = epanet.read_library("Net3")
-    sphere, water = open_traveller("sphere:5mm"), trace(network, "River", walks=0)
+    sphere, water = open_traveller("sphere:5mm"), trace(network, "River", steady=True, walks=0)
     began = process_time()
-    passage = route(network, sphere, "River", travel=PUMPED, cache=tmp_path, walks=0)
+    passage = route(network, sphere, "River", travel=PUMPED, cache=tmp_path, steady=True, walks=0)
     assert process_time() - began < 0.5
     assert np.abs(passage.probability - water.probability).max() < 0.005
     assert passage.coverage == pytest.approx(water.coverage, abs=0.005)
 
 
 def test_a_route_has_the_keys_of_the_contract(call: Callable[..., Any]) -> None:
-    result = call("route", "Net3", "sphere:21mm", "--release", "River", "--clearance", "pump=1", "--walks", 0, "--json")
+    words = "route Net3 sphere:21mm --release River --clearance pump=1 --service-bore 0.02 --steady 0 --walks 0 --json"
+    result = call(*words.split())
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
     assert document["nodes"]["River"] == {"probability": 1.0, "age": 0.0}
@@ -72,6 +73,17 @@ def test_a_body_is_warned_of_in_the_pipes_that_it_fills_and_is_flown_through(
     (line,) = found["sphere:80mm"]
     assert line.startswith("warning: sphere-80mm-heavy-10mN in 150 mm at ") and "b = 0.5333; it holds" in line
     assert line.endswith("so it is in 50 % of what it sees") and found["sphere:40mm"] == []
+
+
+@pytest.mark.parametrize(("more", "kind"), [([], "demand"), (["--service-bore", 0.02], "stuck")])
+def test_a_demand_takes_bodies_that_fit_the_pipe_which_it_needs(
+    more: list[object], kind: str, call: Callable[..., Any], fork_file: Path
+) -> None:
+    """20 and 10 litres/s at 1 m/s are pipes of 160 and 113 mm."""
+    words = ["route", fork_file, "sphere:25mm", "--release", "source", *more]
+    assert {end["kind"] for end in json.loads(call(*words, "--json").stdout)["ends"]} == {kind}
+    reason = "drawn off with the demand" if kind == "demand" else "at a dead end"
+    assert f"bodies end 100.0 % {reason}\n" in call(*words).stdout
 
 
 @given(
@@ -166,6 +178,8 @@ def test_the_ballast_of_a_tuned_agent_trims_it_and_stays_in_its_seat() -> None:
 
 FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]
 LACKING = FORK.replace("300 100 0 Open\n on", "300 100 0 Closed\n on")
+UNKNOWN_LINK = FORK.replace("main source", "trunk source")
+TRACERS = ("tracers", "--release", "source")
 UNKNOWN = FORK.replace("side fork branch", "side fork nowhere")
 
 
@@ -184,15 +198,25 @@ UNKNOWN = FORK.replace("side fork branch", "side fork nowhere")
         (FORK, ["fleet", "--release", "source", "--branch", "up"], "no such side; known: bottom, side, top"),
         (FORK, ["fleet", "--release", "source", "--agent", "sphere:x"], "a sphere is named by its diameter"),
         (FORK, ["fleet", "--release", "source", "--run", "nowhere"], "nowhere: no such run directory"),
+        (FORK, [*TRACERS, "--pipes", "town.csv", "--by", "colour"], "--by colour: no such column"),
+        (FORK, [*TRACERS, "--pipes", "town.csv", "--weight", "material"], "weight 'iron': expected a number"),
+        (UNKNOWN_LINK, [*TRACERS, "--pipes", "town.csv"], "town.csv: line 2: town has no link 'main'"),
+        (FORK, [*TRACERS, "--receiver", "nowhere"], "--receiver nowhere: town has no such node"),
+        (FORK, [*TRACERS, "--within", "soon"], "expected a time such as 8h"),
+        (FORK, [*TRACERS, "--gis", "gis", "--crs", "Gauss"], "--crs Gauss: expected the number"),
+        (FORK, [*TRACERS, "--open", "ahead"], "--open ahead: expected NAME=VALUE"),
+        (FORK, [*TRACERS, "--steady", "3"], "the simulation lasts from hour 0 to hour 0"),
+        (FORK, [*TRACERS, "--walks", "0", "--within", "1h"], "--walks 0: where flows change, or end"),
     ],
 )
 def test_wrong_input_is_one_line_that_names_the_fault(
     text: str, words: list[str], expected: str, call: Callable[..., Any]
 ) -> None:
     Path("town.inp").write_text(text)
+    Path("town.csv").write_text("pipe,material\nmain,iron\n")
     result = call(words[0], "town.inp", *words[1:])
     assert result.exit_code == 2
     assert expected in result.stderr
     assert result.stderr.count("\n") == 1
     assert "Traceback" not in result.stderr
-    assert {path.name for path in Path().iterdir()} == {"town.inp"}
+    assert {path.name for path in Path().iterdir()} == {"town.inp", "town.csv"}

@@ -6,7 +6,6 @@ docs/networks.md.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from driftform.types import End
 from driftform.water import Scenario
 from driftform_networks.flights.bodies import Traveller, open_traveller
 from driftform_networks.flights.bore import divide_bore, smallest_share, spread_points
-from driftform_networks.flights.tees import BRANCH, Tee, fly_tee
+from driftform_networks.flights.tees import BRANCH, HORIZON_BORES, Tee, describe_pipe, fly_tee
 
 pytestmark = pytest.mark.slow
 
@@ -44,23 +43,11 @@ def traveller() -> Traveller:
     return open_traveller("sphere:10mm")
 
 
-def make_document(traveller: Traveller, bore: float, share: float) -> dict[str, Any]:
-    """A main with a branch at the right, in the mean flow of developed turbulence."""
-    radius = BORE / 2
-    leg = {"kind": "straight", "length": 4 * radius}
-    branch = [{"kind": "straight", "length": 4 * bore * radius, "outlet": "branch"}]
-    tee = {"kind": "tee", "branch_radius": bore * radius, "share": share, "roll_deg": 90.0, "branch": branch}
-    return {
-        **traveller.scenario.model_dump(include={"fluid", "contact"}),
-        "flow": {"kind": "log_law", "speed": SPEED, "roughness": 0.0003},
-        "pipe": {"radius": radius, "parts": [leg, tee, {**leg, "outlet": "run"}]},
-        "flight": {"horizon": 48 * BORE / SPEED},
-    }
-
-
-def compare(traveller: Traveller, size: float, bore: float, share: float) -> Comparison:
-    """Fly neutral spheres from all over the bore, those nearest to the wall as near as they can be."""
-    document = make_document(traveller, bore, share)
+def compare(traveller: Traveller, size: float, tee: Tee) -> Comparison:
+    """Fly neutral spheres from all over the bore, those nearest to the wall as near as they can be, with friction and for longer."""
+    share, horizon = tee.share or 0.0, 2 * HORIZON_BORES * BORE / SPEED
+    document = describe_pipe(traveller, tee) | {"flight": {"horizon": horizon}}
+    document["contact"] = traveller.scenario.contact.model_dump()
     places = spread_points(1.0, RINGS, AROUND)
     # The thousandth keeps the releases off the wall.
     places = places * np.minimum(1.0, 0.999 * (1 - size) / np.linalg.norm(places, axis=1))[:, None]
@@ -94,8 +81,8 @@ def test_spheres_take_the_branch_as_the_streamtubes_say_unless_they_are_wide_and
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for size, bore, share in CASES:
-        found = compare(traveller, size, bore, share)
         tee, sphere = Tee(BORE, SPEED, bore, 90.0, 90.0, share), make_sphere(size * BORE, traveller.scenario.fluid)
+        found = compare(still, size, tee)
         (calm, _), (entered, held) = (
             (table[BRANCH].sum(), 1 - table.sum())
             for table in (fly_tee(replace(body, agent=sphere), tee, None).onward[0] for body in (still, traveller))

@@ -53,6 +53,7 @@ def make_junction(**changes: Any) -> Junction:
         "turns": np.array([0.0, np.pi / 2]),
         "stores": False,
         "inlets": 1,
+        "offtake": 0.02,
     }
     return Junction(**usual | changes)
 

@@ -5,17 +5,8 @@ import csv
 import numpy as np
 import pytest
 from scipy.interpolate import RegularGridInterpolator
-from solids import solid_agent
 
 from driftform.errors import InputError
-from driftform.motion.forces.model import flight_model
-from driftform.motion.forces.state import release_state
-from driftform.motion.path.interpolation import interpolate_positions
-from driftform.motion.path.trajectory import finish_trajectory
-from driftform.motion.solver.error import Accuracy, integrate
-from driftform.testing.agents import sphere_agent
-from driftform.testing.bodies import cylinder_body
-from driftform.types import Coefficients
 from driftform.water import Scenario
 from driftform.water.fittings import fitting_array
 from driftform.water.parts.grid_files import read_grid
@@ -98,32 +89,6 @@ def test_the_file_has_one_time_and_the_columns_of_gazebo(file, grid):
     assert [len({row[name] for row in rows}) for name in "xyz"] == [
         np.isfinite(grid.velocity).all(axis=3).any(axis=tuple({0, 1, 2} - {axis})).sum() for axis in range(3)
     ]
-
-
-def fly(agent, scenario):
-    model, limits = flight_model(agent, scenario), Accuracy()
-    found = integrate(model, release_state(model, scenario), scenario.flight.horizon, limits)
-    return finish_trajectory(found.samples, model, scenario.flight.horizon, limits.step_limit, found.error)
-
-
-ROD = Coefficients(np.diag([0.005, 0.02, 0.02, 0, 4e-6, 4e-6]))
-AGENTS = {
-    "neutral sphere": sphere_agent(0.01, 1024.0 * 4 / 3 * np.pi * 0.01**3),
-    "heavy sphere": sphere_agent(0.01, 1.2 * 1024.0 * 4 / 3 * np.pi * 0.01**3),
-    "rod": solid_agent(cylinder_body(0.05, 0.012), 1100.0, ROD),
-}
-
-
-@pytest.mark.parametrize("name", AGENTS)
-@pytest.mark.parametrize("place", [(0.1, 0.0, 0.0), (0.1, 0.04, 0.03), (0.1, -0.05, 0.0)])
-def test_flights_on_the_grid_are_those_in_the_flow_until_the_wall_is_touched(file, name, place):
-    release = {"position": place, "yaw_deg": 20.0}
-    one, other = (fly(AGENTS[name], scenario) for scenario in (bend(release=release), read_back(file, release=release)))
-    until = min(f.t[-1] if f.contact is None else f.contact for f in (one, other))
-    assert until > 0.3
-    times = np.linspace(0, until, 200)
-    apart = interpolate_positions(one, times) - interpolate_positions(other, times)
-    assert np.linalg.norm(apart, axis=1).max() < 1e-3
 
 
 def test_the_flow_of_a_straight_pipe_can_be_exported_too(tmp_path):

@@ -18,7 +18,7 @@ from driftform.util import cores, files
 if TYPE_CHECKING:
     from driftform_networks.flights.bodies import Traveller
     from driftform_networks.hydraulics.network import Network
-    from driftform_networks.output.results import Outputs, Sights
+    from driftform_networks.output.results import Outputs
 
 
 _SHARED: dict[str, tuple[Any, Any]] = {
@@ -86,7 +86,7 @@ def declare(*names: str) -> Callable[[Callable[[Given, "Outputs"], None]], Calla
 
 
 CHANGES = ("close", "open", "set_valve")
-WATER = ("unsteady", "within", "walks", "seed")
+WATER = ("steady", "within", "walks", "seed")
 BODY = ("branch", "service_bore", "clearance", "scenario", "settings", "workers")
 CHOICE = ("agents_from", "run", "count", "buoyancies", "as_designed")
 SIGHT = ("receiver", "range", "pipes", "by", "weight")
@@ -98,7 +98,7 @@ def show(given: Given, outputs: "Outputs") -> None:
     """Show the pipes, flows, sources, loops and reversals of a network."""
     from driftform_networks.output.show import show_network
 
-    show_network(_open(given), given.at, outputs, given.json)
+    show_network(_open(given), given.at, outputs)
 
 
 @declare("net", "release", "at", *WATER, *CHANGES, *SIGHT, *FILES)
@@ -110,10 +110,11 @@ def tracers(given: Given, outputs: "Outputs") -> None:
     from driftform_networks.output.results import present_passage
     from driftform_networks.planning.following import trace
 
-    network, sights = _look(given, _open(given))
-    passage = trace(network, given.release, hour=given.at, **_pick(given))
-    title = f"{network.name}: tracers from {given.release} at hour {given.at:g}"
-    present_passage(passage, title, outputs, given.json, sights)
+    network, outputs = _look(given, _open(given), outputs)
+    [hour], how = _pick(given, [given.at])
+    passage = trace(network, given.release, hour=hour, **how)
+    title = f"{network.name}: tracers from {given.release} at hour {hour:g}"
+    present_passage(passage, title, outputs)
 
 
 @declare("net", "agent", "release", "at", "buoyancy", *WATER, *CHANGES, *BODY, *SIGHT, *FILES)
@@ -127,17 +128,19 @@ def route(given: Given, outputs: "Outputs") -> None:
     from driftform_networks.output.results import present_passage
     from driftform_networks.planning import following
 
-    network, sights = _look(given, _open(given))
+    network, outputs = _look(given, _open(given), outputs)
     network.find_node(given.release)
     traveller = open_traveller(given.agent, given.scenario, given.settings or (), given.buoyancy)
-    how = _pick(given) | _travel(given, network)
-    passage = following.route(network, traveller, given.release, hour=given.at, **how, compare=True)
-    title = f"{network.name}: {traveller.name} from {given.release} at hour {given.at:g}"
-    present_passage(passage, title, outputs, given.json, sights, traveller)
+    [hour], how = _pick(given, [given.at])
+    passage = following.route(
+        network, traveller, given.release, hour=hour, **how, **_travel(given, network), compare=True
+    )
+    title = f"{network.name}: {traveller.name} from {given.release} at hour {hour:g}"
+    present_passage(passage, title, outputs, traveller)
 
 
 @declare(
-    "net", "releases", "size", *CHOICE, "hours_at", "unsteady", "within", "walks", *CHANGES, *BODY, "agents_seed",
+    "net", "releases", "size", *CHOICE, "hours_at", "steady", "within", "walks", *CHANGES, *BODY, "seed",
     *SIGHT, "agents", *FILES,
 )  # fmt: skip
 def fleet(given: Given, outputs: "Outputs") -> None:
@@ -150,18 +153,18 @@ def fleet(given: Given, outputs: "Outputs") -> None:
     from driftform_networks.planning.candidates import BUOYANCIES
     from driftform_networks.planning.fleets import plan_fleet
 
-    network, sights = _look(given, _open(given))
+    network, outputs = _look(given, _open(given), outputs)
     releases = split_names(given.releases, network)
-    travellers = _collect(given, given.agents_from or (), BUOYANCIES)
-    how = _pick(given) | _travel(given, network)
-    planned = plan_fleet(network, travellers, releases, given.size, hours=given.hours_at or (0.0,), **how)
+    travellers = _collect(given, BUOYANCIES)
+    hours, how = _pick(given, given.hours_at or [0.0])
+    planned = plan_fleet(network, travellers, releases, given.size, hours=hours, **how, **_travel(given, network))
     title = f"{network.name}: a fleet of {given.size} from {', '.join(dict.fromkeys(releases))}"
-    present_fleet(planned, title, outputs, given.json, sights, travellers)
+    present_fleet(planned, title, outputs, travellers)
 
 
 @declare(
     "net", "plan_releases", "hydrants", "hours", "plan_within", "battery", "plan_size", "nets", "aim", *CHOICE,
-    "unsteady", "walks", *CHANGES, *BODY, "agents_seed", *SIGHT, *FILES,
+    "steady", "walks", *CHANGES, *BODY, "seed", *SIGHT, *FILES,
 )  # fmt: skip
 def plan(given: Given, outputs: "Outputs") -> None:
     """Plan an inspection: where and at which hour to release bodies, and where to catch them in nets.
@@ -176,27 +179,28 @@ def plan(given: Given, outputs: "Outputs") -> None:
 
     if given.aim not in AIMS:
         raise InputError(f"--aim {given.aim}: no such aim{did_you_mean(given.aim, AIMS)}")
-    network, sights = _look(given, _open(given))
+    network, outputs = _look(given, _open(given), outputs)
     hydrants = read_names(given.hydrants, network) if given.hydrants else []
     junctions = [network.nodes[node] for node in np.flatnonzero(~network.stores)]
     releases = split_names(given.plan_releases or (), network) or hydrants or junctions
-    travellers = _collect(given, given.agents_from or (() if given.run else ("sphere:60mm",)), (0.0,))
+    travellers = _collect(given, (0.0,))
+    hours, how = _pick(given, parse_hours(given.hours))
     planned = plan_inspection(
         network,
         travellers,
         releases,
         given.nets,
         places=hydrants,
-        hours=parse_hours(given.hours),
+        hours=hours,
         size=given.plan_size,
         within=parse_time("--within", given.plan_within),
         battery=given.battery and parse_time("--battery", given.battery),
         aim=given.aim,
-        **_pick(given),
+        **how,
         **_travel(given, network),
     )
     title = f"{network.name}: {given.plan_size} bodies and {len(planned.nets)} nets within {given.plan_within}"
-    present_plan(planned, title, outputs, given.json, sights, travellers)
+    present_plan(planned, title, outputs, travellers)
 
 
 def _open(given: Given) -> "Network":
@@ -213,46 +217,52 @@ def _find_outputs(given: Given) -> "Outputs":
     page = formats.parse_page(given.style, given.width_mm)
     names = ("map", "tables", "report", "agents", "gis", "crs")
     paths: dict[str, Any] = {name: getattr(given, name, None) for name in names}
-    return Outputs(**paths, page=page).check()
+    return Outputs(**paths, page=page, json=given.json).check()
 
 
-def _look(given: Given, network: "Network") -> tuple["Network", "Sights"]:
-    """Return the network with the weights, and the columns and receivers, that are asked for."""
-    from driftform_networks.output.results import Sights
+def _look(given: Given, network: "Network", outputs: "Outputs") -> tuple["Network", "Outputs"]:
+    """Return the network with the weights and service pipes, and the outputs with the columns and receivers, that are asked for."""
     from driftform_networks.planning.sights import find_heard, pick_column, read_pipes, read_weights
 
+    network = replace(network, service_bore=getattr(given, "service_bore", None))
     columns = read_pipes(given.pipes, network)
     if given.weight is not None:
         network = replace(network, weight=read_weights(columns, given.weight))
     receivers = [network.find_node(name) for name in split_names(given.receiver or (), network, "--receiver")]
     heard = find_heard(network, receivers, given.range) if receivers else None
-    return network, Sights({name: pick_column(columns, "--by", name) for name in given.by or ()}, heard)
+    by = {name: pick_column(columns, "--by", name) for name in given.by or ()}
+    return network, replace(outputs, columns=by, heard=heard)
 
 
 def _travel(given: Given, network: "Network") -> dict[str, Any]:
     """Return how bodies travel, and how their flights are made, as parameters."""
     from driftform_networks.flights.travelling import Travel
 
-    travel = Travel.parse(network, given.branch, given.service_bore, given.clearance)
+    travel = Travel.parse(network, given.branch, given.clearance)
     return {"travel": travel, "workers": given.workers or cores.count_cores(), "cache": given.cache}
 
 
-def _collect(given: Given, agents: Sequence[str], buoyancies: Sequence[float]) -> "list[Traveller]":
+def _collect(given: Given, buoyancies: Sequence[float]) -> "list[Traveller]":
     """Return the bodies to choose from."""
     from driftform_networks.planning.candidates import collect_candidates
 
     if given.as_designed and given.buoyancies:
         raise InputError("--as-designed and --buoyancy say different things: leave out one of them")
     trims = None if given.as_designed else (given.buoyancies or buoyancies)
-    chosen = (agents, given.run, given.count, given.agents_seed, trims)
+    chosen = (given.agents_from or (), given.run, given.count, trims)
     return collect_candidates(*chosen, given.scenario, given.settings or ())
 
 
-def _pick(given: Given) -> dict[str, Any]:
-    """Return how bodies are followed, by the names of parameters."""
-    seed = given.seed if hasattr(given, "seed") else given.agents_seed
+def _pick(given: Given, hours: Sequence[float]) -> tuple[Sequence[float], dict[str, Any]]:
+    """Return the hours of releases, and how bodies are followed, by the names of parameters."""
     within = {} if not hasattr(given, "within") else {"within": given.within and parse_time("--within", given.within)}
-    return {"unsteady": given.unsteady, "walks": given.walks, "seed": seed, **within}
+    is_steady = given.steady is not None
+    return [given.steady] if is_steady else hours, {
+        "steady": is_steady,
+        "walks": given.walks,
+        "seed": given.seed,
+        **within,
+    }
 
 
 def parse_time(option: str, text: str) -> float:

@@ -7,7 +7,6 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from driftform.types import Body, FloatArray
 from driftform_networks.hydraulics.network import Network
@@ -39,20 +38,12 @@ def longest_rod(first: float, second: float, turn: float, width: float) -> float
     one, two = np.array([1.0, 0.0]), np.array([np.cos(inner), np.sin(inner)])
     edge = np.array([(second + first * np.cos(inner)) / np.sin(inner), first])
 
-    def span(angle: float) -> float:
-        normal = np.array([np.cos(angle), np.sin(angle)])
-        distance = normal @ edge - width
-        if distance <= 0:
-            return 0.0
-        return float(np.linalg.norm(distance / (normal @ one) * one - distance / (normal @ two) * two))
-
-    # The normal of the rod points from the outer corner towards the inner edge.
-    low, high = inner - np.pi / 2, np.pi / 2
-    angles: FloatArray = np.linspace(low, high, 66)[1:-1]
-    lengths = [span(angle) for angle in angles]
-    best = int(np.argmin(lengths))
-    found = minimize_scalar(span, bounds=(angles[max(best - 1, 0)], angles[min(best + 1, 63)]), method="bounded")
-    return float(min(found.fun, lengths[best]))
+    # Normals of the rod point from the outer corner towards the inner edge.
+    angles: FloatArray = np.linspace(inner - np.pi / 2, np.pi / 2, 4003)[1:-1]
+    normals = np.column_stack([np.cos(angles), np.sin(angles)])
+    distance = np.maximum(normals @ edge - width, 0.0)[:, None]
+    spans = distance / (normals @ one)[:, None] * one - distance / (normals @ two)[:, None] * two
+    return float(np.linalg.norm(spans, axis=1).min())
 
 
 def find_obstacle(body: Body, first: float, second: float, turn: float) -> str:
@@ -100,7 +91,8 @@ def find_gate(clearance: Mapping[str, float], body: Body | None, network: Networ
     if share >= 1:
         return "", "" if gate.name == "fitting" else gate.name
     if share <= 0:
-        return f"a {gate.name}, which lets no body pass (--clearance)", ""
+        behind = f" (release behind it, at {network.nodes[network.end[link]]})" if kind == "pump" else ""
+        return f"before a {gate.name} that lets no body pass{behind}", ""
     # A pump has no bore of its own: take the widest pipe at its ends.
     ends = (network.start[link], network.end[link])
     near = np.isin(network.start, ends) | np.isin(network.end, ends)

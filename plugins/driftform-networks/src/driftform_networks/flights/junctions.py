@@ -24,7 +24,7 @@ AHEAD_DEG = 45.0
 BRANCH_DEG = 90.0
 """Turn into a branch where the map is not to scale, degrees."""
 
-_HELD = {TEE: "held in a tee, where the flow divides", JOINT: "held in a bend or reducer"}
+_HELD = {TEE: "held in a tee: where the flow divides", JOINT: "held in a bend or reducer"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +41,7 @@ class Junction:
         turns: angle between the link and each outlet, rad, (outlets,).
         stores: whether the node is a tank or a reservoir.
         inlets: number of links whose water comes in.
+        offtake: bore of the pipe through which the demand leaves, m.
     """
 
     bore: float
@@ -51,6 +52,7 @@ class Junction:
     turns: FloatArray
     stores: bool
     inlets: int
+    offtake: float
 
 
 def find_bends(network: Network, link: int) -> tuple[FloatArray, FloatArray]:
@@ -96,6 +98,7 @@ def describe_junction(snapshot: Snapshot, link: int, branch: str) -> Junction:
         turns,
         bool(network.stores[node]),
         int(snapshot.inlets[node]),
+        float(network.offtakes[node]),
     )
 
 
@@ -126,7 +129,6 @@ def divide_bodies(
     traveller: Traveller,
     junction: Junction,
     points: FloatArray | None,
-    service_bore: float,
     onward: FloatArray | None = None,
     passing: str = "",
 ) -> RoutingTable:
@@ -135,7 +137,6 @@ def divide_bodies(
     Args:
         points: band and place of bodies at the end of the link, (n, 3); ``None`` for a body that is anywhere in the
             bore.
-        service_bore: bore of service pipes, m.
         onward: probability of each outlet and of the band in it by flights, for each band, (bands, outlets, bands);
             ``None`` for streamtubes.
         passing: of the table.
@@ -146,9 +147,9 @@ def divide_bodies(
     arrival = np.broadcast_to(band, (BANDS, outlets, BANDS))
     if junction.stores:
         return RoutingTable(nothing, arrival, np.ones(BANDS))
-    leaves = junction.exit if traveller.width < service_bore else 0.0
+    leaves = junction.exit if traveller.width < junction.offtake else 0.0
     if not outlets:
-        obstacle = f"a dead end: too wide for service pipes of {1000 * service_bore:.0f} mm"
+        obstacle = f"at a dead end: too wide for the {1000 * junction.offtake:.0f} mm that its demand takes"
         return RoutingTable(nothing, arrival, np.full(BANDS, 1.0 if leaves else 0.0), obstacle)
     obstacles = [
         find_obstacle(traveller.agent.body, junction.bore, float(bore), turn)

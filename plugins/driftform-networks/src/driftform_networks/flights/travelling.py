@@ -33,9 +33,6 @@ MIN_SPEED = 0.005
 SLOPES = (-0.5, -0.15, -0.05, 0.0, 0.05, 0.15, 0.5)
 """Slopes of these flights, rise over length; a pipe takes the nearest."""
 
-SERVICE_BORE = 0.02
-"""Default bore of the service pipes through which demand leaves, m: a narrower body leaves with it."""
-
 _Outlet: TypeAlias = tuple[int, list[tuple[TeeTask, float]]]
 """An outlet, and the flights that stand for the path into it, with weights of the sum 1."""
 
@@ -46,17 +43,15 @@ class Travel:
 
     Attributes:
         branch: side where branches leave the pipes: ``"top"``, ``"side"`` or ``"bottom"``.
-        service_bore: bore of service pipes, m.
         clearance: opening of pumps, valves and meters over the bore, by kind or by the name of a link; others as in
             ``clearances.toml``.
     """
 
     branch: str = "side"
-    service_bore: float = SERVICE_BORE
     clearance: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
-    def parse(cls, network: Network, branch: str, service_bore: float, clearance: Sequence[str] | None) -> "Travel":
+    def parse(cls, network: Network, branch: str, clearance: Sequence[str] | None) -> "Travel":
         """Return the parsed options.
 
         Raises InputError if there is no such side, kind or link, or a clearance is not a number from 0 to 1.
@@ -71,7 +66,7 @@ class Travel:
             if not (isinstance(share, float) and share <= 1):
                 raise InputError(f"--clearance {text}: a clearance is a share of the bore from 0 to 1")
             shares[name] = share
-        return cls(branch, service_bore, shares)
+        return cls(branch, shares)
 
     def list_blocked(self, network: Network) -> list[int]:
         """Return the links that let no body pass, however small."""
@@ -98,7 +93,6 @@ class Traveling:
         self._find_bends = cache(find_bends)
         self._describe = cache(partial(describe_junction, branch=travel.branch))
         self._travel = travel
-        self._retained = traveller.width >= travel.service_bore
 
     def list_straights(self, snapshot: Snapshot) -> Iterator[StraightTask]:
         """Yield the flights through straight pipes that a snapshot needs."""
@@ -117,7 +111,8 @@ class Traveling:
         """Return the tables of the body in a snapshot; flights that were not made are made."""
         links = progress.track_progress(range(len(snapshot.links)), len(snapshot.links), "pipes", 1.0)
         made = [(self._transfer(snapshot, link), self._divide(snapshot, link)) for link in links]
-        return Routing(snapshot, [one for one, _ in made], [table for _, table in made], MIXED, self._retained)
+        retained = self._traveller.width >= snapshot.network.offtakes
+        return Routing(snapshot, [one for one, _ in made], [table for _, table in made], MIXED, retained)
 
     def _needs_flights(self, snapshot: Snapshot, link: int) -> bool:
         network, index = snapshot.network, snapshot.links[link]
@@ -200,7 +195,7 @@ class Traveling:
             points = self._read_straight(self._find_straight(snapshot, link)).states[:, :3]
         outlets, passing = self._find_outlets(snapshot, link, junction)
         onward = self._fly_on(junction, outlets)
-        return divide_bodies(self._traveller, junction, points, self._travel.service_bore, onward, passing)
+        return divide_bodies(self._traveller, junction, points, onward, passing)
 
     def _find_outlets(self, snapshot: Snapshot, link: int, junction: Junction) -> tuple[list[_Outlet], str]:
         """Return the flights that stand for the end of a link, and how bodies pass it; none where streamtubes divide them.
@@ -296,7 +291,7 @@ def repeat_cells(flights: StraightFlights, cells: int, task: StraightTask) -> Tr
         if left % 2:
             spent, power = spent + power @ slow, power @ transfer
         slow, transfer, left = slow + transfer @ slow, transfer @ transfer, left // 2
-    obstacle = f"rests on the wall of a {1000 * task.bore:.0f} mm bore at about {task.speed:.2g} m/s"
+    obstacle = f"at rest on the wall: {1000 * task.bore:.0f} mm, about {task.speed:.2g} m/s"
     return TransferTable(power, np.maximum(spent / cells, 1e-3), obstacle)
 
 

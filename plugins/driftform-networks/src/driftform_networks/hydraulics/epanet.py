@@ -25,7 +25,12 @@ SECONDS, MEMORY = 1800.0, 6 << 30
 _BEYOND = re.compile(r"[-+]?(nan|inf|infinity|\d[\d.]*e\+?\d\d+)", re.IGNORECASE)
 """Numbers that no network has."""
 
-_FORMAT = 3
+_UNITS = re.compile(r"(?ims)^\s*\[OPTI(?:(?!^\s*\[).)*?^\s*UNITS\b")
+_NO_UNITS = (
+    "the file has no Units in [OPTIONS]: flows are GPM, lengths feet and bores inches; add a line such as Units LPS"
+)
+
+_FORMAT = 4
 """Increase it whenever a network is computed or stored differently."""
 
 
@@ -92,6 +97,9 @@ def run_epanet(path: Path, changes: Changes | None = None) -> Arrays:
         try:
             values = asdict(changes or Changes())
             found: Arrays = foreign.call_apart(solve, copy, values, seconds=SECONDS, memory=MEMORY)
+            if not _UNITS.search(text):
+                warnings = found["hydraulics.warnings"].tolist()
+                found["hydraulics.warnings"] = np.array([*warnings, _NO_UNITS], np.str_)
             return found
         except InputError as error:
             said = _read_errors(copy.with_suffix(".rpt"), text) or [f"{error}{_find_suspect(text)}"]

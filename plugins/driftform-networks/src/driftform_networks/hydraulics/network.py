@@ -17,6 +17,13 @@ BoolArray = npt.NDArray[np.bool_]
 TOLERANCE, MAX_OFF = 0.1, 0.2
 """Largest deviation of drawn from given length at which a link is to scale, and largest share of the length that is not."""
 
+SERVICE_BORE, OFFTAKE_SPEED = 0.02, 1.0
+"""Least bore of the pipes through which demand leaves, m: that of a house; and the speed of the peak demand in them, m/s: the middle
+of the 0.5 to 2 m/s that EN 805, 8.3.2, recommends."""
+
+MIN_BORE, MAX_BORE, MAX_SPEED = 0.02, 4.0, 10.0
+"""Bores of pipes, m, and speeds in them, m/s, beyond which a file hardly means what it says."""
+
 MAX_KNOWN = 12
 """Nodes of a network up to which an error names all."""
 
@@ -81,6 +88,7 @@ class Network:
         length: length of each link, m, (links,); 0 for pumps and valves.
         diameter: inner diameter of each link, m, (links,); 0 for pumps.
         weight: how much each metre of a link counts, (links,); ``None`` for all alike.
+        service_bore: bore of the pipes through which demand leaves all nodes, m; ``None`` for :attr:`offtakes`.
     """
 
     name: str
@@ -98,6 +106,7 @@ class Network:
     vertices: tuple[FloatArray, ...] = field(repr=False)
     hydraulics: Hydraulics = field(repr=False)
     weight: FloatArray | None = None
+    service_bore: float | None = None
 
     def find_node(self, name: str, option: str = "--release") -> int:
         """Return the index of a node that an option names. Raises InputError if no node has the name."""
@@ -118,13 +127,22 @@ class Network:
         """Whether each node is a tank or a reservoir: what arrives there has left the pipes, (nodes,)."""
         return np.array([kind != "junction" for kind in self.node_kinds])
 
-    def find_low_pressures(self, step: int) -> tuple[IntArray, FloatArray]:
-        """Return the junctions that deliver water at negative pressure, the lowest first, and their pressures, m."""
-        pressure = self.hydraulics.head[step] - self.elevation
-        delivers = ~self.stores & (self.hydraulics.outflow[step] > 0)
-        rows = np.flatnonzero(delivers & ~(pressure > -1e-3))
-        rows = rows[np.argsort(pressure[rows], kind="stable")]
-        return rows, pressure[rows]
+    def find_pressures(self, steps: Sequence[int]) -> FloatArray:
+        """Return the pressures of junctions that deliver water in some steps, m, infinite elsewhere, (steps, nodes)."""
+        delivers = ~self.stores & (self.hydraulics.outflow[steps] > 0)
+        return np.where(delivers, self.hydraulics.head[steps] - self.elevation, np.inf)
+
+    @cached_property
+    def offtakes(self) -> FloatArray:
+        """Bore of what lies behind each node, m, (nodes,): as given, or a pipe for its peak demand at :data:`OFFTAKE_SPEED`."""
+        if self.service_bore is not None:
+            return np.full(len(self.nodes), self.service_bore)
+        return np.maximum(SERVICE_BORE, np.sqrt(4 / np.pi * self.peak_demand / OFFTAKE_SPEED))
+
+    @cached_property
+    def peak_demand(self) -> FloatArray:
+        """Greatest demand of each node, m3/s, (nodes,)."""
+        return np.asarray(self.hydraulics.outflow.max(axis=0, initial=0.0))
 
     @property
     def worth(self) -> FloatArray:
@@ -244,15 +262,21 @@ class Snapshot:
 def take_snapshot(network: Network, hour: float = 0.0, absurd: bool = False) -> Snapshot:
     """Return the flow of a network at an hour of the simulation, with ``absurd`` also where no network has such pressures.
 
-    Raises InputError if the simulation does not cover the hour, or EPANET finds pressures below :data:`MAX_SUCTION`
-    then.
+    Raises InputError if the simulation does not cover the hour, EPANET finds pressures below :data:`MAX_SUCTION` then, or
+    the median bore is not that of a pipe.
     """
-    hydraulics = network.hydraulics
+    hydraulics, bores = network.hydraulics, network.diameter[network.is_pipe]
     step = hydraulics.find_step(hour)
-    low, pressure = network.find_low_pressures(step)
-    if len(low) and not pressure[0] > -MAX_SUCTION and not absurd:
+    if len(bores) and not MIN_BORE <= (bore := float(np.median(bores))) <= MAX_BORE and not absurd:
         raise InputError(
-            f"{network.name}: EPANET finds a pressure of {pressure[0]:.3g} m at {network.nodes[low[0]]} at hour {hour:g}: no "
+            f"{network.name}: [PIPES]: the median bore is {1000 * bore:.3g} mm: EPANET files have bores in millimetres, or inches "
+            "with Units of GPM and the like: correct Units in [OPTIONS], or the diameters"
+        )
+    pressure = network.find_pressures([step])[0]
+    lowest = int(pressure.argmin())
+    if not pressure[lowest] > -MAX_SUCTION and not absurd:
+        raise InputError(
+            f"{network.name}: EPANET finds a pressure of {pressure[lowest]:.3g} m at {network.nodes[lowest]} at hour {hour:g}: no "
             "source can supply what the file demands; correct its demands, pumps or open links, or choose another hour"
         )
     flow = hydraulics.flow[step]
@@ -266,27 +290,35 @@ def take_snapshot(network: Network, hour: float = 0.0, absurd: bool = False) -> 
     return Snapshot(network, hour, step, links, tail, head, np.abs(flow[links]), exit, tuple(outlets))
 
 
-def warn_of_pressure(network: Network, steps: Sequence[int]) -> list[str]:
-    """Return a warning for negative pressures in some hydraulic steps, with the lowest of them; none without."""
-    found: dict[int, tuple[float, int]] = {}
-    for step in steps:
-        for node, value in zip(*network.find_low_pressures(step), strict=True):
-            found[int(node)] = min(found.get(int(node), (np.inf, 0)), (float(value), step))
-    if not found:
-        return []
-    lowest = sorted(found.items(), key=lambda item: item[1])[:5]
-    values = ", ".join(f"{network.nodes[node]} {value:.3g} m" for node, (value, _) in lowest)
-    hour = network.hydraulics.times[lowest[0][1][1]] / 3600
-    return [
-        f"warning: EPANET finds a negative pressure at {len(found)} junctions that deliver water, the lowest at hour {hour:g}: "
-        f"{values}: there its flows are not those of a real network"
-    ]
+def warn_of_model(network: Network, steps: Sequence[int]) -> list[str]:
+    """Return warnings: those of EPANET, and of absurd bores, speeds and pressures in some hydraulic steps, with the worst of them."""
+    rows, is_pipe, bores = list(steps), network.is_pipe, network.diameter
+    speeds = np.abs(network.hydraulics.flow[rows]).max(axis=0) / np.where(is_pipe, network.area, np.inf)
+    pressures = network.find_pressures(rows)
+    hour = network.hydraulics.times[rows[int(pressures.min(axis=1).argmin())]] / 3600
+    negative = (
+        f"EPANET finds a negative pressure at {{}} junctions that deliver water, the lowest at hour {hour:g}: {{}}: there its flows "
+        "are not those of a real network"
+    )
+    wrong_bore, check = is_pipe & ((bores < MIN_BORE) | (bores > MAX_BORE)), "check units and diameters of the file"
+    checks = (
+        (f"{{}} bores are not from 20 mm to 4 m: {{}}: {check}", network.links, wrong_bore, 1000 * bores, "mm"),
+        (f"{{}} pipes are faster than 10 m/s: {{}}: {check}", network.links, speeds > MAX_SPEED, speeds, "m/s"),
+        (negative, network.nodes, pressures.min(axis=0) < -1e-3, pressures.min(axis=0), "m"),
+    )
+    lines = [f"warning: EPANET: {line}" for line in network.hydraulics.warnings]
+    for words, names, is_wrong, values, unit in checks:
+        if len(found := np.flatnonzero(is_wrong)):
+            worst = found[np.argsort(-np.abs(values[found]), kind="stable")][:5]
+            listed = ", ".join(f"{names[row]} {values[row]:.3g} {unit}" for row in worst)
+            lines.append(f"warning: {words.format(len(found), listed)}")
+    return lines
 
 
-def divide_flow(snapshot: Snapshot, node: int, retained: bool = False) -> FloatArray:
+def divide_flow(snapshot: Snapshot, node: int, retained: BoolArray | bool = False) -> FloatArray:
     """Return the probability that water at a node flows into each link of the snapshot, (links,).
 
-    Bodies that are ``retained`` do not leave with the demand of the node.
+    Bodies that are ``retained``, at all nodes or (nodes,), do not leave with the demand.
 
     Raises InputError if it flows into none.
     """
@@ -297,6 +329,6 @@ def divide_flow(snapshot: Snapshot, node: int, retained: bool = False) -> FloatA
             "choose a node upstream, or another hour"
         )
     first = np.zeros(len(snapshot.links))
-    whole = snapshot.departure[node] - snapshot.exit[node] * retained
+    whole = (snapshot.departure - snapshot.exit * retained)[node]
     first[outlets] = snapshot.flow[outlets] / whole
     return first

@@ -47,34 +47,25 @@ class Mark:
         return self.colour != style.INK
 
 
-def passage_svg(passage: Passage, title: str, page: style.Page = style.SCREEN) -> str:
+def passage_svg(passage: Passage, title: str, subtitle: str, page: style.Page = style.SCREEN) -> str:
     """Return the map of a passage: probability as colour and width of a link, arrival times, stuck places."""
-    shares = np.where(passage.reachable, passage.seen, np.nan)
-    network, stuck = passage.network, passage.stuck
-    kilometres = network.length[passage.reachable].sum() / 1000
-    subtitle = f"{100 * passage.coverage:.1f} % of the {kilometres:.1f} km reachable is seen"
-    if (lost := sum(end.probability for end in stuck)) > 5e-4:
-        subtitle += f"; {100 * lost:.1f} % stuck"
+    shares, network = np.where(passage.reachable, passage.seen, np.nan), passage.network
     marks = [Mark(passage.release, network.nodes[passage.release], style.VERMILLION), *_choose_times(passage)]
-    return network_svg(network, shares, marks, title, subtitle, stuck, page=page)
+    return network_svg(network, shares, marks, title, subtitle, passage.stuck, page=page)
 
 
-def fleet_svg(fleet: Fleet, title: str, page: style.Page = style.SCREEN) -> str:
+def fleet_svg(fleet: Fleet, title: str, subtitle: str, page: style.Page = style.SCREEN) -> str:
     """Return the map of a fleet: the probability that any member sees a link, and where members are stuck."""
     network, size = fleet.network, len(fleet.members)
     shares = np.where(fleet.reachable, fleet.seen, np.nan)
-    kilometres = network.length[fleet.reachable].sum() / 1000
-    subtitle = f"{size} bodies see {100 * fleet.coverage:.1f} % of the {kilometres:.1f} km reachable"
     stuck = [replace(end, probability=end.probability / size) for end in fleet.stuck]
-    if (lost := sum(end.probability for end in stuck)) > 5e-4:
-        subtitle += f"; {100 * lost:.1f} % of them end in the pipes"
     nodes = dict.fromkeys(member.passage.release for member in fleet.members)
     marks = [Mark(node, network.nodes[node], style.VERMILLION) for node in nodes]
     legend = "probability that the fleet sees the link"
     return network_svg(network, shares, marks, title, subtitle, stuck, legend, page)
 
 
-def plan_svg(plan: Plan, title: str, page: style.Page = style.SCREEN) -> str:
+def plan_svg(plan: Plan, title: str, subtitle: str, page: style.Page = style.SCREEN) -> str:
     """Return the map of a plan: what bodies see until nets catch them, the releases, and the nets."""
     network = plan.network
     shares = np.where(plan.reachable, plan.seen, np.nan)
@@ -84,8 +75,6 @@ def plan_svg(plan: Plan, title: str, page: style.Page = style.SCREEN) -> str:
         for name, share in zip(plan.nets, plan.catches, strict=True)
     }
     marks = [Mark(network.find_node(name), *text) for name, text in texts.items()]
-    sees, caught = 100 * plan.measure(plan.seen), 100 * float(plan.catches.sum())
-    subtitle = f"{len(plan.members)} bodies see {sees:.1f} % until {len(plan.nets)} nets catch {caught:.0f} % of them"
     legend = "probability that any body sees the link"
     return network_svg(network, shares, marks, title, subtitle, (), legend, page)
 

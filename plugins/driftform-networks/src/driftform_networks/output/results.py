@@ -6,7 +6,7 @@ import json
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from importlib import resources
 from pathlib import Path
@@ -22,9 +22,9 @@ from driftform.types import FloatArray
 from driftform.util import files
 from driftform_networks.flights.bodies import Traveller
 from driftform_networks.flights.limits import warn_of_limits
-from driftform_networks.hydraulics.network import BoolArray, Network, warn_of_pressure
+from driftform_networks.hydraulics.network import BoolArray, Network, warn_of_model
 from driftform_networks.output.map import curve_svg, fleet_svg, format_time, passage_svg, plan_svg
-from driftform_networks.passages.passage import Passage, count_passings
+from driftform_networks.passages.passage import Passage, count_passings, word_ends
 from driftform_networks.planning.candidates import save_agents
 from driftform_networks.planning.fleets import Fleet, Member
 from driftform_networks.planning.plans import Plan
@@ -38,16 +38,22 @@ MAX_ROWS = 12
 
 
 class TextTable(NamedTuple):
-    """A table for people: a header, rows of text, and the columns that are flush right."""
+    """A table for people: what it says, a header, rows of text, and the columns that are flush right."""
 
+    caption: str
     header: Sequence[str]
     rows: Sequence[Sequence[str]]
     right: Sequence[int] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Outputs:
-    """Files that a command writes, by the names of their options; ``None`` for no file."""
+    """What a command prints, and the files that it writes, by the names of their options; ``None`` for no file.
+
+    Attributes:
+        columns: values of each link, by the name of the column, by which it says what is seen.
+        heard: share of each link within the range of a receiver, (links,); ``None`` without receivers.
+    """
 
     map: Path | None = None
     tables: Path | None = None
@@ -56,6 +62,9 @@ class Outputs:
     gis: Path | None = None
     crs: str | None = None
     page: style.Page = style.SCREEN
+    json: bool = False
+    columns: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    heard: FloatArray | None = None
 
     def check(self) -> Self:
         """Return these files. Raises InputError if a directory cannot be written to, or a file has the wrong suffix."""
@@ -80,21 +89,28 @@ class Outputs:
             return []
         return [*picture_files.write_picture(self.map, draw(page=self.page), self.page)]
 
-    def write(
+    def present(
         self,
-        network: Network,
+        result: Passage | Fleet | Plan,
         title: str,
+        document: dict[str, Any],
+        lines: Sequence[str],
+        tables: Sequence[TextTable],
         figures: Mapping[str, Callable[..., str]],
-        text: Sequence[str | TextTable],
-        columns: Mapping[str, Mapping[str, Sequence[Any]]],
-        is_body: bool,
-    ) -> list[Path]:
-        """Write map, report, tables and layers, those that are asked for, and return their paths.
+        bodies: Sequence[Traveller],
+        saved: Sequence[Path] = (),
+    ) -> None:
+        """Write map, report, tables and layers, those that are asked for, and print the result.
 
-        ``figures`` draw SVG pictures, first the map; ``text`` is what a command prints, of which lines come first;
-        ``columns`` are those of each table; ``is_body`` is whether it is about bodies, in place of water.
+        ``document``, ``lines`` and ``tables`` get what all results have; ``figures`` draw SVG pictures, first the map;
+        ``bodies`` travel, and there are none where water does; ``saved`` files are already written.
         """
-        written = self.write_map(figures["Map"])
+        network, known = result.network, result.recorded if isinstance(result, Plan) else result.seen
+        more, groups = self._describe_sights(network, known, result.reachable, document)
+        limits = (line for one in bodies for line in warn_of_limits(one, network, known, result.steps))
+        document["warnings"] = [*limits, *warn_of_model(network, result.steps)]
+        lines, tables = [*lines, *more, *document["warnings"]], [*tables, *groups]
+        written, columns = self.write_map(next(iter(figures.values()))), result.list_tables()
         if self.report is not None:
             # One page, which loads nothing over the network.
             page = svg.fill_template(
@@ -103,10 +119,10 @@ class Outputs:
                 title=title,
                 script=resources.files(__package__).joinpath("zoom.js").read_text(encoding="utf-8"),
                 style=resources.files("driftform.search.report").joinpath("page.css").read_text(encoding="utf-8"),
-                lead=[part for part in text if isinstance(part, str)],
-                tables=[part for part in text if not isinstance(part, str)],
+                lead=lines,
+                tables=tables,
                 figures=[(name, draw()) for name, draw in figures.items()],
-                is_body=is_body,
+                is_body=bool(bodies),
             )
             files.write_text(self.report, page)
             written.append(self.report)
@@ -120,22 +136,9 @@ class Outputs:
                 files.write_text(written[-1], buffer.getvalue())
         if self.gis is not None:
             written += write_geojson(self.gis, network, columns, self.crs)
-        return written
+        present(document, [title, *tables, *lines], [*written, *saved], self.json)
 
-
-@dataclass(frozen=True, eq=False)
-class Sights:
-    """Further results of a command: what is seen by values of columns, and what receivers hear.
-
-    Attributes:
-        columns: values of each link, by the name of the column.
-        heard: share of each link within the range of a receiver, (links,); ``None`` without receivers.
-    """
-
-    columns: Mapping[str, Sequence[str]]
-    heard: FloatArray | None = None
-
-    def describe(
+    def _describe_sights(
         self, network: Network, seen: FloatArray, reachable: BoolArray, document: dict[str, Any]
     ) -> tuple[list[str], list[TextTable]]:
         """Return lines and tables, and add the same to a JSON document."""
@@ -143,7 +146,7 @@ class Sights:
         for name, values in self.columns.items():
             groups = group_sight(network, seen, reachable, values)
             rows = [[value, f"{length / 1000:.2f}", f"{100 * share:.1f}"] for value, length, share in groups]
-            tables.append(TextTable((name, "km", "seen %"), rows, right=(1, 2)))
+            tables.append(TextTable(f"What is seen by {name}", (name, "km", "seen %"), rows, (1, 2)))
             keys = ("value", "length", "seen")
             document.setdefault("by", {})[name] = [dict(zip(keys, row, strict=True)) for row in groups]
         if self.heard is not None:
@@ -156,9 +159,7 @@ class Sights:
         return lines, tables
 
 
-def present_plan(
-    plan: Plan, title: str, outputs: Outputs, json: bool, sights: Sights, travellers: Sequence[Traveller]
-) -> None:
+def present_plan(plan: Plan, title: str, outputs: Outputs, travellers: Sequence[Traveller]) -> None:
     """Write the files of a plan, and print it."""
     network, document = plan.network, plan.as_document()
     clock = network.hydraulics.format_clock
@@ -169,9 +170,9 @@ def present_plan(
         [node, f"{100 * share:.1f}", format_time(age), clock(starts, age)]
         for node, share, age in zip(plan.nets, plan.catches, plan.arrivals, strict=True)
     ]
-    tables: list[str | TextTable] = [
-        TextTable(("number", "agent", "release", "hour", "time"), rows, right=(0, 3)),
-        TextTable(("net at", "catches %", "mean age", "time of the first release"), caught, right=(1,)),
+    tables = [
+        TextTable("Release these bodies", ("number", "agent", "release", "hour", "time"), rows, (0, 3)),
+        TextTable("Place these nets", ("net at", "catches %", "mean age", "time of the first release"), caught, (1,)),
     ]
     percent = {key: f"{100 * document[key]:.1f} %" for key in ("caught", "coverage", "coverage_with_nets", "recorded")}
     lines = [
@@ -180,16 +181,64 @@ def present_plan(
         f"nets catch {percent['caught']} of the bodies, which have seen {percent['recorded']}",
         f"share of what nets everywhere could yield: these {100 * plan.value:.1f} %, the best {len(plan.nets)} at most "
         f"{100 * plan.bound:.1f} %, random ones {100 * plan.random:.1f} %",
+        f"without nets, {word_ends(plan.ends, len(plan.members))}",
+        word_passings(plan.passings),
     ]
-    more, groups = sights.describe(network, plan.recorded, plan.reachable, document)
-    steps = {network.hydraulics.find_step(hour) for _, _, hour in plan.members}
+    figures = {"Where bodies go until nets catch them": partial(plan_svg, plan, title, lines[1])}
     chosen = [one for one in travellers if one.name in {name for name, _, _ in plan.members}]
-    document["warnings"] = [line for one in chosen for line in warn_of_limits(one, network, plan.alone, steps)]
-    lines += [word_passings(plan.passings), *more, *warn_of_pressure(network, sorted(steps)), *document["warnings"]]
-    figures = {"Map": partial(plan_svg, plan, title)}
-    columns = {"members": plan.member_table(), "nets": plan.net_table(), "links": plan.link_table()}
-    written = outputs.write(network, title, figures, [*lines, *tables, *groups], columns, True)
-    present(document, [title, *tables, *groups, *lines], written, json)
+    outputs.present(plan, title, document, lines, tables, figures, chosen)
+
+
+def present_passage(passage: Passage, title: str, outputs: Outputs, body: Traveller | None = None) -> None:
+    """Write the files of a passage of a body, or of water, and print it."""
+    network, document = passage.network, passage.as_document()
+    length = network.length[passage.reachable].sum() / 1000
+    lines = [
+        f"sees {100 * passage.coverage:.1f} % of the {length:.1f} km that its water reaches",
+        word_ends(passage.ends),
+    ]
+    if body is not None:
+        lines.append(word_passings([passage.passings]))
+    rows = [
+        [end.kind, end.place, f"{100 * end.probability:.2f}", end.reason]
+        for end in passage.ends
+        if end.probability >= 5e-5
+    ]
+    tables = [
+        _table_nodes(passage),
+        TextTable("Where it ends, and why", ("ends by", "place", "probability %", "reason"), rows, (2,)),
+    ]
+    if passage.gates:
+        rows = [[link, what, f"{100 * share:.2f}"] for link, (what, share) in passage.gates.items()]
+        tables.append(TextTable("What it passes", ("passes", "what", "probability %"), rows, (2,)))
+    if passage.branches:
+        document["branches"], sides = _compare_sides(passage)
+        tables.append(sides)
+    figures = {"Where it goes, and when it arrives": partial(passage_svg, passage, title, lines[0])}
+    outputs.present(passage, title, document, lines, tables, figures, [] if body is None else [body])
+
+
+def present_fleet(fleet: Fleet, title: str, outputs: Outputs, travellers: Sequence[Traveller]) -> None:
+    """Write the files of a fleet, and print it."""
+    document, size = fleet.as_document(), len(fleet.members)
+    kilometres = document["reachable_length"] / 1000
+    lines = [
+        f"{size} bodies see {100 * fleet.coverage:.1f} % of the {kilometres:.1f} km that water from the releases reaches",
+        f"{100 * fleet.gap_closed:.1f} % of the gap from point tracers to perfect steering is closed",
+        word_ends((end for member in fleet.members for end in member.passage.ends), size),
+        word_passings(member.passage.passings for member in fleet.members),
+    ]
+    if fleet.coverage <= fleet.retained[-1] + 1e-9:
+        lines.insert(
+            2, "shape brings nothing here: bodies that divide like the water, and never leave with it, see as much"
+        )
+    chosen = [one for one in travellers if one.name in {member.agent for member in fleet.members}]
+    figures = {
+        "Where the fleet goes": partial(fleet_svg, fleet, title, lines[0]),
+        "What each further body adds": partial(curve_svg, fleet, title),
+    }
+    saved = [] if outputs.agents is None else save_agents(chosen, outputs.agents)
+    outputs.present(fleet, title, document, lines, _table_fleet(fleet), figures, chosen, saved)
 
 
 def present(document: Mapping[str, Any], text: Sequence[str | TextTable], written: Sequence[Path], json: bool) -> None:
@@ -200,71 +249,10 @@ def present(document: Mapping[str, Any], text: Sequence[str | TextTable], writte
     for part in (*text, *(f"wrote {file}" for file in written)):
         if isinstance(part, str):
             output.print_text(part)
-        else:
-            output.print_table(*part)
-
-
-def present_passage(
-    passage: Passage, title: str, outputs: Outputs, json: bool, sights: Sights, body: Traveller | None = None
-) -> None:
-    """Write the files of a passage of a body, or of water, and print it."""
-    length = passage.network.length[passage.reachable].sum() / 1000
-    lines = [f"sees {100 * passage.coverage:.1f} % of the {length:.1f} km that its water reaches"]
-    if body is not None:
-        lines.append(word_passings([passage.passings]))
-    if passage.stuck:
-        lines.append(f"{100 * sum(end.probability for end in passage.stuck):.1f} % end in the pipes")
-    ends = [end for end in passage.ends if end.probability >= 5e-5][:MAX_ROWS]
-    rows = [[end.kind, end.place, f"{100 * end.probability:.2f}", end.reason] for end in ends]
-    tables = [*_table_nodes(passage), TextTable(("ends by", "place", "probability %", "reason"), rows, right=(2,))]
-    if len(passage.ends) > len(ends):
-        tables.append(f"and {len(passage.ends) - len(ends)} more ends")
-    if passage.gates:
-        rows = [[link, what, f"{100 * share:.2f}"] for link, (what, share) in passage.gates.items()]
-        tables.append(TextTable(("passes", "what", "probability %"), rows[:MAX_ROWS], right=(2,)))
-    document = passage.as_document()
-    more, groups = sights.describe(passage.network, passage.seen, passage.reachable, document)
-    tables += groups
-    lines += [*more, *warn_of_pressure(passage.network, passage.steps)]
-    if body is not None:
-        document["warnings"] = warn_of_limits(body, passage.network, passage.seen, passage.steps)
-        lines += document["warnings"]
-    if passage.branches:
-        document["branches"], sides = _compare_sides(passage)
-        tables.append(sides)
-    figures = {"Map": partial(passage_svg, passage, title)}
-    columns = {"nodes": passage.node_table(), "links": passage.link_table(), "ends": passage.end_table()}
-    written = outputs.write(passage.network, title, figures, [*lines, *tables], columns, body is not None)
-    present(document, [title, *tables, *lines], written, json)
-
-
-def present_fleet(
-    fleet: Fleet, title: str, outputs: Outputs, json: bool, sights: Sights, travellers: Sequence[Traveller]
-) -> None:
-    """Write the files of a fleet, and print it."""
-    document, size = fleet.as_document(), len(fleet.members)
-    kilometres = document["reachable_length"] / 1000
-    lines = [
-        f"{size} bodies see {100 * fleet.coverage:.1f} % of the {kilometres:.1f} km that water from the releases reaches",
-        f"{100 * fleet.gap_closed:.1f} % of the gap from point tracers to perfect steering is closed",
-    ]
-    if fleet.coverage <= fleet.retained[-1] + 1e-9:
-        lines.append(
-            "shape brings nothing here: bodies that divide like the water, too wide for service pipes, see as much"
-        )
-    more, groups = sights.describe(fleet.network, fleet.seen, fleet.reachable, document)
-    tables = [_table_members(fleet), _table_curves(fleet), *groups]
-    steps = sorted({step for member in fleet.members for step in member.passage.steps})
-    passings = word_passings(member.passage.passings for member in fleet.members)
-    chosen = [one for one in travellers if one.name in {member.agent for member in fleet.members}]
-    document["warnings"] = [line for one in chosen for line in warn_of_limits(one, fleet.network, fleet.seen, steps)]
-    lines += [passings, *more, *warn_of_pressure(fleet.network, steps), *document["warnings"]]
-    figures = {"Map": partial(fleet_svg, fleet, title), "Coverage": partial(curve_svg, fleet, title)}
-    columns = {"members": fleet.member_table(), "curve": fleet.curve_table(), "links": fleet.link_table()}
-    written = outputs.write(fleet.network, title, figures, [*lines, *tables], columns, True)
-    if outputs.agents is not None:
-        written += save_agents(chosen, outputs.agents)
-    present(document, [title, *tables, *lines], written, json)
+            continue
+        output.print_table(part.header, part.rows[:MAX_ROWS], part.right)
+        if len(part.rows) > MAX_ROWS:
+            output.print_text(f"and {len(part.rows) - MAX_ROWS} more")
 
 
 def word_passings(passings: Iterable[Mapping[int, str]]) -> str:
@@ -276,12 +264,12 @@ def word_passings(passings: Iterable[Mapping[int, str]]) -> str:
     return f"flown through {flown or 'no fittings'}; streamtubes divide bodies at {total}{reasons and f': {reasons}'}"
 
 
-def _table_nodes(passage: Passage) -> list[str | TextTable]:
+def _table_nodes(passage: Passage) -> TextTable:
     network, probability = passage.network, passage.probability
     order = [node for node in np.flatnonzero(probability > 1e-6).tolist() if node != passage.release]
     order.sort(key=lambda node: (-probability[node], passage.age[node]))
     header, rows = ["node", "probability %", "mean age", "time"], []
-    for node in order[:MAX_ROWS]:
+    for node in order:
         row = [network.nodes[node], f"{100 * probability[node]:.2f}", format_time(passage.age[node])]
         row.append(network.hydraulics.format_clock(passage.hour, passage.age[node]))
         if len(passage.quantiles):
@@ -290,8 +278,7 @@ def _table_nodes(passage: Passage) -> list[str | TextTable]:
         rows.append(row)
     if len(passage.quantiles):
         header.append("9 of 10 arrive after")
-    left = [f"and {len(order) - MAX_ROWS} more nodes"] if len(order) > MAX_ROWS else []
-    return [TextTable(header, rows, right=(1,)), *left]
+    return TextTable("When it arrives at each node", header, rows, (1,))
 
 
 def _compare_sides(passage: Passage) -> tuple[dict[str, Any], TextTable]:
@@ -304,11 +291,12 @@ def _compare_sides(passage: Passage) -> tuple[dict[str, Any], TextTable]:
         document[side] = {"coverage": other.coverage, "stuck": stuck, "largest_change": largest, "node": node}
         at = f"{100 * largest:.1f}{node and ' at '}{node}"
         rows.append([side, f"{100 * other.coverage:.1f}", f"{100 * stuck:.1f}", at])
-    return document, TextTable(("branches at", "sees %", "stuck %", "largest change, points"), rows, right=(1, 2))
+    header = ("branches at", "sees %", "stuck %", "largest change, points")
+    return document, TextTable("What changes with the side where branches leave", header, rows, (1, 2))
 
 
-def _table_members(fleet: Fleet) -> TextTable:
-    """Return the members, those that are alike in one row."""
+def _table_fleet(fleet: Fleet) -> list[TextTable]:
+    """Return the members, those that are alike in one row, and what fleets of some sizes see."""
     groups: dict[tuple[str, str, float], list[Member]] = {}
     for member in fleet.members:
         groups.setdefault((member.agent, member.release, member.passage.hour), []).append(member)
@@ -318,16 +306,15 @@ def _table_members(fleet: Fleet) -> TextTable:
         name = agent if len(agent) <= _MAX_NAME else f"{agent[: _MAX_NAME - 3]}..."
         rows.append([f"{len(members)}", name, release, f"{hour:g}", f"{alone:.1f}", f"{adds:.1f}"])
     header = ("number", "agent", "release", "hour", "alone sees %", "adds %")
-    return TextTable(header, rows, right=(0, 3, 4, 5))
-
-
-def _table_curves(fleet: Fleet) -> TextTable:
     size = len(fleet.curve)
     counts = sorted({count for count in (1, 2, 5, 10, 20, 50, 100) if count < size} | {size})
     curves = (fleet.tracers, fleet.retained, fleet.curve, fleet.choice_bound, fleet.bound)
-    rows = [[f"{count}", *(f"{100 * curve[count - 1]:.1f}" for curve in curves)] for count in counts]
-    header = ("bodies see %", "tracers", "retained", "fleet", "any choice", "steered")
-    return TextTable(header, rows, right=(0, 1, 2, 3, 4, 5))
+    seen = [[f"{count}", *(f"{100 * curve[count - 1]:.1f}" for curve in curves)] for count in counts]
+    names = ("bodies see %", "tracers", "retained", "fleet", "any choice", "steered")
+    return [
+        TextTable("Release these bodies", header, rows, (0, 3, 4, 5)),
+        TextTable("What fleets of each size see", names, seen, (0, 1, 2, 3, 4, 5)),
+    ]
 
 
 def write_geojson(
@@ -336,7 +323,8 @@ def write_geojson(
     """Write the tables of nodes and links, each as the layer of its name, and return the files.
 
     Points and lines have the coordinates of the network's file. A ``crs`` is named as GeoJSON of 2008 does, which GDAL
-    and QGIS read; in RFC 7946 coordinates are longitude and latitude, and nothing is named.
+    and QGIS read; in RFC 7946 coordinates are longitude and latitude, and nothing is named. Without it, the names of the
+    files say that their system is unknown.
     The first column of a table, ``node`` or ``link``, has the names of what each row is about.
 
     Raises InputError if the network has no coordinates.
@@ -364,6 +352,6 @@ def write_geojson(
                 | {"geometry": shape if np.isfinite(line).all() else None}
             )
         document = {"type": "FeatureCollection", "name": name, **system, "features": features}
-        written.append(folder / f"{name}.geojson")
+        written.append(folder / f"{name}{'' if crs else '-unknown-crs'}.geojson")
         files.write_text(written[-1], json.dumps(document, ensure_ascii=False) + "\n")
     return written

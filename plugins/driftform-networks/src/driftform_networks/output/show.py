@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.figures import style
 from driftform_networks.flights.fits import read_gates
-from driftform_networks.hydraulics.network import STILL, Network, Snapshot, take_snapshot, warn_of_pressure
+from driftform_networks.hydraulics.network import STILL, Network, Snapshot, take_snapshot, warn_of_model
 from driftform_networks.output.map import Mark, network_svg
 from driftform_networks.output.results import Outputs, TextTable, present
 from driftform_networks.passages.passage import find_loops
@@ -16,7 +16,7 @@ _ROUNDING = 1e-9
 """Flow that EPANET's rounding leaves in closed links, m3/s."""
 
 
-def show_network(network: Network, hour: float, outputs: Outputs, json: bool) -> None:
+def show_network(network: Network, hour: float, outputs: Outputs) -> None:
     """Print the facts of a network, and draw its map on request."""
     snapshot = take_snapshot(network, hour, absurd=True)
     facts = describe_network(network, snapshot)
@@ -39,10 +39,9 @@ def show_network(network: Network, hour: float, outputs: Outputs, json: bool) ->
     ]
     text: list[str | TextTable] = [network.name]
     text += [f"  {name:10}  {value}" for name, value in rows]
-    text += [TextTable(("water comes from", "kind", "litres/s"), supply, right=(2,))]
-    text += [f"warning: EPANET: {line}" for line in network.hydraulics.warnings]
-    text += warn_of_pressure(network, range(len(network.hydraulics.times)))
-    present(facts, text, outputs.write_map(partial(_draw, network, snapshot, hour)), json)
+    text += [TextTable("Where water comes from", ("water comes from", "kind", "litres/s"), supply, (2,))]
+    text += warn_of_model(network, range(len(network.hydraulics.times)))
+    present(facts, text, outputs.write_map(partial(_draw, network, snapshot, hour)), outputs.json)
 
 
 def _draw(network: Network, snapshot: Snapshot, hour: float, page: style.Page) -> str:

@@ -30,13 +30,14 @@ class Ending:
             for those that go round in a loop without an exit; ``"under way"`` at the end of the simulation.
         place: name of the node or link; empty for a loop.
         probability: of this end.
-        reason: why it is stuck there, in a few words.
+        reason: how it leaves there, or why it does not, in a few words; a colon comes before what differs from place to
+            place.
     """
 
     kind: str
     place: str
     probability: float
-    reason: str = ""
+    reason: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +92,10 @@ class Passage:
     def stuck(self) -> tuple[Ending, ...]:
         """Places where bodies are stuck."""
         return tuple(end for end in self.ends if end.kind in ("stuck", "circling"))
+
+    def list_tables(self) -> dict[str, dict[str, list[Any]]]:
+        """Return the tables by name."""
+        return {"nodes": self.node_table(), "links": self.link_table(), "ends": self.end_table()}
 
     def as_document(self) -> dict[str, Any]:
         """Return the passage as plain values for JSON: nodes that are reached, coverage, ends."""
@@ -231,8 +236,20 @@ def count_passings(passings: Iterable[Mapping[int, str]]) -> dict[str, Any]:
 
 def leave(network: Network, node: int, probability: float) -> Ending:
     """Return the end of bodies that leave the pipes at a node."""
-    kind = network.node_kinds[node]
-    return Ending("demand" if kind == "junction" else kind, network.nodes[node], probability)
+    kind, reason = network.node_kinds[node], f"in a {network.node_kinds[node]}"
+    if kind == "junction":
+        kind, reason = "demand", f"drawn off with the demand: {1000 * network.peak_demand[node]:.3g} l/s at most"
+    return Ending(kind, network.nodes[node], probability, reason)
+
+
+def word_ends(ends: Iterable[Ending], count: int = 1) -> str:
+    """Return a line with the shares of ``count`` bodies that end for each reason, which add up to the whole."""
+    shares = dict[str, float]()
+    for end in ends:
+        reason = end.reason.partition(":")[0]
+        shares[reason] = shares.get(reason, 0.0) + end.probability / count
+    parts = (f"{100 * shares[reason]:.1f} % {reason}" for reason in sorted(shares, key=lambda reason: -shares[reason]))
+    return f"bodies end {', '.join(parts)}"
 
 
 def merge_ends(ends: Iterable[Ending]) -> tuple[Ending, ...]:
@@ -313,7 +330,7 @@ def _list_ends(
     for link in np.flatnonzero(held > MIN_PROBABILITY).tolist():
         yield Ending("stuck", snapshot.name(link), held[link], routing.transfers[link].obstacle)
     if lost > MIN_PROBABILITY:
-        yield Ending("circling", "", lost, "a loop without an exit")
+        yield Ending("circling", "", lost, "in a loop without an exit")
 
 
 def _link_states(routing: Routing) -> tuple[sparse.csr_array, FloatArray, FloatArray]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform_networks.hydraulics.network import IntArray, Snapshot
+from driftform_networks.hydraulics.network import BoolArray, IntArray, Snapshot
 
 TEE, JOINT = "tees and crosses", "bends and reducers"
 """Fittings that bodies are flown through."""
@@ -66,14 +66,14 @@ class Routing:
         transfers: for each link of the snapshot.
         tables: at the downstream end of each link of the snapshot.
         release: for a body that is released at a node: bands that it enters each outlet in, (bands,).
-        retained: whether the body is too wide for the pipes through which demand leaves.
+        retained: whether the body is too wide for the pipes through which the demand of each node leaves, (nodes,), or of all.
     """
 
     snapshot: Snapshot
     transfers: Sequence[TransferTable]
     tables: Sequence[RoutingTable]
     release: FloatArray
-    retained: bool = False
+    retained: BoolArray | bool = False
 
     @property
     def bands(self) -> int:
@@ -115,7 +115,7 @@ class Routing:
 
 
 _STRAIGHT = TransferTable(np.ones((1, 1)), np.ones(1))
-_BLOCKED = TransferTable(np.zeros((1, 1)), np.ones(1), "a pump or valve that lets no body pass")
+_BLOCKED = TransferTable(np.zeros((1, 1)), np.ones(1), "before a pump or valve that lets no body pass")
 
 
 def route_tracers(snapshot: Snapshot, retained: bool = False, blocked: Collection[int] = ()) -> Routing:

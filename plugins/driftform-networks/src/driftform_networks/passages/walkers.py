@@ -121,7 +121,8 @@ class _Walkers:
         self._stack(routings)
         self._first = _accumulate(routings[0].release)
         self._bands, self._steps = routings[0].bands, len(routings)
-        self._exit = np.array([routing.snapshot.exit * (not routing.retained) for routing in routings])
+        self._exit = np.array([routing.snapshot.exit * ~np.asarray(routing.retained) for routing in routings])
+        self._kept = np.broadcast_to(routings[0].retained, len(network.nodes))
         self._times = times
         self._near = _list_neighbours(network)
         self._sides = np.column_stack([network.start, network.end])
@@ -176,6 +177,10 @@ class _Walkers:
         outlet = np.minimum(chosen, most - 1)
         link[by_table] = np.where(chosen < most, self._outlets[at, outlet], _LEAVES)
         held[by_table] = chosen > most
+        # At a dead end, a body waits for water that leads away.
+        ended = (self._outlets[at] < 0).all(axis=1) & (chosen > most)
+        link[by_table] = np.where(ended, _WAITS, link[by_table])
+        held[by_table] &= ~ended
         arrival = _pick(self._arrival[at, was, outlet], second[by_table])
         band[by_table] = np.minimum(arrival, self._bands - 1)
         self._finish(here[held], HELD_AT_NODE, node[held])
@@ -186,7 +191,7 @@ class _Walkers:
         self._step[waits] += 1
         self._t[waits] = self._times[self._step[waits]]
         late = waits[self._step[waits] == self._steps]
-        self._finish(late, UNDER_WAY, self._node[late])
+        self._finish(late, np.where(self._kept[self._node[late]], HELD_AT_NODE, UNDER_WAY), self._node[late])
         enters = ~held & (link >= 0)
         self._enter(here[enters], link[enters], band[enters], third[enters])
 
@@ -202,7 +207,7 @@ class _Walkers:
         link = np.where(chosen < near.shape[1], link, _LEAVES)
         return np.where(whole > STILL, link, _WAITS)
 
-    def _finish(self, walks: IntArray, how: int, place: IntArray) -> None:
+    def _finish(self, walks: IntArray, how: IntArray | int, place: IntArray) -> None:
         self.active[walks] = False
         self.ends[walks], self.place[walks] = how, place
 
@@ -283,11 +288,12 @@ def summarise_walks(walks: Walks, routings: Sequence[Routing], unsteady: bool = 
     visits = np.bincount(walks.node[walks.node >= 0], minlength=nodes) / walks.count
     visits[walks.release] += 1
     arrived, sight, hour = (visits, probability, age), walks.measure_sight(), float(walks.began.min()) / 3600
-    ends, quantiles = _count_ends(walks, routings), measure_quantiles(walks)
+    ends, quantiles = count_ends(walks, routings), measure_quantiles(walks)
     return make_passage(routings, walks.release, hour, arrived, sight, ends, quantiles=quantiles, unsteady=unsteady)
 
 
-def _count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:
+def count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:
+    """Yield how walks end, and where."""
     network = walks.network
     for how in (LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY):
         places, counts = np.unique(walks.place[walks.ends == how], return_counts=True)
@@ -295,7 +301,7 @@ def _count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:
             if how == LEFT:
                 yield leave(network, place, share)
             elif how == UNDER_WAY:
-                yield Ending("under way", "", share)
+                yield Ending("under way", "", share, "under way when the time ends")
             else:
                 name = (network.links if how == HELD_IN_LINK else network.nodes)[place]
                 yield Ending("stuck", name, share, _find_obstacle(routings, how, place))
@@ -309,7 +315,7 @@ def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
         tables = routing.transfers if in_link else routing.tables
         if found := next(filter(None, (tables[link].obstacle for link in at.tolist())), ""):
             return found
-    return ""
+    return "where no water flows on"
 
 
 def measure_quantiles(walks: Walks) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Agents from which a fleet is chosen: those of a run whose flights differ most, or random ones."""
+"""Agents from which a fleet is chosen, such as those of a run whose flights differ most."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from driftform.errors import DriftformError, InputError, WorkFailedError
+from driftform.errors import InputError
 from driftform.types import FloatArray
 from driftform_networks.flights.bodies import SCENARIO, Traveller, open_traveller, trim_design
 from driftform_networks.hydraulics.network import IntArray
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 BUOYANCIES = (0.0, 0.001, -0.001)
 """Net buoyancies to which each agent is trimmed by default, N: a tenth of a gram lighter or heavier than water."""
 
-RANDOM, FROM_RUN = 1, 4
-"""Number of agents by default: the flights of each take minutes."""
+USUAL = "sphere:60mm"
+"""The agent where none is named."""
 
-_TRIES = 1000
+FROM_RUN = 4
+"""Number of agents of a run by default: the flights of each take minutes."""
 
 
 def collect_candidates(
     agents: Sequence[str],
     run: Path | None,
     count: int | None,
-    seed: int,
     buoyancies: Sequence[float] | None,
     scenario: str | None = None,
     settings: Sequence[str] = (),
@@ -36,21 +36,17 @@ def collect_candidates(
     """Return the bodies from which a fleet is chosen.
 
     Args:
-        agents: AGENT as every command takes it, or spheres.
-        run: run from which ``count`` agents are taken besides.
-        count, seed: number of random agents, and their seed, if there are neither agents nor a run; ``None`` for the
-            default.
+        agents: AGENT as every command takes it, or spheres; :data:`USUAL` if there is no run either.
+        run: run from which ``count`` agents are taken besides; ``None`` for the default number.
         buoyancies: net buoyancies to which each is trimmed, N; ``None`` for that of their designs.
         scenario, settings: as for :func:`driftform_networks.flights.bodies.open_traveller`.
 
     Raises InputError if there is no such agent or run, or none of them can be trimmed.
     """
     environment = scenario or str(SCENARIO)
-    designs: list[Design | str] = list(agents)
+    designs: list[Design | str] = list(agents or ([] if run else [USUAL]))
     if run is not None:
         designs += pick_agents(run, count or FROM_RUN, environment, settings)
-    if not designs:
-        designs += draw_agents(count or RANDOM, seed, environment, settings, buoyancies or ())
     found, refused = [], []
     for design in designs:
         for buoyancy in [None] if buoyancies is None else buoyancies:
@@ -103,34 +99,6 @@ def spread_rows(points: FloatArray, count: int) -> IntArray:
         chosen.append(int(np.argmax(nearest)))
         nearest = np.minimum(nearest, np.linalg.norm(points - points[chosen[-1]], axis=1))
     return np.array(chosen, np.int64)
-
-
-def draw_agents(
-    count: int, seed: int, environment: str, settings: Sequence[str], buoyancies: Sequence[float] = ()
-) -> "list[Design]":
-    """Return random agents that can be built, released, and trimmed to each of these buoyancies (N).
-
-    Raises WorkFailedError if hardly any can.
-    """
-    from driftform import Design, StoredAgent, load_study
-
-    study = load_study(environment, settings, run={"seed": 0})
-    pipeline, made, rng = study.make_pipeline(), study.environment(), np.random.default_rng(seed)
-    found: list[Design] = []
-    for _ in range(_TRIES):
-        if len(found) == count:
-            return found
-        genome = pipeline.grammar.random(rng)
-        if not isinstance(pipeline.try_build(genome), str):
-            name = f"random-{seed}-{len(found) + 1}"
-            try:
-                design = Design.build(StoredAgent(name, genome, made, {}), name)
-                for buoyancy in buoyancies:
-                    trim_design(design, buoyancy)
-                found.append(design)
-            except DriftformError:
-                continue
-    raise WorkFailedError(f"of {_TRIES} random agents only {len(found)} can be built: choose other settings")
 
 
 def save_agents(travellers: Sequence[Traveller], folder: Path) -> list[Path]:

@@ -79,6 +79,15 @@ class Fleet:
         """Where members are stuck, with the number of them that is expected there in place of a probability."""
         return merge_ends(end for member in self.members for end in member.passage.stuck)
 
+    @property
+    def steps(self) -> list[int]:
+        """Hydraulic steps whose flows carry members."""
+        return sorted({step for member in self.members for step in member.passage.steps})
+
+    def list_tables(self) -> dict[str, dict[str, list[Any]]]:
+        """Return the tables by name."""
+        return {"members": self.member_table(), "curve": self.curve_table(), "links": self.link_table()}
+
     def as_document(self) -> dict[str, Any]:
         """Return the fleet as plain values for JSON."""
         members, links = self.member_table(), self.link_table()
@@ -155,7 +164,8 @@ def plan_fleet(
     """
     asked = How(**how)
     # Steady flows need no walks.
-    cases = find_cases(network, releases, hours, asked if asked.unsteady else replace(asked, walks=0))
+    is_solved = asked.is_steady(network) and asked.within is None
+    cases = find_cases(network, releases, hours, replace(asked, walks=0) if is_solved else asked)
     flows = {case.hour: case.snapshots for case in cases}
     travelings = asked.fly(travellers, [asked.travel], [snap for flow in flows.values() for snap in flow])
     reachable = np.any([case.find_reachable() for case in cases], axis=0)

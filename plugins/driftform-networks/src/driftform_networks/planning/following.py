@@ -26,9 +26,8 @@ class How:
     """How bodies are followed, and their flights made: the options of all functions that follow them.
 
     Attributes:
-        unsteady: whether the flows change after the release, as EPANET computes them; otherwise they remain those of
-            that hour.
-        walks: bodies that are followed one by one for the quantiles of arrival times, and with ``unsteady`` for
+        steady: whether the flows remain those of the hour of the release; otherwise they change as EPANET computes them.
+        walks: bodies that are followed one by one for the quantiles of arrival times, and in changing flows for
             everything.
         seed: of these walks.
         within: hours from the release after which nothing is seen any more; ``None`` without an end. With it everything
@@ -38,7 +37,7 @@ class How:
         cache: directory for flights; ``None`` for the user's.
     """
 
-    unsteady: bool = False
+    steady: bool = False
     walks: int = WALKS
     seed: int = 0
     within: float | None = None
@@ -46,20 +45,30 @@ class How:
     workers: int = 1
     cache: Path | None = None
 
-    def take_snapshots(self, network: Network, hour: float) -> list[Snapshot]:
-        """Return the flow at an hour, with ``unsteady`` that of each hydraulic step from then on, for the hours ``within``.
+    def is_steady(self, network: Network) -> bool:
+        """Return whether flows never change: as asked, or because EPANET computes those of one moment."""
+        return self.steady or len(network.hydraulics.times) == 1
 
-        Raises InputError if the simulation does not cover the hour, or ends before the flow changes or the hours have passed.
+    def take_snapshots(self, network: Network, hour: float) -> list[Snapshot]:
+        """Return the flow at an hour and, where flows change, that of each hydraulic step from then on, for the hours ``within``.
+
+        Raises InputError if the simulation does not cover the hour, or ends before the flow changes or the hours have
+        passed, or nobody walks in flows that change.
         """
         hydraulics, snapshot = network.hydraulics, take_snapshot(network, hour)
-        if not self.unsteady:
+        is_steady = self.is_steady(network)
+        if not self.walks and not (is_steady and self.within is None):
+            raise InputError(
+                "--walks 0: where flows change, or end, all is read from walks: choose 2000, or --steady HOUR"
+            )
+        if is_steady:
             return [snapshot]
         last = np.inf if self.within is None else (hour + self.within) * 3600
         if hour * 3600 >= hydraulics.end or hydraulics.end < last < np.inf:
             option = f"--at {hour:g}" if self.within is None else f"--within {self.within:g}h"
             raise InputError(
-                f"{option}: {network.name} is simulated until hour {hydraulics.end / 3600:g}: leave out --unsteady, choose "
-                "an earlier hour, or lengthen Duration in [TIMES]"
+                f"{option}: {network.name} is simulated until hour {hydraulics.end / 3600:g}: choose an earlier hour or "
+                "--steady HOUR, or lengthen Duration in [TIMES]"
             )
         times = hydraulics.times[snapshot.step + 1 :]
         return [snapshot, *(take_snapshot(network, time / 3600) for time in times[times < last])]
@@ -95,7 +104,7 @@ class Case:
     def walk(self, routings: Sequence[Routing]) -> Walks:
         """Return routes of bodies, by their tables in each snapshot."""
         hydraulics, began = self.network.hydraulics, self.hour * 3600
-        end = np.inf if len(self.snapshots) == 1 else hydraulics.end
+        end = np.inf if self.how.is_steady(self.network) else hydraulics.end
         end = end if self.how.within is None else began + self.how.within * 3600
         times = [*(hydraulics.times[snapshot.step] for snapshot in self.snapshots), end]
         rng = np.random.default_rng(self.how.seed)
@@ -108,8 +117,9 @@ class Case:
         they change, a body may come back, and what it has seen depends on its whole route: all of it is read from walks.
         """
         how, routings = self.how, [route(snapshot) for snapshot in self.snapshots]
-        if how.unsteady or how.within is not None:
-            return summarise_walks(self.walk(routings), routings, how.unsteady)
+        is_steady = how.is_steady(self.network)
+        if not is_steady or how.within is not None:
+            return summarise_walks(self.walk(routings), routings, not is_steady)
         passage = follow(routings[0], self.node)
         if not how.walks:
             return passage
@@ -166,7 +176,7 @@ def route(
     """
     [case] = find_cases(network, [release], [hour], How(**how))
     traveller = open_traveller(agent) if isinstance(agent, str) else agent
-    travel, sides = case.how.travel, SIDES if compare and not case.how.unsteady else ()
+    travel, sides = case.how.travel, SIDES if compare and case.how.is_steady(network) else ()
     travels = [travel, *(replace(travel, branch=side) for side in sides)]
     first, *others = case.how.fly([traveller], travels, case.snapshots)
     passage = case.follow(first.route)

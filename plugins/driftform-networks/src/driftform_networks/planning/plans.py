@@ -11,8 +11,8 @@ from driftform.types import FloatArray
 from driftform.util import progress
 from driftform_networks.flights.bodies import Traveller
 from driftform_networks.hydraulics.network import BoolArray, IntArray, Network
-from driftform_networks.passages.passage import count_passings, find_passings, list_rows
-from driftform_networks.passages.walkers import Walks
+from driftform_networks.passages.passage import Ending, count_passings, find_passings, list_rows, merge_ends
+from driftform_networks.passages.walkers import Walks, count_ends
 from driftform_networks.planning.choosing import choose_fleet
 from driftform_networks.planning.following import Case, How, find_cases
 
@@ -43,6 +43,8 @@ class Plan:
         value, bound, random: what the nets are for, as a share of what all nets at once could give; an upper bound on
             it for any choice of as many nets; and its mean over random ones.
         passings: how each member passes the junctions on its ways, as in a passage.
+        ends: how members end without nets, with their number in place of a probability.
+        steps: hydraulic steps whose flows carry them.
     """
 
     network: Network
@@ -57,7 +59,9 @@ class Plan:
     value: float
     bound: float
     random: float
-    passings: Sequence[Mapping[int, str]] = ()
+    passings: Sequence[Mapping[int, str]]
+    ends: Sequence[Ending]
+    steps: Sequence[int]
 
     def measure(self, seen: FloatArray) -> float:
         """Return the share of the length in reach that is seen, by the probability of each link."""
@@ -77,6 +81,10 @@ class Plan:
     def link_table(self) -> dict[str, list[Any]]:
         """Return the reachable links as columns."""
         return self.network.tabulate_links(self.reachable, alone=self.alone, seen=self.seen, recorded=self.recorded)
+
+    def list_tables(self) -> dict[str, dict[str, list[Any]]]:
+        """Return the tables by name."""
+        return {"members": self.member_table(), "nets": self.net_table(), "links": self.link_table()}
 
     def as_document(self) -> dict[str, Any]:
         """Return the plan as plain values for JSON."""
@@ -173,14 +181,15 @@ def plan_inspection(
     flows = {case.hour: case.snapshots for case in cases}
     travelings = asked.fly(travellers, [asked.travel], [snap for flow in flows.values() for snap in flow])
     followed: list[tuple[str, Case, Walks]] = []
-    passed: list[dict[int, str]] = []
+    passed: list[tuple[dict[int, str], list[Ending]]] = []
     for traveller, traveling in zip(travellers, travelings, strict=True):
         route = cache(traveling.route)
         for case in progress.track_progress(cases, len(cases), "releases", 1.0):
             routings = [route(snap) for snap in case.snapshots]
             followed.append((traveller.name, case, case.walk(routings)))
             visits = np.bincount(followed[-1][2].node + 1, minlength=len(network.nodes) + 1)[1:]
-            passed.append(find_passings(routings, visits.astype(np.float64)))
+            ends = list(count_ends(followed[-1][2], routings))
+            passed.append((find_passings(routings, visits.astype(np.float64)), ends))
     reachable = np.any([case.find_reachable() for case in cases], axis=0)
     life = np.full(followed[0][2].count, 3600 * (within if battery is None else min(battery, within)))
     sight = np.array([walks.until(life).measure_sight() for *_, walks in followed])
@@ -213,7 +222,9 @@ def plan_inspection(
         value / total,
         bound / total,
         random / total,
-        [passed[row] for row in picked.tolist()],
+        [passed[row][0] for row in picked.tolist()],
+        merge_ends(end for row in picked.tolist() for end in passed[row][1]),
+        sorted({snap.step for _, case, _ in members for snap in case.snapshots}),
     )
 
 
