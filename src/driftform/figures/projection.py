@@ -1,11 +1,9 @@
 """Projections of flights and bodies onto a plane: geometry, in metres."""
 
-from collections.abc import Callable
 from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from driftform.types import Body, FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
@@ -75,12 +73,17 @@ def convex_hull(points: FloatArray) -> FloatArray:
 def simplify_polyline(points: FloatArray, tolerance: float) -> FloatArray:
     """Return the corners, (n, 2), that a polyline needs to stay within ``tolerance`` of the original.
 
-    A flight has thousands of samples; its picture needs dozens.
+    A flight has thousands of samples; its picture needs dozens. The algorithm is that of Ramer, Douglas and Peucker.
     """
     # Column by column, because a picture spends most of its time here.
     x, y = np.ascontiguousarray(points.T)
-
-    def measure(first: int, last: int) -> FloatArray:
+    keep = np.zeros(len(points), dtype=bool)
+    keep[:1] = keep[-1:] = True
+    stack = [(0, len(points) - 1)]
+    while stack:
+        first, last = stack.pop()
+        if last - first < 2:
+            continue
         along, up = float(x[last] - x[first]), float(y[last] - y[first])
         dx, dy = x[first + 1 : last] - x[first], y[first + 1 : last] - y[first]
         s = (dx * along + dy * up) / max(along * along + up * up, 1e-30)
@@ -88,28 +91,10 @@ def simplify_polyline(points: FloatArray, tolerance: float) -> FloatArray:
         np.minimum(s, 1.0, out=s)
         dx -= s * along
         dy -= s * up
-        return np.asarray(dx * dx + dy * dy)
-
-    return points[find_corners(len(points), measure, tolerance)]
-
-
-def find_corners(count: int, measure: Callable[[int, int], FloatArray], tolerance: float) -> npt.NDArray[np.bool_]:
-    """Return which of ``count`` points a line must keep to stay within ``tolerance`` of the others.
-
-    ``measure`` returns the squares of the distances of the points between two from the line that joins these. The
-    algorithm is that of Ramer, Douglas and Peucker.
-    """
-    keep = np.zeros(count, dtype=bool)
-    keep[:1] = keep[-1:] = True
-    stack = [(0, count - 1)]
-    while stack:
-        first, last = stack.pop()
-        if last - first < 2:
-            continue
-        square = measure(first, last)
+        square = dx * dx + dy * dy
         middle = int(square.argmax())
         if square[middle] > tolerance * tolerance:
             split = first + 1 + middle
             keep[split] = True
             stack += [(first, split), (split, last)]
-    return keep
+    return points[keep]

@@ -13,7 +13,7 @@ from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 from driftform.util.small_vectors import Rotation, Vector
 from driftform.water.parts.tee_spline import HEAD, LEVEL_SIZE, potential_derivatives
-from driftform.water.parts.tee_store import is_stored, load_tee
+from driftform.water.parts.tee_store import load_tee
 from driftform.water.parts.tee_wall import Junction, wall_level
 from driftform.water.parts.walls import COSINE, DOWNSTREAM, END_RADIUS, PART, SIDE, SINE, UPSTREAM
 
@@ -53,15 +53,6 @@ def tee_field(radius: float, branch: float, angle: float, fillet: float, Q2: flo
     field = np.concatenate([sides, junction.array(), head, potential])
     field.flags.writeable = False
     return field
-
-
-def is_tee_solved(radius: float, branch: float, angle: float, fillet: float) -> bool:
-    """Return whether the flow in a tee can be had at once; not where :func:`tee_field` refuses the shape."""
-    try:
-        junction, _ = _find_junction(radius, branch, angle, fillet)
-    except ValueError:
-        return False
-    return is_stored(junction)
 
 
 def _find_junction(radius: float, branch: float, angle: float, fillet: float) -> tuple[Junction, bool]:

@@ -78,12 +78,6 @@ def load_tee(junction: Junction) -> TeePotentials:
         return _compute(junction)
 
 
-def is_stored(junction: Junction) -> bool:
-    """Return whether the potentials of a tee are in the package or in the user's cache."""
-    name = file_name(junction)
-    return (PACKAGED / name).is_file() or (cache_folder() / name).is_file()
-
-
 def _read_cached(path: Path) -> TeePotentials | None:
     """Return what the user's cache holds; ``None`` without a file, and, with a line, for a damaged one."""
     try:
