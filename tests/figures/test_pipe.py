@@ -7,7 +7,6 @@ import pytest
 
 from driftform.figures.pipe import pipe_svg
 from driftform.figures.plot import pipe_points
-from driftform.figures.projection import SIDE
 from driftform.water import Scenario
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -43,4 +42,4 @@ def test_every_opening_is_drawn_in_each_view():
 def test_the_points_of_a_pipe_with_parts_lie_on_its_wall():
     pipe = Scenario.model_validate({"pipe": PIPE}).pipe
     height = pipe.layout.outlets[0].opening.centre[2] + 0.1
-    assert np.ptp(pipe_points(pipe, SIDE)[:, 2]) == pytest.approx(height)
+    assert np.ptp(pipe_points(pipe)[:, 2]) == pytest.approx(height)

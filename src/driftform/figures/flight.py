@@ -49,7 +49,7 @@ def flight_svg(
     windows: list[Window] = []
     top, magnification, width = 80.0, 1, page.width - _LEFT - _RIGHT
     for view in views:
-        points = [line, targets, pipe_points(scenario.pipe, view)]
+        points = [line, targets, pipe_points(scenario.pipe)]
         if body is not None and scenario.pipe.is_open:
             # Without this margin, a body that hardly moves would fill the window.
             room = 1.5 * max(body.length, body.max_diameter)

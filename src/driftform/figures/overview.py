@@ -37,7 +37,7 @@ def overview_svg(
     groups = group_shared(flights)
     lines = [interpolate_positions(g[0].trajectory, drawing_times(g[0].trajectory)) for g in groups]
     targets = scenario.target_array()
-    points = np.vstack([targets, pipe_points(scenario.pipe, SIDE), scenario.release_position()[None], *lines])
+    points = np.vstack([targets, pipe_points(scenario.pipe), scenario.release_position()[None], *lines])
     window = Window.around(SIDE, points, _LEFT, 92, page.width - _LEFT - _RIGHT, 460, 14)
     rows, px_per_m = arrange_rows(flights, page)
     top = window.box.bottom + 84

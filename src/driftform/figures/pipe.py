@@ -32,7 +32,7 @@ def pipe_svg(
     windows: list[Window] = []
     places = np.vstack([scenario.release_position()[None], scenario.target_array(), *(point for _, point in wrong)])
     for view in (SIDE,) if scenario.pipe.straight is not None else (SIDE, PLAN):
-        shown = np.vstack([places, pipe_points(scenario.pipe, view)])
+        shown = np.vstack([places, pipe_points(scenario.pipe)])
         windows.append(Window.around(view, shown, _LEFT, top, page.width - _LEFT - _RIGHT, _TALLEST, 26))
         top = windows[-1].box.bottom + 74
     names = ", ".join(placed.name for placed in layout.parts) or "open water"

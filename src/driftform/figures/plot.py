@@ -112,59 +112,42 @@ def draw_scene(root: ET.Element, window: Window, scenario: Scenario) -> None:
     """Draw the surroundings of a flight: the pipe with its water, the axes and the current."""
     draw_water(root, window, scenario.pipe)
     draw_axes(root, window)
-    draw_walls(root, window, scenario.pipe)
+    draw_ends(root, window, scenario.pipe)
     draw_current(root, window, scenario.current())
 
 
 def draw_water(root: ET.Element, window: Window, pipe: Pipe) -> None:
-    """Fill the inside of the pipe; a pipe with parts gets its wall, too, as the outline of all of them."""
-    if hulls := _part_hulls(window, pipe):
+    """Draw the wall of a pipe as the outline of all its parts, filled with water; nothing in open water."""
+    if hulls := _list_hulls(window, pipe):
         data = "".join(svg.path_data(hull, closed=True) for hull in hulls)
         # The filling covers the inner strokes, so that only the outline of the union remains.
         svg.add(root, "path", class_="wall", d=data, stroke=WALL, stroke_width=5, stroke_linejoin="round")
         svg.add(root, "path", class_="water", d=data, fill=WATER, stroke=WATER, stroke_width=0.4)
-    for corners in _segment_corners(window, pipe):
-        svg.add(root, "path", class_="water", d=svg.path_data(corners, closed=True), fill=WATER)
 
 
-def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
-    """Draw the walls of a straight pipe as solid lines, and the open ends of any pipe as dashed ones."""
-    if pipe.parts and pipe.straight is None:
-        for opening in list_openings(pipe):
-            line = svg.path_data(window.to_page(_widest_line(opening, window.view)))
-            svg.add(root, "path", d=line, stroke=WATER, stroke_width=6)
-            svg.add(root, "path", d=line, stroke=WALL, stroke_width=0.8, stroke_dasharray="3 4")
-    for a, b, c, d in _segment_corners(window, pipe):
-        for ends in ((a, b), (d, c)):
-            data = svg.path_data(np.array(ends))
-            svg.add(root, "path", class_="wall", d=data, stroke=WALL, stroke_width=2.5, stroke_linecap="square")
-        for ends in ((a, d), (b, c)):
-            data = svg.path_data(np.array(ends))
-            svg.add(root, "path", d=data, stroke=WALL, stroke_width=0.8, stroke_dasharray="3 4")
+def draw_ends(root: ET.Element, window: Window, pipe: Pipe) -> None:
+    """Draw the open ends of a pipe as dashed lines, in place of its wall."""
+    layout = pipe.layout
+    for opening in () if pipe.is_open else (layout.inlet, *(outlet.opening for outlet in layout.outlets)):
+        line = svg.path_data(window.to_page(_widest_line(opening, window.view)))
+        svg.add(root, "path", d=line, stroke=WATER, stroke_width=6)
+        svg.add(root, "path", d=line, stroke=WALL, stroke_width=0.8, stroke_dasharray="3 4")
 
 
-def pipe_points(pipe: Pipe, view: View) -> FloatArray:
-    """Return world points, (n, 3) in m, that bound the pipe in this view."""
-    rims = [rim.reshape(-1, 3) for rim in list_rims(pipe)] if pipe.straight is None else []
-    return np.vstack([np.zeros((0, 3)), *(_section_corners(row, view) for row in pipe.array()), *rims])
+def pipe_points(pipe: Pipe) -> FloatArray:
+    """Return world points, (n, 3) in m, that bound the pipe in any view."""
+    return np.vstack([np.zeros((0, 3)), *(rim.reshape(-1, 3) for rim in list_rims(pipe))])
 
 
 def list_rims(pipe: Pipe) -> list[FloatArray]:
-    """Return circles on the wall of each bore of a pipe with parts, in the order of its axis, m, (k, n, 3) each."""
+    """Return circles on the wall of each bore of a pipe, in the order of its axis, m, (k, n, 3) each."""
     parts = [placed.part for placed in pipe.layout.parts]
     steps = [part.length if isinstance(part, Straight) else 0.2 * part.end_radius for part in parts]
     return [rim for part, step in zip(parts, steps, strict=True) for rim in part.list_rims(step, _RIM)]
 
 
-def list_openings(pipe: Pipe) -> list[Opening]:
-    """Return the inlet and the outlets of a pipe."""
-    return [pipe.layout.inlet, *(outlet.opening for outlet in pipe.layout.outlets)]
-
-
-def _part_hulls(window: Window, pipe: Pipe) -> list[FloatArray]:
-    """Return convex polygons whose union is the silhouette of a pipe with parts, px; none of a straight pipe."""
-    if not pipe.parts or pipe.straight is not None:
-        return []
+def _list_hulls(window: Window, pipe: Pipe) -> list[FloatArray]:
+    """Return convex polygons whose union is the silhouette of a pipe, px; none in open water."""
     hulls: list[FloatArray] = []
     for rims in list_rims(pipe):
         seen = rims[:, :, list(window.view)]
@@ -179,21 +162,11 @@ def _widest_line(opening: Opening, view: View) -> FloatArray:
     return np.array([opening.centre + across, opening.centre - across])
 
 
-def _section_corners(row: FloatArray, view: View) -> FloatArray:
-    """Return the corners of a segment's long section, in the view's plane: start, end, end, start; (4, 3)."""
-    start, end, radius = row[:3], row[3:6], row[6]
-    across = radius * across_in_view(end - start, view)
-    return np.array([start + across, end + across, end - across, start - across])
-
-
 def pipe_ink(window: Window, pipe: Pipe) -> FloatArray:
     """Return points along the walls and ends, 3 px apart, for labels to avoid; px, (n, 2)."""
-    corners = _segment_corners(window, pipe) or _part_hulls(window, pipe)
-    return np.vstack([np.zeros((0, 2)), *(resample_polyline(np.vstack([c, c[:1]]), 3) for c in corners)])
-
-
-def _segment_corners(window: Window, pipe: Pipe) -> list[FloatArray]:
-    return [window.to_page(_section_corners(row, window.view)) for row in pipe.array()]
+    return np.vstack(
+        [np.zeros((0, 2)), *(resample_polyline(np.vstack([c, c[:1]]), 3) for c in _list_hulls(window, pipe))]
+    )
 
 
 def draw_current(root: ET.Element, window: Window, current: FloatArray) -> None:

@@ -11,7 +11,8 @@ from driftform.figures.plot import (
     draw_axes,
     draw_cross,
     draw_current,
-    draw_walls,
+    draw_ends,
+    draw_water,
     label_points,
     pipe_ink,
     pipe_points,
@@ -45,14 +46,15 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str, page: Page = S
     # The pipe in the coordinates of the map, in the plane y = 0.
     (length, radius), (x, z) = cells.size[:2] * cells.shape * (1, 0.5), shift
     pipe = Pipe(segments=(Segment(start=(x, 0.0, z), end=(x + length, 0.0, z), radius=float(radius)),))
-    window = Window.around(SIDE, pipe_points(pipe, SIDE), _LEFT, 92, page.width - _LEFT - _RIGHT, 460, 14)
+    window = Window.around(SIDE, pipe_points(pipe), _LEFT, 92, page.width - _LEFT - _RIGHT, 460, 14)
     base = window.box.bottom + (62 if page.width > _WIDE else 80)
     subtitle = _describe(reach)
     description = f"The pipe in section, in cells coloured by the closest approach to the middle of each. {subtitle}."
     root = start_page(base + 46, title, subtitle, description, page)
     draw_axes(root, window, None if is_world else ("along the pipe", "up"))
+    draw_water(root, window, pipe)
+    draw_ends(root, window, pipe)
     _draw_cells(root, window, reach, shift)
-    draw_walls(root, window, pipe)
     draw_current(root, window, (cells.axes @ scenario.current())[[0, 2, 1]])
     _draw_points(root, window, scenario, cells, shift, pipe)
     _draw_legend(root, base, page.width)
