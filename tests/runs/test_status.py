@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.cli.display import format_throughput, progress_line
-from driftform.runs.status import MAX_STEPS, RunStatus, TargetStatus, Throughput
+from driftform.runs.status import PARTS, RunStatus, Throughput
 
 Evaluated = tuple[int, int, str, str | None, list[float]]
 
@@ -40,7 +40,7 @@ def standing_of(evaluations: list[Evaluated]) -> RunStatus:
 
 def summary(standing: RunStatus) -> list[Any]:
     return [
-        (t.best, t.index, t.generation, t.failed, t.mean and pytest.approx(t.mean), t.errors(7, standing.extent))
+        (t.best, t.index, t.generation, t.failed, t.mean and pytest.approx(t.mean), t.list_errors())
         for t in standing.targets.values()
     ]
 
@@ -55,7 +55,7 @@ def test_the_order_in_which_evaluations_come_does_not_matter(run: list[Evaluated
 @given(runs())
 def test_a_standing_is_what_a_look_at_all_evaluations_finds(run: list[Evaluated]) -> None:
     standing = standing_of(run)
-    assert standing.done == len(run) == standing.extent
+    assert standing.done == len(run)
     assert standing.failed == sum(failure is not None for *_, failure, _ in run)
     for place, (name, target) in enumerate(standing.targets.items()):
         sound = [(row[-1][place], -row[0]) for row in run if not row[3]]
@@ -67,28 +67,13 @@ def test_a_standing_is_what_a_look_at_all_evaluations_finds(run: list[Evaluated]
         assert target.mean == (pytest.approx(sum(newest) / len(newest)) if newest else None)
 
 
-@given(runs(), st.integers(1, 60))
-def test_a_curve_is_the_best_error_so_far_at_the_end_of_each_part(run: list[Evaluated], columns: int) -> None:
-    standing = standing_of(run)
-    for place, target in enumerate(standing.targets.values()):
-        expected = []
-        for column in range(1, columns + 1):
-            last = -(-column * len(run) // columns)
-            errors = [100 - row[-1][place] for row in run[:last] if not row[3]]
-            expected.append(min(errors, default=None))
-        assert target.errors(columns, len(run)) == expected
-
-
-def test_a_long_run_of_small_improvements_takes_little_memory_and_keeps_its_shape() -> None:
-    target = TargetStatus()
-    count = 20_000
-    for index in range(count):
-        target.score(index, 100 * (index + 1) / count)
-    assert len(target._steps) <= MAX_STEPS
-    for column, error in enumerate(target.errors(40, count), start=1):
-        # Improvements that lie close together were joined: a curve is late by less than half a column.
-        assert error == pytest.approx(100 - 100 * column / 40, abs=100 / 80)
-    assert target.errors(40, count)[-1] == 0
+@given(runs())
+def test_a_curve_is_the_best_error_so_far_at_the_end_of_each_part_of_the_budget(run: list[Evaluated]) -> None:
+    for place, target in enumerate(standing_of(run).targets.values()):
+        errors = [(row[0], 100 - row[-1][place]) for row in run if not row[3]]
+        begun = max((PARTS * index // 100 + 1 for index, _ in errors), default=0)
+        expected = [min((e for i, e in errors if PARTS * i // 100 <= part), default=None) for part in range(begun)]
+        assert target.list_errors() == expected
 
 
 class Clock:
@@ -109,8 +94,7 @@ def test_the_time_left_is_that_of_the_recent_rate_also_where_evaluations_are_slo
         clock.now += seconds
         done += 1
         pace.mark(done)
-    assert pace.recent(done) == pytest.approx(1 / 20)
-    assert pace.overall(done) == pytest.approx(219 / 599)
+    assert pace.measure(done) == pytest.approx(1 / 20)
 
 
 def test_evaluations_that_come_together_at_first_are_not_a_rate() -> None:
@@ -120,11 +104,11 @@ def test_evaluations_that_come_together_at_first_are_not_a_rate() -> None:
     for done in range(1, 21):
         clock.now += 1e-3
         pace.mark(done)
-    assert pace.recent(20) is None
+    assert pace.measure(20) is None
     for done in range(21, 41):
         clock.now += 1
         pace.mark(done)
-    assert pace.recent(40) == pytest.approx(1)
+    assert pace.measure(40) == pytest.approx(1)
 
 
 def test_what_was_stored_before_says_nothing_of_the_pace() -> None:
@@ -133,12 +117,12 @@ def test_what_was_stored_before_says_nothing_of_the_pace() -> None:
     clock.now += 2
     for done in (100, 500):
         pace.mark(done)
-        assert pace.overall(done) is pace.recent(done) is None
+        assert pace.measure(done) is None
     clock.now += 2
     pace.mark(510)
     clock.now += 4
     pace.mark(520)
-    assert pace.overall(520) == pytest.approx(2.5)
+    assert pace.measure(520) == pytest.approx(2.5)
 
 
 def test_a_rate_needs_more_than_a_few_evaluations_after_the_first() -> None:
@@ -148,7 +132,7 @@ def test_a_rate_needs_more_than_a_few_evaluations_after_the_first() -> None:
         clock.now += 60
         pace.mark(done)
         expected = None if done < 6 else pytest.approx(1 / 60)
-        assert pace.recent(done) == pace.overall(done) == expected
+        assert pace.measure(done) == expected
 
 
 def test_time_left_is_that_of_the_present_pace() -> None:

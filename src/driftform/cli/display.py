@@ -8,7 +8,7 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 from driftform.errors import escape_controls
-from driftform.runs.status import RunStatus, TargetStatus, Throughput
+from driftform.runs.status import PARTS, RunStatus, TargetStatus, Throughput
 from driftform.util.progress import format_duration
 
 if TYPE_CHECKING:
@@ -50,12 +50,11 @@ def draw_sparkline(errors: Sequence[float | None], lowest: float, highest: float
 
 def format_throughput(status: RunStatus, throughput: Throughput) -> str:
     """How fast the run is and when it will be over, as far as that is known."""
-    recent, overall = throughput.recent(status.done), throughput.overall(status.done)
-    if recent is None or overall is None:
+    rate = throughput.measure(status.done)
+    if rate is None:
         return ""
-    speed = f"{recent:.3g}/s" if 0.9 < recent / overall < 1.1 else f"{recent:.3g}/s now, {overall:.3g}/s overall"
     left = status.budget - status.done
-    return f"{speed}, {format_duration(left / recent)} left" if left > 0 else speed
+    return f"{rate:.3g}/s" + (f", {format_duration(left / rate)} left" if left > 0 else "")
 
 
 def progress_line(status: RunStatus, throughput: Throughput) -> str:
@@ -132,7 +131,7 @@ class View:
         if options.max_width >= _ROOM_FOR_CURVES:
             # The one column that gives way where there is little room.
             table.add_column("left to 100 %\n(log scale)")
-            cells.append(Curves(tuple(target for _, target in rows), self.status.extent))
+            cells.append(Curves(tuple(target for _, target in rows)))
         table.add_row(*cells)
         return table
 
@@ -164,25 +163,27 @@ def _cells(name: str, target: TargetStatus) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Curves:
-    """The best error of targets along the run, each on a scale of its own, as wide as there is room."""
+    """The best error of targets along the budget, each on a scale of its own, as wide as there is room."""
 
     targets: tuple[TargetStatus, ...]
-    evaluations: int
 
     narrowest = 8
-    widest = 48
 
     def __rich_console__(self, console: "Console", options: "ConsoleOptions") -> "RenderResult":
         from rich.text import Text
 
         bars, lines = PLAIN_BARS if options.ascii_only else BARS, []
         for target in self.targets:
-            highest, errors = target.first or 1.0, target.errors(min(options.max_width, self.widest), self.evaluations)
+            errors = target.list_errors()
+            highest = next((error for error in errors if error is not None), 1.0) or 1.0
             lowest = max(highest / DECADES[1], min(highest / DECADES[0], 100 - target.best))
-            lines.append(draw_sparkline(errors, lowest, highest, bars))
+            # Of several parts in a column, the last.
+            step = -(-PARTS // options.max_width)
+            shown = errors[::-step][::-1]
+            lines.append(draw_sparkline(shown, lowest, highest, bars))
         yield Text("\n".join(lines))
 
     def __rich_measure__(self, console: "Console", options: "ConsoleOptions") -> "Measurement":
         from rich.measure import Measurement
 
-        return Measurement(self.narrowest, min(self.widest, options.max_width))
+        return Measurement(self.narrowest, min(PARTS, options.max_width))

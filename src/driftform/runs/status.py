@@ -1,14 +1,15 @@
 """The state of a run in numbers, counted evaluation by evaluation, in any order and in little memory."""
 
+import math
 import time
-from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
+from itertools import accumulate
 
 from driftform.errors import ReasonTally
 
-MAX_STEPS = 512
-"""Number of improvements of a target that are kept: far more than a terminal has columns."""
+PARTS = 48
+"""Equal parts of the budget of which the best error is kept: as many as a curve has columns."""
 
 
 class TargetStatus:
@@ -28,17 +29,12 @@ class TargetStatus:
         self.failed = 0
         self._sum = 0.0
         self._count = 0
-        self._steps: tuple[tuple[int, float], ...] = ()
+        self._least = [math.inf] * PARTS
 
     @property
     def mean(self) -> float | None:
         """Mean fitness of the newest generation, without those that failed; ``None`` if all of them failed."""
         return self._sum / self._count if self._count else None
-
-    @property
-    def first(self) -> float | None:
-        """The error (%) of the earliest sound evaluation, where all curves begin; ``None`` before any."""
-        return self._steps[0][1] if self._steps else None
 
     def count(self, generation: int, failed: bool, fitness: float) -> None:
         """Count an evaluation of the population that works for the target."""
@@ -49,36 +45,16 @@ class TargetStatus:
             self._sum += fitness
             self._count += 1
 
-    def score(self, index: int, fitness: float) -> None:
-        """Compare a sound evaluation of any population with the best."""
+    def score(self, index: int, fitness: float, part: int) -> None:
+        """Compare a sound evaluation of any population, in a part of the budget, with the best."""
         if (fitness, -index) > (self.best, -self.index) or self.index < 0:
             self.best, self.index = fitness, index
-        error = 100 - fitness
-        before = bisect_right(self._steps, (index, error))
-        if before and self._steps[before - 1][1] <= error:
-            return
-        # Evaluations come in any order: what is later and no better is no improvement any more.
-        after = before
-        while after < len(self._steps) and self._steps[after][1] >= error:
-            after += 1
-        steps = (*self._steps[:before], (index, error), *self._steps[after:])
-        if len(steps) > MAX_STEPS:
-            # Of those that lie close together, the last.
-            width = steps[-1][0] + 1
-            steps = tuple({step[0] * (MAX_STEPS // 2) // width: step for step in steps}.values())
-        # Put in place as a whole, for another thread may be drawing it.
-        self._steps = steps
+        self._least[part] = min(self._least[part], 100 - fitness)
 
-    def errors(self, columns: int, evaluations: int) -> list[float | None]:
-        """The best error (%) so far at the end of each of ``columns`` equal parts of the run; ``None`` before any."""
-        steps = self._steps
-        found: list[float | None] = []
-        for column in range(1, columns + 1):
-            # The last evaluation of this part, rounded up: the first part has at least one.
-            last = -(-column * evaluations // columns) - 1
-            place = bisect_right(steps, last, key=lambda step: step[0])
-            found.append(steps[place - 1][1] if place else None)
-        return found
+    def list_errors(self) -> list[float | None]:
+        """Return the best error (%) so far at the end of each part of the budget that is begun; ``None`` before any."""
+        begun = max((part for part, error in enumerate(self._least, start=1) if error < math.inf), default=0)
+        return [None if error == math.inf else error for error in accumulate(self._least[:begun], min)]
 
 
 class RunStatus:
@@ -87,7 +63,6 @@ class RunStatus:
     Attributes:
         budget: evaluations in the whole run.
         done, failed: how many there are, and how many of those failed.
-        extent: one more than the largest index of an evaluation: what a curve spans.
         targets: the standing of each target, by its name.
     """
 
@@ -95,7 +70,6 @@ class RunStatus:
         self.budget = budget
         self.done = 0
         self.failed = 0
-        self.extent = 0
         self.targets = {target: TargetStatus() for target in targets}
         self._reasons = ReasonTally()
 
@@ -111,23 +85,23 @@ class RunStatus:
         self.failed += failed
         if failure is not None:
             self._reasons.add(failure)
-        self.extent = max(self.extent, index + 1)
+        part = min(PARTS * index // self.budget, PARTS - 1)
         for (target, standing), value in zip(self.targets.items(), fitness, strict=True):
             if population in (target, ""):
                 standing.count(generation, failed, value)
             if not failed:
-                standing.score(index, value)
+                standing.score(index, value, part)
 
 
 class Throughput:
-    """How fast evaluations come, now and overall.
+    """How fast evaluations come of late.
 
     Those that were there at the beginning do not count, nor does the time until the first new ones: kernels are
     compiled in it.
     """
 
     window = 30.0
-    """How far back "now" reaches, s."""
+    """How far back the rate reaches, s; further where few came since."""
 
     settling = 1.0
     """Evaluations that come this soon after the first, s, are as old as it: several are computed at once."""
@@ -136,12 +110,10 @@ class Throughput:
     """Evaluations that a rate needs; fewer would make it jump."""
 
     def __init__(self, done: int, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
+        self._clock, self._before = clock, done
         self._began = clock()
-        self._before = done
         self._first: float | None = None
-        self._settled = (self._began, done)
-        self._marks = deque([self._settled])
+        self._marks = deque([(self._began, done)])
 
     @property
     def elapsed(self) -> float:
@@ -156,24 +128,18 @@ class Throughput:
         if self._first is None:
             self._first = now
         if now - self._first < self.settling:
-            self._settled = (now, done)
-            self._marks = deque([self._settled])
+            self._marks = deque([(now, done)])
         elif now - self._marks[-1][0] >= self.window / 30:
             self._marks.append((now, done))
-        while len(self._marks) > 1 and self._is_enough(*self._marks[1], now, done):
+        while (
+            len(self._marks) > 1
+            and now - self._marks[1][0] > self.window
+            and done - self._marks[1][1] >= self.min_count
+        ):
             self._marks.popleft()
 
-    def overall(self, done: int) -> float | None:
-        """Evaluations per second since the first of them; ``None`` while there are few."""
-        return self._rate(*self._settled, done)
-
-    def recent(self, done: int) -> float | None:
-        """Evaluations per second of late; ``None`` while there are few."""
-        return self._rate(*self._marks[0], done)
-
-    def _rate(self, since: float, before: int, done: int) -> float | None:
-        new, span = done - before, self._clock() - since
-        return new / span if self._first is not None and new >= self.min_count and span > 0 else None
-
-    def _is_enough(self, since: float, before: int, now: float, done: int) -> bool:
-        return since < now - self.window and done - before >= self.min_count
+    def measure(self, done: int) -> float | None:
+        """Return evaluations per second of late; ``None`` while there are few."""
+        (since, before), now = self._marks[0], self._clock()
+        new = done - before
+        return new / (now - since) if self._first is not None and new >= self.min_count and now > since else None

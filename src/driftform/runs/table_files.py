@@ -118,13 +118,7 @@ def check_format(name: str) -> None:
 
 
 def write_trajectory(path: Path, trajectory: Trajectory) -> None:
-    """Write a flight as CSV: SI units, quaternion body to world, velocity in the body frame."""
-
-    def write(part: Path) -> None:
-        with part.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(FLIGHT_COLUMNS)
-            rows = zip(trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True)
-            writer.writerows([f"{v:.7g}" for v in (t, *p, *q, *u)] for t, p, q, u in rows)
-
-    write_whole(path, write)
+    """Write a flight as CSV: SI units, quaternion body to world, velocity in the body frame; in single precision."""
+    parts = (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity)
+    batch = dict(zip(FLIGHT_COLUMNS, np.column_stack(parts).astype(np.float32).T, strict=True))
+    write_whole(path, lambda part: write_csv(part, SAMPLE_COLUMNS[1:], [batch]))
