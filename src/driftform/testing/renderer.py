@@ -136,12 +136,6 @@ class RendererContract(SeamContract[Renderer[Any]]):
             for suffix in self.plugin().stills:
                 assert len(self.make(tmp_path / f"still{suffix}", 0.0, **{key: value})) == 1
 
-    def test_progress_is_reported_frame_by_frame(self, tmp_path: Path) -> None:
-        """Each call reports one more frame than the call before, up to the number of frames."""
-        reported: list[tuple[int, int]] = []
-        count = len(self.frames(tmp_path, lambda done, total: reported.append((done, total))))
-        assert reported == [(done, count) for done in range(1, count + 1)]
-
     @pytest.mark.parametrize("name", ["film.mkw", "film", ".mp4"])
     def test_an_unknown_suffix_is_refused(self, name: str, tmp_path: Path) -> None:
         """``check`` and ``check_still`` refuse it before the flight, and so do ``film`` and ``still``; nothing is written."""
@@ -152,24 +146,6 @@ class RendererContract(SeamContract[Renderer[Any]]):
             with pytest.raises(InputError):
                 self.make(tmp_path / name, how)
         assert list(tmp_path.iterdir()) == []
-
-    def test_an_interrupted_film_leaves_nothing_behind_and_keeps_an_older_one(self, tmp_path: Path) -> None:
-        """This holds for every format, also if the interruption is at the last frame."""
-
-        def interrupt(done: int, total: int) -> None:
-            if done == total:
-                raise KeyboardInterrupt
-
-        for suffix in self.plugin().suffixes:
-            path = tmp_path / suffix / f"film{suffix}"
-            path.parent.mkdir()
-            with pytest.raises(KeyboardInterrupt):
-                self.make(path, interrupt)
-            assert list(path.parent.iterdir()) == []
-            path.write_bytes(b"old")
-            with pytest.raises(KeyboardInterrupt):
-                self.make(path, interrupt)
-            assert list(path.parent.iterdir()) == [path] and path.read_bytes() == b"old"
 
     def test_a_still_shows_the_moment_that_was_asked_for(self, tmp_path: Path) -> None:
         """It has the size of a film; release and end differ, and the same moment always gives the same picture."""
