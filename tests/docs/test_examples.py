@@ -152,6 +152,11 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
             *("--set", "robustness.checks=4", "--out", run),
         ],
         "resume": ["resume", run, "--workers", "1"],
+        "compare": [
+            *("compare", "paper", "--strategy", "random", "--strategy", "paper", "--seeds", "2", "--evaluations", "4"),
+            *("--set", "targets.TP1=[1.0,0.0,-0.5]", "--robust", "1", "--set", "robustness.checks=4"),
+            *("--workers", "1", "--out", f"{here}/comparison"),
+        ],
         "watch": ["watch", run],
         "export-data": ["export-data", run, "--trajectories"],
         "pick": ["pick", run, "4.5", "0", "-0.3"],

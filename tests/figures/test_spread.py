@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform_paper.report import FlightSpread, compute_band, spread_svg
+from driftform_paper.report import compute_band, spread_svg
 
 
 def test_the_band_is_the_deviation_of_the_height_along_the_pipe(fly):
@@ -23,9 +23,7 @@ def test_every_path_ends_at_its_closest_approach(fly):
 
 
 def test_there_is_a_panel_with_all_flights_for_each_target(read, pipe, fly, points):
-    repeats = [
-        FlightSpread(name, tuple(fly(rise=rise) for rise in (0.0, 0.02, 0.04)), "a note") for name in pipe.targets
-    ]
+    repeats = {name: ([fly(rise=rise) for rise in (0.0, 0.02, 0.04)], "a note") for name in pipe.targets}
     picture = read(spread_svg(repeats, pipe, "Flown again", "Three times each."))
     assert len(picture.all("mean")) == len(picture.all("band")) == len(picture.all("target")) == len(pipe.targets)
     assert picture.outside() == []
@@ -33,5 +31,5 @@ def test_there_is_a_panel_with_all_flights_for_each_target(read, pipe, fly, poin
 
 
 def test_a_flight_that_was_released_past_its_target_is_drawn_as_a_point(read, pipe, fly):
-    backwards = FlightSpread("TP5", (fly(samples=1), fly(samples=1)))
-    assert read(spread_svg([backwards], pipe, "t", "d")).outside() == []
+    backwards = {"TP5": ([fly(samples=1), fly(samples=1)], "")}
+    assert read(spread_svg(backwards, pipe, "t", "d")).outside() == []

@@ -3,21 +3,18 @@
 import numpy as np
 import pytest
 
-from driftform.figures.trend import Trend, trend_svg
+from driftform.figures.trend import POINTS, Curve, choose_points, trend_svg
 
 FLIGHTS = np.array([10.0, 20.0, 30.0])
+TWO = np.array([[90.0, 94.0, 98.0], [92.0, 96.0, 100.0]])
 
 
-def trend(name="TP1", fitness=((90.0, 94.0, 98.0), (92.0, 96.0, 100.0)), random=((90.0, 91.0, 92.0),)):
-    return Trend(name, FLIGHTS, np.array(fitness), np.array(random).reshape(-1, 3))
-
-
-def drawn(read, *trends, title="Fitness"):
-    return read(trend_svg(trends, title, "the search"))
+def drawn(read, panels, title="Fitness"):
+    return read(trend_svg(panels, title, "Best so far"))
 
 
 def test_the_mean_over_repeats_is_drawn_where_the_axes_say(read, points):
-    picture = drawn(read, trend())
+    picture = drawn(read, {"TP1": [Curve.of_mean("search", FLIGHTS, TWO)]})
     # The grid lines carry the values of fitness at their left ends.
     lines = [
         (float(text.text), points(line)[0, 1])
@@ -33,25 +30,20 @@ def test_the_mean_over_repeats_is_drawn_where_the_axes_say(read, points):
     assert slope * mean[:, 1] + shift == pytest.approx([91, 95, 99], abs=0.02)
     # Ten flights to the right each: the panel begins at zero.
     assert np.diff(mean[:, 0]) == pytest.approx(np.diff(mean[:, 0])[0], abs=0.02)
-
-
-def test_the_deviation_reaches_from_the_lowest_to_the_highest_of_two_repeats(read, points):
-    bars = points(drawn(read, trend()).one("deviation")).reshape(-1, 2, 2)
-    mean = points(drawn(read, trend()).one("mean"))
-    assert bars.mean(axis=1) == pytest.approx(mean, abs=0.02)
-    assert (bars[:, 1, 1] > bars[:, 0, 1]).all()
-
-
-def test_one_run_alone_has_neither_deviation_nor_random_search(read):
-    picture = drawn(read, trend(fitness=((90.0, 94.0, 98.0),), random=()))
-    assert not picture.all("deviation") and not picture.all("band")
-    assert any("one run" in text for text in picture.texts)
-    assert "random search" not in picture.texts
+    edges = slope * points(picture.one("band"))[:, 1] + shift
+    assert edges == pytest.approx([90, 94, 98, 100, 96, 92], abs=0.02)
 
 
 @pytest.mark.parametrize("count", [1, 3, 10, 23])
-def test_any_number_of_targets_fits_in_the_picture_and_no_text_covers_another(read, count):
-    picture = drawn(read, *(trend(f"target-{i}") for i in range(count)))
-    assert len(picture.all("mean")) == count
+def test_any_number_of_targets_and_searches_fits_in_the_picture_and_no_text_covers_another(read, count):
+    curves = [Curve.of_mean(f"a search by the name of {k}", FLIGHTS, TWO[:1]) for k in range(count)]
+    picture = drawn(read, {f"target-{i}": curves for i in range(count)})
+    assert len(picture.all("mean")) == count**2
+    assert not picture.all("band"), "one run has no spread"
     assert picture.outside() == []
     assert picture.overlapping_texts() == []
+
+
+def test_a_curve_of_many_flights_is_drawn_at_a_few_and_ends_with_the_last():
+    assert choose_points(3).tolist() == [1, 2, 3]
+    assert len(choose_points(10_000)) == POINTS and choose_points(10_000)[-1] == 10_000

@@ -74,16 +74,6 @@ def _runs(
 
 
 def test_the_searches_are_shown_side_by_side(errors: Errors, publish: Callable[[str, Sequence[str]], None]) -> None:
-    names = study_of("random", 1, 1).scenario.target_names
-    shown = {strategy: e for (strategy, flights), e in errors.items() if flights == min(f for _, f in errors)}
-    heads = [f"`{strategy}`: mean (std, worst)" for strategy in shown]
-    lines = [f"| target | {' | '.join(heads)} |", "|---" * (1 + len(heads)) + "|"]
-    for number, name in enumerate(names):
-        cells = [
-            f"{e[:, number].mean():.2f} ({e[:, number].std():.2f}, {e[:, number].max():.2f})" for e in shown.values()
-        ]
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    publish("searches", lines)
     publish("worst targets", tabulate_worst(errors))
 
 

@@ -13,6 +13,7 @@ import typer
 
 from driftform import __version__
 from driftform.cli import (
+    compare,
     evolve,
     export,
     export_data,
@@ -162,6 +163,7 @@ design = partial(app.command, cls=Command, rich_help_panel=DESIGN)
 files = partial(app.command, cls=Command, rich_help_panel=FILES)
 design("evolve")(evolve.evolve)
 design("resume")(resume.resume)
+design("compare")(compare.compare)
 design("watch")(watch.watch)
 design("report")(report.report)
 design("simulate")(simulate.simulate)

@@ -1,110 +1,124 @@
-"""Best fitness against the number of flights, a panel per target."""
+"""Fitness against the number of flights: curves in a panel per target."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.figures import svg
-from driftform.figures.layout import MARGIN, Box, floor_to_nice_number, format_signed, shorten, start_page, tick_values
-from driftform.figures.style import SCREEN, Page
+from driftform.figures.layout import (
+    MARGIN,
+    Box,
+    floor_to_nice_number,
+    format_signed,
+    shorten,
+    start_page,
+    text_width,
+    tick_values,
+)
+from driftform.figures.style import SCREEN, SERIES, Page
 from driftform.types import FloatArray
 
 _COLUMNS, _NARROWEST = 5, 120.0
 HEIGHT, GUTTER, LEFT, TOP = 132.0, 40.0, 52.0, 108.0
 
-_ROW_GAP = 70.0
+_ROW_GAP, _LINE = 70.0, 18.0
 
-_RANDOM = "#7f8b96"
-"""Colour of random search."""
+POINTS = 60
+"""Greatest number of points of a curve."""
 
 
 @dataclass(frozen=True, eq=False)
-class Trend:
-    """Growth of the best fitness for one target.
+class Curve:
+    """Fitness against flights.
 
     Attributes:
-        name: of the target.
+        name: of the search.
         flights: number of flights up to each value, (g,).
-        fitness: the best so far, %, a row per repeat, (repeats, g).
-        random: the same for random search, (repeats, g), or (0, g) if there was no such search.
+        fitness: %, (g,).
+        band: the lower and the upper edge of its spread over repeats, %, (2, g); ``None`` for one run.
     """
 
     name: str
-    flights: FloatArray
+    flights: npt.NDArray[Any]
     fitness: FloatArray
-    random: FloatArray
+    band: FloatArray | None = None
+
+    @classmethod
+    def of_mean(cls, name: str, flights: npt.NDArray[Any], fitness: FloatArray) -> "Curve":
+        """Return the mean of repeats, (repeats, g), with one standard deviation as its band."""
+        mean, spread = fitness.mean(axis=0), fitness.std(axis=0)
+        return cls(name, flights, mean, np.stack([mean - spread, mean + spread]) if len(fitness) > 1 else None)
 
 
-def trend_svg(trends: Sequence[Trend], title: str, strategy: str, page: Page = SCREEN) -> str:
-    """Return the trends as SVG: mean and standard deviation over repeats, and those of random search as a band.
+def choose_points(flights: int) -> npt.NDArray[np.int64]:
+    """Return the numbers of flights at which a curve is drawn: all of a few, or :data:`POINTS` of many."""
+    # Here, in the reach map and in the viewer numpy.unique would import numpy.ma, for a hundredth of the time of a report.
+    return np.array(sorted(set(np.linspace(1, flights, min(POINTS, flights)).astype(int).tolist())))
 
-    All panels share their axes. With one repeat, no deviation is drawn.
-    """
+
+def trend_svg(panels: Mapping[str, Sequence[Curve]], title: str, subtitle: str, page: Page = SCREEN) -> str:
+    """Return curves as SVG, a panel for each name, which share their axes; each has a line, and a band if it has one."""
     columns = max(1, min(_COLUMNS, int(page.width / _NARROWEST)))
-    rows = ceil(len(trends) / columns)
-    # Where both names do not fit in one line, the second is below the first.
-    at, first = ((272, 74), TOP) if page.width > 450 else ((22, 92), TOP + 18)
-    repeats = max((len(trend.fitness) for trend in trends), default=0)
-    over = f"mean and standard deviation over {repeats} repeats" if repeats > 1 else "one run"
-    has_random = any(len(trend.random) for trend in trends)
+    rows = ceil(len(panels) / columns)
+    names = list(dict.fromkeys(curve.name for curves in panels.values() for curve in curves))
+    colours = {name: (SERIES[k % len(SERIES)], page.choose_dash(k)) for k, name in enumerate(names)}
+    legend, x, y = [], MARGIN, 74.0
+    for name in names:
+        text = shorten(name, 12, page.width - 2 * MARGIN - 28)
+        if x > MARGIN and x + 28 + text_width(text, 12) > page.width - MARGIN:
+            x, y = MARGIN, y + _LINE
+        legend.append((x, y, text, *colours[name]))
+        x += 56 + text_width(text, 12)
+    first = y + TOP - 74
     root = start_page(
         first + rows * (HEIGHT + _ROW_GAP) - 20,
         title,
-        f"Best fitness so far (%) against flights for the target: {over}",
-        f"For each target, the best fitness so far of {strategy} against flights"
-        + ("; random search as a band." if has_random else "."),
+        subtitle,
+        f"{subtitle}: {', '.join(names)}. A panel each for {', '.join(panels)}.",
         page,
     )
-    low, panels = _find_lowest(trends), []
+    curves = [curve for row in panels.values() for curve in row]
+    last = max((float(curve.flights[-1]) for curve in curves), default=1.0)
+    lines = [(c.flights, c.fitness if c.band is None else c.band[0]) for c in curves]
+    # The first flights of a search are far below all others.
+    lowest = min((float(line[flights > last / 20].min()) for flights, line in lines if len(flights)), default=0.0)
+    step = floor_to_nice_number((100.0 - min(99.9, lowest)) / 2)
+    low = max(0.0, float(np.floor(min(99.9, lowest) / step) * step))
     width = (page.width - LEFT - MARGIN - (columns - 1) * GUTTER) / columns
-    for number, trend in enumerate(trends):
-        row, column = divmod(number, columns)
-        left, top = LEFT + column * (width + GUTTER), first + row * (HEIGHT + _ROW_GAP)
-        panels.append(_plot_panel(trend, Box(left, top, left + width, top + HEIGHT), low))
-    names = {"strategy": strategy, "random": "random search" if has_random else ""}
-    svg.draw_template(root, __package__, "trend", panels=panels, grey=_RANDOM, at=at, **names)
+    drawn = []
+    for number, (name, row) in enumerate(panels.items()):
+        at, left = divmod(number, columns)
+        box = Box(LEFT + left * (width + GUTTER), first + at * (HEIGHT + _ROW_GAP), 0, 0)
+        box = Box(box.left, box.top, box.left + width, box.top + HEIGHT)
+        drawn.append(_plot_panel(name, row, box, low, last) | {"styles": [colours[curve.name] for curve in row]})
+    svg.draw_template(root, __package__, "trend", panels=drawn, legend=legend)
     return svg.render(root)
 
 
-def _find_lowest(trends: Sequence[Trend]) -> float:
-    """Return the lower limit of all panels, %: a round number below all values."""
-    lowest = 99.9
-    for trend in trends:
-        for values in (trend.fitness, trend.random):
-            if len(values):
-                lowest = min(lowest, float((values.mean(axis=0) - values.std(axis=0)).min()))
-    step = floor_to_nice_number((100.0 - lowest) / 2)
-    return max(0.0, float(np.floor(lowest / step) * step))
+def _plot_panel(name: str, curves: Sequence[Curve], box: Box, low: float, last: float) -> dict[str, Any]:
+    """Return what the template draws of a panel: its curves and ticks on the page."""
 
-
-def _plot_panel(trend: Trend, box: Box, low: float) -> dict[str, Any]:
-    """Return what the template draws for a target: its lines and ticks on the page."""
-    last = float(trend.flights[-1])
-
-    def place(flights: FloatArray, fitness: FloatArray) -> FloatArray:
-        x = box.left + (box.right - box.left) * np.asarray(flights) / last
-        y = box.bottom - (box.bottom - box.top) * (np.clip(fitness, low, 100) - low) / (100 - low)
-        return np.column_stack([x, y])
+    def place(flights: npt.NDArray[Any], fitness: FloatArray) -> FloatArray:
+        x = box.left + (box.right - box.left) * flights / last
+        return np.column_stack(
+            [x, box.bottom - (box.bottom - box.top) * (np.clip(fitness, low, 100) - low) / (100 - low)]
+        )
 
     heights = tick_values(low, 100.0, floor_to_nice_number((100 - low) / 3))
     counts = tick_values(0.0, last, floor_to_nice_number(last / 2))
-    panel: dict[str, Any] = {
+    bands = [
+        None if c.band is None else np.vstack([place(c.flights, c.band[0]), place(c.flights, c.band[1])[::-1]])
+        for c in curves
+    ]
+    return {
         "box": box,
-        "name": shorten(trend.name, 12, box.right - box.left, bold=True),
-        "rises": [(place(np.zeros(1), np.array([v]))[0, 1], f"{v:g}") for v in heights],
-        "ticks": [(place(np.array([v]), np.array([low]))[0, 0], format_signed(v, 0)) for v in counts],
-        "random": None,
-        "bars": "",
+        "name": shorten(name, 12, box.right - box.left, bold=True),
+        "rises": [(y, f"{v:g}") for v, y in zip(heights, place(0 * heights, heights)[:, 1], strict=True)],
+        "ticks": [(x, format_signed(v, 0)) for v, x in zip(counts, place(counts, 0 * counts)[:, 0], strict=True)],
+        "bands": bands,
+        "lines": [place(curve.flights, curve.fitness) for curve in curves],
     }
-    if len(trend.random):
-        mean, spread = trend.random.mean(axis=0), trend.random.std(axis=0)
-        band = np.vstack([place(trend.flights, mean + spread), place(trend.flights, mean - spread)[::-1]])
-        panel["random"] = {"band": band, "mean": place(trend.flights, mean)}
-    mean, spread = trend.fitness.mean(axis=0), trend.fitness.std(axis=0)
-    if len(trend.fitness) > 1:
-        ends = np.stack([place(trend.flights, mean + spread), place(trend.flights, mean - spread)], axis=1)
-        panel["bars"] = svg.lines_data(ends)
-    return {**panel, "mean": place(trend.flights, mean)}

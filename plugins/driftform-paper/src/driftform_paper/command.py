@@ -32,10 +32,9 @@ def reproduce(
     """
     import time
 
-    from driftform.cli import formats, output
-    from driftform.search import open_executor
-    from driftform.util import files, progress
-    from driftform_paper.repeats import STRATEGIES, load_repeat, read_results, search_all
+    from driftform.cli import formats, output, search_repeats
+    from driftform.util import files
+    from driftform_paper.repeats import STRATEGIES, load_repeat, read_results
     from driftform_paper.report import resimulate, results_document, results_markdown, write_figures
 
     page = formats.parse_page(style, width_mm)
@@ -45,12 +44,8 @@ def reproduce(
     first = next(iter(studies.values()))
     files.make_directory(out)
     runs = {key: out / "runs" / f"{key[0]}-{key[1]}" for key in studies}
-    try:
-        with open_executor(first, executor, scheduler, workers) as place, progress.count_progress("flights") as show:
-            search_all({runs[key]: study for key, study in studies.items()}, place, show)
-    except KeyboardInterrupt:
-        typer.echo(f"stopped; the same command continues: driftform reproduce --out {out}", err=True)
-        raise typer.Exit(130) from None
+    searches = [{runs[key]: study for key, study in studies.items() if key[0] == s} for s in STRATEGIES]
+    search_repeats(searches, executor, scheduler, workers, f"driftform reproduce --out {out}")
     found = {s: read_results(s, [(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
     again = resimulate(first, found["paper"])
     figures = write_figures(out / "figures", first, found, again, page)

@@ -1,16 +1,12 @@
-"""The paper's experiment: its search repeated over seeds, compared with random search of the same budget.
+"""The paper's experiment: its search repeated over seeds, compared with random search of the same budget."""
 
-Each repeat is a separate run in a separate directory, so that an interrupted repeat continues where it stopped.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from driftform import Pipeline, Run, Study, load_study
-from driftform.search import Executor, Observer
 from driftform.types import FloatArray, Genome, Trajectory
 from driftform.water import Scenario
 
@@ -25,7 +21,7 @@ GENERATION = 10
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What the repeats of one strategy came to: the best ``fitness`` (%) after each flight of a target's own budget.
+    """What the repeats of one strategy came to: the ``fitness`` (%) of each flight of a target's own budget.
 
     That is (repeats, targets, flights); ``shared``, (repeats, targets), is the best over all flights of a repeat, also those of
     other targets. ``best`` has the genome of the best flight for each target over all repeats, the repeat's seed and the
@@ -41,7 +37,7 @@ class Search:
     @property
     def error(self) -> FloatArray:
         """Error (%) at the end of each target's budget, (repeats, targets)."""
-        return np.asarray(100 - self.fitness[:, :, -1])
+        return np.asarray(100 - self.fitness.max(axis=2))
 
 
 def load_repeat(strategy: str, seed: int, simulator: str | None = None, settings: Sequence[str] = ()) -> Study:
@@ -49,29 +45,6 @@ def load_repeat(strategy: str, seed: int, simulator: str | None = None, settings
     return load_study(
         "paper", settings, use={"strategy": strategy, "simulator": simulator}, run={"seed": seed, "evaluations": None}
     )
-
-
-def search_all(studies: Mapping[Path, Study], executor: Executor, progress: Callable[[int, int], None]) -> None:
-    """Run every repeat in its directory, or continue it.
-
-    ``progress`` is called with the number of flights that are done, and of all.
-
-    Raises InputError if a directory holds a run of another study, or another process works on it.
-    """
-    total, before = sum(study.evaluations for study in studies.values()), 0
-    for directory, study in studies.items():
-        with Run.ensure(directory, study) as run:
-            run.search(executor, _Counter(progress, before, total))
-        before += study.evaluations
-
-
-class _Counter(Observer):
-    def __init__(self, progress: Callable[[int, int], None], before: int, total: int) -> None:
-        self._progress, self._done, self._total = progress, before, total
-
-    def record(self, record: object) -> None:
-        self._done += 1
-        self._progress(self._done, self._total)
 
 
 def read_results(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
@@ -94,7 +67,7 @@ def read_results(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
                 own = [summary for summary in summaries if summary.population == target]
                 own = (own or summaries[number * PER_TARGET :])[:PER_TARGET]
                 fitness = np.array([summary.fitness[number] for summary in own])
-                row.append(np.maximum.accumulate(fitness))
+                row.append(fitness)
                 top = int(np.argmax(fitness))
                 if number not in best or fitness[top] > best[number][0]:
                     genome = store.read_record(own[top].index, targets).candidate.genome

@@ -29,37 +29,31 @@ SIDE = (0, 2)
 """x to the right and z upward on the page."""
 
 
-@dataclass(frozen=True, eq=False)
-class FlightSpread:
-    """Flights of one agent for one target, cut at their closest approach as in the paper's Figure 7.
-
-    ``note`` is written after the target's name.
-    """
-
-    name: str
-    trajectories: tuple[Trajectory, ...]
-    note: str = ""
-
-
 def spread_svg(
-    repeats: Sequence[FlightSpread], scenario: Scenario, title: str, subtitle: str, page: style.Page = style.SCREEN
+    repeats: Mapping[str, tuple[Sequence[Trajectory], str]],
+    scenario: Scenario,
+    title: str,
+    subtitle: str,
+    page: style.Page = style.SCREEN,
 ) -> str:
-    """Return a panel for each target: every flight faint, their mean solid, one standard deviation as a band.
+    """Return a panel for each target with its flights and a note: each faint, their mean solid, one standard deviation as a band.
 
     Mean and deviation are those of the height at equal x, over the range of x that all flights cover.
     """
     columns = COLUMNS if page.width > NARROW else 1
     width = (page.width - LEFT - layout.MARGIN - (columns - 1) * GUTTER) / columns
-    shown = np.vstack([plot.pipe_points(scenario.pipe, SIDE), scenario.target_array()])
+    shown = np.vstack([plot.pipe_points(scenario.pipe), scenario.target_array()])
     tallest = plot.Window.around(SIDE, shown, LEFT, 0, width, 260, 6).box.bottom
     rows = ceil(len(repeats) / columns)
     height = TOP + rows * (tallest + 74)
     root = layout.start_page(height, title, subtitle, f"{subtitle} A panel for each target.", page)
-    for number, repeated in enumerate(repeats):
+    for number, (target, (flights, note)) in enumerate(repeats.items()):
         row, column = divmod(number, columns)
         left, top = LEFT + column * (width + GUTTER), TOP + row * (tallest + 74)
         window = plot.Window.around(SIDE, shown, left, top, width, 260, 6)
-        _draw_panel(root, window, repeated, scenario, style.SERIES[number % len(style.SERIES)])
+        _draw_panel(root, window, target, flights, scenario, style.SERIES[number % len(style.SERIES)])
+        heading = layout.shorten(f"{target}  {note}".strip(), 12, 330, bold=True)
+        layout.write(root, left, top - 8, heading, 12, bold=True)
     return svg.render(root)
 
 
@@ -80,12 +74,14 @@ def compute_band(flights: Sequence[Trajectory], target: FloatArray) -> tuple[lis
     return paths, mean, heights.std(axis=0)
 
 
-def _draw_panel(root: ET.Element, window: plot.Window, repeated: FlightSpread, scenario: Scenario, colour: str) -> None:
+def _draw_panel(
+    root: ET.Element, window: plot.Window, name: str, flights: Sequence[Trajectory], scenario: Scenario, colour: str
+) -> None:
     plot.draw_water(root, window, scenario.pipe)
     plot.draw_axes(root, window)
-    plot.draw_walls(root, window, scenario.pipe)
-    target = np.array(scenario.target_points()[repeated.name])
-    paths, mean, deviation = compute_band(repeated.trajectories, target)
+    plot.draw_ends(root, window, scenario.pipe)
+    target = np.array(scenario.target_points()[name])
+    paths, mean, deviation = compute_band(flights, target)
     up = np.array([0.0, 0.0, 1.0])
     edge = [window.to_page(mean + sign * deviation[:, None] * up) for sign in (1, -1)]
     outline = np.vstack([edge[0], edge[1][::-1]])
@@ -95,8 +91,6 @@ def _draw_panel(root: ET.Element, window: plot.Window, repeated: FlightSpread, s
     svg.add_line(root, window.path_data(mean), colour, 2, "mean")
     x, y = window.to_page(target[None])[0]
     plot.draw_cross(root, x, y, 5, style.INK, 2)
-    name = f"{repeated.name}  {repeated.note}".strip()
-    layout.write(root, window.box.left, window.box.top - 8, layout.shorten(name, 12, 330, bold=True), 12, bold=True)
 
 
 TIMES = 10
@@ -179,19 +173,19 @@ def write_figures(
     scenario, paper, random = study.scenario, found["paper"], found["random"]
     pictures = {
         "fitness.svg": trend.trend_svg(
-            trends(scenario.target_names, paper.fitness, random.fitness),
+            draw_generations(scenario.target_names, paper.fitness, random.fitness),
             "Fitness over generations",
-            "the paper's genetic algorithm",
-            page=page,
+            f"Fitness (%) after each generation for the target: mean and standard deviation over {len(paper.fitness)} repeats",
+            page,
         ),
         "shapes.svg": _shapes(study, paper, again, page),
         "trajectories.svg": spread_svg(
-            [
-                FlightSpread(target, flights, f"error {error:.2f} %")
+            {
+                target: (flights, f"error {error:.2f} %")
                 for target, flights, error in zip(
                     scenario.target_names, again.turbulent.flights, again.turbulent.error, strict=True
                 )
-            ],
+            },
             scenario,
             "The best agents in turbulent water",
             f"{TIMES} flights each up to their closest approach, with their mean and standard deviation",
@@ -203,14 +197,23 @@ def write_figures(
     )
 
 
-def trends(targets: Sequence[str], fitness: FloatArray, random: FloatArray) -> list[trend.Trend]:
-    """Return the trends of (repeats, targets, flights) at the end of every generation."""
-    ends = np.arange(repeats.GENERATION - 1, fitness.shape[2], repeats.GENERATION)
-    flights = np.asarray(ends + 1.0, dtype=np.float64)
-    return [
-        trend.Trend(target, flights, fitness[:, number, ends], random[:, number, ends])
+def draw_generations(targets: Sequence[str], fitness: FloatArray, random: FloatArray) -> dict[str, list[trend.Curve]]:
+    """Return the curves of the paper's search and of random search, by targets, of (repeats, targets, flights).
+
+    Without elitism, the best of the last generation may be worse than the best so far: both are drawn.
+    """
+    flights = np.arange(repeats.GENERATION, fitness.shape[2] + 1, repeats.GENERATION)
+    split = (*fitness.shape[:2], len(flights), repeats.GENERATION)
+    each, other = (values[:, :, : flights[-1]].reshape(split).max(axis=3) for values in (fitness, random))
+    drawn = {
+        "the paper's genetic algorithm: best so far": np.maximum.accumulate(each, axis=2),
+        "best of each generation": each,
+        "random search: best so far": np.maximum.accumulate(other, axis=2),
+    }
+    return {
+        target: [trend.Curve.of_mean(name, flights, values[:, number]) for name, values in drawn.items()]
         for number, target in enumerate(targets)
-    ]
+    }
 
 
 def _shapes(study: Study, search: Search, again: Resimulation, page: style.Page) -> str:

@@ -10,7 +10,7 @@ from driftform.figures.dependence import dependence_svg
 from driftform.figures.reach import reach_svg
 from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.style import SCREEN, Page
-from driftform.figures.trend import Trend, trend_svg
+from driftform.figures.trend import Curve, choose_points, trend_svg
 from driftform.interfaces import Flown, ReportJob
 from driftform.motion.path.targets import approach_targets
 from driftform.plugins.discovery import find_modules
@@ -22,9 +22,6 @@ from driftform.search.results import draw_overview, map_run, read_best
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
 from driftform.water import Scenario
-
-TREND_POINTS = 60
-"""Greatest number of points of a trend."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +100,7 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
         promises = {target: one.misses for target, one in zip(targets, best, strict=True) if one.misses is not None}
         figures = {
             "Flights and bodies": draw_overview(study, best, page),
-            "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", strategy, page=page),
+            "Search": _draw_search(store, targets, strategy, page),
             "Reach": reach_svg(map_run(study, store), scenario, study.title, page),
         }
         strips = [
@@ -150,14 +147,12 @@ def _ask_plugins(name: str, scenario: Scenario, entries: Sequence[Entry]) -> tup
     return added, problems
 
 
-def _read_trends(store: Store, targets: Sequence[str]) -> list[Trend]:
-    """Return the best fitness so far of a run for each target, over all of its flights."""
+def _draw_search(store: Store, targets: Sequence[str], strategy: str, page: Page) -> str:
+    """Return the picture of the best fitness so far of a run for each target, over all of its flights."""
     fitness = np.array([brief.fitness for brief in store.read_summaries(targets)]).reshape(-1, len(targets))
-    best = np.maximum.accumulate(fitness, axis=0)
-    # Here, in the reach map and in the viewer numpy.unique would import numpy.ma, for a hundredth of the time of a report.
-    at = np.array(sorted(set(np.linspace(1, len(best), min(TREND_POINTS, len(best))).astype(int).tolist())))
-    nothing = np.zeros((0, len(at)))
-    return [
-        Trend(target, at.astype(np.float64), best[None, at - 1, number], nothing)
-        for number, target in enumerate(targets)
-    ]
+    at = choose_points(len(fitness))
+    best = np.maximum.accumulate(fitness, axis=0)[at - 1].T
+    panels = {target: [Curve(strategy, at, row)] for target, row in zip(targets, best, strict=True)}
+    return trend_svg(
+        panels, "Best fitness so far", "Best fitness so far (%) against flights for the target: one run", page
+    )

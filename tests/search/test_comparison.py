@@ -1,0 +1,25 @@
+"""Repeats of searches, and their statistics."""
+
+import numpy as np
+
+from driftform.search.comparison import compare_values
+
+
+def test_the_interval_of_a_difference_covers_it_as_often_as_it_says() -> None:
+    rng, covered = np.random.default_rng(0), 0
+    for _ in range(60):
+        found = compare_values(rng.normal(1.0, 1.0, 30), rng.normal(0.0, 1.0, 30))
+        covered += found["low"] <= 1.0 <= found["high"]
+    # A share of 0.95 of 60, within three standard deviations.
+    assert covered >= 52
+
+
+def test_ranks_of_the_same_search_differ_by_chance_alone() -> None:
+    rng = np.random.default_rng(1)
+    found = [compare_values(rng.normal(size=10), rng.normal(size=10))["p"] for _ in range(100)]
+    assert np.mean(np.array(found) < 0.05) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 100)
+    assert compare_values(np.arange(10.0), np.arange(10.0) + 10)["p"] < 1e-3
+
+
+def test_what_is_not_known_says_nothing() -> None:
+    assert compare_values(np.array([1.0, np.nan]), np.array([1.0, 2.0]))["median"] is None
