@@ -31,7 +31,7 @@ def test_a_flight_in_four_formats(call: Call) -> None:
     frame = polars.read_parquet(paths["parquet"])
     assert len(frame) == told["samples"] and frame["t"][-1] == told["end"]["t"]
     counts = next(file["topics"] for file in told["files"] if file["format"] == "mcap")
-    assert counts["/tf"] == told["samples"] and counts["/markers"] == 1
+    assert counts["/tf"] == told["samples"] and counts["/agent/markers"] == 1
     # All is in the directory that was asked for, and only what was told of.
     found = {str(path) for path in Path("f").rglob("*") if path.is_file()}
     assert found == {file["path"] for file in told["files"]}

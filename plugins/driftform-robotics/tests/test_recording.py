@@ -35,7 +35,7 @@ KINDS = {
     "/clock": "rosgraph_msgs/msg/Clock",
     "/tf_static": "tf2_msgs/msg/TFMessage",
     "/tf": "tf2_msgs/msg/TFMessage",
-    "/markers": "visualization_msgs/msg/MarkerArray",
+    "/agent/markers": "visualization_msgs/msg/MarkerArray",
     "/agent/path": "nav_msgs/msg/Path",
     "/agent/odom": "nav_msgs/msg/Odometry",
     "/agent/wrench": "geometry_msgs/msg/WrenchStamped",
@@ -45,7 +45,7 @@ KINDS = {
     "/agent/clearance": "std_msgs/msg/Float64",
     "/agent/concentration": "std_msgs/msg/Float64",
 }
-ONCE = {"/tf_static", "/markers", "/agent/path"}
+ONCE = {"/tf_static", "/agent/markers", "/agent/path"}
 
 
 RECORDERS = (
@@ -138,19 +138,26 @@ def test_poses_and_velocities_are_those_of_the_flight(
         assert transform.transform.rotation.w == odometry.pose.pose.orientation.w
 
 
-def test_every_frame_that_a_message_names_hangs_on_the_world(read: dict[str, list[tuple[int, Any]]]) -> None:
+@pytest.mark.parametrize("rep105", [False, True])
+def test_every_frame_that_a_message_names_hangs_on_the_world_or_on_the_map_by_way_of_the_odometry(
+    rep105: bool, job: ExportJob, flight: Trajectory, tmp_path: Path
+) -> None:
+    McapRecorder(Ros2Options(rep105=rep105)).write(job, flight, tmp_path / "agent.mcap")
+    read = messages(tmp_path / "agent.mcap")
+    world, parent = ("map", "agent/odom") if rep105 else ("world", "world")
     parents = {
         t.child_frame_id: t.header.frame_id
         for topic in ("/tf", "/tf_static")
         for _, message in read[topic]
         for t in message.transforms
     }
-    [(_, markers)] = read["/markers"]
+    [(_, markers)] = read["/agent/markers"]
     headers = [marker.header for marker in markers.markers]
     headers += [m.header for found in read.values() for _, m in found if hasattr(m, "header")]
     for frame in {header.frame_id for header in headers}:
-        while frame != "world":
+        while frame != world:
             frame = parents[frame]  # noqa: PLW2901
+    assert parents["agent/base_link"] == parent == read["/agent/odom"][0][1].header.frame_id
 
 
 def test_the_wrench_is_that_of_newton_and_euler(
@@ -184,7 +191,7 @@ def test_sensors_read_what_their_functions_say(
 def test_markers_show_the_pipe_the_targets_and_the_agent(
     read: dict[str, list[tuple[int, Any]]], job: ExportJob
 ) -> None:
-    [(_, message)] = read["/markers"]
+    [(_, message)] = read["/agent/markers"]
     by_group = {marker.ns: marker for marker in message.markers}
     assert set(by_group) == {"pipe", "targets", "names", "agent"}
     assert len({marker.id for marker in message.markers}) == len(message.markers)
@@ -302,7 +309,7 @@ def test_a_tilted_pipe_is_drawn_as_it_lies(job: ExportJob, flight: Trajectory, t
     pipe = Pipe(segments=(Segment(start=start, end=end, radius=0.5),))
     tilted = Scenario(pipe=pipe)
     McapRecorder(Ros2Options()).write(replace(job, scenario=tilted), flight, path)
-    [(_, message)] = messages(path)["/markers"]
+    [(_, message)] = messages(path)["/agent/markers"]
     drawn = next(marker for marker in message.markers if marker.ns == "pipe")
     turned = drawn.pose.orientation
     axis = matrix_from_quaternion(np.array([turned.w, *xyz(turned)])) @ [0, 0, 1]

@@ -134,7 +134,7 @@ def test_rospy_receives_every_message_of_a_bag_and_tf2_the_poses(
     ):
         received = finish()
     assert received["counts"] == expected
-    assert set(expected) >= {"/clock", "/tf", "/markers", "/agent/range", "/agent/odom"}
+    assert set(expected) >= {"/clock", "/tf", "/agent/markers", "/agent/range", "/agent/odom"}
     assert received["clock"] == pytest.approx(1 + flight.t[-1], abs=1e-6)
     poses = np.array(received["poses"])
     assert poses[:, :3] == pytest.approx(flight.position[:-1], abs=1e-6)

@@ -31,6 +31,7 @@ class MemoryBus(RospyBus):
 
     def __init__(self, odometries: int, has_clock: bool = True, parameter: str | None = None) -> None:
         self.address, self.left, self.has_clock, self.parameter = "memory", odometries, has_clock, parameter
+        self.lost, self.ros = "memory does not answer", make_messages(None)
         self.kinds: dict[str, str] = {}
         self.messages: dict[str, list[Any]] = defaultdict(list)
         self.services: dict[str, Callable[[], tuple[bool, str]]] = {}
@@ -41,13 +42,15 @@ class MemoryBus(RospyBus):
         self.kinds[topic] = kind
 
     def publish(self, topic: str, message: bytes) -> None:
-        store = make_messages(None).store
-        self.messages[topic].append(store.deserialize_ros1(message, full_name(self.kinds[topic])))
-        if topic == "/agent/odom":
+        self.messages[topic].append(self.ros.store.deserialize_ros1(message, full_name(self.kinds[topic])))
+        if topic == "agent/odom":
             self.left -= 1
             self.acts.pop(len(self.messages[topic]), lambda: None)()
 
-    def receive_currents(self, take: Callable[[tuple[float, float, float]], None]) -> None:
+    def check_clock(self) -> None:
+        pass
+
+    def receive_currents(self, world: str, take: Callable[[tuple[float, float, float]], None]) -> None:
         self.take = take
 
     def serve(self, name: str, answer: Callable[[], tuple[bool, str]]) -> None:
@@ -86,19 +89,19 @@ def test_without_a_clock_of_its_own_it_begins_at_the_time_of_ros(design: df.Desi
     bus = MemoryBus(5, has_clock=False)
     run(bus, design)
     assert "/clock" not in bus.kinds
-    assert stamps_of(bus, "/agent/odom") == pytest.approx(500 + 0.05 * np.arange(5))
+    assert stamps_of(bus, "agent/odom") == pytest.approx(500 + 0.05 * np.arange(5))
     bus = MemoryBus(5)
     run(bus, design, start=3.0)
     assert len(bus.messages["/clock"]) == 5
-    assert stamps_of(bus, "/agent/odom")[0] == pytest.approx(3.0)
+    assert stamps_of(bus, "agent/odom")[0] == pytest.approx(3.0)
 
 
 def test_each_reading_has_noise_of_its_own(design: df.Design) -> None:
     noisy, exact = MemoryBus(60), MemoryBus(60)
     run(noisy, design, pressure_noise=10.0)
     run(exact, design)
-    noise = np.array([a.fluid_pressure for a in noisy.messages["/agent/pressure"]]) - [
-        b.fluid_pressure for b in exact.messages["/agent/pressure"]
+    noise = np.array([a.fluid_pressure for a in noisy.messages["agent/pressure"]]) - [
+        b.fluid_pressure for b in exact.messages["agent/pressure"]
     ]
     assert noise.std() == pytest.approx(10.0, rel=0.4)
     assert abs(np.corrcoef(noise[1:], noise[:-1])[0, 1]) < 0.4
@@ -115,10 +118,10 @@ def test_the_same_current_again_changes_nothing_and_one_that_is_no_number_is_ign
         7: lambda: bus.take((1e3, 0.0, 0.0)),
     }
     run(bus, design)
-    [message] = bus.messages["/agent/current"]
+    [message] = bus.messages["agent/current"]
     assert message.twist.linear.x == 0.5
     assert message.header.frame_id == "world"
-    assert stamps_of(bus, "/agent/current") == pytest.approx([1.05])
+    assert stamps_of(bus, "agent/current") == pytest.approx([1.05])
     assert len(capsys.readouterr().err.splitlines()) == 2
 
 
@@ -127,13 +130,13 @@ def test_a_release_that_is_refused_leaves_the_flight_alone(design: df.Design) ->
     answers: list[tuple[bool, str]] = []
 
     def ask() -> None:
-        answers.append(bus.services["/agent/release"]())
+        answers.append(bus.services["agent/release"]())
 
     bus.acts = {3: threading.Thread(target=ask).start, 150: lambda: time.sleep(0.5)}
     run(bus, design)
     [(success, message)] = answers
     assert not success and "gusts" in message and "\n" not in message
-    assert np.diff(stamps_of(bus, "/agent/odom")) == pytest.approx(0.05)
+    assert np.diff(stamps_of(bus, "agent/odom")) == pytest.approx(0.05)
 
 
 def test_a_flight_that_fails_is_an_error_if_it_is_the_only_one(

@@ -36,6 +36,10 @@ class FlightOptions(SensorOptions):
     start: float = option(
         1.0, "time of the release on the clock of the file; tf reads 0 as 'the latest'", "s", ge=0, le=4e9
     )
+    rep105: bool = option(
+        False,
+        "frames by REP 105: 'map', and 'odom' and 'base_link' in the namespace; instead of 'world' for the first two",
+    )
     leak_rate: float = option(0.001, "mass flow into the pipe at each target on the wall", "kg/s", ge=1e-9, le=1000)
     atmosphere: float = option(ATMOSPHERE, "pressure at the surface of the water", "Pa", ge=0, le=1e9)
     acceleration_noise: float = option(0.0, "standard deviation of the accelerometer", "m/s2", ge=0, le=1e3)
@@ -44,6 +48,11 @@ class FlightOptions(SensorOptions):
     distance_noise: float = option(0.0, "standard deviation of the distances", "m", ge=0, le=1e3)
     concentration_noise: float = option(0.0, "standard deviation of the concentration", "kg/m3", ge=0, le=1e3)
     seed: int = option(0, "seed of the noise", ge=0, le=2**63 - 1)
+
+    @property
+    def world(self) -> str:
+        """The frame of the pipe."""
+        return "map" if self.rep105 else "world"
 
 
 class Ros2Options(FlightOptions):

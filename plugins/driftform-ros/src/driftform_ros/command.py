@@ -1,9 +1,11 @@
 """``driftform ros``."""
 
+import os
 import signal
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from shlex import quote
+from typing import TYPE_CHECKING, Annotated, get_args
 
 import typer
 
@@ -15,6 +17,9 @@ if TYPE_CHECKING:
 
 def ros(
     agent: options.Agent,
+    remaps: Annotated[
+        list[str] | None, typer.Argument(metavar="NAME:=VALUE", help="Remaps, as rosrun and roslaunch append them.")
+    ] = None,
     rate: Annotated[
         float, typer.Option(metavar="N", min=0, max=1000, help="Seconds of flight per second; 0 for no limit.")
     ] = 1.0,
@@ -25,24 +30,42 @@ def ros(
         bool, typer.Option("--once", help="End after the flight instead of waiting for a release.")
     ] = False,
     clock: Annotated[
-        bool, typer.Option(help="Publish /clock and set /use_sim_time; --no-clock if a simulator publishes it.")
+        bool, typer.Option(help="Publish /clock and set /use_sim_time; --no-clock if another node publishes it.")
     ] = True,
+    max_current: Annotated[
+        float, typer.Option(metavar="M/S", min=0, max=100, help="Fastest current that is taken from the topic, m/s.")
+    ] = 20.0,
+    remap: Annotated[
+        list[str] | None, typer.Option("--remap", "-r", metavar="NAME:=VALUE", help="A remap, as ROS 2 has it.")
+    ] = None,
+    _: Annotated[bool, typer.Option("--ros-args", help="Stands before remaps of ROS 2.")] = False,
     scenario: options.ScenarioOption = None,
     simulator: options.Simulator = None,
     hydrodynamics: options.Hydrodynamics = None,
     settings: options.Settings = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write a package of ROS 1 that launches this flight, and end.")
+    ] = None,
 ) -> None:
-    """Fly an agent live on a running roscore: clock, transforms, odometry, hull and sensors, as 'export-flight' writes them.
+    """Fly an agent live on a running ROS: clock, transforms, odometry, hull and sensors, as 'export-flight' writes them.
 
     The water has the velocity of the topic 'hydrodynamics/current_velocity' as soon as one arrives. The services 'release'
-    and 'evaluate' take an agent or a genome from the parameter 'agent', all in the namespace of the agent.
+    and 'evaluate' take an agent or a genome from the parameter 'agent', all in the namespace of the agent. It is a node of
+    ROS 2 where ROS_VERSION is 2.
     """
     from driftform import open_agent
-    from driftform_robotics.options import FlightOptions
+    from driftform.errors import InputError
+    from driftform_robotics.options import FlightOptions, Release, Ros2Options
     from driftform_ros.node import LiveNode
+    from driftform_ros.package import write_package
+    from driftform_ros.rclpy_bus import RclpyBus
     from driftform_ros.rospy_bus import RospyBus
 
     use = {"simulator": simulator, "hydrodynamics": hydrodynamics}
+    words = [*(remaps or ()), *(remap or ())]
+    for word in words:
+        if ":=" not in word:
+            raise InputError(f"'{word}': expected a remap, NAME:=VALUE; give one agent")
 
     def open_named(text: str) -> "Design":
         return open_agent(text, *(settings or ()), scenario=scenario, use=use)
@@ -56,10 +79,25 @@ def ros(
         # A genome belongs to the study of the agent that flies, whose settings it has.
         return type(found).build(replace(found.stored, environment=design.study.environment()), text)
 
-    given = design.study.make_recorder("rosbag1").options
+    is_ros2, release = os.environ.get("ROS_VERSION") == "2", os.environ.get("ROS_DISTRO")
+    given = design.study.make_recorder("rosbag2" if is_ros2 else "rosbag1").options
     assert isinstance(given, FlightOptions)
+    if isinstance(given, Ros2Options) and release in get_args(Release):
+        given = given.model_copy(update={"release": release})
     design.fly()  # Fails before a node exists, if this agent cannot fly.
+    if out is not None:
+        shown = {"--scenario": scenario, "--simulator": simulator, "--hydrodynamics": hydrodynamics}
+        kept = [*shown.items(), *(("--set", setting) for setting in settings or ())]
+        name = write_package(out, agent, [word for key, value in kept if value for word in (key, value)], given)
+        path = quote(str(out.resolve().parent))
+        print(f"wrote {out}; next: ROS_PACKAGE_PATH={path}:$ROS_PACKAGE_PATH roslaunch {name} live.launch")
+        return
     # As roslaunch ends its nodes.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with RospyBus(f"driftform_{given.namespace}", clock) as bus:
-        LiveNode(bus, open_other, given, 1 / rate_hz, rate).run(design, once)
+    node = f"driftform_{given.namespace}"
+    if isinstance(given, Ros2Options):
+        bus: RclpyBus | RospyBus = RclpyBus(node, clock, words, given.release)
+    else:
+        bus = RospyBus(node, clock, words)
+    with bus:
+        LiveNode(bus, open_other, given, 1 / rate_hz, rate, max_current).run(design, once)

@@ -8,18 +8,20 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform_robotics.options import FlightOptions
-from driftform_robotics.recording.messages import make_messages
-from driftform_robotics.recording.topics import WORLD, FlightTopics, Topic, list_plumes
-from driftform_ros.rospy_bus import RospyBus
+from driftform_robotics.recording.messages import SECOND
+from driftform_robotics.recording.topics import FlightTopics, Topic, list_plumes
+from driftform_ros.currents import Current
 
 if TYPE_CHECKING:
     from driftform import Design
+    from driftform_ros.rclpy_bus import RclpyBus
+    from driftform_ros.rospy_bus import RospyBus
 
 PATIENCE = 0.2
 """Longest wait before the loop looks whether ROS is still there, s."""
@@ -36,16 +38,14 @@ CURRENT = "geometry_msgs/TwistStamped"
 REHEARSAL = 1e-3
 """Steps before time begins, s."""
 
-MAX_SPEED = 100.0
-"""Fastest current, m/s, as steps take it."""
+MAX_CURRENT = 20.0
+"""Fastest current that is taken by default, m/s: twice that of the fastest tidal race."""
 
 LATE = 1.0
 """Delay from which a warning is printed, s."""
 
 SAME = 1e-9
 """Steps shorter than this are skipped, s."""
-
-Current = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,13 +64,20 @@ class LiveNode:
         options: namespace, sensors, and the time of the first release.
         interval: between two messages of a topic, in the time of the flight, s.
         rate: seconds of flight per second; 0 for no limit.
+        max_current: fastest current that is taken, m/s.
     """
 
     def __init__(
-        self, bus: RospyBus, open_other: Callable[[str], "Design"], options: FlightOptions, interval: float, rate: float
+        self,
+        bus: "RospyBus | RclpyBus",
+        open_other: Callable[[str], "Design"],
+        options: FlightOptions,
+        interval: float,
+        rate: float,
+        max_current: float = MAX_CURRENT,
     ) -> None:
         self._bus, self._open, self._options, self._interval = bus, open_other, options, interval
-        self._rate = rate or math.inf
+        self._rate, self._max_current = rate or math.inf, max_current
         self._requests: queue.Queue[tuple[float, Current | Release]] = queue.Queue()
         self._current: Current | None = None
         self._published = 0
@@ -83,28 +90,28 @@ class LiveNode:
         """
         name = self._options.namespace
         self._rehearse(design)
-        self._release(design, self._options.start if self._bus.has_clock else self._bus.read_time())
-        self._bus.receive_currents(lambda current: self._requests.put((time.monotonic(), current)))
-        self._bus.serve(f"/{name}/release", self._answer_release)
-        self._bus.serve(f"/{name}/evaluate", self._answer_evaluate)
-        print(f"{design.name} flies at {self._bus.address}; topics in /{name}; end with Ctrl-C", flush=True)
+        self._bus.check_clock()
+        self._release(design, self._options.start)
+        self._bus.receive_currents(self._options.world, lambda current: self._requests.put((time.monotonic(), current)))
+        self._bus.serve(f"{name}/release", self._answer_release)
+        self._bus.serve(f"{name}/evaluate", self._answer_evaluate)
+        print(f"{design.name} flies at {self._bus.address}; topics in {name}/; end with Ctrl-C", flush=True)
         while self._bus.is_alive():
             if once and self._failure:
                 raise self._failure
             if once and self._reason:
                 return
-            due = self._find_due()
             try:
-                at, request = self._requests.get(timeout=min(PATIENCE, max(0.0, due - time.monotonic())))
+                at, request = self._requests.get(timeout=min(PATIENCE, max(0.0, self._due - time.monotonic())))
             except queue.Empty:
-                if time.monotonic() >= due:
+                if time.monotonic() >= self._due:
                     self._tick()
                 continue
             if isinstance(request, Release):
                 self._answer(request)
             else:
                 self._meet_current(at, request)
-        raise WorkFailedError(f"roscore at {self._bus.address} does not answer any more")
+        raise WorkFailedError(self._bus.lost)
 
     def _rehearse(self, design: "Design") -> None:
         """Fly two steps and make their messages: all is compiled, and all topics are known, when time begins."""
@@ -112,36 +119,40 @@ class LiveNode:
         flight.step(REHEARSAL)
         # A current across takes the flight out of its plane, which other kernels fly.
         flown = flight.step(REHEARSAL, np.add(design.scenario.current(), [0.0, 1e-3, 0.0]).tolist())
-        self._bus.advertise(f"/{self._options.namespace}/current", CURRENT, latched=True)
+        self._bus.advertise(f"{self._options.namespace}/current", CURRENT, latched=True)
         for topic in self._list_topics(FlightTopics(design.export_job(), flown, self._options)):
             list(topic.messages())
             self._bus.advertise(topic.name, topic.kind, topic.latched)
         time.sleep(SETTLE)
 
     def _release(self, design: "Design", clock: float) -> None:
-        """Release a design now, at a time of the clock, s."""
+        """Release a design now, at a time of its own clock, s, or at that of ROS."""
         self._flight = design.fly()
+        clock = clock if self._bus.has_clock else max(clock, self._bus.read_time())
         self._design, self._clock, self._ticks = design, clock, 0
         self._reason, self._failure, self._is_late = "", None, False
-        self._began = time.monotonic()
+        # The wall time of the next messages, and how fast they follow each other.
+        self._due = time.monotonic() + self._interval / self._rate
         self._live = self._options.model_copy(update={"start": clock})
         self._job, self._plumes = design.export_job(), list_plumes(design.scenario, self._live)
         self._pending = self._current
         self._publish(latched=True)
         self._publish()
 
-    def _find_due(self) -> float:
-        """Return when the next messages are due."""
-        if self._reason:
-            return math.inf
-        return self._began + (self._ticks + 1) * self._interval / self._rate
-
     def _tick(self) -> None:
-        late = time.monotonic() - self._find_due()
+        late = time.monotonic() - self._due
         if math.isfinite(self._rate) and late > LATE and not self._is_late:
             self._is_late = True
             print(f"warning: the flight is {late:.1f} s late: it takes longer than its time", file=sys.stderr)
         self._ticks += 1
+        if self._reason:
+            # Between flights time passes as it does outside, if nothing limits that of a flight.
+            self._due += self._interval / self._rate if math.isfinite(self._rate) else self._interval
+            if self._bus.has_clock:
+                now = self._bus.ros.make_time(round((self._clock + self._ticks * self._interval) * SECOND))
+                self._send("/clock", "rosgraph_msgs/Clock", self._bus.ros.make("rosgraph_msgs/Clock", clock=now))
+            return
+        self._due += self._interval / self._rate
         self._fly(self._ticks * self._interval)
         self._publish()
 
@@ -158,10 +169,9 @@ class LiveNode:
             self._reason = "" if self._flight.end is None else str(self._flight.end)
         self._pending = None
         if self._reason:
-            where = f"/{self._options.namespace}/release"
+            again = self._bus.call.format(f"{self._options.namespace}/release")
             print(
-                f"{self._design.name}: ends after {self._flight.time:.2f} s: {self._reason}; "
-                f"rosservice call {where} flies again",
+                f"{self._design.name}: ends after {self._flight.time:.2f} s: {self._reason}; {again} flies again",
                 flush=True,
             )
 
@@ -169,16 +179,22 @@ class LiveNode:
         """Apply a current from its arrival; an equal one changes nothing."""
         if current == self._current:
             return
-        if not all(abs(u) <= MAX_SPEED for u in current):
-            print(f"warning: the current {current} m/s is ignored", file=sys.stderr)
+        if not (speed := math.hypot(*current)) <= self._max_current:
+            print(
+                f"warning: a current of {speed:.3g} m/s is refused: at most {self._max_current:g} m/s (--max-current)",
+                file=sys.stderr,
+            )
             return
-        arrived = (at - self._began) * self._rate if math.isfinite(self._rate) else 0.0
-        self._fly(min(arrived, (self._ticks + 1) * self._interval))
+        ahead = (self._due - at) * self._rate if math.isfinite(self._rate) else math.inf
+        self._fly((self._ticks + 1) * self._interval - max(0.0, ahead))
         self._current = self._pending = current
-        ros = make_messages(None)
-        stamp = self._make_topics().stamps[0]
-        message = ros.make_stamped(CURRENT, stamp, WORLD, twist=ros.make_twist(np.array([*current, 0.0, 0.0, 0.0])))
-        self._bus.publish(f"/{self._options.namespace}/current", ros.encode(CURRENT, message))
+        ros, stamp = self._bus.ros, self._make_topics().stamps[0]
+        twist = ros.make_twist(np.array([*current, 0.0, 0.0, 0.0]))
+        message = ros.make_stamped(CURRENT, stamp, self._options.world, twist=twist)
+        self._send(f"{self._options.namespace}/current", CURRENT, message)
+
+    def _send(self, topic: str, kind: str, message: Any) -> None:
+        self._bus.publish(topic, self._bus.ros.encode(kind, message))
 
     def _make_topics(self) -> FlightTopics:
         """Return the topics of the last sample of the flight."""
@@ -191,9 +207,11 @@ class LiveNode:
         return FlightTopics(self._job, last, self._live, self._published, self._plumes)
 
     def _list_topics(self, topics: FlightTopics) -> list[Topic]:
-        """Return the topics of a live flight: those of a recording, without the path."""
-        left_out = {f"/{self._options.namespace}/path", *(() if self._bus.has_clock else ("/clock",))}
-        return [topic for topic in topics.list_topics() if topic.name not in left_out]
+        """Return the topics of a live flight: those of a recording, without the path, in the namespace of the node."""
+        own = f"/{self._options.namespace}/"
+        left_out = {f"{own}path", *(() if self._bus.has_clock else ("/clock",))}
+        found = [topic for topic in topics.list_topics() if topic.name not in left_out]
+        return [replace(t, name=t.name[1:]) if t.name.startswith(own) else t for t in found]
 
     def _publish(self, latched: bool = False) -> None:
         self._published += 1
@@ -202,13 +220,13 @@ class LiveNode:
             if topic.latched == latched:
                 self._bus.advertise(topic.name, topic.kind, latched)
                 for _, message in topic.messages():
-                    self._bus.publish(topic.name, topics.ros.encode(topic.kind, message))
+                    self._send(topic.name, topic.kind, message)
 
     def _answer(self, request: Release) -> None:
         """Release the agent of a request."""
         try:
             # The clock never goes back.
-            self._release(request.design, self._clock + self._flight.time + self._interval)
+            self._release(request.design, self._clock + (self._ticks + 1) * self._interval)
         except DriftformError as error:
             request.done.set_exception(error)
         else:
@@ -216,7 +234,7 @@ class LiveNode:
 
     def _open_named(self) -> "Design":
         """Open the agent that the parameter names, or return the one in flight."""
-        text = self._bus.read_parameter(f"/{self._options.namespace}/agent")
+        text = self._bus.read_parameter(f"{self._options.namespace}/agent")
         return self._design if text is None else self._open(text)
 
     def _answer_release(self) -> tuple[bool, str]:

@@ -18,8 +18,6 @@ from driftform_robotics.options import FlightOptions, Ros2Options
 from driftform_robotics.plume import Plume, make_plume
 from driftform_robotics.recording.messages import SECOND, make_messages
 
-WORLD = "world"
-
 ON_WALL = 0.01
 """Largest distance of a leak from the wall, relative to the bore's radius: such targets are leaks."""
 
@@ -60,7 +58,9 @@ class FlightTopics:
         self.plumes = list_plumes(job.scenario, options) if plumes is None else plumes
         self.ros = make_messages(options.release if isinstance(options, Ros2Options) else None)
         self.stamps = [round(options.start * SECOND) + round(float(t) * SECOND) for t in trajectory.t]
-        self.base = f"{options.namespace}/base_link"
+        self.world, self.base = options.world, f"{options.namespace}/base_link"
+        # By REP 105 the pose is in a frame of the agent's own, which is where the map is.
+        self.parent = f"{options.namespace}/odom" if options.rep105 else self.world
 
     def list_topics(self) -> list[Topic]:
         """Return the topics that have messages."""
@@ -69,7 +69,7 @@ class FlightTopics:
             Topic("/clock", "rosgraph_msgs/Clock", self._make_clock),
             Topic("/tf_static", "tf2_msgs/TFMessage", self._make_static_tf, latched=True),
             Topic("/tf", "tf2_msgs/TFMessage", self._make_tf),
-            Topic("/markers", "visualization_msgs/MarkerArray", self._make_markers, latched=True),
+            Topic(f"/{name}/markers", "visualization_msgs/MarkerArray", self._make_markers, latched=True),
             Topic(f"/{name}/path", "nav_msgs/Path", self._make_path, latched=True),
             Topic(f"/{name}/odom", "nav_msgs/Odometry", self._make_odometry),
             Topic(f"/{name}/wrench", "geometry_msgs/WrenchStamped", self._make_wrenches),
@@ -114,7 +114,7 @@ class FlightTopics:
 
     def _make_tf(self) -> Iterator[tuple[int, Any]]:
         for stamp, place, turned in self._list_poses():
-            moved = self._make_transform(stamp, WORLD, self.base, place, turned)
+            moved = self._make_transform(stamp, self.parent, self.base, place, turned)
             yield stamp, self.ros.make("tf2_msgs/TFMessage", transforms=[moved])
 
     def _make_static_tf(self) -> Iterator[tuple[int, Any]]:
@@ -124,6 +124,8 @@ class FlightTopics:
             self._make_transform(self.stamps[0], self.base, f"{self.options.namespace}/{name}", point, straight)
             for name, point in points.items()
         ]
+        if self.parent != self.world:
+            fixed.append(self._make_transform(self.stamps[0], self.world, self.parent, np.zeros(3), straight))
         yield self.stamps[0], self.ros.make("tf2_msgs/TFMessage", transforms=fixed)
 
     def _make_odometry(self) -> Iterator[tuple[int, Any]]:
@@ -133,12 +135,12 @@ class FlightTopics:
             pose = self.ros.make("geometry_msgs/PoseWithCovariance", pose=self.ros.make_pose(place, turned))
             twist = self.ros.make("geometry_msgs/TwistWithCovariance", twist=self.ros.make_twist(velocity))
             state = {"child_frame_id": self.base, "pose": pose, "twist": twist}
-            yield stamp, self.ros.make_stamped("nav_msgs/Odometry", stamp, WORLD, **state)
+            yield stamp, self.ros.make_stamped("nav_msgs/Odometry", stamp, self.parent, **state)
 
     def _make_path(self) -> Iterator[tuple[int, Any]]:
         make, kind = self.ros.make_stamped, "geometry_msgs/PoseStamped"
-        poses = [make(kind, stamp, WORLD, pose=self.ros.make_pose(*pose)) for stamp, *pose in self._list_poses()]
-        yield self.stamps[0], make("nav_msgs/Path", self.stamps[0], WORLD, poses=poses)
+        poses = [make(kind, stamp, self.parent, pose=self.ros.make_pose(*pose)) for stamp, *pose in self._list_poses()]
+        yield self.stamps[0], make("nav_msgs/Path", self.stamps[0], self.parent, poses=poses)
 
     def _make_wrenches(self) -> Iterator[tuple[int, Any]]:
         found = path.net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
@@ -233,14 +235,14 @@ class FlightTopics:
         *,
         pose: Any,
         size: FloatArray,
-        frame: str = WORLD,
+        frame: str = "",
         **more: Any,
     ) -> Any:
         r, g, b, a = colour
         kind: Any = self.ros.store.types["visualization_msgs/msg/Marker"]
         return self.ros.make(
             "visualization_msgs/Marker",
-            header=self.ros.make_header(stamp, frame),
+            header=self.ros.make_header(stamp, frame or self.world),
             ns=group,
             type=getattr(kind, shape),
             action=kind.ADD,
