@@ -150,22 +150,10 @@ def lose_frames(film: Filmed, frames: list[int]) -> Filmed:
     return replace(film, track=check_track("1.csv", short))
 
 
-def test_lost_frames_are_the_reason_why_nothing_is_known(noisy: list[Filmed]) -> None:
-    first, *others = noisy
-    short = lose_frames(first, [10, 17])
-    # The first was lost while the agent was still slow.
-    assert short.track.lost == pytest.approx(short.track.t[[16]])
-    found = fit_factors([short, *others], FALLING)
-    assert found.known == ()
-    assert found.estimates["cross_drag"].reason.startswith("1.csv lost frames, the first at t = 0.267 s")
-
-
 @pytest.mark.parametrize("frame", [20, 60])
 def test_a_lost_frame_shows_in_what_the_fit_leaves(film: Film, frame: int) -> None:
     first, *others = film(WORLD, Filming(), depth=2.0)
-    short = lose_frames(first, [frame])
-    unseen = replace(short, track=replace(short.track, lost=()))
-    found = fit_factors([unseen, *others], FALLING)
+    found = fit_factors([lose_frames(first, [frame]), *others], FALLING)
     assert found.known == ()
     assert found.estimates["cross_drag"].reason.startswith(f"1.csv lost frames, the first at t = {frame / 60:.3f} s")
 

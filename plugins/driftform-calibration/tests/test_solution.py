@@ -137,17 +137,6 @@ def test_the_correlation_time_of_an_autoregression_is_its_closed_form(rho: float
     assert found == pytest.approx((1 + rho) / (1 - rho), rel=0.08)
 
 
-def test_the_correlation_time_of_a_short_pattern_is_the_sum_of_its_correlations() -> None:
-    """A step of equal halves, 1 and -1: lag k has the correlation (n - 3 k) / n."""
-    n = 60
-    lines = Lines([np.repeat([1.0, -1.0], n // 2)], [1.0])
-    expected, lag = 1.0, 1
-    while lag < n // 3 and (n - 3 * lag) / n >= 2 / np.sqrt(n):
-        expected, lag = expected + 2 * (n - 3 * lag) / n, lag + 1
-    assert lag == 15
-    assert correlation_time(as_problem(lines), np.zeros(2), 0) == pytest.approx(expected, rel=1e-12)
-
-
 def test_two_coordinates_share_one_correlation_time() -> None:
     rng = np.random.default_rng(5)
     a, b = draw_series(rng, 5000, 0.8), draw_series(rng, 5000, 0.0)
@@ -155,18 +144,6 @@ def test_two_coordinates_share_one_correlation_time() -> None:
     zero: Any = SimpleNamespace(films=[film], see=lambda *_: (np.zeros((1, 5000, 2)), None), paths=lambda _: [None])
     # Both have the variance 1, so that the correlations are means of 0.8^k and 0.
     assert correlation_time(zero, np.zeros(2), 0) == pytest.approx(1 + 0.8 / 0.2, rel=0.15)
-
-
-@pytest.mark.parametrize("count", [7, 8])
-def test_a_series_of_fewer_than_eight_points_shows_no_correlation(count: int) -> None:
-    seen = np.full(40, np.nan)
-    seen[:count] = 1.0
-    found = correlation_time(as_problem(Lines([seen], [1.0])), np.zeros(2), 0)
-    assert (found > 1.0) == (count >= 8)
-
-
-def test_residuals_of_a_model_that_fits_exactly_have_no_correlation() -> None:
-    assert correlation_time(as_problem(Lines([np.zeros(50)], [1.0])), np.zeros(2), 0) == 1.0
 
 
 def test_a_wild_point_hardly_shortens_the_correlation_time() -> None:
@@ -196,14 +173,6 @@ def test_a_residual_of_several_times_the_noise_counts_as_its_influence() -> None
     assert _spread(residuals) == pytest.approx(ROBUST / np.sqrt(2) * 2**1.5, rel=1e-12)
 
 
-def test_unknowns_use_up_half_of_the_residuals_at_most() -> None:
-    """Two points fix a line; three leave one, so that a tenth of the noise would be claimed without a limit."""
-    lines = Lines([np.array([0.01, -0.02, 0.01])], [10.0])
-    found = estimate_covariance(as_problem(lines), np.zeros(2))
-    A = lines.designs[0]
-    assert found == pytest.approx(6e-4 / 1.5 * np.linalg.inv(A.T @ A), rel=1e-3, abs=1e-12)
-
-
 def test_a_solution_keeps_its_covariance_as_what_is_known_before_another_fit() -> None:
     covariance = np.array([[4e-4, 1e-4], [1e-4, 9e-4]])
     anchor = Solution(as_problem(Lines([np.zeros(9)], [1.0])), np.array([0.1, 0.2]), covariance).anchor()
@@ -222,11 +191,6 @@ def test_points_count_once_where_an_earlier_fit_has_counted_them() -> None:
     assert again == pytest.approx(once, rel=0.02, abs=2e-4)
 
 
-def test_an_unknown_without_variance_is_held_with_a_finite_weight() -> None:
-    exact = Solution(as_problem(Lines([np.zeros(9)], [1.0])), np.zeros(2), np.diag([1.0, 0.0])).anchor()
-    assert sorted(np.linalg.norm(exact.rows, axis=1)) == pytest.approx([1.0, 1e9])
-
-
 def test_solutions_that_fit_as_well_widen_the_covariance_by_their_distance() -> None:
     rng = np.random.default_rng(8)
     lines = Lines([rng.choice([-1.0, 1.0], 200)], [1.0])
@@ -242,16 +206,3 @@ def test_solutions_that_fit_as_well_widen_the_covariance_by_their_distance() -> 
     assert 0.1 < weight < 0.99
     assert merged.covariance == pytest.approx(own + weight * np.outer(away, away), rel=1e-9)
     assert best.covariance is own and own[0, 1] == 0.0, "the best one keeps its own"
-
-
-def test_a_solution_of_correlated_residuals_counts_less_beside_the_best() -> None:
-    """With the pattern of a step, whose correlation time is known, likelihoods count its root of them."""
-    lines = Lines([0.1 * np.repeat([1.0, -1.0], 30)], [0.1])
-    problem, away = as_problem(lines), np.array([0.0, -0.05])
-    best, other = (Solution(problem, np.zeros(2) + shift, np.zeros((2, 2))) for shift in (0 * away, -away))
-    time = correlation_time(problem, best.x, 0)
-    assert time > 5
-    costs = [2 * ROBUST**2 * (np.sqrt(1 + (lines.residuals(s.x) / ROBUST) ** 2) - 1).sum() for s in (best, other)]
-    assert costs[0] < costs[1]
-    weight = np.exp((costs[0] - costs[1]) / (2 * time))
-    assert merge_solutions([best, other]).covariance == pytest.approx(weight * np.outer(away, away), rel=1e-9)

@@ -49,7 +49,7 @@ T, POINTS = fall()
             np.r_[0:15, 30:40],
             (f"nothing was seen from t = {T[14]:.3f} to {T[30]:.3f} s",),
         ),
-        (T[::-1], POINTS[::-1], slice(None), ("times decrease from row to row: rows were put in the order of time",)),
+        (T[::-1], POINTS[::-1], slice(None), ("times go back 39 times: rows were put in the order of time",)),
         (np.repeat(T, 2), np.repeat(POINTS, 2, axis=0), slice(None), ("40 rows with the time of another left out",)),
     ],
     ids=["sound", "empty rows", "a gap", "backwards", "exported twice"],
@@ -70,33 +70,6 @@ def test_frames_that_were_lost_in_a_rhythm_get_their_time_back(period, lost):
     assert found.notes == (
         f"after every {period} frames {lost} of them missing, by regular jumps of the points: times were corrected",
     )
-
-
-@pytest.mark.parametrize("missing", [[40], [31, 70], [25, 26, 27]])
-def test_single_frames_that_were_lost_are_found_where_they_are_missing(missing):
-    t, points = fall(90, 60.0)
-    kept = np.delete(np.arange(len(t)), missing)
-    noisy = points + np.random.default_rng(len(missing)).normal(0, 0.002, points.shape)
-    found = check_track("film.csv", track_of(t[: len(kept)], noisy[kept]))
-    last = t[np.flatnonzero(np.diff(kept) > 1) + 1]
-    assert all(np.abs(np.array(found.lost) - when).min() < 0.02 for when in last)
-    assert all(np.abs(last - when).min() < 0.035 for when in found.lost)
-    assert f"t = {found.lost[0]:.3f} s by whole frames" in found.notes[0]
-    assert found.cut(found.lost[0] - 0.01).lost == ()
-
-
-def test_noise_releases_and_bounces_are_no_lost_frames():
-    """One track in a hundred may be taken for one with lost frames."""
-    t, found = np.arange(90) / 60.0, 0
-    for seed in range(40):
-        rng = np.random.default_rng(seed)
-        held, rebound = rng.uniform(0, 0.3), rng.uniform(0.3, 0.9)
-        fallen = np.maximum(t - held, 0.0)
-        after = np.maximum(fallen - 0.5, 0.0)
-        z = np.where(after > 0, rebound * (2 * after - 2 * after**2), 0.5 - 2 * fallen**2)
-        noise = rng.normal(0, 10 ** rng.uniform(-5, -2.5), (len(t), 2))
-        found += bool(check_track("film.csv", track_of(t, np.column_stack([0.05 * t, z]) + noise)).lost)
-    assert found <= 2
 
 
 def test_neither_noise_nor_a_bounce_is_a_rhythm():

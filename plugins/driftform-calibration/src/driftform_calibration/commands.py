@@ -91,10 +91,11 @@ def calibrate(
         float | None, typer.Option(metavar="M", help="Metres per pixel, if the coordinates are pixels.")
     ] = None,
     scale_error: Annotated[
-        float, typer.Option(metavar="SHARE", help="Standard deviation of the film's scale, relative to it.")
+        float,
+        typer.Option(metavar="SHARE", min=0, max=0.2, help="Standard deviation of the film's scale, relative to it."),
     ] = 0.005,
     distance: Annotated[
-        float, typer.Option(metavar="M", help="Distance of the camera, m; nearer films show less.")
+        float, typer.Option(metavar="M", min=0.1, max=1000, help="Distance of the camera, m; nearer films show less.")
     ] = 2.5,
     fps: Annotated[
         float | None, typer.Option(metavar="N", help="Frames per second, if the file has frames and no times.")

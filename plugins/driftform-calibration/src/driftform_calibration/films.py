@@ -86,10 +86,6 @@ def film_track(path: Path, bench: Bench, reading: Reading, view: str, scale_erro
     """
     if view not in VIEWS:
         raise InputError(f"--view {view}: unknown view{did_you_mean(view, VIEWS)}; take {', '.join(VIEWS)}")
-    if not 0 <= scale_error <= 0.2:
-        raise InputError(f"--scale-error {scale_error:g}: should be from 0 to 0.2")
-    if not 0.1 <= distance <= 1000:
-        raise InputError(f"--distance {distance:g}: should be from 0.1 to 1000 m")
     film = Filmed(bench, read_track(path, bench.body, reading), view, scale_error, distance)
     _check_motion(str(path), film)
     return film

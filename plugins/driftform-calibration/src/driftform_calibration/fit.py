@@ -6,7 +6,7 @@ these are correlated along a track, as the errors of a model are, a track shows 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -205,8 +205,7 @@ def _measure_noise(film: Filmed) -> float:
 def _find_misfit(solution: Solution) -> str:
     """Return why no factor is known, if frames were lost or a track lies far off the flight that fits it best; else nothing."""
     problem, (share, least) = solution.problem, FILM_NOISE
-    jumps = ((film.track.name, film.track.lost[0]) for film in problem.films if film.track.lost)
-    if lost := next(jumps, None) or find_lost_frames(solution):
+    if lost := find_lost_frames(solution):
         return f"{lost[0]} lost frames, the first at t = {lost[1]:.3f} s: give it the times of its frames"
     noises = [max(_measure_noise(film), share * film.track.span, least) for film in problem.films]
     ratios = [noise / least for noise, least in zip(problem.noise, noises, strict=True)]
@@ -491,12 +490,10 @@ def _correlate(solution: Solution, estimates: Mapping[str, FactorEstimate]) -> l
     """Return the correlations of the known ones among factors."""
     names, covariance = solution.problem.names, solution.covariance
     known = [j for j, name in enumerate(names) if name in estimates and estimates[name].known]
-    rows = [
-        (names[i], names[j], round(float(covariance[i, j] / np.sqrt(covariance[i, i] * covariance[j, j])), 3))
-        for a, i in enumerate(known)
-        for j in known[a + 1 :]
-    ]
-    return [row for row in rows if abs(row[2]) > NEGLIGIBLE]
+    deviation = np.sqrt(np.diag(covariance))
+    found = np.round(covariance / np.outer(deviation, deviation), 3)
+    pairs = [(i, j) for i, j in combinations(known, 2) if abs(found[i, j]) > NEGLIGIBLE]
+    return [(names[i], names[j], float(found[i, j])) for i, j in pairs]
 
 
 def measure_distance(distances: Sequence[FloatArray]) -> float:

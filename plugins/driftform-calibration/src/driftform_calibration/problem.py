@@ -251,8 +251,9 @@ class Problem:
     def _weigh(self, number: int, points: FloatArray, angle: FloatArray) -> FloatArray:
         """Return the differences of one track over their noise, of what was seen only."""
         film = self.films[number]
-        turned = (angle - film.track.angle + np.pi) % (2 * np.pi) - np.pi
-        return self._weigh_change(number, points - film.observed, turned)
+        off, turned = points - film.observed, (angle - film.track.angle + np.pi) % (2 * np.pi) - np.pi
+        seen, known = ~np.isnan(film.observed), ~np.isnan(film.track.angle)
+        return np.concatenate([off[seen] / self.noise[number], turned[known] / ANGLE_ERROR])
 
     def list_new(self, number: int) -> npt.NDArray[np.bool_]:
         """Return which residuals of a track the earlier fit has not counted, (residuals,)."""
@@ -287,9 +288,7 @@ class Problem:
         return np.vstack([*data, self.prior_rows])
 
     def _derive(self, x: FloatArray, number: int, path: Path) -> FloatArray:
-        camera = self.camera(x, number)
-        points, angle = self.see(x, number, path)
-        base = self._weigh(number, points, angle)
+        base = self._weigh(number, *self.see(x, number, path))
         out = np.zeros((len(base), len(self.parameters)))
         for j, p in enumerate(self.parameters):
             if p.owner not in (-1, number):
@@ -302,26 +301,12 @@ class Problem:
                 is_lifted = p.name == "rise" and np.isinf(path.contact)
                 other = replace(path, position=path.position + np.array([0.0, 0.0, step])) if is_lifted else None
                 out[:, j] = (self._weigh(number, *self.see(moved, number, other)) - base) / step
-            elif p.name in ("delay", "aspect", "keystone", "barrel"):
-                # The flight is the same: its end, which follows the delay, is not seen.
+            else:
+                # The camera's: the flight is the same, and its end, which follows the delay, is not seen.
                 moved = x.copy()
                 moved[j] += 1e-5
                 out[:, j] = (self._weigh(number, *self.see(moved, number, path)) - base) / 1e-5
-            elif p.name == "scale":
-                out[:, j] = self._weigh_change(number, points - np.array(camera.offset), np.zeros_like(angle))
-            elif p.name == "tilt":
-                across = (points - np.array(camera.offset))[..., ::-1] * (-1.0, 1.0)
-                out[:, j] = self._weigh_change(number, across, np.ones_like(angle))
-            else:
-                shift = np.zeros_like(points)
-                shift[..., int(p.name.removeprefix("offset "))] = 1.0
-                out[:, j] = self._weigh_change(number, shift, np.zeros_like(angle))
         return out
-
-    def _weigh_change(self, number: int, points: FloatArray, angle: FloatArray) -> FloatArray:
-        film = self.films[number]
-        off, turned = points[~np.isnan(film.observed)], angle[~np.isnan(film.track.angle)]
-        return np.concatenate([off / self.noise[number], turned / ANGLE_ERROR])
 
 
 def shown_name(name: str) -> str:

@@ -32,9 +32,6 @@ SCATTER = 0.05
 CLEAR_JUMPS = 5.0
 """Mean of regular jumps over its standard error from which frames are missing there: some 200 rhythms are tried."""
 
-SURE = 0.01
-"""Chance that a track without lost frames is taken for one with some."""
-
 LIKELY = 0.6
 """Least likelihood of a point, as DeepLabCut states it."""
 
@@ -69,7 +66,6 @@ class Track:
         markers: the points that were followed.
         angle: of the axis in the picture, counterclockwise from the right, rad, (n,); NaN where it is not known.
         notes: repairs, one line each.
-        lost: times (s) before which frames seem to be missing, although the times go on evenly.
     """
 
     name: str
@@ -77,11 +73,10 @@ class Track:
     markers: tuple[Marker, ...]
     angle: FloatArray
     notes: tuple[str, ...] = ()
-    lost: tuple[float, ...] = ()
 
     def cut(self, end: float) -> "Track":
         """Return the track up to the time ``end``, s."""
-        return replace(_pick_rows(self, np.flatnonzero(self.t <= end)), lost=tuple(t for t in self.lost if t <= end))
+        return _pick_rows(self, np.flatnonzero(self.t <= end))
 
     @property
     def is_spatial(self) -> bool:
@@ -157,9 +152,7 @@ def check_track(label: str, track: Track) -> Track:
         notes.append(f"{lost} of {len(keep)} rows without a time or a point left out")
     track = _pick_rows(track, np.flatnonzero(keep))
     steps = np.diff(track.t)
-    if len(steps) and (steps <= 0).all() and (steps < 0).any():
-        notes.append("times decrease from row to row: rows were put in the order of time")
-    elif (steps < 0).any():
+    if (steps < 0).any():
         notes.append(f"times go back {int((steps < 0).sum())} times: rows were put in the order of time")
     track = _pick_rows(track, np.argsort(track.t, kind="stable"))
     track = _merge_doubles(label, track, notes)
@@ -171,9 +164,6 @@ def check_track(label: str, track: Track) -> Track:
     for k in np.flatnonzero(np.diff(track.t) > GAP * usual)[:3]:
         notes.append(f"nothing was seen from t = {track.t[k]:.3f} to {track.t[k + 1]:.3f} s")
     track = _mend_lost_frames(track, notes)
-    if jumps := find_jumps_ahead(track):
-        track = replace(track, lost=jumps)
-        notes.append(f"jumps ahead at t = {jumps[0]:.3f} s by whole frames, as if some were lost there")
     _check_jumps(label, track, notes)
     if not track.span > 0:
         raise InputError(f"{label}: its points do not move")
@@ -279,42 +269,6 @@ def _mend_lost_frames(track: Track, notes: list[str]) -> Track:
     return track
 
 
-def find_jumps_ahead(track: Track) -> tuple[float, ...]:
-    """Return the times (s) before which frames were lost and numbered without a gap: there the points jump along their path.
-
-    A cubic is fitted to each 16 points in a row, without and with a jump by some frames of its own speed in the middle
-    (also elsewhere in the first and the last window). The test is Student's, of the residuals that the jump leaves.
-    """
-    # Student's distribution without the second that scipy.stats takes to import.
-    from scipy.special import stdtrit
-
-    half = 8
-    points = track.markers[0].points[:, np.isfinite(track.markers[0].points).all(axis=0)]
-    if len(points) < 2 * half or not points.size:
-        return ()
-    windows = np.lib.stride_tricks.sliding_window_view(points, 2 * half, axis=0)
-    steps = np.lib.stride_tricks.sliding_window_view(np.diff(track.t), 2 * half - 1)
-    places = np.arange(-half, half) + 0.5
-    cubic = np.vander(places / half, 4)
-    rest = np.eye(2 * half) - cubic @ np.linalg.pinv(cubic)
-    slope = np.linalg.pinv(np.vander(places, 3))[1]
-    freedom = points.shape[1] * (2 * half - 4) - 1
-    least = -float(stdtrit(freedom, SURE / len(points)))
-    off, moves, found = windows @ rest, windows @ slope, []
-    speed = np.linalg.norm(moves, axis=1)
-    # Where times have gaps, or the agent is still held, steps say nothing.
-    usable = (np.ptp(steps, axis=1) < 0.1 * np.median(np.diff(track.t))) & (speed > 0.1 * speed.max())
-    for first in range(3, 2 * half - 2):
-        at = slice(None) if first == half else slice(0, 1) if first < half else slice(-1, None)
-        jump = moves[at, :, None] * (rest @ (np.arange(2 * half) >= first))
-        energy = np.maximum((jump**2).sum(axis=(1, 2)), 1e-300)
-        frames = (off[at] * jump).sum(axis=(1, 2)) / energy
-        left = ((off[at] - frames[:, None, None] * jump) ** 2).sum(axis=(1, 2)) / freedom
-        clear = usable[at] & (frames > 0.5) & (frames * np.sqrt(energy) > least * np.sqrt(left))
-        found += [float(track.t[first + k]) for k in np.arange(len(windows))[at][clear]]
-    return tuple(sorted(found))
-
-
 def _compare(values: FloatArray, weight: FloatArray, inside: npt.NDArray[np.bool_]) -> float:
     """Return the weighted mean of some values less that of the others."""
     here, there = (np.average(values[some], weights=weight[some]) for some in (inside, ~inside))
@@ -362,12 +316,10 @@ def estimate_noise(track: Track) -> float:
             if len(t) < 8:
                 continue
             offsets = np.column_stack([t[i : len(t) - 4 + i] for i in range(5)])
-            nodes = offsets[:, [0, 1, 3, 4]]
-            weights = np.ones_like(nodes)
-            for j in range(4):
-                for k in range(4):
-                    if j != k:
-                        weights[:, j] *= (offsets[:, 2] - nodes[:, k]) / (nodes[:, j] - nodes[:, k])
+            nodes, middle = offsets[:, [0, 1, 3, 4]], offsets[:, 2]
+            # Lagrange's polynomials of the neighbours, at the point between them.
+            others = np.array([np.delete(nodes, j, axis=1) for j in range(4)])
+            weights = np.prod((middle[:, None] - others) / (nodes.T[:, :, None] - others), axis=2).T
             seen = np.column_stack([v[i : len(v) - 4 + i] for i in (0, 1, 3, 4)])
             off = (v[2:-2] - (weights * seen).sum(axis=1)) / np.sqrt(1 + (weights**2).sum(axis=1))
             spreads.append(1.4826 * float(np.median(np.abs(off))))
