@@ -37,17 +37,6 @@ def test_the_view_shows_both_legs_of_the_main(junction: Scenario):
     assert max(abs(float(bore.axes[0] @ viewer)) for bore in list_bores(junction.pipe, viewer)) < 0.95
 
 
-def test_the_cut_of_the_main_is_open_where_the_branch_leaves(junction: Scenario):
-    bores = list_bores(junction.pipe, upright_axes(junction)[2])
-    opened = [bore for bore in bores if len(bore.edges) == 1]
-    assert opened
-    branch = junction.pipe.layout.outlets[0].opening.centre
-    for bore in opened:
-        assert bore.edges == (np.pi,)
-        middle = bore.start + 0.5 * bore.length * bore.axes[0]
-        assert np.linalg.norm((branch - middle)[:2]) < 0.1
-
-
 def test_a_bore_that_runs_towards_the_viewer_shows_its_lower_half():
     scenario = Scenario.model_validate({"pipe": {"segments": [{"start": (0, 0, 0), "end": (0, 2, 0), "radius": 0.5}]}})
     [bore] = list_bores(scenario.pipe, np.array([0.0, -1.0, 0.0]))

@@ -73,28 +73,6 @@ def test_the_matrices_of_fossen_are_those_of_the_uuv_simulator(export: Callable[
     assert np.array_equal(found["centre_of_buoyancy"] * np.array([1, -1, -1]), read("center_of_buoyancy"))
 
 
-def test_a_block_says_in_which_program_the_added_mass_diverges(jobs: dict[str, ExportJob]) -> None:
-    exporter = FossenExporter(WaterOptions())
-    ratios = {}
-    for name, job in jobs.items():
-        text = exporter.describe_water(job)
-        ratio = ratios[name] = tomllib.loads(text)["added_over_own_mass"]
-        rigid = np.diag([job.agent.mass.mass] * 3 + [0.0] * 3)
-        rigid[3:, 3:] = job.agent.mass.inertia
-        for program, smoothing in (("Gazebo Fortress", 1.0), ("the UUV simulator", 0.3)):
-            # A mode with this ratio, in steps: the force of the smoothed acceleration of the step before.
-            smoothed, own = 1.0, 0.0
-            for _ in range(2000):
-                own = -ratio * smoothed
-                smoothed = (1 - smoothing) * smoothed + smoothing * own
-                if abs(smoothed) > 1e30:
-                    break
-            diverges = abs(smoothed) > 1.0
-            assert (f"DIVERGES in {program}" in text) == diverges, (name, ratio)
-            assert (f"is stable in {program}" in text) != diverges
-    assert min(ratios.values()) < 17 / 3
-
-
 def test_the_exported_file_is_the_block(tmp_path: Path) -> None:
     def run(*words: str) -> str:
         result = CliRunner().invoke(app, list(words))

@@ -1,6 +1,5 @@
 """The command line, for formats that are folders."""
 
-import json
 from pathlib import Path
 
 from typer.testing import CliRunner
@@ -30,9 +29,3 @@ def test_it_prints_the_file_to_open_and_counts_the_others(tmp_path: Path) -> Non
         folder, _, count = line.partition(": ")
         assert folder.endswith(f"-{suffix}")
         assert count == f"{sum(path.is_file() for path in Path(folder).rglob('*'))} files"
-
-
-def test_with_json_it_prints_all_files(tmp_path: Path) -> None:
-    files = json.loads(export(tmp_path, "--json"))["files"]
-    assert sorted(file["path"] for file in files) == sorted(str(p) for p in tmp_path.rglob("*") if p.is_file())
-    assert [file["format"] for file in files if "mass_kg" in file] == ["sdf", "uuv", "urdf", "mjcf"]

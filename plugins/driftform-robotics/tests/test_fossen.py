@@ -344,13 +344,6 @@ def test_a_warning_appears_if_and_only_if_lagged_added_mass_diverges(
     assert ("UNSTABLE" in (folder / "urdf/agent.xacro").read_text(encoding="utf-8")) == diverges
 
 
-def test_the_release_launch_sets_the_speed_of_the_release(jobs: dict[str, ExportJob], export: Callable) -> None:
-    node = ET.parse(export("uuv", jobs["skewed"]) / "launch/release.launch").getroot().find("node")
-    assert "twist: {linear: {x: 0.2, y: 0.1, z: -0.3}}" in node.get("args")
-    half = np.deg2rad(-15)
-    assert f"y: {np.sin(half):.12g}, z: 0, w: {np.cos(half):.12g}" in node.get("args")
-
-
 def gap_in(path: Path) -> tuple[dict[float, float], float]:
     """Distances (m) by times (s), and the step (s), of the sentence in a file."""
     text = path.read_text(encoding="utf-8")

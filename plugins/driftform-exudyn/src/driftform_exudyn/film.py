@@ -92,7 +92,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         return min(24.0, max(8.0, self._size[0] / 64), min(self._size) / 16)
 
     def _make_view(self, scene: "Scene") -> "Callable[[int], Image]":
-        """Return the function that renders a frame; frames must be rendered in order."""
+        """Return the function that renders a frame."""
         from driftform_exudyn.views import FollowView, SideView, wanted_height
 
         width, height, rays = self.options.width, self.options.height, self.options.rays

@@ -39,15 +39,13 @@ def upright_axes(scenario: Scenario) -> FloatArray:
 class Bore:
     """A straight piece of pipe, m; rows of ``axes`` are its axis, up, and the direction of the back wall, (3, 3).
 
-    ``edges`` are the angles of the edges along which the wall is cut, rad from up: both, or one where a branch leaves by the
-    other; ``is_chord`` is whether it is one of many pieces of a pipe with parts, which have no distances beside them.
+    ``is_chord`` is whether it is one of many pieces of a pipe with parts, which have no distances beside them.
     """
 
     start: FloatArray
     length: float
     radius: float
     axes: FloatArray
-    edges: tuple[float, ...] = (0.0, np.pi)
     is_chord: bool = False
 
     @classmethod
@@ -98,12 +96,10 @@ class Bore:
         return [place(inside, 1.0, self.start), self._make_section(first, last), *rings, *stripes]
 
     def _make_section(self, first: float, last: float) -> Shape:
-        angles = np.array(self.edges)[:, None, None]
+        angles = np.array([0.0, np.pi])[:, None, None]
         rims = self.radius * np.array([1.0, 1 + THICKNESS])[:, None]
         grid = self.point(np.array([first, last]), rims, angles)
-        return make_ribbons(
-            grid, np.broadcast_to(-self.axes[2], grid.shape), [style.tint(style.WALL, 0.6)] * len(self.edges)
-        )
+        return make_ribbons(grid, np.broadcast_to(-self.axes[2], grid.shape), [style.tint(style.WALL, 0.6)] * 2)
 
     def make_surface(self, level: float, first: float, last: float) -> list[Shape]:
         """Return the water's surface at the height ``level`` (m), where it lies within the pipe."""
@@ -150,21 +146,8 @@ def list_bores(pipe: Pipe, viewer: FloatArray) -> list[Bore]:
                 turn = part.angle / (len(axis.points) - 1) if isinstance(part, shapes.Bend) else 0.0
                 more = part.radius * np.tan(0.5 * turn) * (end - start) / np.linalg.norm(end - start)
                 bore = Bore.between(start - more, end + more, 0.5 * float(first + last), viewer)
-                bore = replace(bore, is_chord=True)
-                if isinstance(part, shapes.Tee) and number == 0:
-                    bore = _open_towards_branch(bore, part)
-                bores.append(bore)
+                bores.append(replace(bore, is_chord=True))
     return bores
-
-
-def _open_towards_branch(bore: Bore, part: shapes.Tee) -> Bore:
-    """Return a piece of a run, without the edge of the cut through which the branch leaves."""
-    middle = bore.start + 0.5 * bore.length * bore.axes[0]
-    mouth = part.origin + part.radius / np.sin(part.angle) * part.branch_axes[0]
-    if abs((middle - mouth) @ part.axes[0]) > part.branch_radius / np.sin(part.angle):
-        return bore
-    upward = float(bore.axes[1] @ part.branch_axes[0])
-    return replace(bore, edges=tuple(a for a in bore.edges if upward * np.cos(a) < 0.5))
 
 
 def make_lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: float) -> list[Shape]:

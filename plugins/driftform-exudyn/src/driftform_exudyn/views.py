@@ -100,10 +100,7 @@ SMALL_LETTERS = 0.8
 
 
 class SideView:
-    """A fixed camera.
-
-    Little changes between frames: one image is kept, and repainted where the agent is and where it was.
-    """
+    """A fixed camera."""
 
     def __init__(self, scene: Scene, size: tuple[int, int], rays: int, captioned: bool) -> None:
         self._scene, self._size, self._captioned = scene, np.array(size), captioned
@@ -117,22 +114,20 @@ class SideView:
         length = max(body.length, body.max_diameter)
         self._magnified = max(1.0, layout.floor_to_nice_number(MIN_LENGTH * size[0] / (length * self._px_per_m)))
         self._drawn = self._magnified * length
-        self._reach = self._magnified * float(np.linalg.norm(body.outer, axis=1).max())
         camera = Camera(scene.axes, self._px_per_m)
         self._stage = Stage(make_hull(body, self._magnified), camera, rays, scene.line_width)
         self._still = self._make_surroundings()
-        self._last = scene.still or 0
-        self._kept = self._paint(self._last, np.zeros(2, dtype=int), self._size)
 
     def render(self, frame: int) -> Image:
-        """Return a frame; frames must be rendered in order."""
-        margin = self._reach * self._px_per_m + 3
-        places = np.array([self._to_pixel(self._scene.poses[k].position) for k in (self._last, frame)])
-        self._repaint(frame, places.min(axis=0) - margin, places.max(axis=0) + margin)
+        """Return a frame."""
+        scene, letters = self._scene, self._scene.letter_height
+        shapes = [*self._still, make_line(thin(scene.path_until(frame), 3 / self._px_per_m), style.BLUE)]
         if self._captioned:
-            self._repaint(frame, np.zeros(2), np.array([self._size[0], 3 * self._scene.letter_height]))
-        self._last = frame
-        return self._kept.copy()
+            corner = self._size * (-0.5, 0.5) + letters * np.array([1.0, -2.0])
+            place = self._centre + corner / self._px_per_m @ scene.axes[:2]
+            shapes.append(make_text(place, scene.format_caption(frame), style.INK, letters))
+        width, height = map(int, self._size)
+        return self._stage.render((width, height), self._centre, scene.poses[frame], shapes)
 
     def _make_surroundings(self) -> list[Shape]:
         scene, px, size = self._scene, self._px_per_m, SMALL_LETTERS * self._scene.letter_height
@@ -168,32 +163,6 @@ class SideView:
             return np.zeros(1)
         step = 1 / layout.floor_to_nice_number(count / end)
         return np.asarray(np.arange(np.floor(end / step + 1e-9) + 1) * step, dtype=np.float64)
-
-    def _to_pixel(self, place: FloatArray) -> FloatArray:
-        """Return the column and row of a point of the world, (2,)."""
-        offset = self._scene.axes[:2] @ (place - self._centre) * self._px_per_m
-        return np.asarray(self._size / 2 + offset * (1, -1), dtype=np.float64)
-
-    def _to_world(self, pixel: FloatArray) -> FloatArray:
-        """Return the point of the world at a column and row, m, (3,)."""
-        offset = (pixel - self._size / 2) * (1, -1) / self._px_per_m
-        return np.asarray(self._centre + offset @ self._scene.axes[:2], dtype=np.float64)
-
-    def _repaint(self, frame: int, low: FloatArray, high: FloatArray) -> None:
-        first = np.clip(np.floor(low).astype(int), 0, self._size)
-        last = np.clip(np.ceil(high).astype(int), 0, self._size)
-        if (last > first).all():
-            self._kept[first[1] : last[1], first[0] : last[0]] = self._paint(frame, first, last)
-
-    def _paint(self, frame: int, first: FloatArray, last: FloatArray) -> Image:
-        """Return the part of a frame from the upper left pixel ``first`` to the lower right pixel before ``last``."""
-        scene = self._scene
-        shapes = [*self._still, make_line(thin(scene.path_until(frame), 3 / self._px_per_m), style.BLUE)]
-        if self._captioned:
-            corner = self._to_world(np.array([1.0, 2.0]) * scene.letter_height)
-            shapes.append(make_text(corner, scene.format_caption(frame), style.INK, scene.letter_height))
-        width, height = map(int, last - first)
-        return self._stage.render((width, height), self._to_world((first + last) / 2), scene.poses[frame], shapes)
 
 
 def extent(scene: Scene) -> tuple[FloatArray, FloatArray]:

@@ -63,7 +63,7 @@ def fit_spheroid(along: float, across: float, density: float) -> tuple[float, fl
     return a, ratio * a
 
 
-def fit_ellipsoids(job: ExportJob, link: Link, drag_speed: float | None) -> FloatArray:
+def fit_ellipsoids(job: ExportJob, link: Link) -> FloatArray:
     """Return ellipsoids with the added mass of a link along and across its axis, and with the agent's drag, (n, 7).
 
     A row has the half axes along and across the body's axis, the place on it (m, from the centre of gravity), and
@@ -85,7 +85,7 @@ def fit_ellipsoids(job: ExportJob, link: Link, drag_speed: float | None) -> Floa
     rows = np.zeros((1 + len(small), 7))
     rows[:, :3] = [main, *small]
     unknown = [(0, column) for column in range(3, 7)] + [(row, 3) for row in range(1, len(rows))]
-    motions, shares = weigh_motions(job, link, drag_speed)
+    motions, shares = weigh_motions(job, link)
     wanted = np.array([quadratic_wrench(agent, fluid, nu) for nu in motions])
     columns = np.zeros((len(motions), 6, len(unknown)))
     for k, (row, column) in enumerate(unknown):

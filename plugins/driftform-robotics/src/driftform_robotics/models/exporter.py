@@ -29,7 +29,7 @@ OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
 
 
 class WaterOptions(Table):
-    """Options of every format that describes the water."""
+    """Options of every format with quadratic damping."""
 
     drag_speed: float | None = option(
         None,
@@ -42,7 +42,7 @@ class WaterOptions(Table):
     )
 
 
-class ModelOptions(WaterOptions):
+class ModelOptions(Table):
     """Options of every format that a simulator with water reads."""
 
     step: float | None = option(

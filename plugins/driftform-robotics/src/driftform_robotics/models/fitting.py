@@ -39,24 +39,23 @@ def solve_bounded(matrix: FloatArray, target: FloatArray, lower: npt.ArrayLike, 
     return found
 
 
-def weigh_motions(job: ExportJob, link: Link, drag_speed: float | None) -> tuple[FloatArray, FloatArray]:
-    """Return motions to which forces are fitted, (n, 6), and their weights, (n,): with a ``drag_speed`` (m/s) the single ones."""
-    single = list_single_motions(job.agent, drag_speed or link.drag_speed or MIN_SPEED)
-    flown = np.zeros((0, 6)) if drag_speed else list_motions(job, link)
+def weigh_motions(job: ExportJob, link: Link) -> tuple[FloatArray, FloatArray]:
+    """Return motions to which forces are fitted, (n, 6), and their weights, (n,)."""
+    single, flown = list_single_motions(job.agent, link.drag_speed or MIN_SPEED), list_motions(job, link)
     share = np.sqrt(SINGLE * max(1, len(flown)) / len(single))
     return np.concatenate((flown, single)), np.repeat([1.0, share], [len(flown), len(single)])
 
 
-def fit_products(job: ExportJob, link: Link, drag_speed: float | None) -> FloatArray:
+def fit_products(job: ExportJob, link: Link) -> FloatArray:
     """Return the forces per product of rates j and |k|, and of j and k, that are nearest to the agent's drag, (2, 6, 6, 6).
 
-    Force and moment i about the centre of gravity are [0, i, j, k] nu_j |nu_k| + [1, i, j, k] nu_j nu_k. With a
-    ``drag_speed`` (m/s), or without drag by strips, they are those of the link's quadratic damping.
+    Force and moment i about the centre of gravity are [0, i, j, k] nu_j |nu_k| + [1, i, j, k] nu_j nu_k. Without drag by
+    strips they are those of the link's quadratic damping.
     """
     products = quadratic_products(link.quadratic_damping)
-    if job.agent.coefficients.drag is None or drag_speed:
+    if job.agent.coefficients.drag is None:
         return products
-    motions, weights = weigh_motions(job, link, None)
+    motions, weights = weigh_motions(job, link)
     lacking = np.array([quadratic_wrench(job.agent, job.scenario.fluid, nu) for nu in motions])
     lacking += (np.abs(motions) * motions) @ link.quadratic_damping.T
 

@@ -150,15 +150,13 @@ def warn_of_damping(link: Link) -> Iterator[str]:
         )
 
 
-def warn_of_fit(link: Link, drag_speed: float | None) -> Iterator[str]:
-    """Warn if the terms of a program were fitted to drag by strips, or, with a ``drag_speed`` (m/s), converted."""
-    if link.drag_speed and not drag_speed:
+def warn_of_fit(link: Link) -> Iterator[str]:
+    """Warn if the terms of a program were fitted to drag by strips."""
+    if link.drag_speed:
         yield (
             "Drag and lift are fitted to the forces along the first 5 s of driftform's flight in open water: export again for "
             "another release."
         )
-    elif drag_speed:
-        yield from warn_of_damping(link)
 
 
 def describe_link(name: str, link: Link, axes: str = "y to port, z up") -> list[str]:

@@ -43,9 +43,9 @@ class MjcfExporter(ModelExporter[ModelOptions]):
         own = model.link.added_mass
         mass = SHARE * float(min(own[0, 0], own[1, 1]))
         link = move_to_mass(model.link, mass, 0.5 * float(own[4, 4] + own[5, 5]), fluid.density)
-        ellipsoids = fit_ellipsoids(model.job, link, self.options.drag_speed)
+        ellipsoids = fit_ellipsoids(model.job, link)
         gap = measure_gap(read_mujoco(ellipsoids, fluid.density), model.job, link, step)
-        warnings = [gap.describe(), *_list_warnings(model, link, self.options.drag_speed)]
+        warnings = [gap.describe(), *_list_warnings(model, link)]
         agent = render(
             "mujoco/agent.xml",
             model=replace(model, link=link),
@@ -72,13 +72,13 @@ def read_mujoco(ellipsoids: FloatArray, density: float) -> Reader:
     return Reader("MuJoCo", none, none, products, density, ellipsoids=ellipsoids)
 
 
-def _list_warnings(model: Model, link: Link, drag_speed: float | None) -> list[str]:
+def _list_warnings(model: Model, link: Link) -> list[str]:
     along, across = (1 + model.link.added_mass[i, i] / model.link.mass for i in (0, 1))
     moved = link.mass / model.link.mass
     found = [
         "MuJoCo ignores the inertia of added mass: a part of it is in the mass of this file, which is "
         f"{moved:.3g} times the agent's own, where {along:.3g} times would be right along the axis, and {across:.3g} across it.",
-        *warn_of_fit(model.link, drag_speed),
+        *warn_of_fit(model.link),
         *warn_of_folding(model.job.agent.body),
         *warn_of_flow(model.job.scenario),
     ]

@@ -87,15 +87,15 @@ class SdfExporter(ModelExporter[SdfOptions]):
         For Fortress a part of the added mass is in the mass, and the Coriolis forces of the rest are products of rates: those
         that the plugin computes itself have the opposite sign.
         """
-        gazebo, density, speed = _GAZEBO[self.options.gazebo], model.job.scenario.fluid.density, self.options.drag_speed
-        products = fit_products(model.job, model.link, speed)
+        gazebo, density = _GAZEBO[self.options.gazebo], model.job.scenario.fluid.density
+        products = fit_products(model.job, model.link)
         if not gazebo.solves_added_mass:
             # As much that what lags is less than the mass in every motion: with half, two of 24 random agents diverged.
             own = np.diag(model.link.added_mass)
             mass = 0.0 if model.job.scenario.fluid.water_level is not None else 0.7 * float(own[:3].max())
             model = replace(model, link=move_to_mass(model.link, mass, 0.35 * float(own[4] + own[5]), density))
             products[1] += coriolis_products(model.link.added_mass)
-        notes = [*describe_link(model.job.name, model.link)[:2], *warn_of_fit(model.link, speed)]
+        notes = [*describe_link(model.job.name, model.link)[:2], *warn_of_fit(model.link)]
         return {"gazebo": gazebo, "model": model, "products": products, "notes": notes}
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
@@ -104,8 +104,7 @@ class SdfExporter(ModelExporter[SdfOptions]):
         water = self.list_values(model)
         gazebo, model, products = water["gazebo"], water["model"], water["products"]
         gap = _measure_gap(model, gazebo, products, "world.sdf", self.options.step)
-        speed = self.options.drag_speed
-        warnings = [gap.describe(), *_list_warnings(model, gazebo, volume, speed, PUSH)]
+        warnings = [gap.describe(), *_list_warnings(model, gazebo, volume, PUSH)]
         body, slices = model.job.agent.body, list[tuple[float, float]]()
         if scenario.fluid.water_level is not None:
             # x (m) and volume (m3) of slices of the hull, which spheres replace.
@@ -129,11 +128,7 @@ class SdfExporter(ModelExporter[SdfOptions]):
             drifting = _move_to_water_frame(model)
             gap = _measure_gap(drifting, gazebo, products, "drift.sdf", self.options.step)
             warnings.insert(0, gap.describe())
-            adrift = [
-                gap.describe(),
-                *warn_of_flow(scenario),
-                *_list_warnings(drifting, gazebo, volume, speed, PUSH_DRIFT),
-            ]
+            adrift = [gap.describe(), *warn_of_flow(scenario), *_list_warnings(drifting, gazebo, volume, PUSH_DRIFT)]
             values = {**values, "model": drifting, "passing": -scenario.current(), "step": gap.step}
             files["drift.sdf"] = render("gazebo/world.sdf", **values, warnings=adrift)
             if drifting.link.velocity.any():
@@ -169,9 +164,9 @@ def _measure_gap(model: Model, gazebo: _Gazebo, products: FloatArray, world: str
     return measure_gap(reader, model.job, link, step)
 
 
-def _list_warnings(model: Model, gazebo: _Gazebo, volume: float, drag_speed: float | None, push: str) -> list[str]:
+def _list_warnings(model: Model, gazebo: _Gazebo, volume: float, push: str) -> list[str]:
     link, found = model.link, [*warn_of_folding(model.job.agent.body), *warn_of_flow(model.job.scenario)]
-    found += warn_of_fit(link, drag_speed)
+    found += warn_of_fit(link)
     solid = sum(piece.volume for piece in model.pieces)
     if abs(solid - volume) > 1e-6 * volume:
         found.append(

@@ -13,7 +13,7 @@ import numpy as np
 
 from driftform.interfaces import Table, option
 from driftform.types import FloatArray
-from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
+from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions, WaterOptions
 from driftform_robotics.models.gap import measure_gap, read_link
 from driftform_robotics.models.link import LAGS, warn_of_damping, warn_of_divergence, warn_of_flow, warn_of_folding
 from driftform_robotics.models.text import render, roll_pitch_yaw
@@ -36,7 +36,7 @@ _FILES = {
 }
 
 
-class UuvOptions(ModelOptions):
+class UuvOptions(ModelOptions, WaterOptions):
     """Options of the exporter for the UUV simulator."""
 
     depth: float = option(
