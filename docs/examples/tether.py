@@ -5,7 +5,7 @@ import numpy as np
 from exudyn.itemInterface import MarkerBodyPosition, ObjectConnectorSpringDamper, ObjectGround
 
 import driftform as df
-from driftform_exudyn import exudyn_system
+from driftform_exudyn.system import exudyn_system
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 ANCHOR, LENGTH, STIFFNESS = np.array([4.0, 0.0, 0.0]), 0.3, 20.0

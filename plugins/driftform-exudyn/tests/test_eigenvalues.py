@@ -10,7 +10,7 @@ from driftform.motion.forces.model import flight_model
 from driftform.motion.path.stability import stable_rest
 from driftform.study import load_study
 from driftform.water import Pipe
-from driftform_exudyn import exudyn_system
+from driftform_exudyn.system import exudyn_system
 
 
 def exudyn_frequencies(agent, scenario, height, pitch):

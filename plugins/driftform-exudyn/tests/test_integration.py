@@ -14,9 +14,10 @@ from driftform.testing.simulator import largest_distance
 from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform.water.flow import UniformFlow
 from driftform.water.scenario import FlightLimits, Release
-from driftform_exudyn import exudyn_system, integration
+from driftform_exudyn import integration
 from driftform_exudyn.integration import integrate_motion, make_settings
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
+from driftform_exudyn.system import exudyn_system
 
 PIPELINE = load_study("paper").make_pipeline()
 SETTINGS = make_settings("DOPRI5", horizon=2.0, tolerance=1e-8, max_step=0.05)

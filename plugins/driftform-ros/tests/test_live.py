@@ -17,6 +17,7 @@ import yaml
 from ros1 import run_master, start
 
 import driftform as df
+import driftform_ros
 from driftform.util.files import cache_folder
 from driftform.util.rotations import matrix_from_quaternion
 
@@ -24,7 +25,8 @@ PROGRAMS = Path(__file__).parent / "programs"
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 STAMPED = ("/clock", "/tf", "/agent/odom", "/agent/wrench", "/agent/imu", "/agent/pressure", "/agent/range")
 PROGRAM = (sys.executable, "-c", "from driftform.cli import main; main()")
-COMMAND = (*PROGRAM, "ros", WORD, "--scenario", "paper", "--simulator", "native", "--set", "release.pitch_deg=20")
+OPTIONS = ("--scenario", "paper", "--simulator", "native", "--set", "release.pitch_deg=20")
+COMMAND = (*PROGRAM, "ros", WORD, *OPTIONS)
 START = 1.0
 """Time of the clock at the release, s."""
 
@@ -71,12 +73,17 @@ def call(environment: dict[str, str], command: str) -> dict[str, Any]:
 
 
 @contextmanager
-def launch(environment: dict[str, str], folder: Path, *words: str) -> Iterator[subprocess.Popen[str]]:
-    """roslaunch of the package that the command writes, which has told that the agent flies."""
-    package = folder / "flyer"
-    subprocess.run((*COMMAND, "--out", str(package)), check=True, capture_output=True)
-    own = environment | {"ROS_PACKAGE_PATH": str(folder), "DRIFTFORM_CACHE": str(cache_folder())}
-    with start("roslaunch", "flyer", "live.launch", *words, env=own, stderr=subprocess.STDOUT) as process:
+def launch(environment: dict[str, str], *words: str) -> Iterator[subprocess.Popen[str]]:
+    """roslaunch of the shipped launch file, which has told that the agent flies."""
+    path = f"{Path(sys.executable).parent}:{environment['PATH']}"
+    own = environment | {
+        "ROS_PACKAGE_PATH": driftform_ros.__path__[0],
+        "DRIFTFORM_CACHE": str(cache_folder()),
+        "PATH": path,
+    }
+    words = (f"agent:={WORD}", f"options:={' '.join(OPTIONS)}", *words)
+    roslaunch = ("/usr/bin/python3", "/usr/bin/roslaunch", "driftform_ros", "live.launch", *words)
+    with start(*roslaunch, env=own, stderr=subprocess.STDOUT) as process:
         assert process.stdout is not None
         assert any(" flies at http://localhost" in line for line in process.stdout)
         yield process
@@ -84,11 +91,11 @@ def launch(environment: dict[str, str], folder: Path, *words: str) -> Iterator[s
 
 
 def test_every_message_of_a_launched_flight_arrives_in_real_time_and_a_remapped_current_acts(
-    master: dict[str, str], tmp_path: Path
+    master: dict[str, str],
 ) -> None:
     with (
         follow(master, "5.0", "4.5", "0.6", "0", "0", "/flow/velocity") as listener,
-        launch(master, tmp_path, "name:=flyer", "current:=/flow/velocity") as process,
+        launch(master, "name:=flyer", "current:=/flow/velocity") as process,
     ):
         begun = time.monotonic()
         assert "/flyer" in str(call(master, "rosnode list"))

@@ -55,12 +55,6 @@ MIN_FREE = 10
 STARTS = (-0.4, 0.0, 0.4)
 """Logarithms of the coefficients of contact from which a fit may begin."""
 
-FAR = 5.0
-"""Distance of a point over the spread of all that counts as far off."""
-
-WORSE = 3.0
-"""Noise of a track over that of the others from which it is doubtful that it is of the same agent, or well fitted."""
-
 FILM_NOISE = 2e-3, 1e-4
 """Noise of a film whose points are smoother than any camera sees them: over the span of its track, and m."""
 
@@ -454,11 +448,6 @@ def _finish(free: Solution, last: Solution, reasons: dict[str, str], notes: Sequ
         calibrated[j] = parameter_of(name, estimates[name].value)
     calibrated = find_best(problem, calibrated, nuisance)
     plain = find_best(problem, plain, nuisance, tolerance=1e-3)
-    far = [
-        f"{film.track.name}: {count} points lie far off and count little"
-        for film, off in zip(problem.films, problem.distances(calibrated), strict=True)
-        if (count := int((off > FAR * 1.4826 * float(np.nanmedian(off))).sum()))
-    ]
     return Fit(
         estimates,
         _weigh_net(estimates["hull_density"], bench.net_weight, bench.hull_weight),
@@ -469,21 +458,8 @@ def _finish(free: Solution, last: Solution, reasons: dict[str, str], notes: Sequ
         problem,
         calibrated,
         plain,
-        (*notes, *far, *_list_misfits(problem)),
+        tuple(notes),
     )
-
-
-def _list_misfits(problem: Problem) -> list[str]:
-    """Return a note for each track that fits far worse than the others: its release or camera may not have been found."""
-    found = []
-    for k, (film, noise) in enumerate(zip(problem.films, problem.noise, strict=True)):
-        others = [n for j, n in enumerate(problem.noise) if j != k]
-        if others and (ratio := noise / float(np.median(others))) >= WORSE:
-            found.append(
-                f"{film.track.name}: lies {1000 * noise:.2g} mm off, {ratio:.2g} times as far as the other tracks; fit without it, and "
-                "compare"
-            )
-    return found
 
 
 def _correlate(solution: Solution, estimates: Mapping[str, FactorEstimate]) -> list[tuple[str, str, float]]:

@@ -183,9 +183,6 @@ class CalibrationResult:
         known = ", ".join(f"{name} {e.value:.3g}" for name, e in self.factors.items() if e.known)
         return f"<Calibration of {self.name}: {known or 'nothing is known'}; residual {1000 * self.residual:.1f} mm>"
 
-    def _repr_svg_(self) -> str:
-        return self.factors_svg()
-
     def _repr_html_(self) -> str:
         return (
             notebook.show_picture(self.factors_svg(), repr(self))

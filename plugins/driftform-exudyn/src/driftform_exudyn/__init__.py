@@ -6,16 +6,6 @@ from driftform import hookimpl
 
 if TYPE_CHECKING:
     from driftform.interfaces import Renderer, Simulator
-    from driftform_exudyn.system import exudyn_system as exudyn_system
-
-
-def __getattr__(name: str) -> Any:
-    if name != "exudyn_system":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    # Exudyn takes long to import.
-    from driftform_exudyn.system import exudyn_system
-
-    return exudyn_system
 
 
 @hookimpl

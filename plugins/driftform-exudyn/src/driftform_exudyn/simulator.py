@@ -49,7 +49,7 @@ class ExudynOptions(Table):
 
 
 class ExudynSimulator(Simulator[ExudynOptions]):
-    """Flights by Exudyn's explicit solvers, of the system that :func:`driftform_exudyn.exudyn_system` returns.
+    """Flights by Exudyn's explicit solvers, of the system that :func:`driftform_exudyn.system.exudyn_system` returns.
 
     Exudyn knows a rigid body with its mass, its added mass and its loads, and asks driftform for the forces of water and wall.
     The error of a flight follows from its distance from one with ten times the tolerance. Nothing of driftform's integrator

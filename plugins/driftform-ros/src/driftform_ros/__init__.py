@@ -15,4 +15,5 @@ def driftform_commands(app: "typer.Typer") -> None:
     from driftform_ros.command import ros
 
     foreign.require_module("rosbags")
-    app.command("ros")(ros)
+    # Words of ROS 2, such as --ros-args, stand among the remaps.
+    app.command("ros", context_settings={"ignore_unknown_options": True})(ros)

@@ -4,7 +4,6 @@ import os
 import signal
 from dataclasses import replace
 from pathlib import Path
-from shlex import quote
 from typing import TYPE_CHECKING, Annotated, get_args
 
 import typer
@@ -18,7 +17,8 @@ if TYPE_CHECKING:
 def ros(
     agent: options.Agent,
     remaps: Annotated[
-        list[str] | None, typer.Argument(metavar="NAME:=VALUE", help="Remaps, as rosrun and roslaunch append them.")
+        list[str] | None,
+        typer.Argument(metavar="NAME:=VALUE", help="Remaps, as roslaunch appends them, or after --ros-args."),
     ] = None,
     rate: Annotated[
         float, typer.Option(metavar="N", min=0, max=1000, help="Seconds of flight per second; 0 for no limit.")
@@ -35,17 +35,10 @@ def ros(
     max_current: Annotated[
         float, typer.Option(metavar="M/S", min=0, max=100, help="Fastest current that is taken from the topic, m/s.")
     ] = 20.0,
-    remap: Annotated[
-        list[str] | None, typer.Option("--remap", "-r", metavar="NAME:=VALUE", help="A remap, as ROS 2 has it.")
-    ] = None,
-    _: Annotated[bool, typer.Option("--ros-args", help="Stands before remaps of ROS 2.")] = False,
     scenario: options.ScenarioOption = None,
     simulator: options.Simulator = None,
     hydrodynamics: options.Hydrodynamics = None,
     settings: options.Settings = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Write a package of ROS 1 that launches this flight, and end.")
-    ] = None,
 ) -> None:
     """Fly an agent live on a running ROS: clock, transforms, odometry, hull and sensors, as 'export-flight' writes them.
 
@@ -57,15 +50,13 @@ def ros(
     from driftform.errors import InputError
     from driftform_robotics.options import FlightOptions, Release, Ros2Options
     from driftform_ros.node import LiveNode
-    from driftform_ros.package import write_package
     from driftform_ros.rclpy_bus import RclpyBus
     from driftform_ros.rospy_bus import RospyBus
 
     use = {"simulator": simulator, "hydrodynamics": hydrodynamics}
-    words = [*(remaps or ()), *(remap or ())]
-    for word in words:
-        if ":=" not in word:
-            raise InputError(f"'{word}': expected a remap, NAME:=VALUE; give one agent")
+    words = [word for word in remaps or () if word not in ("--ros-args", "-r", "--remap")]
+    if wrong := next((word for word in words if ":=" not in word), None):
+        raise InputError(f"'{wrong}' is neither an option nor a remap, NAME:=VALUE; see 'driftform ros --help'")
 
     def open_named(text: str) -> "Design":
         return open_agent(text, *(settings or ()), scenario=scenario, use=use)
@@ -85,13 +76,6 @@ def ros(
     if isinstance(given, Ros2Options) and release in get_args(Release):
         given = given.model_copy(update={"release": release})
     design.fly()  # Fails before a node exists, if this agent cannot fly.
-    if out is not None:
-        shown = {"--scenario": scenario, "--simulator": simulator, "--hydrodynamics": hydrodynamics}
-        kept = [*shown.items(), *(("--set", setting) for setting in settings or ())]
-        name = write_package(out, agent, [word for key, value in kept if value for word in (key, value)], given)
-        path = quote(str(out.resolve().parent))
-        print(f"wrote {out}; next: ROS_PACKAGE_PATH={path}:$ROS_PACKAGE_PATH roslaunch {name} live.launch")
-        return
     # As roslaunch ends its nodes.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     node = f"driftform_{given.namespace}"

@@ -31,12 +31,14 @@ class RclpyBus:
             import rclpy
             import tf2_ros
             from rclpy.signals import SignalHandlerOptions
+            from rosidl_runtime_py.utilities import get_message
         except ImportError as error:
             raise WorkFailedError(
                 f"ROS 2 is not found by this Python: {error}; source its setup.bash, with driftform in the system's Python"
             ) from None
         self.address = f"ROS_DOMAIN_ID {os.environ.get('ROS_DOMAIN_ID', '0')}"
         self.has_clock, self.ros, self._rclpy = has_clock, make_messages(release), rclpy
+        self._find_type: Callable[[str], Any] = lambda kind: get_message(full_name(kind))
         words = [word for remap in remaps for word in ("-r", remap)]
         rclpy.init(args=["--ros-args", *words] if words else [], signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node(name)
@@ -71,7 +73,7 @@ class RclpyBus:
         durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
         if topic not in self._publishers:
             quality = QoSProfile(depth=1 if latched else DEPTH, durability=durability)
-            self._publishers[topic] = self._node.create_publisher(_find_type(kind), topic, quality)
+            self._publishers[topic] = self._node.create_publisher(self._find_type(kind), topic, quality)
 
     def publish(self, topic: str, message: bytes) -> None:
         """Publish an encoded message on an advertised topic."""
@@ -85,7 +87,7 @@ class RclpyBus:
             if (current := turn_current(message, world, self._frames, Time())) is not None:
                 take(current)
 
-        self._node.create_subscription(_find_type("geometry_msgs/TwistStamped"), TOPIC, receive, DEPTH)
+        self._node.create_subscription(self._find_type("geometry_msgs/TwistStamped"), TOPIC, receive, DEPTH)
 
     def serve(self, name: str, answer: Callable[[], tuple[bool, str]]) -> None:
         """Offer a service of the type ``std_srvs/srv/Trigger``."""
@@ -104,9 +106,3 @@ class RclpyBus:
     def read_time(self) -> float:
         """Return the time of ROS, s."""
         return 1e-9 * float(self._node.get_clock().now().nanoseconds)
-
-
-def _find_type(kind: str) -> Any:
-    from rosidl_runtime_py.utilities import get_message
-
-    return get_message(full_name(kind))

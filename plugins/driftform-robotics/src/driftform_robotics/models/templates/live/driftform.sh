@@ -1,3 +1,0 @@
-#!/bin/sh
-# The environment that wrote this package, which has driftform.
-exec {{ python }} -c "from driftform.cli import main; main()" "$@"
