@@ -71,12 +71,6 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("survey.py", "{count // 4, count // 2, count}", "{count // 2, count}", ("test_survey.py",)),
     ("survey.py", "np.vstack([undisturbed, disturbed])", "np.vstack([disturbed])", ("test_survey.py",)),
     ("disturbed.py", "(study.seed, 1)", "(study.seed, 0)", ("test_survey.py", "test_finalists.py")),
-    (
-        "early_warnings.py",
-        "np.argmin(distances) < len(distances) - 1",
-        "np.argmin(distances) < len(distances)",
-        ("test_early_warnings.py",),
-    ),
     ("status.py", "enumerate(self._least, start=1)", "enumerate(self._least)", ("test_status.py",)),
     ("coverage.py", "row + 0.5 - self.shape[1] / 2", "row - self.shape[1] / 2", ("runs/test_coverage.py",)),
     ("coverage.py", "inlet.axes[[0, 2, 1]]", "inlet.axes[[0, 1, 2]]", ("runs/test_coverage.py",)),

@@ -249,8 +249,8 @@ def evolve(
 
     Warns:
         UserWarning: before the first flight, of what is likely to be wrong with the study, such as targets out of
-            reach, as ``driftform scenarios check`` does; after the first flights, if nearly all last to the horizon
-            or none passes a target; at the end, of files that could not be written.
+            reach, as ``driftform scenarios check`` does; at the end, of evaluations that differ when they are flown again,
+            and of files that could not be written.
     """
     if workers < 1:
         raise InputError(f"workers = {workers}: should be at least 1")

@@ -32,6 +32,9 @@ OUT = ("--evaluations", 1, "--workers", 1, "--out", "run")
         (("--set", "simulator.tolerance=abc"), ["simulator.tolerance = 'abc'", "should be a number"]),
         (("--set", "simulator.step_limit=1.5"), ["simulator.step_limit = 1.5", "should be a whole number"]),
         (("--set", "simulator=exudyn"), ["simulator = 'exudyn' is not a table"]),
+        (("--set", "base=paper"), ["--set base=paper", "name that scenario in place of the study"]),
+        (("--set", "targets.CON=[1,0,0]"), ["target name 'CON'", "choose another"]),
+        (("--set", "targets.-x=[1,0,0]"), ["target name '-x'", "choose another"]),
         (("--evaluations", 0), ["'--evaluations'", "greater than or equal to 1", "driftform evolve --help"]),
         (("--sead", 1), ["--sead"]),
     ],
@@ -40,6 +43,11 @@ def test_of_evolve(refused: Refused, args: tuple[object, ...], parts: list[str])
     line = refused("evolve", *OUT, *args)
     for part in parts:
         assert part in line
+
+
+def test_options_of_a_strategy_are_refused_for_an_agent(refused: Refused, finished_run: tuple[Path, object]) -> None:
+    line = refused("inspect", f"{finished_run[0]}:TP1", "--set", "strategy.elites=5")
+    assert "--set strategy.elites=5: no plugin is selected in [strategy]" in line
 
 
 def test_a_misspelt_command_and_a_misspelt_option_before_it(refused: Refused) -> None:

@@ -110,6 +110,7 @@ DAMAGE = "is damaged"
         (garbled(0.9), DAMAGE),
         (foreign, "is a database, but not of a driftform run"),
         (sql("PRAGMA user_version = 7"), f"is of format 7, this driftform reads format {SCHEMA_VERSION}"),
+        (sql("PRAGMA user_version = 5"), "(of 0.1.0, git checkout 645490ca)"),
         (sql("DROP TABLE meta"), "meta"),
         (sql("DROP TABLE score"), "score"),
         (sql("DROP TABLE evaluation"), "evaluation"),

@@ -66,6 +66,7 @@ def test_a_run_keeps_its_study_as_given_and_resolved_with_versions_plugins_and_t
     assert document["seed"] == 1
     assert {row["name"] for row in document["plugins"]} >= {"lsystem", "frusta", "striptheory", "native"}
     assert document["packages"]["numpy"] != "?"
+    assert len(document["sources"]["sources of driftform"]) == 12
 
 
 def test_pictures_are_svg_and_the_flight_is_a_table_that_starts_at_the_release(finished_run: Finished) -> None:

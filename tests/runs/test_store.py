@@ -243,6 +243,17 @@ def test_a_reader_that_closes_leaves_the_log_to_the_writer(store: Store, tmp_pat
     assert store.count() == 2
 
 
+@pytest.mark.parametrize(
+    "read", [lambda store: store.read_records(TARGETS), lambda store: store.read_summaries(TARGETS)]
+)
+def test_a_reading_that_outlives_its_store_calls_no_sound_file_damaged(store: Store, tmp_path: Path, read: Any) -> None:
+    store.add([evaluated(index, 1.0, 2.0) for index in range(3)], TARGETS)
+    with Store.open(tmp_path / "run.db", read_only=True) as reader:
+        reading = read(reader)
+        next(reading)
+    reading.close()
+
+
 def test_an_existing_file_is_never_made_anew(store: Store, tmp_path: Path) -> None:
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with pytest.raises(InputError, match="exists already"):

@@ -15,10 +15,10 @@ import pytest
 from processes import count_evaluations, wait_until
 
 from driftform.errors import InputError, WorkFailedError
+from driftform.runs.versions import find_versions
 from driftform.search import cluster
 from driftform.search.cluster import Cluster
 from driftform.search.jobs import Job
-from driftform.search.versions import find_versions
 from driftform.study import Study, load_study
 
 Call = Callable[..., Any]

@@ -1,8 +1,11 @@
 """Repeats of searches, and their statistics."""
 
-import numpy as np
+from pathlib import Path
 
-from driftform.search.comparison import compare_values
+import numpy as np
+import pytest
+
+from driftform.search.comparison import Outcome, compare_values, write_values
 
 
 def test_the_interval_of_a_difference_covers_it_as_often_as_it_says() -> None:
@@ -19,6 +22,16 @@ def test_ranks_of_the_same_search_differ_by_chance_alone() -> None:
     found = [compare_values(rng.normal(size=10), rng.normal(size=10))["p"] for _ in range(100)]
     assert np.mean(np.array(found) < 0.05) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 100)
     assert compare_values(np.arange(10.0), np.arange(10.0) + 10)["p"] < 1e-3
+
+
+def test_texts_that_a_spreadsheet_takes_for_formulas_are_warned_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    outcome = Outcome(("leak",), np.ones((1, 1, 1)), {"fitness": np.ones((1, 1))}, 0)
+    write_values(tmp_path / "values.csv", {"=1+1": outcome}, [1])
+    assert "warning: texts in search begin with =, +, - or @" in capsys.readouterr().err
+    write_values(tmp_path / "values.csv", {"tuned": outcome}, [1])
+    assert capsys.readouterr().err == ""
 
 
 def test_what_is_not_known_says_nothing() -> None:

@@ -148,6 +148,11 @@ def test_text_may_be_set_with_and_without_quotes(setting: str, value: str) -> No
     assert load_study(settings=[setting]).document["robustness"]["score"] == value
 
 
+@pytest.mark.parametrize(("text", "value"), [(".6", 0.6), ("+.05", 0.05), ("2.", 2.0)])
+def test_a_number_needs_no_digits_on_both_sides_of_its_point(text: str, value: float) -> None:
+    assert load_study(settings=[f"flow.speed={text}"]).scenario.flow.speed == value
+
+
 def test_without_a_seed_one_is_drawn_and_kept() -> None:
     seeds = {load_study().seed for _ in range(5)}
     assert len(seeds) == 5

@@ -8,7 +8,7 @@ from typing import Any
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.interfaces import SEAMS, Plugin
 
-CAUGHT: tuple[type[BaseException], ...] = (Exception, SystemExit)
+CAUGHT: tuple[type[BaseException], ...] = (Exception, SystemExit, GeneratorExit)
 """What a plugin may raise at the cost of its genome alone; in a worker that is anything, because nobody interrupts it."""
 
 
@@ -50,7 +50,7 @@ def report_faults() -> Iterator[None]:
         yield
     except (DriftformError, OSError):
         raise
-    except (Exception, SystemExit) as error:
+    except (Exception, SystemExit, GeneratorExit) as error:
         fault = trace_fault(error)
         if fault is None:
             raise

@@ -21,6 +21,7 @@ from filelock import FileLock, Timeout
 from driftform import __version__
 from driftform.errors import InputError
 from driftform.plugins.registry import registry
+from driftform.runs.versions import find_versions
 from driftform.study import Study
 from driftform.util.files import is_locked, write_text
 
@@ -141,6 +142,9 @@ def write_inputs(directory: Path, study: Study) -> None:
         "seed": study.seed,
         "plugins": plugins,
         "packages": {name: metadata.version(name) for name in ("numpy", "numba", "pydantic", "pluggy")},
+        "sources": {
+            name: digest for name, digest in find_versions(study.document).items() if name.startswith("sources")
+        },
     }
     write_text(directory / "environment.json", json.dumps(environment, indent=1) + "\n")
 

@@ -31,6 +31,12 @@ APPLICATION_ID = 0x64726674
 SCHEMA_VERSION = 6
 """Of the tables; a database of another version is refused."""
 
+_LAST_COMMITS = {
+    number: f" (of 0.1.0, git checkout {commit})"
+    for number, commit in enumerate(("44258085", "9387da45", "030f1d0f", "b859660b", "645490ca"), start=1)
+}
+"""What to say of a database of an earlier version: the last commit that reads it."""
+
 _SCHEMA = Path(__file__).with_name("schema.sql").read_text(encoding="utf-8")
 
 MAX_INDEX = 2**62
@@ -154,7 +160,7 @@ class Store:
         problems = {
             "is a database, but not of a driftform run": application != APPLICATION_ID,
             f"is of format {version}, this driftform reads format {SCHEMA_VERSION}; use the driftform that "
-            "environment.json names": version != SCHEMA_VERSION,
+            f"environment.json names{_LAST_COMMITS.get(version, '')}": version != SCHEMA_VERSION,
             f"is damaged; {_NEXT_STEP}": not sound,
             f"is damaged (not as driftform makes them: {', '.join(broken)}); {_NEXT_STEP}": bool(broken),
         }
@@ -436,6 +442,13 @@ class Store:
         """Turn errors of reading into a line for users: damage, or a place that does not let the file be read."""
         try:
             yield
+        except sqlite3.ProgrammingError as error:
+            # A generator that outlives its store, where it was interrupted, has nothing to close.
+            cause: BaseException | None = error
+            while cause is not None and not isinstance(cause, GeneratorExit):
+                cause = cause.__context__
+            if cause is None:
+                raise
         except (sqlite3.Error, zlib.error, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             raise _describe_read_error(self._path, error) from None
 

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -58,7 +59,7 @@ TableWriter = Callable[[Path, Sequence[Column], Iterable[Batch]], int]
 
 def write_csv(path: Path, columns: Sequence[Column], batches: Iterable[Batch]) -> int:
     """Write a table as CSV: lists as JSON, missing values as empty fields, numbers with all digits."""
-    rows = 0
+    rows, formulas = 0, set[str]()
     names = [column.name for column in columns]
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -67,6 +68,14 @@ def write_csv(path: Path, columns: Sequence[Column], batches: Iterable[Batch]) -
             texts = [_format_values(batch[name]) for name in names]
             writer.writerows(zip(*texts, strict=True))
             rows += len(texts[0])
+            formulas |= {
+                c.name for c in columns if c.kind == "text" and any(str(t)[:1] in tuple("=+-@") for t in batch[c.name])
+            }
+    if formulas:
+        found = ", ".join(sorted(formulas))
+        print(
+            f"warning: texts in {found} begin with =, +, - or @: a spreadsheet takes them for formulas", file=sys.stderr
+        )
     return rows
 
 

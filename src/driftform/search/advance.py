@@ -9,12 +9,11 @@ from driftform.errors import DriftformError, InputError
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
-from driftform.search.early_warnings import EarlyWarnings
+from driftform.runs.versions import find_versions
 from driftform.search.finalists import find_best_agent, fly_finalists
 from driftform.search.jobs import Executor
 from driftform.search.loop import run_search
 from driftform.search.results import Best, write_results
-from driftform.search.versions import find_versions
 from driftform.search.witness import find_difference
 from driftform.types import Evaluation
 from driftform.util.files import is_file
@@ -37,7 +36,7 @@ class Observer:
         """Take the evaluations from ``first`` on that the strategy asked for together, after it was told of them."""
 
     def warn(self, text: str) -> None:
-        """Take a line about what the first flights show."""
+        """Take a line about what is likely to be wrong."""
 
     def open_finalists(self) -> AbstractContextManager[Callable[[int, int], None]]:
         """Return a context that yields a function of the disturbed flights done, and of their total."""
@@ -123,15 +122,8 @@ def _search(run: StoredRun, store: Store, executor: Executor, observer: Observer
             if isinstance(scenario.flow, GridFlow):
                 raise InputError(f"{run.path}: {error}") from None
             # The flow in a tee of such a shape is not known; a flight says so.
-    warnings = EarlyWarnings(scenario)
-
-    def record(record: Record) -> None:
-        observer.record(record)
-        for text in warnings.add(record.index, record.evaluation):
-            observer.warn(text)
-
     with observer.open_search(store.count()):
-        run_search(run.study, store, executor, record, observer.end_batch)
+        run_search(run.study, store, executor, observer.record, observer.end_batch)
 
 
 def find_best(run: StoredRun, target: str) -> StoredAgent | None:

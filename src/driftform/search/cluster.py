@@ -21,10 +21,10 @@ from contextlib import closing, suppress
 from typing import Any
 
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
+from driftform.runs.versions import find_versions
 from driftform.search.jobs import Cause, T, WorkerDiedError, WorkersLostError
 from driftform.search.local import LocalProcesses
 from driftform.search.pool import POLL_S, PoolExecutor
-from driftform.search.versions import find_versions
 from driftform.search.worker import LocalProcess, hold_back_interrupts
 from driftform.study import Document, load_study
 from driftform.util.cores import count_cores

@@ -43,7 +43,7 @@ def search_all(
     """Search every repeat to its end; with disturbed conditions, also fly its finalists and write its best agents.
 
     A repeat that is complete is left as it is. Each search gets workers of its own, by ``open_place``. ``progress`` is
-    called with the number of undisturbed flights that are done, and of all. Returns a line per file that was not written.
+    called with the number of undisturbed flights that are done, and of all. Returns a line per file that was not written, and per warning.
 
     Raises InputError if a directory holds a run of another study, or another process works on it.
     """
@@ -56,7 +56,7 @@ def search_all(
             continue
         with open_place(next(iter(missing.values()))) as executor:
             for path, study in missing.items():
-                counter = _Counter(progress, done, total)
+                counter = _Counter(progress, done, total, problems)
                 with StoredRun.ensure(path, study) as run:
                     if study.scenario.robustness.conditions:
                         problems += [line for best in advance_run(run, executor, counter) for line in best.problems]
@@ -75,12 +75,15 @@ def _is_complete(path: Path, study: Study) -> bool:
 
 
 class _Counter(Observer):
-    def __init__(self, progress: Callable[[int, int], None], before: int, total: int) -> None:
-        self._progress, self._done, self._total = progress, before, total
+    def __init__(self, progress: Callable[[int, int], None], before: int, total: int, problems: list[str]) -> None:
+        self._progress, self._done, self._total, self._problems = progress, before, total, problems
 
     def record(self, record: object) -> None:
         self._done += 1
         self._progress(self._done, self._total)
+
+    def warn(self, text: str) -> None:
+        self._problems.append(text)
 
 
 @dataclass(frozen=True, eq=False)

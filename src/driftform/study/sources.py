@@ -175,6 +175,8 @@ def parse_setting(text: str) -> Source:
     names = [name.strip() for name in key.split(".")]
     if not equals or not all(names):
         raise InputError(f"--set {text}: expected key=value, such as flow.speed=0.8")
+    if key.strip() == "base":
+        raise InputError(f"--set {text}: a base is a line of a study file; name that scenario in place of the study")
     try:
         check_keys(text)
     except ValueError as error:
@@ -182,7 +184,8 @@ def parse_setting(text: str) -> Source:
     try:
         parsed: Any = tomllib.loads(f"value = {value}")["value"]
     except (ValueError, RecursionError):
-        parsed = value.strip()
+        # In TOML a number has digits on both sides of its point.
+        parsed = float(value) if re.fullmatch(r"\s*[+-]?(\.\d+|\d+\.)\s*", value) else value.strip()
     for name in reversed(names):
         parsed = {name: parsed}
     replaces = REPLACED if len(names) == 1 else ()

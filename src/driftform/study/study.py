@@ -72,6 +72,9 @@ SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
 MAX_EVALUATIONS = 10_000_000
 """Largest budget of a run: weeks of flights, and a database of 100 GB."""
 
+DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10))}
+"""Names of devices, which Windows does not allow for files."""
+
 _MAX_NAME_BYTES = 100
 """Longest name of a target, bytes: with a file suffix it must fit into a file name of 255 bytes."""
 
@@ -314,6 +317,7 @@ def load_study(
     if is_file:
         _check_formats(study.run.formats, layers)
         _check_grid(study.scenario, layers)
+        _check_names(study.scenario, layers)
     return replace(study, name=label, given=given)
 
 
@@ -347,7 +351,9 @@ def _check_document(
         errors += format_errors(error, ("run",), RunOptions, document, layers)
     registry().check_seams(SELECTED)
     resolved: dict[str, Any] = {}
-    unselected = [seam for seam in required if "use" not in document.get(seam, {})]
+    # An agent has no strategy; one of which only options are given has no name.
+    asked = [seam for seam in SELECTED if seam in required or seam in document]
+    unselected = [seam for seam in asked if "use" not in document.get(seam, {})]
     if unselected:
         tables = ", ".join(f"[{seam}]" for seam in unselected)
         where = locate_key(layers, (unselected[0],) if len(unselected) == 1 else ())
@@ -446,6 +452,14 @@ def _check_folders(scenario: Scenario, layers: Sequence[Source]) -> None:
                 "on some file systems their folders would be the same"
             )
         seen[name.casefold()] = name
+
+
+def _check_names(scenario: Scenario, layers: Sequence[Source]) -> None:
+    """Refuse names of new targets that are options of a command, or devices of Windows, in place of folders."""
+    for name in scenario.targets:
+        if name.startswith("-") or name.casefold() in DEVICES:
+            where = locate_key(layers, ("targets", name))
+            raise InputError(f"{where}: target name '{name}' is no name of a folder everywhere; choose another")
 
 
 def _keep_targets(scenario: Scenario, wanted: Sequence[str]) -> Scenario:
