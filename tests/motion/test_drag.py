@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.motion.forces.drag import axial_drag, shear_lift, still_water_wrench, strip_drag, wake_drag
+from driftform.motion.forces.drag import axial_drag, shear_lift, still_water_wrench, strip_drag
 from driftform.motion.forces.drag_coefficients import (
     LAMINAR_BELOW,
     blockage_factor,
@@ -142,26 +142,6 @@ def test_friction_does_not_jump_where_the_layer_becomes_turbulent():
 # One strip.
 
 
-def test_a_strip_has_the_force_worked_out_by_hand():
-    # At x = 0.1, 20 mm thick and 5 mm wide, of a body that moves with (0.5, 0.3, -0.1) and turns with (2, 3, -1):
-    # across the axis 0.3 + 0.1 (-1) = 0.2 and -0.1 - 0.1 x 3 = -0.4 m/s. Re = 0.4472 x 0.02 / 1.05e-6 = 8518.4,
-    # C_d = 1.18 + 1.96 / 92.295 = 1.201236; 0.7 of it is 0.840865.
-    # F = 512 x 0.840865 x 0.02 x 0.005 x 0.4472 x 0.5 = 0.0096268 N s/m times the velocity: half is under water.
-    force = strip_drag(
-        (0.5, 0.3, -0.1), (2.0, 3.0, -1.0), STILL, 0.0, (RHO, NU, 0.5), np.array([0.1, 0.02, 0.005, 0.7])
-    )
-    assert force == pytest.approx((0.0, -0.0096268 * 0.2, 0.0096268 * 0.4), rel=2e-4)
-
-
-def test_a_strip_in_shear_meets_the_water_that_is_there():
-    # The water at the strip moves 0.03 m further ahead of where ``moving`` is relative to: 5 x 0.03 more.
-    strip, there = np.array([0.05, 0.02, 0.01, 1.0]), (RHO, NU, 1.0)
-    sheared = strip_drag((0.0, 0.4, 0.2), STILL, (9.0, 5.0, -2.0), 0.02, there, strip)
-    moved = strip_drag((0.0, 0.4 - 0.15, 0.2 + 0.06), STILL, STILL, 0.02, there, strip)
-    assert sheared == pytest.approx(moved, rel=1e-12)
-    assert strip_drag((1.0, 0.15, -0.06), STILL, (9.0, 5.0, -2.0), 0.02, there, strip)[0] == 0.0
-
-
 # The whole body.
 
 
@@ -250,13 +230,6 @@ def test_a_body_without_drag_has_no_strips():
 # The tail, the spin, the shear and the bore.
 
 
-def test_the_lift_on_a_tail_is_that_of_slender_body_theory_at_small_angles():
-    # -rho S |u| v, with the body moving ahead at 2 m/s and aside at 0.01.
-    force = wake_drag(2.0, 0.01, -0.02, RHO, 3e-4)
-    assert force == pytest.approx((0.0, -RHO * 3e-4 * 2 * 0.01, RHO * 3e-4 * 2 * 0.02), rel=1e-4)
-    assert wake_drag(-2.0, 0.01, -0.02, RHO, 3e-4) == force
-
-
 @pytest.mark.parametrize("alpha_deg", [5, 20, 45, 70, 90])
 def test_the_normal_force_on_a_flat_ended_cylinder_is_jorgensens_sum_and_nothing_counts_twice(alpha_deg):
     """C_N S_b = S_b sin 2a cos(a/2) + C_dn A_p sin^2 a (NASA TN D-6996, eq. 1), with k = 1 and a given C_dn."""
@@ -276,15 +249,6 @@ def test_the_ends_of_a_body_that_moves_astern_are_exchanged():
     assert lifts[0][4] == pytest.approx(0.04 * lifts[0][2])
     assert lifts[1][4] == pytest.approx(-0.08 * lifts[1][2])
     assert lifts[1][2] == pytest.approx(5 / 3 * lifts[0][2])
-
-
-def test_a_spin_about_the_axis_is_slowed_by_friction_on_the_side():
-    # rho C_f |w r| w r 2 pi r^2 L / 2 of a cylinder, r = 15 mm, L = 120 mm.
-    r, length, rate = 0.015, 0.12, 20.0
-    drag = Drag(chain(length, 2 * r, 9), diameter=2 * r, spin=2 * math.pi * r**4 * length)
-    C_f = spin_coefficient(rate * r * r / NU)
-    torque = RHO * C_f * (rate * r) ** 2 * 2 * math.pi * r**2 * length / 2
-    assert wrench_on(drag, omega=(rate, 0.0, 0.0)) == pytest.approx([0, 0, 0, -torque, 0, 0], rel=1e-9)
 
 
 def test_a_body_that_lags_behind_the_water_is_lifted_to_where_it_is_faster():

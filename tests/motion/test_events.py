@@ -12,14 +12,13 @@ from driftform.motion.forces import compute_rate, flight_model, release_state
 from driftform.motion.path import finish_trajectory
 from driftform.motion.solver.dense import quintic_between, quintic_point
 from driftform.motion.solver.error import Accuracy, integrate
-from driftform.testing.agents import sphere_agent
+from driftform.testing.agents import DENSITY, GRAVITY, sphere_agent
+from driftform.testing.simulator import water_scenario
 from driftform.types import Trajectory
-from driftform.water import Fluid, Pipe, Scenario, Segment
-from driftform.water.flow import UniformFlow
-from driftform.water.scenario import FlightLimits, Release
+from driftform.water import Scenario
 
-BORE, RADIUS, MASS, WATER, GRAVITY = 0.2, 0.02, 0.1, 1024.0, 9.81
-DISPLACED = WATER * 4 / 3 * math.pi * RADIUS**3
+BORE, RADIUS, MASS = 0.2, 0.02, 0.1
+DISPLACED = DENSITY * 4 / 3 * math.pi * RADIUS**3
 FALL = (MASS - DISPLACED) * GRAVITY / (MASS + DISPLACED / 2)
 """Acceleration of the sphere in an ideal fluid, m/s2: Newton's law with half of the displaced mass added."""
 
@@ -31,13 +30,7 @@ DEPTHS = np.geomspace(1e-7, 3e-4, 10).tolist()
 def thrown(depth: float) -> tuple[Scenario, float]:
     """A throw whose parabola ends at a depth (m) in the ceiling, and when it reaches the ceiling, s."""
     speed = math.sqrt(2 * FALL * (ROOM + depth))
-    scenario = Scenario(
-        pipe=Pipe(segments=(Segment(start=(-1, 0, 0), end=(9, 0, 0), radius=BORE),)),
-        fluid=Fluid(density=WATER, gravity=GRAVITY),
-        flow=UniformFlow(speed=0.0),
-        release=Release(velocity=(0.0, 0.0, speed)),
-        flight=FlightLimits(horizon=0.6),
-    )
+    scenario = water_scenario(0.6, (0.0, 0.0, speed), position=(1.0, 0.0, 0.0), pipe=(9.0, BORE), restitution=0.7)
     return scenario, (speed - math.sqrt(max(0.0, speed**2 - 2 * FALL * ROOM))) / FALL
 
 

@@ -23,9 +23,7 @@ from driftform.motion.solver.error import (
 from driftform.motion.solver.tableaus import DOP853, DOPRI5
 from driftform.study import load_study
 from driftform.testing.agents import Spheroid, sphere_agent, tumbling_agent
-from driftform.water import Fluid, Pipe, Scenario, Segment
-from driftform.water.flow import UniformFlow
-from driftform.water.scenario import FlightLimits, Release
+from driftform.testing.simulator import water_scenario
 
 SPHEROID = Spheroid(0.06, 0.01)
 SAMPLE = 14
@@ -64,13 +62,7 @@ def test_the_coefficients_meet_the_conditions_of_their_order(pair, order):
 
 def libration(pair, horizon):
     """A smooth flight of known motion that is integrated by one of the pairs alone."""
-    pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(50, 0, 0), radius=10),))
-    scenario = Scenario(
-        pipe=pipe,
-        flow=UniformFlow(speed=0.0),
-        release=Release(velocity=(1.0, 0.01, 0.0)),
-        flight=FlightLimits(horizon=horizon),
-    )
+    scenario = water_scenario(horizon, (1.0, 0.01, 0.0), pipe=(50.0, 10.0))
     model = flight_model(SPHEROID.agent(), scenario)
     if pair is DOPRI5:
         # A body that could reach the wall from anywhere is integrated as near to it; without surfaces it never touches.
@@ -173,9 +165,7 @@ def test_the_estimated_error_covers_the_true_one(default_flights):
     ],
 )
 def test_integrations_that_agree_by_chance_do_not_state_so(height, offsets, tolerance, stated):
-    pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=0.2),))
-    scenario = Scenario(pipe=pipe, fluid=Fluid(density=1024.0, gravity=9.81), flow=UniformFlow(speed=0.0))
-    model = flight_model(sphere_agent(0.02, 0.1), scenario)
+    model = flight_model(sphere_agent(0.02, 0.1), water_scenario(1.0, pipe=(9.0, 0.2)))
     tolerances = []
 
     def fly(at):
@@ -195,8 +185,7 @@ def test_integrations_that_agree_by_chance_do_not_state_so(height, offsets, tole
 
 
 def test_a_flight_is_repeated_until_it_is_accurate_enough():
-    pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=0.3),))
-    scenario = Scenario(pipe=pipe, flight=FlightLimits(horizon=4.0))
+    scenario = water_scenario(4.0, speed=1.0, pipe=(9.0, 0.3))
     model = flight_model(tumbling_agent(), scenario)
     start = release_state(model, scenario)
     for accepted in (1e-2, 1e-4, 1e-5):
@@ -300,8 +289,7 @@ def test_flights_in_gusts_that_arrive_at_different_times_are_as_far_apart_as_up_
 
 
 def test_a_flight_released_at_the_outlet_is_over_at_once_and_has_no_error():
-    pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=1.0),))
-    scenario = Scenario(pipe=pipe, release={"position": (9.0, 0.0, 0.0)})
+    scenario = water_scenario(4.0, position=(9.0, 0.0, 0.0), pipe=(9.0, 1.0))
     model = flight_model(tumbling_agent(), scenario)
     flown = integrate(model, release_state(model, scenario), 4.0, Accuracy())
     assert (len(flown.samples), flown.error) == (1, 0.0)

@@ -9,21 +9,19 @@ from solids import solid_agent
 from driftform.motion.forces.body_drag import estimate_drag
 from driftform.motion.forces.limits import list_limits
 from driftform.study import load_study
+from driftform.testing.agents import straight_pipe
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform.types import Coefficients
-from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water import Fluid, Scenario
 
 FLUID = Fluid(density=1000.0, viscosity=1e-6)
 
 
-def scenario_of(radius):
-    return Scenario(
-        fluid=FLUID, pipe=Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=radius),))
-    )
+def scenario_of(radius, fluid=FLUID):
+    return Scenario(fluid=fluid, pipe=straight_pipe(9.0, radius))
 
 
 def agent_of(body, density):
-
     drag = estimate_drag(body, FLUID.viscosity)
     return solid_agent(body, density, Coefficients(0.01 * np.eye(6), drag=drag))
 
@@ -66,8 +64,7 @@ def test_the_reynolds_number_is_that_of_an_agent_that_flies_with_drag():
 def test_an_agent_in_oil_has_no_history_force_and_a_narrow_bore_slows_it_when_it_creeps():
     honey = Fluid(density=1000.0, viscosity=1e-2)
     agent = solid_agent(CYLINDER, 1010.0, Coefficients(0.01 * np.eye(6), drag=estimate_drag(CYLINDER, 1e-2)))
-    scenario = scenario_of(0.1).model_copy(update={"fluid": honey})
-    history, creeping = list_limits(agent, scenario)
+    history, creeping = list_limits(agent, scenario_of(0.1, honey))
     assert history.startswith("no history force: ") and "it holds from 1000" in history
     assert creeping.startswith("creeping in a bore: ") and "b = 0.1; it holds from 0 to 0.02" in creeping
 
@@ -75,9 +72,7 @@ def test_an_agent_in_oil_has_no_history_force_and_a_narrow_bore_slows_it_when_it
 def test_an_agent_near_a_free_surface_is_outside():
     agent = agent_of(CYLINDER, 1010.0)
     for level, outside in ((0.03, True), (0.05, False)):
-        scenario = scenario_of(1.0)
-        scenario = scenario.model_copy(update={"fluid": FLUID.model_copy(update={"water_level": level})})
-        lines = list_limits(agent, scenario)
+        lines = list_limits(agent, scenario_of(1.0, FLUID.model_copy(update={"water_level": level})))
         assert len(lines) == outside
         assert not outside or "h/d = 1.5; it holds from 2" in lines[0]
 

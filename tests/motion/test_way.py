@@ -1,9 +1,8 @@
 """Distances through the water of a pipe with parts, and the outlet by which a flight leaves."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
+from junctions import fly_along, junction_scenario
 
 from driftform.motion.path.approach import closest_approach
 from driftform.motion.path.targets import (
@@ -20,34 +19,10 @@ from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform.water import Scenario
 from driftform.water.scenario import Robustness
 
-TEE = {"kind": "tee", "name": "T", "branch_radius": 0.05, "share": 0.3, "roll_deg": 0}
-PARTS = [
-    {"length": 1.0},
-    {**TEE, "branch": [{"length": 0.5}, {"length": 0.5, "outlet": "up"}]},
-    {"length": 0.5},
-    {"length": 1.0, "outlet": "on"},
-]
-
-
-def scenario(**targets):
-    return Scenario.model_validate({"pipe": {"radius": 0.1, "parts": PARTS}, "targets": targets})
-
-
-def flight(*points, end=End.OUTLET):
-    """A flight along straight lines at 1 m/s, with a sample every 20 mm."""
-    points = [np.array(p, dtype=float) for p in points]
-    lines = [np.linspace(a, b, 1 + round(np.linalg.norm(b - a) / 0.02)) for a, b in pairwise(points)]
-    positions = np.concatenate([lines[0], *(line[1:] for line in lines[1:])])
-    t = 0.02 * np.arange(len(positions))
-    velocity = np.zeros((len(t), 6))
-    velocity[:, :3] = np.gradient(positions, t, axis=0)
-    turn = np.tile([1.0, 0.0, 0.0, 0.0], (len(t), 1))
-    return Trajectory(t, positions, turn, velocity, end)
-
 
 def places():
     """Where the branch begins, the junction, and the last points of run and branch."""
-    layout = scenario().pipe.layout
+    layout = junction_scenario().pipe.layout
     [tee] = [placed.part for placed in layout.parts if placed.name == "T"]
     return tee.origin, tee.list_exits(), {outlet.name: outlet.opening.centre for outlet in layout.outlets}
 
@@ -67,15 +42,15 @@ def test_in_a_straight_pipe_the_distance_is_the_straight_one():
 
 def test_a_flight_past_a_branch_is_as_far_from_its_outlet_as_the_water_is():
     junction, (_, branch), outlets = places()
-    target = scenario(out="up")
+    target = junction_scenario(out="up")
     # The run passes under the branch: its way leads from the part next to the tee back to the tee's end, and on.
-    path = flight((0, 0, 0), outlets["on"])
+    path = fly_along((0, 0, 0), outlets["on"])
     [distance], [t] = approach_targets(path, target)
     # Nearest is the tee itself: from the point under the branch to its mouth, and straight up from there through two straights.
     assert distance == pytest.approx(np.linalg.norm(branch.centre - junction) + 1.0, abs=1e-9)
     assert t == pytest.approx(junction[0], abs=1e-3)
     # Past the tee the way leads back through it: an offset points straight away from the target, and is as long as the way.
-    beyond = flight((2.2, 0, 0), outlets["on"])
+    beyond = fly_along((2.2, 0, 0), outlets["on"])
     [offset], [[distance], _] = (
         find_offsets(Evaluation(Genome("none", ()), np.zeros(1), beyond), target),
         approach_targets(beyond, target),
@@ -87,8 +62,8 @@ def test_a_flight_past_a_branch_is_as_far_from_its_outlet_as_the_water_is():
 
 def test_the_distance_shrinks_along_the_way_to_a_target():
     junction, _, outlets = places()
-    target = scenario(out="up")
-    way = flight((0, 0, 0), junction, outlets["up"])
+    target = junction_scenario(out="up")
+    way = fly_along((0, 0, 0), junction, outlets["up"])
     shares = np.linspace(0.05, 1, 20)
     distances = []
     for share in shares:
@@ -100,8 +75,8 @@ def test_the_distance_shrinks_along_the_way_to_a_target():
 
 
 def test_a_target_in_the_next_part_is_as_far_as_the_straight_line():
-    target = scenario(near=(0.9, 0.05, 0.0))
-    path = flight((0, 0, 0), (0.8, 0, 0))
+    target = junction_scenario(near=(0.9, 0.05, 0.0))
+    path = fly_along((0, 0, 0), (0.8, 0, 0))
     found = find_target_approaches(path, target)
     assert found[0].distance == pytest.approx(np.hypot(0.1, 0.05), abs=1e-9)
     assert found[0].position == pytest.approx([0.8, 0, 0])
@@ -109,7 +84,7 @@ def test_a_target_in_the_next_part_is_as_far_as_the_straight_line():
 
 def test_the_farthest_point_is_at_the_end_of_the_longest_way():
     junction, (run, branch), _ = places()
-    [farthest] = farthest_distances(scenario(far="up"))
+    [farthest] = farthest_distances(junction_scenario(far="up"))
     # From the rim of the far end of the run, back to the tee, and up: the last straight begins half a metre below its outlet.
     back = np.linalg.norm(run.centre - junction)
     side = np.linalg.norm(branch.centre - junction)
@@ -121,8 +96,8 @@ def test_the_outlet_is_that_in_whose_opening_the_flight_ends():
     _, _, outlets = places()
     for name, centre in outlets.items():
         edge = centre + np.array([0.0, 0.03, 0.0])
-        assert name_outlet(flight((0, 0, 0), edge), scenario()) == name
-    assert name_outlet(flight((0, 0, 0), (0.5, 0, 0), end=End.HORIZON), scenario()) is None
+        assert name_outlet(fly_along((0, 0, 0), edge), junction_scenario()) == name
+    assert name_outlet(fly_along((0, 0, 0), (0.5, 0, 0), end=End.HORIZON), junction_scenario()) is None
 
 
 def test_near_enough_is_the_papers_share_and_at_most_half_the_radius_of_the_bore_at_the_target():
@@ -137,5 +112,5 @@ def test_near_enough_is_the_papers_share_and_at_most_half_the_radius_of_the_bore
 
 
 def test_near_enough_in_a_branch_goes_by_the_bore_of_the_branch():
-    there = scenario(run=(0.5, 0.0, 0.05), branch=(1.25, 0.0, 0.9))
+    there = junction_scenario(run=(0.5, 0.0, 0.05), branch=(1.25, 0.0, 0.9))
     assert find_within(there) == pytest.approx([0.5 * 0.1, 0.5 * 0.05])

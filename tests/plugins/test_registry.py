@@ -6,7 +6,6 @@ from collections.abc import Callable
 from importlib import metadata
 
 import pytest
-from pydantic import ValidationError
 
 from driftform.builtin.fitness import ClosestApproach
 from driftform.errors import InputError, WorkFailedError
@@ -66,21 +65,9 @@ def row(found: Registry, name: str) -> Contribution:
 
 def test_our_own_plugins_are_found_with_their_distribution_and_version():
     found = {(row.seam, row.name): (row.distribution, row.state) for row in registry().contributions()}
-    ours = {
-        ("grammar", "lsystem"): "driftform-lsystem",
-        ("builder", "frusta"): "driftform-frusta",
-        ("hydrodynamics", "striptheory"): "driftform-striptheory",
-        ("hydrodynamics", "panels"): "driftform-panels",
-        ("simulator", "exudyn"): "driftform-exudyn",
-        ("fitness", "closest-approach"): "driftform",
-        ("strategy", "paper"): "driftform-paper",
-        ("strategy", "random"): "driftform-strategies",
-        ("exporter", "stl"): "driftform-frusta",
-        ("exporter", "scad"): "driftform-frusta",
-        ("renderer", "exudyn"): "driftform-exudyn",
-    }
-    for key, distribution in ours.items():
-        assert found[key] == (distribution, "ok")
+    assert found["grammar", "lsystem"] == ("driftform-lsystem", "ok")
+    assert found["exporter", "stl"] == found["exporter", "scad"] == ("driftform-frusta", "ok")
+    assert found["renderer", "exudyn"] == found["simulator", "exudyn"] == ("driftform-exudyn", "ok")
     assert registry().find("fitness", "closest-approach") is ClosestApproach
 
 
@@ -91,12 +78,6 @@ def test_a_plugin_beside_ours_is_found_and_made_with_its_options(install):
     assert row(found, "mine").available
     assert found.create("fitness", "mine", {"weight": 2.5}).options.weight == 2.5
     assert found.find("fitness", "closest-approach") is ClosestApproach
-
-
-@pytest.mark.parametrize("options", [{"wieght": 1.0}, {"weight": 0.0}, {"weight": "heavy"}])
-def test_options_that_do_not_fit_are_refused(install, options):
-    with pytest.raises(ValidationError):
-        install(ext_sound=SOUND.format(name="mine")).create("fitness", "mine", options)
 
 
 @pytest.mark.parametrize(

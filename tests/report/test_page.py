@@ -243,28 +243,6 @@ def test_the_current_drifts_as_fast_as_the_profile_says(page, run_with_page):
     assert np.abs(way[:, 1:]).max() < 1e-12
 
 
-def test_dark_readers_get_a_dark_page(page):
-    def brightness():
-        colour = page.execute_script("return getComputedStyle(document.body).backgroundColor")
-        return sum(int(value) for value in re.findall(r"\d+", colour)[:3])
-
-    light = brightness()
-    look(page, 1400, "dark")
-    assert light > 600
-    assert brightness() < 150
-
-
-def test_all_that_can_be_used_can_be_reached_by_the_keyboard(page):
-    focusable = page.execute_script(
-        "return [...document.querySelectorAll('button, input, canvas, summary')]"
-        ".map((e) => [e.id || e.textContent, e.tabIndex, e.getAttribute('aria-label') || e.textContent || e.labels?.[0]?.textContent])"
-    )
-    assert len(focusable) > 15
-    for name, index, label in focusable:
-        assert index == 0, name
-        assert label.strip(), name
-
-
 def test_the_page_names_the_agents_that_are_outside_of_what_was_tested(run_with_page, monkeypatch):
     contents = collect_contents(StoredRun.open(run_with_page))
     monkeypatch.setitem(RANGES, "a body in a bore", (replace(RANGES["a body in a bore"][0], high=0.0),))

@@ -33,13 +33,31 @@ def write(tmp_path: Path) -> Write:
     return written
 
 
-def test_a_file_contains_only_what_differs_from_its_base(write: Write) -> None:
-    study = load_study(write(BASE + "[flow]\nspeed = 0.5\n[fluid]\ngravity = 1.62\n"))
-    base = load_study()
-    assert study.scenario.flow.speed == 0.5
-    assert (study.scenario.fluid.gravity, study.scenario.fluid.density) == (1.62, 999.1)
-    assert study.scenario.pipe == base.scenario.pipe
-    assert study.document["simulator"] == base.document["simulator"]
+@pytest.mark.parametrize(
+    ("text", "settings", "path", "value"),
+    [
+        ("[flow]\nspeed = 0.5\n[fluid]\ngravity = 1.62\n", [], "fluid.gravity", 1.62),
+        ("[fluid]\ngravity = 1.62\n", [], "fluid.density", 999.1),
+        ("[flow]\nspeed = 0.5\n", ["flow.speed=0.75"], "flow.speed", 0.75),
+        ("[flow]\nspeed = 0.5\n", ["flow.speed=0.75", "flow.speed = 2"], "flow.speed", 2.0),
+        ("[targets]\nleak = [4.0, 0.0, -0.9]\n", [], "targets", {"leak": [4.0, 0.0, -0.9]}),
+        ("[[pipe.segments]]\nstart = [0, 0, 0]\nend = [9, 0, 0]\nradius = 2.0\n", [], "pipe.segments.0.radius", 2.0),
+        ("", ["pipe.segments.0.radius=0.8"], "pipe.segments.0.end", [9.0, 0.0, 0.0]),
+        ("", ["pipe.segments.0.radius=0.8", "targets.TP1.2=-0.4"], "targets.TP1", [1.0, 0.0, -0.4]),
+        *(
+            ("", [f"robustness.score{text}"], "robustness.score", "worst")
+            for text in ("=worst", " = 'worst'", '="worst"')
+        ),
+        ("", ["robustness={score='worst'}"], "robustness.score", "worst"),
+    ],
+)
+def test_a_value_is_that_of_the_last_source_that_names_it(
+    write: Write, text: str, settings: list[str], path: str, value: Any
+) -> None:
+    found: Any = load_study(write(BASE + text), settings).document
+    for name in path.split("."):
+        found = found[int(name) if name.isdigit() else name]
+    assert found == value
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
@@ -86,13 +104,6 @@ def test_a_wrong_pipe_is_named_also_where_targets_are_places_in_it(write: Write)
     assert line.startswith(f"{name}:7: unknown key 'angle_deg' in [[pipe.parts]] of kind 'straight'")
 
 
-def test_targets_of_a_file_replace_those_of_its_base(write: Write) -> None:
-    path = write(BASE + "[targets]\nleak = [4.0, 0.0, -0.9]\n")
-    study = load_study(path)
-    assert study.scenario.target_names == ("leak",)
-    assert study.evaluations == 50
-
-
 def test_targets_set_on_the_command_line_are_added_or_moved() -> None:
     moved = load_study(settings=["targets.TP2=[2, 0, 0]", "targets.leak=[4, 0, -0.9]"]).scenario
     assert moved.target_names == (*(f"TP{n}" for n in range(1, 11)), "leak")
@@ -127,27 +138,6 @@ def test_the_same_plugin_named_again_keeps_its_options(write: Write) -> None:
         assert study.document["simulator"]["max_step"] == 0.01
 
 
-def test_set_wins_over_the_file_and_the_last_set_over_those_before(write: Write) -> None:
-    path = write(BASE + "[flow]\nspeed = 0.5\n[run]\nseed = 3\n")
-    assert load_study(path, ["flow.speed=0.75"]).scenario.flow.speed == 0.75
-    assert load_study(path, ["flow.speed=0.75", "flow.speed = 2"]).scenario.flow.speed == 2.0
-    assert load_study(path).seed == 3
-    assert load_study(path, run={"seed": 0}).seed == 0
-
-
-@pytest.mark.parametrize(
-    ("setting", "value"),
-    [
-        ("robustness.score=worst", "worst"),
-        ("robustness.score = 'worst'", "worst"),
-        ('robustness.score="worst"', "worst"),
-        ("robustness={score='worst'}", "worst"),
-    ],
-)
-def test_text_may_be_set_with_and_without_quotes(setting: str, value: str) -> None:
-    assert load_study(settings=[setting]).document["robustness"]["score"] == value
-
-
 @pytest.mark.parametrize(("text", "value"), [(".6", 0.6), ("+.05", 0.05), ("2.", 2.0)])
 def test_a_number_needs_no_digits_on_both_sides_of_its_point(text: str, value: float) -> None:
     assert load_study(settings=[f"flow.speed={text}"]).scenario.flow.speed == value
@@ -158,12 +148,6 @@ def test_without_a_seed_one_is_drawn_and_kept() -> None:
     assert len(seeds) == 5
     study = load_study()
     assert load_study(Document("again", study.document)).seed == study.seed
-
-
-def test_a_list_is_replaced_as_a_whole(write: Write) -> None:
-    segment = "[[pipe.segments]]\nstart = [0, 0, 0]\nend = [9.0, 0, 0]\nradius = 2.0\n"
-    study = load_study(write(BASE + segment))
-    assert [s.radius for s in study.scenario.pipe.segments] == [2.0]
 
 
 @given(
@@ -239,13 +223,6 @@ def test_the_default_is_the_papers_pipe_with_the_effects_that_the_paper_neglects
     assert agent.body.fittings is not None
 
 
-def test_set_reaches_into_a_list() -> None:
-    study = load_study(settings=["pipe.segments.0.radius=0.8", "targets.TP1.2=-0.4"])
-    assert study.scenario.pipe.segments[0].radius == 0.8
-    assert study.scenario.pipe.segments[0].end == (9.0, 0.0, 0.0)
-    assert study.scenario.targets["TP1"] == (1.0, 0.0, -0.4)
-
-
 @pytest.mark.parametrize("item", ["1", "-1", "first"])
 def test_an_item_that_a_list_does_not_have_is_refused(item: str) -> None:
     with pytest.raises(InputError, match=rf"pipe.segments has no item '{item}'; its items are 0 to 0"):
@@ -279,11 +256,6 @@ def test_every_other_plugin_can_be_chosen_for_a_resolved_study(seam: str) -> Non
     for row in registry().seam(seam):
         if row.available:
             assert load_study(resolved, use={seam: row.name}).document[seam]["use"] == row.name
-
-
-def test_another_model_of_added_mass_keeps_the_drag() -> None:
-    study = load_study("pipe-inspection", use={"hydrodynamics": "striptheory"})
-    assert study.document["hydrodynamics"]["drag"] == "strips"
 
 
 def test_a_key_of_twenty_thousand_names_is_refused_at_once(write: Write) -> None:

@@ -58,10 +58,6 @@ def test_a_missing_key_has_no_line() -> None:
     assert find_line((), find_key_lines("a = 1")) is None
 
 
-def test_nothing_inside_a_string_counts_as_a_key() -> None:
-    assert set(find_key_lines('a = """\nb = 1\n[c]\n"""\n')) == {("a",)}
-
-
 # What may confuse a reader of lines: keys with structure in them, values with keys in them.
 _names = st.text(st.sampled_from("ab.=#[]\"'\\ \t"), min_size=1, max_size=5)
 _scalars = st.one_of(

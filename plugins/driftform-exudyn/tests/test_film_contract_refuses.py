@@ -59,15 +59,6 @@ def level(sketch, flight, when):
     return Sketch.image(sketch, flight, when)
 
 
-def shoot_elsewhere(sketch, agent, flight, scenario, path, at):
-    return Sketch.still(sketch, agent, flight, scenario, path.with_stem("elsewhere"), at)
-
-
-def shoot_only_flights(sketch, agent, flight, scenario, path, at):
-    assert len(flight.t) > 1
-    return Sketch.still(sketch, agent, flight, scenario, path, at)
-
-
 FORMATS, STILL = (
     "test_each_format_gives_a_film_where_it_was_asked_for",
     "test_a_still_shows_the_moment_that_was_asked_for",
@@ -80,16 +71,12 @@ CHANGING = {"image": lambda sketch, flight, when: Sketch.image(sketch, flight, w
     ("fault", "test"),
     [
         ({"columns": 64}, FORMATS),
-        ({"columns": 64}, STILL),
         ({"rate": 20.0}, FORMATS),
         (FROZEN, "test_motion_and_attitude_are_visible"),
         (FROZEN, STILL),
         ({"image": level}, "test_motion_and_attitude_are_visible"),
         (CHANGING, "test_the_same_flight_gives_the_same_frames"),
-        (CHANGING, STILL),
         (dict.fromkeys(("check", "check_still"), lambda sketch, path: None), "test_an_unknown_suffix_is_refused"),
-        ({"still": shoot_elsewhere}, STILL),
-        ({"still": shoot_only_flights}, "test_a_flight_of_one_sample_and_open_water_are_shown_too"),
     ],
 )
 def test_a_faulty_renderer_is_refused(fault, test, tmp_path):

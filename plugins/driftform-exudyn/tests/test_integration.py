@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 
-from driftform.motion.forces.model import flight_model
-from driftform.motion.forces.state import release_state
 from driftform.motion.forces.water_forces import WaterForces
 from driftform.motion.path.interpolation import interpolate_positions
-from driftform.motion.solver.error import Accuracy, greatest_distance, integrate
 from driftform.study import load_study
 from driftform.testing.agents import sphere_agent
 from driftform.testing.simulator import largest_distance
@@ -25,18 +22,6 @@ SETTINGS = make_settings("DOPRI5", horizon=2.0, tolerance=1e-8, max_step=0.05)
 
 def make_agent(seed):
     return PIPELINE.make_agent(PIPELINE.grammar.random(np.random.default_rng(seed)))
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_a_flight_is_that_of_the_other_integrator(seed):
-    agent, scenario = make_agent(seed), PIPELINE.scenario
-    model = flight_model(agent, scenario)
-    here = integrate(model, release_state(model, scenario), 2.0, Accuracy(1e-6, tolerance=1e-8)).samples
-    there = integrate_motion(agent, scenario, SETTINGS, 10_000)
-    assert here[-1, 0] == there[-1, 0] == 2.0
-    assert greatest_distance(here, there) < 1e-5
-    # Nothing holds it in the vertical plane but the equations.
-    assert np.abs(there[:, [2, 5, 7, 9, 11, 13]]).max() < 1e-9
 
 
 def test_agents_with_log_law_drag_and_contact_fly_alike_by_both():

@@ -167,12 +167,6 @@ def test_the_last_of_a_run_counts_where_asked_for():
     assert morphology.fore == ()
 
 
-def test_the_place_next_to_the_core_counts_as_occupied_by_it():
-    morphology = interpret(read_instructions(RUNS, last=True), LSystemOptions(repetition="last", occupied="skip"))
-    assert describe(morphology.aft) == [("S", -20)]
-    assert morphology.fore == ()
-
-
 @pytest.mark.parametrize("repetition", ["first", "last"])
 @given(seed=SEEDS, iterations=st.integers(1, 4))
 def test_a_genotype_builds_the_same_as_its_word_without_repetitions(repetition, seed, iterations):
