@@ -97,7 +97,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("sensors.py", "inlet.radius * np.sqrt(1 - slope**2)", "inlet.radius", ("test_sensors.py",)),
     ("uuv.py", "np.arctan2(z, np.hypot(x, y))", "np.arctan2(-z, np.hypot(x, y))", ("test_fossen.py",)),
     # Networks, and the flow around a body.
-    ("tracers.py", "snapshot.departure - snapshot.exit * retained", "snapshot.departure", ("test_tracers.py",)),
+    ("routing.py", "snapshot.departure - snapshot.exit * retained", "snapshot.departure", ("test_tracers.py",)),
     ("walkers.py", "fresh * (self.high - self.low)", "(self.high - self.low)", ("test_tracers.py",)),
     ("solve.py", "r * (x * nr - r * nx)", "r * x * nr", ("driftform-panels/tests/test_solve.py",)),
 )
