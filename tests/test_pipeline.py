@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from driftform.interfaces import Measure
 from driftform.pipeline import MARGIN, Pipeline
 from driftform.study import load_study
 
@@ -85,3 +86,31 @@ def test_a_pipeline_that_has_made_agents_makes_the_same_ones_in_another_process(
     sent = pickle.loads(pickle.dumps(pipeline))
     np.testing.assert_array_equal(sent.make_agent(genomes[0]).mass.inertia, made.mass.inertia)
     np.testing.assert_array_equal(sent.make_agent(genomes[0]).coefficients.added_mass, made.coefficients.added_mass)
+
+
+def test_an_evaluation_measures_agent_and_flight_and_what_its_fitness_measures(pipeline, genomes, monkeypatch) -> None:
+    monkeypatch.setattr(pipeline.fitness, "measures", {"height": Measure("at the end", "m", -1, 1)}, raising=False)
+    monkeypatch.setattr(pipeline.fitness, "find_measures", lambda t, *_: {"height": t.position[-1, 2]}, raising=False)
+    [found] = pipeline.evaluate(genomes[:1])
+    agent = pipeline.make_agent(genomes[0])
+    weight = agent.mass.mass - pipeline.scenario.fluid.density * agent.mass.volume
+    assert (
+        found.measures["net_weight"] == pytest.approx(weight)
+        and found.measures["height"] == found.trajectory.position[-1, 2]
+    )
+    # A metre of filament holds 2.405 ml.
+    hull = 1e3 * found.measures["print_mass"] / agent.body.hull_density
+    assert found.measures["filament"] == pytest.approx(hull / 2.405e-3, rel=1e-3)
+    assert found.violations == {"port": 0.0, "bore": 0.0}
+    monkeypatch.setattr(pipeline.fitness, "find_measures", lambda *_: {"height": 2.0}, raising=False)
+    assert "expected a number from -1 to 1 for 'height'" in pipeline.evaluate(genomes[:1])[0].failure
+    monkeypatch.setattr(pipeline.fitness, "find_measures", lambda *_: {"depth": 2.0}, raising=False)
+    assert "expected the measures height" in pipeline.evaluate(genomes[:1])[0].failure
+
+
+def test_a_body_that_is_too_wide_says_by_how_much(pipeline, genomes) -> None:
+    wide = pipeline.make_agent(genomes[0]).body.max_diameter
+    release = pipeline.scenario.release.model_copy(update={"port": wide - 0.002})
+    narrow = replace(pipeline, scenario=pipeline.scenario.model_copy(update={"release": release}))
+    [found] = narrow.evaluate(genomes[:1])
+    assert found.failure and found.violations["port"] == pytest.approx(0.002) and not found.violations["bore"]

@@ -34,7 +34,7 @@ from driftform.water.pipe import Vector
 
 __all__ = [
     "Checker", "ExportJob", "Exporter", "Fitness", "Flown", "Grammar", "Hydrodynamics",
-    "HydrodynamicsOptions", "PhenotypeBuilder", "PrintJob", "Printer", "Recorder",
+    "HydrodynamicsOptions", "Measure", "PhenotypeBuilder", "PrintJob", "Printer", "Recorder",
     "Renderer", "ReportJob", "SearchSpace", "Simulator", "Strategy", "Table", "option",
 ]  # fmt: skip
 
@@ -213,6 +213,16 @@ class Simulator(Plugin[OptionsT_co]):
         return self.simulate_batch(agents, scenarios)
 
 
+@dataclass(frozen=True)
+class Measure:
+    """A number that is measured of each flight besides its fitness: its meaning, its unit, and its bounds."""
+
+    meaning: str
+    unit: str = ""
+    low: float = float("-inf")
+    high: float = float("inf")
+
+
 class Fitness(Plugin[OptionsT_co]):
     """Trajectory -> one fitness for each target of the scenario, in percent: 100 is best, 0 is worst.
 
@@ -228,6 +238,8 @@ class Fitness(Plugin[OptionsT_co]):
     """What a target that is reached has, in words."""
     share: ClassVar[str] = ""
     """Heading of the column with the share of the disturbed flights that reach the target; empty for none."""
+    measures: ClassVar[Mapping[str, Measure]] = {}
+    """What :meth:`find_measures` returns, by name."""
     judges_passing: ClassVar[bool] = False
     """Whether only how near a flight passes the target counts, so that a disturbed flight may end after it."""
 
@@ -237,6 +249,10 @@ class Fitness(Plugin[OptionsT_co]):
 
         ``agent`` is what flew, for a fitness that also depends on mass or size.
         """
+
+    def find_measures(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> Mapping[str, float]:
+        """Return the ``measures`` of an undisturbed flight, by name: objectives and descriptors for a strategy."""
+        return {}
 
     def measure(self, fitness: float) -> float:
         """Return what people read of a fitness (%), in ``unit``."""

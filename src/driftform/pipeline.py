@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.agent import mass_properties, solid_of_revolution
+from driftform.agent import mass_properties, measure_evaluation, solid_of_revolution
 from driftform.agent.plain import make_plain_body
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
@@ -18,6 +18,7 @@ from driftform.plugins.seams import (
     require_body,
     require_coefficients,
     require_flights,
+    require_measures,
     require_morphology,
     require_scores,
 )
@@ -31,7 +32,7 @@ from driftform.water.disturbances import (
     disturb_scenario,
     stop_after_targets,
 )
-from driftform.water.misfit import ease_release, find_misfit
+from driftform.water.misfit import ease_release, find_misfit, find_violations
 from driftform.water.prints import disturb_body
 
 MARGIN = 0.2
@@ -228,6 +229,7 @@ class Pipeline(ByContent):
         ]
         outcomes: dict[int, Evaluation] = {}
         agents: dict[int, Agent] = {}
+        violations: dict[int, dict[str, float]] = {}
         for index, genome in enumerate(genomes):
             try:
                 agent = self.make_agent(genome, conditions[index])
@@ -238,6 +240,8 @@ class Pipeline(ByContent):
                 scenarios[index] = ease_release(agent.body, self.scenario, scenarios[index])
                 if (flown_for := wanted[index]) is not None and self.fitness.judges_passing:
                     scenarios[index] = stop_after_targets(scenarios[index], flown_for)
+            else:
+                violations[index] = find_violations(agent.body, self.scenario)
             misfit = find_misfit(agent.body, scenarios[index])
             if misfit is None:
                 agents[index] = agent
@@ -252,7 +256,10 @@ class Pipeline(ByContent):
             disturbed = conditions[index] is not None
             outcomes[index] = self._score(genomes[index], agent, flight, screened.get(agent), disturbed)
         share = (time.perf_counter() - started) / max(1, len(genomes))
-        return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
+        return [
+            replace(outcomes[index], seconds=share, violations=violations.get(index, {}))
+            for index in range(len(genomes))
+        ]
 
     def _fly_each(
         self,
@@ -313,9 +320,13 @@ class Pipeline(ByContent):
                 with suppress(Exception, SystemExit):
                     return replace(failed, fitness=self.score(trajectory, agent))
             return failed
-        if screened is not None and screened.trajectory is trajectory:
-            return Evaluation(genome, screened.fitness, trajectory)
         try:
-            return Evaluation(genome, self.score(trajectory, agent), trajectory)
+            is_scored = screened is not None and screened.trajectory is trajectory
+            fitness = screened.fitness if screened is not None and is_scored else self.score(trajectory, agent)
+            if disturbed:
+                return Evaluation(genome, fitness, trajectory)
+            found = require_measures(self.fitness.find_measures(trajectory, self.scenario, agent), self.fitness)
+            measures = measure_evaluation(agent, trajectory, self.scenario.fluid.density) | found
+            return Evaluation(genome, fitness, trajectory, measures=measures)
         except faults.CAUGHT as error:
             return Evaluation.failed(genome, targets, faults.describe_fault(error))

@@ -25,7 +25,7 @@ import numpy.typing as npt
 __all__ = [
     "Agent", "Body", "ByContent", "Candidate", "Coefficients", "Core", "Drag", "End", "Evaluation", "Finding",
     "Fittings", "FloatArray", "Genome", "MassProperties", "Module", "Moments", "Morphology", "State",
-    "Trajectory", "Verdict", "WrittenFile",
+    "Trajectory", "Verdict", "WrittenFile", "same_content",
 ]  # fmt: skip
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
@@ -93,7 +93,7 @@ def same_content(a: Any, b: Any) -> bool:
     if isinstance(a, Sequence) and not isinstance(a, str | bytes):
         return len(a) == len(b) and all(map(same_content, a, b))
     options = getattr(a, "options", None)
-    return bool(a == b) if options is None else same_content(options, b.options)
+    return bool(a == b or (a != a and b != b)) if options is None else same_content(options, b.options)
 
 
 @dataclass(frozen=True)
@@ -566,6 +566,9 @@ class Evaluation:
         seconds: duration of the evaluation, s.
         offsets: vector from each target to the closest approach, m, (targets, 3), NaN where the flight failed before,
             of a flight of a run, whose trajectory is compressed or, if it was disturbed, not kept; otherwise ``None``.
+        measures: what was measured of agent and flight by name, besides the fitness; those of driftform are listed by
+            :func:`driftform.agent.measure_evaluation`. Empty for a disturbed flight, and where it failed before.
+        violations: by how much each constraint is missed, by name; 0 is feasible. Empty where there is no body.
     """
 
     genome: Genome
@@ -574,6 +577,8 @@ class Evaluation:
     failure: str | None = None
     seconds: float = 0.0
     offsets: FloatArray | None = None
+    measures: Mapping[str, float] = field(default_factory=dict)
+    violations: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         freeze_fields(self, fitness=(None,))

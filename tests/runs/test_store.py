@@ -18,7 +18,7 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.runs import compression
 from driftform.runs.compression import SAMPLE_GAP, compress, compress_evaluation, decode, diagnostics, encode
 from driftform.runs.store import Record, Store
-from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
+from driftform.types import Candidate, End, Evaluation, Genome, Trajectory, same_content
 
 TARGETS = ("A", "B")
 COLUMNS = ("t", "position", "quaternion", "velocity")
@@ -50,6 +50,8 @@ def records(draw: st.DrawFn, index: int = 0) -> Record:
         draw(st.none() | trajectories()),
         draw(st.none() | texts),
         draw(st.floats(0, 1e6)),
+        measures=draw(st.dictionaries(texts, st.floats(), max_size=3)),
+        violations=draw(st.dictionaries(texts, st.floats(0), max_size=2)),
     )
     return Record(index, candidate, evaluation, draw(st.integers(0, 2**63 - 1)))
 
@@ -58,6 +60,7 @@ def same(a: Evaluation, b: Evaluation) -> bool:
     flights = (a.trajectory, b.trajectory)
     return (
         (a.genome, a.failure, a.seconds) == (b.genome, b.failure, b.seconds)
+        and same_content((a.measures, a.violations), (b.measures, b.violations))
         and a.fitness.tobytes() == b.fitness.tobytes()
         and (flights[0] is None) == (flights[1] is None)
         and all(
@@ -154,6 +157,21 @@ def test_reading_one_evaluation_takes_no_longer_in_a_large_run(store: Store) -> 
     store.add([evaluated(index, 1.0, 2.0) for index in range(3, 1000)], TARGETS)
     assert small > 10
     assert steps() <= small + 10
+
+
+def test_a_run_of_an_earlier_version_has_no_measures_and_gets_those_of_what_is_added(
+    tmp_path: Path, store: Store
+) -> None:
+    store.add([evaluated(0, 1, 2)], TARGETS)
+    store.close()
+    with closing(sqlite3.connect(tmp_path / "run.db")) as connection:
+        connection.execute("DROP TABLE measured")
+    with Store.open(tmp_path / "run.db", read_only=True) as old:
+        assert old.read_record(0, TARGETS).evaluation.measures == {}
+    with Store.open(tmp_path / "run.db") as old:
+        record = evaluated(1, 1, 2)
+        old.add([replace(record, evaluation=replace(record.evaluation, measures={"mass": 0.1}))], TARGETS)
+        assert [found.evaluation.measures for found in old.read_records(TARGETS)] == [{}, {"mass": 0.1}]
 
 
 def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store: Store) -> None:

@@ -52,15 +52,33 @@ def test_a_flight_that_is_released_behind_a_station_has_the_height_of_its_releas
     np.testing.assert_allclose(station_heights(CELLS, flight([[3, 0, 0.2], [9, 0, 0.8]]), np.array([1.0])), [0.2])
 
 
+def test_any_measures_are_the_axes_of_the_archive():
+    made = strategy(random=4, batch=4, measures={"mass": (0.0, 1.0), "length": (0.1, 0.3)})
+    found = [
+        Evaluation(one.genome, np.array([50.0]), rising(0.1), measures={"mass": mass, "length": 0.2})
+        for one, mass in zip(made.ask(4), (0.1, 0.4, 0.4001, 0.9), strict=True)
+    ]
+    made.tell(0, found)
+    assert made._archive.data("measures", return_type="tuple")[0][:, 0].tolist() == pytest.approx([0.1, 0.4, 0.9])
+    with pytest.raises(
+        InputError, match=r"strategy\.measures has 'weight', which no evaluation has; these have mass, length"
+    ):
+        other = strategy(random=4, batch=4, measures={"weight": (0.0, 1.0)})
+        other.ask(4)
+        other.tell(0, found)
+
+
 def test_a_grid_has_as_many_cells_in_each_measure_as_the_number_of_cells_allows():
     for cells, stations, dims in ((1000, 3, [10] * 3), (999, 3, [9] * 3), (400, 2, [20, 20]), (2, 6, [2] * 6)):
         options = RibsOptions(archive="grid", cells=cells, stations=tuple(np.linspace(0.1, 1, stations)))
-        assert make_archive(options, 1.0, 0).dims.tolist() == dims
+        assert make_archive(options, [(-1.0, 1.0)] * stations, 0).dims.tolist() == dims
 
 
 def test_the_centroids_of_a_cvt_archive_follow_from_the_seed_and_fill_the_heights():
     options = RibsOptions(cells=40)
-    one, same, other = (make_archive(options, 0.7, seed).centroids for seed in (3, 3, 4))
+    one, same, other = (
+        make_archive(options, [(-0.7, 0.7)] * len(options.stations), seed).centroids for seed in (3, 3, 4)
+    )
     assert one.shape == (40, 3)
     np.testing.assert_array_equal(one, same)
     assert (one != other).any()
@@ -95,7 +113,7 @@ def test_fitter_means_the_best_for_any_target_or_the_mean_over_all(objective, ke
 
 
 def test_the_archive_keeps_genomes_of_any_length_as_they_are():
-    archive = make_archive(RibsOptions(archive="grid", cells=16, stations=(0.5, 1.0)), 1.0, 0)
+    archive = make_archive(RibsOptions(archive="grid", cells=16, stations=(0.5, 1.0)), [(-1.0, 1.0)] * 2, 0)
     genomes = [Genome("any", ("x",)), Genome("any", ("x", "yy", "z"))]
     archive.add(as_objects(genomes), np.ones(2), np.array([[-0.5, 0], [0.5, 0]]), evaluation=np.array([4, 7]))
     assert sorted(archive.data("solution"), key=lambda g: len(g.symbols)) == genomes

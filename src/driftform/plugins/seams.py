@@ -5,7 +5,7 @@ What a seam does not allow becomes one line that names seam, plugin and method, 
 
 import math
 import reprlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -181,6 +181,21 @@ def require_scores(scores: object, targets: int, fitness: Fitness[Any]) -> Float
         expected = f"an array of {_count_numbers(targets)} from 0 to 100, one for each target"
         raise _refuse(fitness, "score", "nothing" if scores is None else what, expected)
     return np.asarray(scores, dtype=np.float64)
+
+
+def require_measures(found: object, fitness: Fitness[Any]) -> dict[str, float]:
+    """Return what a fitness measured, by name.
+
+    Raises WorkFailedError if these are not the measures that it declares, each within its bounds.
+    """
+    known = fitness.measures
+    if not isinstance(found, Mapping) or set(found) != set(known):
+        raise _refuse(fitness, "find_measures", _show(found), f"the measures {', '.join(known) or '(none)'}")
+    for name, value in found.items():
+        if not _are_numbers([value], 1, known[name].low, known[name].high):
+            bounds = f"a number from {known[name].low:g} to {known[name].high:g} for '{name}'"
+            raise _refuse(fitness, "find_measures", _show(value), bounds)
+    return {name: float(value) for name, value in found.items()}
 
 
 def require_files(files: object, plugin: Plugin[Any], method: str = "write") -> tuple[WrittenFile, ...]:

@@ -26,6 +26,10 @@ CREATE TABLE score (
     fitness REAL NOT NULL,
     PRIMARY KEY (target, evaluation)
 ) WITHOUT ROWID;
+CREATE TABLE measured (
+    evaluation INTEGER PRIMARY KEY REFERENCES evaluation (id),
+    found TEXT NOT NULL          -- JSON: measures and violations by name
+);
 CREATE TABLE disturbed (
     evaluation INTEGER NOT NULL REFERENCES evaluation (id),
     condition INTEGER NOT NULL,  -- number of the disturbed condition, see Pipeline.conditions

@@ -152,6 +152,8 @@ class Store:
             # What is missing or not as it is made, and whatever could act in its place.
             rows = connection.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
             made = {name: _normalise(str(sql)) for kind, name, sql in rows if kind == "table"}
+            # Runs of 0.2.0 have no measures.
+            made.setdefault("measured", _TABLES["measured"])
             broken = [table for table in _TABLES if made.get(table) != _TABLES[table]]
             broken += [str(name) for kind, name, _ in rows if kind in ("view", "trigger")]
         except (sqlite3.Error, UnicodeDecodeError) as error:  # a message of SQLite may quote what is damaged
@@ -218,6 +220,9 @@ class Store:
                 rows = self._connection.execute(query)
                 while some := rows.fetchmany(1000):
                     digest.update(repr(some).encode())
+            if self._has_measures:
+                for row in self._connection.execute("SELECT * FROM measured ORDER BY evaluation"):
+                    digest.update(repr(row).encode())
             # Scores are most of a run: as numbers they take a third of the time of their text.
             scores = self._connection.execute(
                 "SELECT evaluation, CAST(fitness AS REAL) FROM score ORDER BY target, evaluation"
@@ -267,12 +272,17 @@ class Store:
         self.check_place()
         # One fsync for all of them: on a disk that makes each wait 4 ms it is what a write costs.
         with self._writing("evaluations"):
+            if not self._has_measures:
+                self._connection.execute(_TABLES["measured"])
+                del self._has_measures
             for record in records:
                 fitness = zip(targets, record.evaluation.fitness.tolist(), strict=True)
                 scores = [(record.index, target, value) for target, value in fitness]
                 with self._naming(f"evaluation {record.index}"):
                     self._connection.execute(_INSERT, _row(record))
                     self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", scores)
+                    found = json.dumps((dict(record.evaluation.measures), dict(record.evaluation.violations)))
+                    self._connection.execute("INSERT INTO measured VALUES (?, ?)", (record.index, found))
             rows = [
                 (flight.evaluation, flight.condition, target, value, *offset, flight.failure)
                 for flight in flights
@@ -472,7 +482,20 @@ class Store:
         fitness = np.array([float(scores[target]) for target in targets])
         flight = None if blob is None else _flight(blob, ended, contact, drift, error)
         candidate = Candidate(genome, tuple(json.loads(parents)), generation, population)
-        return Record(index, candidate, Evaluation(genome, fitness, flight, failure, seconds), seed)
+        measures, violations = self._read_measures(index)
+        evaluation = Evaluation(genome, fitness, flight, failure, seconds, measures=measures, violations=violations)
+        return Record(index, candidate, evaluation, seed)
+
+    @cached_property
+    def _has_measures(self) -> bool:
+        """Whether measures are stored: not in runs of 0.2.0."""
+        return bool(_ask(self._connection, "SELECT count(*) FROM sqlite_master WHERE name = 'measured'"))
+
+    def _read_measures(self, index: int) -> tuple[dict[str, float], dict[str, float]]:
+        query = "SELECT found FROM measured WHERE evaluation = ?"
+        row = self._connection.execute(query, (index,)).fetchone() if self._has_measures else None
+        measures, violations = json.loads(row[0]) if row else ({}, {})
+        return ({str(k): float(v) for k, v in measures.items()}, {str(k): float(v) for k, v in violations.items()})
 
 
 def _flight(blob: bytes, ended: str, contact: float | None, drift: float | None, error: float | None) -> Trajectory:

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.errors import WorkFailedError
+from driftform.interfaces import Measure
 from driftform.types import Trajectory
 from driftform.util.files import write_whole
 
@@ -47,10 +48,15 @@ FLIGHT_COLUMNS = tuple(column.name for column in SAMPLE_COLUMNS[1:])
 """The columns of a Trajectory: time, position, quaternion and velocity."""
 
 
-def evaluation_columns(targets: Sequence[str]) -> tuple[Column, ...]:
-    """Return the columns of the evaluations, with a fitness for each target."""
+MEASURE_COLUMNS = _read_columns("measure")
+"""The columns of what is measured of each evaluation, beside those of its body."""
+
+
+def evaluation_columns(targets: Sequence[str], measures: Mapping[str, Measure] = {}) -> tuple[Column, ...]:
+    """Return the columns of the evaluations, with the measures of a fitness, and a fitness for each target."""
+    found = (Column(name, "float", measure.unit, measure.meaning) for name, measure in measures.items())
     fitness = (Column(f"fitness_{t}", "float", "%", f"for {t}; 0 where the evaluation failed") for t in targets)
-    return (*_OUTCOME, *BODY_COLUMNS, *fitness)
+    return (*_OUTCOME, *BODY_COLUMNS, *MEASURE_COLUMNS, *found, *fitness)
 
 
 TableWriter = Callable[[Path, Sequence[Column], Iterable[Batch]], int]

@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
+from math import isnan, nan
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +17,14 @@ import numpy.typing as npt
 from driftform import __version__
 from driftform.agent import mass_properties
 from driftform.errors import InputError, did_you_mean
-from driftform.interfaces import Grammar, PhenotypeBuilder
+from driftform.interfaces import Grammar, Measure, PhenotypeBuilder
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
 from driftform.runs.table_files import (
     BODY_COLUMNS,
     FLIGHT_COLUMNS,
     FORMATS,
+    MEASURE_COLUMNS,
     SAMPLE_COLUMNS,
     Batch,
     Column,
@@ -88,7 +90,7 @@ def check_output(format: str, folder: Path | None = None) -> None:
 def _write(part: Path, study: Study, store: Store, format: str, trajectories: bool) -> dict[str, int]:
     """Write the tables and the meaning of their columns into a directory; return how many rows each has."""
     targets = study.scenario.target_names
-    tables: dict[str, Sequence[Column]] = {"evaluations": evaluation_columns(targets)}
+    tables: dict[str, Sequence[Column]] = {"evaluations": evaluation_columns(targets, _list_measures(study))}
     write, rows, seen = FORMATS[format], {}, set[int]()
     with count_progress("evaluations") as progress:
         records = _count(_read_in_chunks(store, targets), progress, store.count(), seen)
@@ -125,19 +127,25 @@ def _count(
 
 def evaluation_batches(study: Study, records: Iterable[Record]) -> Iterator[Batch]:
     """Evaluations in batches of at most :data:`MAX_ROWS`; bodies are built anew from their genomes."""
-    columns = evaluation_columns(study.scenario.target_names)
+    columns = evaluation_columns(study.scenario.target_names, _list_measures(study))
     describe = _describer(study)
     left = iter(records)
     while rows := [describe(record) for record in islice(left, MAX_ROWS)]:
         yield {column.name: [row[i] for row in rows] for i, column in enumerate(columns)}
 
 
+def _list_measures(study: Study) -> Mapping[str, Measure]:
+    found: Mapping[str, Measure] = study.make_plugin("fitness").measures
+    return found
+
+
 def _describer(study: Study) -> Callable[[Record], tuple[Any, ...]]:
+    own, usual = list(_list_measures(study)), [column.name for column in MEASURE_COLUMNS]
     grammar, builder, fluid = study.make_plugin("grammar"), study.make_plugin("builder"), study.scenario.fluid
 
     def describe(record: Record) -> tuple[Any, ...]:
         candidate, evaluation = record.candidate, record.evaluation
-        flight = evaluation.trajectory
+        flight, measured = evaluation.trajectory, {**evaluation.measures, **evaluation.violations}
         outcome: tuple[Any, ...] = (None,) * 5
         if flight is not None:
             trust = (flight.contact, flight.energy_drift, flight.error)
@@ -154,6 +162,7 @@ def _describer(study: Study) -> Callable[[Record], tuple[Any, ...]]:
             evaluation.seconds,
             record.seed,
             *_body_facts(grammar, builder, fluid, candidate.genome),
+            *(None if isnan(measured.get(name, nan)) else measured[name] for name in (*usual, *own)),
             *evaluation.fitness.tolist(),
         )
 

@@ -50,6 +50,13 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
     return None
 
 
+def find_violations(body: Body, scenario: Scenario) -> dict[str, float]:
+    """Return by how much a body is wider than the port and the bore at the inlet, m, by name; 0 for one that passes."""
+    wide, port = body.max_diameter, scenario.release.port or math.inf
+    bore = math.inf if scenario.pipe.is_open else 2 * scenario.pipe.layout.inlet.radius
+    return {"port": max(0.0, wide - port), "bore": max(0.0, wide - bore)}
+
+
 def _find_excess_width(body: Body, scenario: Scenario) -> str | None:
     """Return by how much a body is wider than the port or the bore, in one line; ``None`` if it is not."""
     port, wide = scenario.release.port, body.max_diameter

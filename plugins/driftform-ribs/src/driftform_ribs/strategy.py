@@ -1,4 +1,4 @@
-"""MAP-Elites with an archive of pyribs, for flights that pass stations of the pipe at different heights."""
+"""MAP-Elites with an archive of pyribs, over heights at stations of the pipe or over any measures."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
+from driftform.errors import InputError
 from driftform.interfaces import SearchSpace, Strategy, Table, option
 from driftform.search import PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Genome, Trajectory
@@ -40,6 +41,11 @@ class RibsOptions(Table):
         min_length=1,
         max_length=6,
     )
+    measures: dict[str, tuple[float, float]] = option(
+        {},
+        "measures that are the axes of the archive, each with its least and greatest value, in place of heights at stations",
+        max_length=6,
+    )
     objective: Literal["best", "mean"] = option(
         "best", "objective of an elite: its best fitness for any target, or the mean over all targets"
     )
@@ -52,8 +58,8 @@ class RibsOptions(Table):
 class RibsStrategy(Strategy[RibsOptions]):
     """Quality diversity by pyribs: the archive keeps flights that pass the stations at different heights.
 
-    The measures of a flight are its heights above the pipe's axis at some stations along it; the archive keeps the
-    fittest of the flights with similar measures. Parents are drawn uniformly from the elites. The map of
+    The measures of a flight are its heights above the pipe's axis at some stations along it, or any that an evaluation
+    has, such as mass and length; the archive keeps the fittest of the flights with similar measures. Parents are drawn uniformly from the elites. The map of
     what flights reach so fills in places that are hard to reach, and `driftform pick` finds an agent for any point.
     """
 
@@ -65,7 +71,9 @@ class RibsStrategy(Strategy[RibsOptions]):
         self._cells = PipeGrid.of_scenario(space.scenario)
         length, height = self._cells.size[:2] * self._cells.shape
         self._stations = length * np.array(options.stations)
-        self._archive = make_archive(options, float(height / 2), int(space.rng.integers(2**31)))
+        heights = [(-float(height) / 2, float(height) / 2)] * len(options.stations)
+        ranges = list(options.measures.values()) or heights
+        self._archive = make_archive(options, ranges, int(space.rng.integers(2**31)))
         self._evaluated = 0
         self._generation = 0
 
@@ -99,11 +107,21 @@ class RibsStrategy(Strategy[RibsOptions]):
             self._archive.add(
                 as_objects([evaluation.genome for _, evaluation, _ in sound]),
                 np.array([score(evaluation.fitness) for _, evaluation, _ in sound]),
-                np.array([station_heights(self._cells, flight, self._stations) for _, _, flight in sound]),
+                np.array([self._measure(evaluation, flight) for _, evaluation, flight in sound]),
                 evaluation=np.array([index for index, _, _ in sound]),
             )
         self._evaluated += len(evaluations)
         self._generation += 1
+
+    def _measure(self, evaluation: Evaluation, flight: Trajectory) -> FloatArray:
+        """Return the place of a flight in the archive."""
+        names = self.options.measures
+        if not names:
+            return station_heights(self._cells, flight, self._stations)
+        if lacking := [name for name in names if name not in evaluation.measures]:
+            known = ", ".join(evaluation.measures)
+            raise InputError(f"strategy.measures has '{lacking[0]}', which no evaluation has; these have {known}")
+        return np.array([evaluation.measures[name] for name in names])
 
 
 def as_objects(genomes: Sequence[Genome]) -> npt.NDArray[np.object_]:
@@ -113,8 +131,8 @@ def as_objects(genomes: Sequence[Genome]) -> npt.NDArray[np.object_]:
     return solutions
 
 
-def make_archive(options: RibsOptions, radius: float, seed: int) -> "ArchiveBase":
-    """Return an empty archive of genomes over heights from ``-radius`` to ``radius`` (m) at every station."""
+def make_archive(options: RibsOptions, ranges: Sequence[tuple[float, float]], seed: int) -> "ArchiveBase":
+    """Return an empty archive of genomes over measures with these ranges."""
     # Imported here: every command lists the names of all strategies, and importing pyribs takes 2 s.
     from ribs.archives import CVTArchive, GridArchive
     from threadpoolctl import threadpool_limits
@@ -124,14 +142,14 @@ def make_archive(options: RibsOptions, radius: float, seed: int) -> "ArchiveBase
         "solution_dtype": object,
         "objective_dtype": np.float64,
         "measures_dtype": np.float64,
-        "ranges": [(-radius, radius)] * len(options.stations),
+        "ranges": ranges,
         "extra_fields": {"evaluation": ((), np.int64)},
         "seed": seed,
     }
     if options.archive == "grid":
         # The small term absorbs rounding: the cube root of 1000 is 9.999...
-        side = max(2, int(options.cells ** (1 / len(options.stations)) + 1e-9))
-        return GridArchive(dims=[side] * len(options.stations), **common)
+        side = max(2, int(options.cells ** (1 / len(ranges)) + 1e-9))
+        return GridArchive(dims=[side] * len(ranges), **common)
     # The order of k-means' sums depends on the number of threads: one thread gives the same cells everywhere.
     with threadpool_limits(1):
         return CVTArchive(centroids=options.cells, samples=max(_SAMPLES, 10 * options.cells), **common)
