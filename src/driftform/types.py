@@ -84,8 +84,8 @@ def same_content(a: Any, b: Any) -> bool:
     """
     if a is b or type(a) is not type(b):
         return a is b
-    if isinstance(a, np.ndarray):
-        return np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")
+    if isinstance(a, np.ndarray | float):
+        return np.array_equal(a, b, equal_nan=np.asarray(a).dtype.kind in "fc")
     if is_dataclass(a):
         return all(same_content(getattr(a, field.name), getattr(b, field.name)) for field in fields(a))
     if isinstance(a, Mapping):
@@ -93,7 +93,7 @@ def same_content(a: Any, b: Any) -> bool:
     if isinstance(a, Sequence) and not isinstance(a, str | bytes):
         return len(a) == len(b) and all(map(same_content, a, b))
     options = getattr(a, "options", None)
-    return bool(a == b or (a != a and b != b)) if options is None else same_content(options, b.options)
+    return bool(a == b) if options is None else same_content(options, b.options)
 
 
 @dataclass(frozen=True)
