@@ -6,7 +6,7 @@ Each source is a layer that overrides those before it. An error names the source
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import wraps
 from importlib import resources
 from pathlib import Path
@@ -42,7 +42,6 @@ class Source:
 
     label: str
     data: Mapping[str, Any]
-    lines: Mapping[KeyPath, int] = field(default_factory=dict)
     is_option: bool = False
     replaces: Sequence[str] = REPLACED
     text: str = ""
@@ -53,7 +52,7 @@ class Source:
 
     def locate(self, path: KeyPath) -> str:
         """Return the label of the source, with the line of the key if it is a file."""
-        line = find_line(path, self.lines)
+        line = find_line(path, find_key_lines(self.text))
         return f"{self.label}:{line}" if line else self.label
 
 
@@ -163,7 +162,7 @@ def parse_text(label: str, text: str) -> Source:
         raise InputError(f"{label}: is not valid TOML: nested too deeply") from None
     except ValueError as error:
         raise InputError(describe_fault(label, text, error)) from None
-    return Source(label, data, find_key_lines(text), text=text)
+    return Source(label, data, text=text)
 
 
 def parse_setting(text: str) -> Source:

@@ -2,8 +2,9 @@
 
 import re
 import tomllib
-from collections.abc import Mapping
-from typing import TypeAlias
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from typing import Any, TypeAlias
 
 Path: TypeAlias = tuple[str | int, ...]
 """A key as its names from the top level; a number is an index into a list, from 0."""
@@ -14,13 +15,8 @@ MAX_KEY_NAMES = 20
 _NAME = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
 _LONG_KEY = re.compile(rf"(?<![\w-]){_NAME}(?:[ \t]*+\.[ \t]*+{_NAME}){{{MAX_KEY_NAMES},}}+")
 
-# Strings, which may span lines, and comments are single tokens, because their content could be mistaken for structure.
-# A multi-line string may contain up to two quotes before its closing quotes.
-_TOKEN = re.compile(
-    r'''"""(?:\\.|[^\\])*?""""{0,2}|\'\'\'.*?\'\'\'\'{0,2}|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|\#[^\n]*'''
-    r"""|[\[\]{}=\n]|[^"'\#\[\]{}=\n]+|.""",
-    re.DOTALL,
-)
+MAX_LINES = 1000
+"""Most lines of a file whose keys are located: the time grows with their square, and no study is as long."""
 
 
 def check_keys(text: str) -> None:
@@ -67,46 +63,32 @@ def describe_fault(label: str, text: str, error: ValueError) -> str:
     return f"{label}: is not valid TOML: {said}"
 
 
-def find_key_lines(text: str) -> dict[Path, int]:
-    """Return the line of each key of a valid TOML document, counted from 1.
+@lru_cache(maxsize=8)
+def find_key_lines(text: str) -> Mapping[Path, int]:
+    """Return the line of each key of a valid TOML document, counted from 1; none of a document that is too long.
 
-    Tables are keys too; those of an array of tables are numbered. Keys inside inline tables are not included:
-    :func:`find_line` returns the line of the table.
+    Tables are keys too; those of an array are numbered. A key begins after the last line up to which the document was one
+    without it: so its own parser decides what a key is.
     """
     lines: dict[Path, int] = {}
-    counts: dict[Path, int] = {}
-    table: Path = ()
-    # A statement is a header, or a key, '=' and a value that continues while a bracket is open.
-    head, in_value, depth = "", False, 0
-    line = begin = 1
-
-    def note(path: Path) -> None:
-        if len(path) > MAX_KEY_NAMES:
-            raise ValueError(f"line {begin}: a key of {len(path)} names; no study has more than {MAX_KEY_NAMES}")
-        for end in range(1, len(path) + 1):
-            lines.setdefault(path[:end], begin)
-
-    for token in _TOKEN.findall(text + "\n"):
-        if token == "\n" and depth == 0:
-            header = head.strip()
-            if not in_value and header.startswith("[["):
-                array = _resolve_header(_split_key(header[2:-2]), counts, inside_last=False)
-                counts[array] = counts.get(array, 0) + 1
-                table = (*array, counts[array] - 1)
-                note(table)
-            elif not in_value and header.startswith("["):
-                table = _resolve_header(_split_key(header[1:-1]), counts)
-                note(table)
-            head, in_value, begin = "", False, line + 1
-        elif in_value:
-            depth += (token in "[{") - (token in "]}")
-        elif token == "=":
-            note(table + _split_key(head))
-            in_value = True
-        elif not token.startswith("#"):
-            head += token
-        line += token.count("\n")
+    rows, begin = text.replace("\r\n", "\n").split("\n"), 1
+    for number in range(1, len(rows) + 1 if len(rows) <= MAX_LINES else 0):
+        try:
+            found = tomllib.loads("\n".join(rows[:number]))
+        except ValueError:
+            # Within a value of several lines.
+            continue
+        for path in _list_paths(found):
+            lines.setdefault(path, begin)
+        begin = number + 1
     return lines
+
+
+def _list_paths(node: Any, above: Path = ()) -> Iterator[Path]:
+    items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for name, value in items:
+        yield (*above, name)
+        yield from _list_paths(value, (*above, name))
 
 
 def find_line(path: Path, lines: Mapping[Path, int]) -> int | None:
@@ -115,22 +97,3 @@ def find_line(path: Path, lines: Mapping[Path, int]) -> int | None:
         if path[:end] in lines:
             return lines[path[:end]]
     return None
-
-
-def _split_key(dotted: str) -> Path:
-    names: list[str] = []
-    node = tomllib.loads(f"{dotted.strip()} = 0")
-    while isinstance(node, dict):
-        [(name, node)] = node.items()
-        names.append(name)
-    return tuple(names)
-
-
-def _resolve_header(names: Path, counts: Mapping[Path, int], inside_last: bool = True) -> Path:
-    """Return the path of the names of a header; below an array of tables they refer to its last table."""
-    path: Path = ()
-    for number, name in enumerate(names, start=1):
-        path = (*path, name)
-        if path in counts and (inside_last or number < len(names)):
-            path = (*path, counts[path] - 1)
-    return path

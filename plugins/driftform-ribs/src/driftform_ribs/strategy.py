@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from driftform.errors import InputError
 from driftform.interfaces import SearchSpace, Strategy, Table, option
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 Station = Annotated[float, Field(strict=True, gt=0, le=1)]
 """A position along the pipe, relative to its length."""
+
+Bound = Annotated[float, Field(ge=-1e9, le=1e9)]
+"""The least or the greatest value of a measure."""
 
 _SAMPLES = 10_000
 """Samples of the measure space from which the centroids of a CVT archive are computed."""
@@ -41,7 +44,7 @@ class RibsOptions(Table):
         min_length=1,
         max_length=6,
     )
-    measures: dict[str, tuple[float, float]] = option(
+    measures: dict[str, tuple[Bound, Bound]] = option(
         {},
         "measures that are the axes of the archive, each with its least and greatest value, in place of heights at stations",
         max_length=6,
@@ -53,6 +56,14 @@ class RibsOptions(Table):
     random: int = option(200, "random genomes at the start", "", gt=0, le=10_000_000)
     crossover: float = option(0.3, "probability that an offspring has two parents", "", ge=0, le=1)
     mutation_rate: float = option(0.03, "probability that a symbol flips", "", ge=0, le=1)
+
+    @field_validator("measures")
+    @classmethod
+    def _check_ranges(cls, measures: dict[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+        for name, (low, high) in measures.items():
+            if not low < high:
+                raise ValueError(f"{name} goes from {low:g} to {high:g}: the least value comes first")
+        return measures
 
 
 class RibsStrategy(Strategy[RibsOptions]):

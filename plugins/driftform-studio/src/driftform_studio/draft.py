@@ -56,10 +56,14 @@ def locate_errors(lines: list[str], text: str) -> list[dict[str, str]]:
     >>> locate_errors(["study.toml:2: flow.speed = -1: should be more"], "[flow]\\nspeed = -1\\n")
     [{'line': 'study.toml:2: flow.speed = -1: should be more', 'key': 'flow.speed'}]
     """
-    keys: dict[int, str] = {}
+    by_line: dict[int, list[str]] = {}
     for key, number in Study.find_lines(text).items():
-        # Of several keys on a line, such as a table in a list and the list, the last is the inner one.
-        keys[number] = max(keys.get(number, ""), key, key=len)
+        by_line.setdefault(number, []).append(key)
+    # Of several keys on a line it is the innermost that holds all others, such as a table in a list.
+    keys = {
+        number: max((k for k in on if all(o.startswith(k) or k.startswith(o) for o in on)), key=len, default="")
+        for number, on in by_line.items()
+    }
     found = []
     for line in lines:
         match = re.match(rf"{re.escape(FILE)}:(\d+): ([\w.\[\]-]*)", line)
