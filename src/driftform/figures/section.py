@@ -12,8 +12,8 @@ from driftform.agent.distance import distance_from, radius_at
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
 from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, text_width, write, write_title
-from driftform.figures.style import BLUE, MUTED, SCREEN, Page, tint
-from driftform.figures.surface import find_rest, find_surface
+from driftform.figures.rest import find_rest
+from driftform.figures.style import MUTED, SCREEN, Page, tint
 from driftform.figures.svg import PX_PER_MM
 from driftform.types import Agent, Body, FloatArray
 from driftform.water import Scenario
@@ -30,9 +30,6 @@ _THICKER = 1.05
 
 _NARROW, _BESIDE = 230.0, 160.0
 """If the body is shorter than the first (px), the labels of wall and core are next to it and take the second (px)."""
-
-_AROUND = 10.0
-"""Width of the water that is drawn around the body, px."""
 
 
 # The scales that ISO 5455 recommends, paper over body.
@@ -51,8 +48,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
         title: a line above the picture.
         page: on paper, the body is as large as fits, title and table of masses are left out, and on a narrow page the
             labels of wall and core.
-        scenario: its water gives the net buoyancy, and the water line of a body that floats: the surface when the
-            body is at rest, far from any wall. If the scenario has no surface, the line is where one would be.
+        scenario: its water gives the net buoyancy, and how the body rests in it, far from any wall.
 
     On a screen the natural size is in millimetres: printed at that size, the picture has the scale that it states.
     """
@@ -66,7 +62,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
     length, diameter = body.length * px_per_m, body.max_diameter * px_per_m
     facts, block = _describe_agent(agent), title_block(agent, scenario)
     rest = None if scenario is None else find_rest(agent, scenario)
-    legend = 0.0 if rest is None else 34 + text_width(rest.text, 11) + _SCALE
+    legend = 0.0 if rest is None else text_width(rest.text, 11) + _SCALE
     least = max(text_width(facts, 12), _block_width(block), legend, 556.0) + 2 * MARGIN
     width = max(length + _LEFT + _RIGHT, least)
     if length < _NARROW:
@@ -94,28 +90,20 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None,
     if not page.is_paper:
         write_title(root, MARGIN, 32, title or "Section", 17, width - 2 * MARGIN)
         write(root, MARGIN, 52, facts, 12, MUTED)
-    surface = (
-        None if rest is None or rest.height is None else find_surface(rest.pitch, rest.height, body, place, _AROUND)
-    )
-    if surface is not None:
-        svg.add(root, "path", class_="water", d=svg.path_data(surface.wet, closed=True), fill=tint(BLUE, 0.1))
     draw_shading(root, body, place, _STEEL, below=0)
     draw_rims(root, body, place, tint(_STEEL, 0.62), 0.7, below=0)
     dimensions = {**_plot_cut(body, place), **_plot_callouts(body, place), **_plot_dimensions(body, place)}
     if page.is_paper and length < _NARROW:
         dimensions["labels"] = []
     centres = _plot_centres(agent, place, width)
-    svg.draw_template(root, __package__, "section", surface=surface, marks=centres, **dimensions)
+    svg.draw_template(root, __package__, "section", marks=centres, **dimensions)
     base = height - 18
     bar = draw_scale_bar(root, width - MARGIN, base, px_per_m, 130)
     if page.is_paper:
         return svg.render(root)
     write(root, bar - 16, base, f"Scale {written}", 11, MUTED, anchor="end", class_="scale")
     if rest is not None:
-        if surface is not None:
-            line = svg.path_data([(MARGIN, base - 4), (MARGIN + 26, base - 4)])
-            svg.add_line(root, line, BLUE, 1.4, stroke_dasharray="9 3")
-        write(root, MARGIN + (0 if surface is None else 34), base, rest.text, 11, MUTED, class_="rest")
+        write(root, MARGIN, base, rest.text, 11, MUTED, class_="rest")
     spare = (width - 2 * MARGIN - _block_width(block)) / len(block)
     widths = [_cell_width(name, value) + spare for name, value in block]
     cells = [(*cell, x) for cell, x in zip(block, accumulate(widths[:-1], initial=MARGIN), strict=True)]

@@ -16,7 +16,7 @@ class SvgOptions(Table):
 
 
 class SvgExporter(Exporter[SvgOptions]):
-    """A dimensioned drawing of the agent to scale: half outside view, half section, and its water line."""
+    """A dimensioned drawing of the agent to scale: half outside view, and half section."""
 
     name = "svg"
     suffix = ".svg"

@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform.figures.bodies import Placement
 from driftform.figures.layout import MINUS
+from driftform.figures.rest import find_rest
 from driftform.figures.section import section_svg
-from driftform.figures.surface import find_rest, find_surface
 from driftform.water import Fluid, Scenario
 
 DENSITY = 1000.0
@@ -61,45 +60,15 @@ def test_a_body_heavier_than_water_sinks_and_hangs_by_its_centre_of_buoyancy(tub
 
 def test_the_text_depends_on_whether_the_scenario_has_a_surface(tube):
     assert find_rest(tube(0.5), water()).text.startswith("Rises; at a surface it would float")
-    assert find_rest(tube(0.5), water(water_level=0.3)).text.startswith("Water line: floats")
+    assert find_rest(tube(0.5), water(water_level=0.3)).text.startswith("Floats level")
 
 
 def test_without_gravity_nothing_floats(tube):
     assert find_rest(tube(0.5), water(gravity=0.0)) is None
 
 
-@pytest.mark.parametrize(("pitch", "height"), [(0.0, 0.005), (0.5, -0.01), (-1.2, 0.01), (np.pi / 2, 0.03)])
-def test_points_of_the_line_are_in_the_surface_and_those_of_the_water_below_it(tube, pitch, height):
-    body, place = tube(0.5).body, Placement(300, 200, 1000)
-    surface = find_surface(pitch, height, body, place, 10)
-
-    def above(points):
-        x, z = (np.array(points) - (300, 200)).T / 1000 * np.array([[1], [-1]])
-        return height - x * np.sin(pitch) + z * np.cos(pitch)
-
-    assert above(surface.line) == pytest.approx([0, 0], abs=1e-12)
-    assert (above(surface.wet) <= 1e-12).all()
-    assert above(surface.line + 5 * surface.up) == pytest.approx([0.005, 0.005])
-
-
-def test_a_surface_that_passes_the_body_by_is_not_drawn(tube):
-    assert find_surface(0.0, 1.0, tube(0.5).body, Placement(300, 200, 1000), 10) is None
-
-
-def test_the_water_line_is_drawn_where_the_body_floats(read, points, tube):
-    picture = read(section_svg(tube(0.4, 0.08), "", water()))
-    outline, line = points(picture.one("outline")), points(picture.one("water-line"))
-    left, right = outline[:, 0].min(), outline[:, 0].max()
-    # Nose down, so the fore part is wet: 40 % of the length from the right.
-    assert (right - line[:, 0]) / (right - left) == pytest.approx([0.4, 0.4], abs=0.01)
-    wet = points(picture.one("water"))
-    assert wet[:, 0].max() > right and wet[:, 0].min() == pytest.approx(line[:, 0].min(), abs=0.02)
-
-
-def test_a_heavy_body_has_no_water_line_and_says_so(read, tube):
-    picture = read(section_svg(tube(1.2, 0.05), "", water()))
-    assert picture.all("water-line") == picture.all("water") == []
-    assert picture.one("rest").text == "Sinks and hangs upright, nose down."
+def test_a_section_says_how_the_body_rests(read, tube):
+    assert read(section_svg(tube(1.2, 0.05), "", water())).one("rest").text == "Sinks and hangs upright, nose down."
 
 
 def test_net_buoyancy_is_that_of_the_scenario_s_water(read, tube):
