@@ -215,7 +215,7 @@ class Simulator(Plugin[OptionsT_co]):
 
 @dataclass(frozen=True)
 class Measure:
-    """A number that is measured of each flight besides its fitness: its meaning, its unit, and its bounds."""
+    """A number that is measured of each flight besides its fitness: ``meaning``, ``unit``, and bounds ``low`` and ``high``."""
 
     meaning: str
     unit: str = ""

@@ -23,9 +23,9 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
-    "Agent", "Body", "ByContent", "Candidate", "Coefficients", "Core", "Drag", "End", "Evaluation", "Finding",
+    "Agent", "Body", "Candidate", "Coefficients", "Core", "Drag", "End", "Evaluation", "Finding",
     "Fittings", "FloatArray", "Genome", "MassProperties", "Module", "Moments", "Morphology", "State",
-    "Trajectory", "Verdict", "WrittenFile", "same_content",
+    "Trajectory", "Verdict", "WrittenFile",
 ]  # fmt: skip
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
