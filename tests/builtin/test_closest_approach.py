@@ -80,14 +80,3 @@ def test_its_words_are_those_of_the_error_in_percent_of_d_max():
         *(Verdict.NEAR, Verdict.NEAR),
         Verdict.MISSED,
     ]
-
-
-def test_a_fitness_may_depend_on_the_mass_of_the_agent():
-    class CloseAndLight(ClosestApproach):
-        def score(self, trajectory, scenario, agent):
-            return super().score(trajectory, scenario, agent) * min(1.0, 0.05 / agent.mass.mass)
-
-    trajectory = straight_trajectory((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
-    scenario = Scenario(pipe=PIPE, targets={"A": (4.0, 0, 0)})
-    scores = [CloseAndLight(Table()).score(trajectory, scenario, sphere_agent(0.02, m)) for m in (0.05, 0.1)]
-    assert scores[0] == pytest.approx(2 * scores[1])

@@ -18,13 +18,11 @@ from driftform.motion.path.curve import evaluate_path, world_velocity
 from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing import SimulatorContract
 from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, tumbling_agent
-from driftform.testing.bodies import spheroid_body
 from driftform.testing.simulator import HEAVY, NEUTRAL, NEUTRAL_MASS, RADIUS, SPHEROID, largest_distance, water_scenario
 from driftform.types import Agent, Coefficients, Drag, FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Fluid, Scenario
 from driftform.water.flow import UniformFlow
-from driftform.water.scenario import Contact
 
 
 class Libration:
@@ -87,12 +85,6 @@ def total_of(spheroid: Spheroid) -> tuple[float, float, float]:
     return (1 + k1) * spheroid.mass, (1 + k2) * spheroid.mass, (1 + turning) * spheroid.inertia
 
 
-def munk_moment(spheroid: Spheroid, speed: float, angle: float) -> float:
-    """Return the destabilising moment (N m) of motion at ``speed`` (m/s) and ``angle`` (rad) to the axis."""
-    k1, k2, _ = spheroid.factors
-    return 0.5 * (k2 - k1) * spheroid.mass * speed**2 * math.sin(2 * angle)
-
-
 def largest_drift(values: FloatArray) -> float:
     """Return the largest change of any component since the first sample."""
     return float(np.abs(values - values[0]).max())
@@ -147,14 +139,6 @@ class ClosedForms(SimulatorContract):
             speed = terminal * np.tanh(trajectory.t / tau)
             np.testing.assert_allclose(-trajectory.velocity[:, 2], speed, atol=self.accuracy * 1e-1)
 
-    def test_linear_damping_decays_exponentially(self) -> None:
-        """m v' = -D v: with a rate of 2 1/s a neutral sphere stops after a path of v / 2, relative to the water."""
-        damping = np.diag([2 * 1.5 * NEUTRAL_MASS] * 3 + [0.0] * 3)
-        agent = replace(NEUTRAL, coefficients=replace(NEUTRAL.coefficients, linear_damping=damping))
-        trajectory = self.fly(agent, water_scenario(2.0, "rest", speed=1.0))
-        expected = trajectory.t - (1 - np.exp(-2 * trajectory.t)) / 2
-        np.testing.assert_allclose(trajectory.position[:, 0], expected, atol=self.accuracy * 1e-2)
-
     def test_strips_across_the_axis_slow_a_body_that_falls_broadside(self) -> None:
         """A cylinder reaches the speed at which its drag, of strips and of creeping, equals its net weight."""
         length, diameter, mass = 0.3, 0.02, 1.2 * SPHEROID.mass
@@ -196,14 +180,6 @@ class ClosedForms(SimulatorContract):
         off = distance_from_textbook(trajectory, agent, scenario, scenario.flight.horizon)
         assert off < self.agreement
         assert trajectory.error is not None and off <= trajectory.error
-
-    def test_motion_at_an_angle_feels_munks_moment(self) -> None:
-        """At 1 m/s and 10 degrees a moment of 0.0038375 N m turns the nose away: pitch acceleration = moment / (I + A55)."""
-        moment = munk_moment(SPHEROID, 1.0, math.radians(10))
-        assert moment == pytest.approx(0.0038375, abs=5e-9)
-        trajectory = self.fly(SPHEROID.agent(), water_scenario(1e-4, (1.0, 0.0, 0.0), pitch_deg=10.0))
-        rate = trajectory.velocity[-1, 4] / trajectory.t[-1]
-        assert rate == pytest.approx(moment / total_of(SPHEROID)[2], rel=1e-4)
 
     # Invariances.
 
@@ -300,15 +276,6 @@ class ClosedForms(SimulatorContract):
         half_period = math.pi * math.sqrt(swinging / stiffness)
         assert float(np.diff(crossings).mean()) == pytest.approx(half_period, rel=0.02)
 
-    def test_a_body_far_below_the_surface_moves_as_in_a_full_pipe(self) -> None:
-        """A surface far above the body does not change its motion."""
-        times, paths = np.linspace(0, 1.5, 151), []
-        for level in (None, 50.0):
-            fluid = Fluid(density=DENSITY, gravity=GRAVITY, water_level=level)
-            scenario = water_scenario(1.5, (0.5, 0.1, 0.0), pitch_deg=20.0, fluid=fluid)
-            paths.append(interpolate_positions(self.fly(SPHEROID.agent(), scenario), times))
-        assert largest_distance(*paths) < self.agreement
-
     def test_the_estimated_error_covers_the_true_error(self) -> None:
         """The estimate covers the error against the libration's closed form, and is at most 1 mm."""
         trajectory = self.fly(SPHEROID.agent(), water_scenario(1.0, (1.0, 0.01, 0.0)))
@@ -333,53 +300,6 @@ class ClosedForms(SimulatorContract):
         times = np.linspace(0, 2.0, 201)
         back = evaluate_path(again.t, again.position - turned, velocity, times)
         assert largest_distance(interpolate_positions(trajectory, times), back) < self.agreement
-
-    def test_a_long_body_that_hits_the_wall_obliquely_stays_inside_and_loses_energy(self) -> None:
-        """No rim enters by more than a millimetre, and the wall never returns more energy than it takes."""
-        agent = SPHEROID.agent()
-        scenario = water_scenario(2.0, (1.0, 0.0, 0.4), speed=1.0, pitch_deg=-20.0, pipe=(9.0, 0.2))
-        trajectory = self.fly(agent, scenario)
-        _, energy, _, _ = invariants(agent, scenario, trajectory)
-        assert 0 < wall_depths(agent, trajectory, 0.2).max() < 1e-3
-        assert energy[-1] < 0.9 * energy[0]
-        assert energy.max() <= energy[0] * 1.002
-
-    @pytest.mark.parametrize("restitution", [0.2, 0.7, 0.95])
-    def test_a_sphere_that_hits_the_wall_returns_with_the_restitution(self, restitution: float) -> None:
-        """It enters by less than a millimetre, slides on, and keeps the share e exp(-35 / St) of its speed, within .05."""
-        hit, pipe = 0.5, (9.0, 0.2)
-        scenario = water_scenario(0.8, (1.0, 0.0, hit), speed=1.0, pipe=pipe, restitution=restitution)
-        trajectory = self.fly(NEUTRAL, scenario)
-        depth = wall_depths(NEUTRAL, trajectory, 0.2)
-        assert depth.max() > 0, "the sphere must reach the wall"
-        assert depth.max() < 1e-3
-        speed = world_velocity(trajectory)[-1]
-        assert speed[0] == pytest.approx(1.0, abs=1e-6), "the wall is frictionless"
-        viscosity = scenario.fluid.viscosity * scenario.fluid.density
-        stokes = 1.5 * NEUTRAL_MASS * hit / (6 * math.pi * viscosity * RADIUS**2)
-        assert -speed[2] / hit == pytest.approx(restitution * math.exp(-35 / stokes), abs=0.05)
-
-    def test_a_light_body_comes_to_rest_against_the_wall(self) -> None:
-        """It rests at a depth below 0.1 mm, where the springs balance the net buoyancy, and drifts with the water."""
-        # So few edges that only the widest rim touches.
-        agent = replace(agent_of(0.5 * SPHEROID.mass), body=spheroid_body(SPHEROID.a, SPHEROID.b, edges=4))
-        scenario = water_scenario(3.0, speed=1.0, pipe=(9.0, 0.1), restitution=0.5)
-        trajectory = self.fly(agent, scenario)
-        acceleration = 0.5 * GRAVITY / (0.5 + SPHEROID.factors[1])
-        static = acceleration / scenario.contact.frequency**2
-        assert trajectory.position[-1, 2] - (0.1 - SPHEROID.b) == pytest.approx(static, rel=0.05)
-        assert static < 1e-4
-        np.testing.assert_allclose(world_velocity(trajectory)[-1], [1.0, 0.0, 0.0], atol=1e-3)
-
-    def test_friction_brings_a_body_on_the_wall_to_rest(self) -> None:
-        """A body that slides in still water slows down to rest."""
-        release: dict[str, Any] = {"position": (1.0, 0.0, -0.089), "pipe": (9.0, 0.1)}
-        scenario = water_scenario(4.0, (0.5, 0.0, 0.0), **release, contact=Contact(friction=0.4))
-        trajectory = self.fly(agent_of(1.5 * SPHEROID.mass), scenario)
-        assert abs(world_velocity(trajectory)[-1, 0]) < 1e-3
-        # By sliding only, with mu times a third of its weight, it would move this far; rocking shortens the path.
-        slowing = 0.4 * (0.5 / 1.5) * GRAVITY / (1 + SPHEROID.factors[0] / 1.5)
-        assert 0 < trajectory.position[-1, 0] - 1.0 < 1.5 * 0.5**2 / (2 * slowing)
 
     def test_the_first_contact_with_the_wall_is_recorded(self) -> None:
         """A sphere that falls freely through half a metre touches after sqrt(2 s / a); in open water ``contact`` is ``None``."""

@@ -98,16 +98,6 @@ def test_a_body_in_the_air_feels_nothing(name, turn):
     assert buoyant_energy(0.2, rotation(R), tuple(agent.mass.cob), 0.0, WEIGHT, model.slices) == 0.0
 
 
-@pytest.mark.parametrize("depth", [-0.02, -0.015, -0.003, 0.0, 0.004, 0.0199, 0.02])
-def test_a_level_cylinder_displaces_the_segment_of_a_circle(depth):
-    radius, length = 0.02, 0.1
-    area, _ = segment(radius, depth)
-    force, torque, volume, _ = wrench_of(discs(radius, length, 8), -depth, np.eye(3))
-    assert volume == pytest.approx(area * length, rel=1e-12, abs=1e-18)
-    assert force == pytest.approx([0, 0, WEIGHT * area * length], rel=1e-12, abs=1e-15)
-    assert torque == pytest.approx([0, 0, 0], abs=1e-15)
-
-
 @given(st.floats(-1.5, 1.5), st.floats(-0.06, 0.06), st.floats(-0.05, 0.05))
 def test_a_thin_disc_has_the_waterline_of_its_circle(pitch, height, x):
     # The surface cuts the disc's plane in a line, q from its centre; the part below has its centroid on the

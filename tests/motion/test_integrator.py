@@ -48,18 +48,6 @@ def test_the_coefficients_are_those_that_scipy_has(pair, known):
         assert np.abs(pair.second) == pytest.approx(np.abs(known.E3), rel=1e-12, abs=1e-16)
 
 
-@pytest.mark.parametrize(("pair", "order"), [(DOPRI5, 5), (DOP853, 8)])
-def test_the_coefficients_meet_the_conditions_of_their_order(pair, order):
-    # Quadrature, and two of the conditions on trees: sum b c^k = 1/(k+1), sum b A c^k = 1/((k+1)(k+2)).
-    assert pair.a.sum(axis=1) == pytest.approx(pair.c, abs=1e-14)
-    for k in range(order):
-        assert pair.b @ pair.c**k == pytest.approx(1 / (k + 1), abs=1e-14)
-    for k in range(order - 1):
-        assert pair.b @ pair.a @ pair.c**k == pytest.approx(1 / ((k + 1) * (k + 2)), abs=1e-14)
-    assert pair.error.sum() == pytest.approx(0, abs=1e-14)
-    assert pair.second.sum() == pytest.approx(0, abs=1e-14)
-
-
 def libration(pair, horizon):
     """A smooth flight of known motion that is integrated by one of the pairs alone."""
     scenario = water_scenario(horizon, (1.0, 0.01, 0.0), pipe=(50.0, 10.0))

@@ -77,13 +77,6 @@ def test_resampled_flights_lie_on_the_path_and_have_its_slope(flown: tuple[Agent
     assert world_velocity(fine)[1:-1] == pytest.approx(slope, abs=1e-6)
 
 
-def test_resampling_at_the_samples_changes_nothing() -> None:
-    trajectory = drifting_trajectory(0.4)
-    again = resample(trajectory, 50.0)
-    for name in ("t", "position", "quaternion", "velocity"):
-        assert getattr(again, name) == pytest.approx(getattr(trajectory, name), abs=1e-12)
-
-
 def test_a_single_sample_stays_one() -> None:
     whole = drifting_trajectory()
     single = Trajectory(whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1], whole.end)
