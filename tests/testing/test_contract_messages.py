@@ -1,6 +1,5 @@
 """A contract that fails says what it asks, and what came instead."""
 
-import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -55,24 +54,6 @@ def test_a_contract_that_fails_says_what_came_and_what_it_asks(
         fails(tmp_path)
     assert str(caught.value).startswith(came)
     assert caught.value.__notes__ == [f"The contract asks: {asked}"]
-
-
-RELEASED = threading.Event()
-"""Set when the test that waits may end."""
-
-
-class Endless(LetterGrammar):
-    def random(self, rng: np.random.Generator) -> Any:
-        RELEASED.wait()
-
-
-def test_a_test_that_does_not_end_fails_after_the_time_limit() -> None:
-    contract = make(GrammarContract, Endless)
-    contract.time_limit = 0.2
-    with pytest.raises(pytest.fail.Exception, match=r"has not ended after 0\.2 s; 'time_limit'") as failure:
-        contract.test_another_seed_draws_another_genome()
-    RELEASED.set()
-    assert any("The contract asks" in note for note in failure.value.__notes__)
 
 
 def test_every_contract_states_what_each_of_its_tests_asks() -> None:

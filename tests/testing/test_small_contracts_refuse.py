@@ -1,4 +1,4 @@
-"""The contracts of checkers, commands and scenarios are of use only if they refuse what is wrong: each has one fault."""
+"""The contracts of checkers and commands are of use only if they refuse what is wrong: each has one fault."""
 
 import itertools
 from collections.abc import Callable
@@ -11,8 +11,7 @@ import typer
 from driftform.cli.output import print_json
 from driftform.errors import InputError
 from driftform.interfaces import Checker, PrintJob, Table
-from driftform.study.sources import read_scenarios
-from driftform.testing import CheckerContract, CommandsContract, ScenariosContract
+from driftform.testing import CheckerContract, CommandsContract
 from driftform.types import Finding, State
 
 TICKS = itertools.count()
@@ -137,28 +136,3 @@ def test_a_faulty_command_is_refused(function, name, test):
     getattr(commands_of(weigh, "weigh"), test)()
     with pytest.raises((AssertionError, ValueError)):
         getattr(commands_of(function, name), test)()
-
-
-@pytest.mark.parametrize(
-    ("text", "installed", "test"),
-    [
-        ('base = "paper"\ntitle = "Mine"\n', False, "test_each_file_is_a_scenario_of_that_name"),
-        ('base = "paper"\ntitle = ""\n', True, "test_each_is_a_sound_study_with_a_title"),
-    ],
-)
-def test_faulty_scenarios_are_refused(text, installed, test, tmp_path, monkeypatch):
-    class Contract(ScenariosContract):
-        def package(self) -> str:
-            return package
-
-    package = "driftform.builtin.scenarios"
-    getattr(Contract(), test)()
-    package = "my_scenarios"
-    (tmp_path / package).mkdir()
-    (tmp_path / package / "mine.toml").write_text(text)
-    monkeypatch.syspath_prepend(tmp_path)
-    known = {**read_scenarios(), **({"mine": text} if installed else {})}
-    for module in ("driftform.study.sources", "driftform.testing.scenarios"):
-        monkeypatch.setattr(f"{module}.read_scenarios", lambda: known)
-    with pytest.raises(AssertionError):
-        getattr(Contract(), test)()

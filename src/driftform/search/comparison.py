@@ -12,10 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from driftform.figures.trend import Curve, choose_points
-from driftform.runs.directory import DATABASE
 from driftform.runs.run import StoredRun
 from driftform.runs.table_files import Column, write_csv
-from driftform.search.advance import Observer, advance_run, find_ended, list_best, search_run
+from driftform.search.advance import Observer, advance_run, list_best, search_run
 from driftform.search.jobs import Executor
 from driftform.study import Study
 from driftform.types import FloatArray
@@ -43,35 +42,24 @@ def search_all(
     """Search every repeat to its end; with disturbed conditions, also fly its finalists and write its best agents.
 
     A repeat that is complete is left as it is. Each search gets workers of its own, by ``open_place``. ``progress`` is
-    called with the number of undisturbed flights that are done, and of all. Returns a line per file that was not written, and per warning.
+    called with the number of undisturbed flights that are done, and of all. Returns a line per file that was not written, and
+    per warning.
 
     Raises InputError if a directory holds a run of another study, or another process works on it.
     """
     problems, done, total = list[str](), 0, sum(study.evaluations for each in searches for study in each.values())
     for repeats in searches:
-        missing = {path: study for path, study in repeats.items() if not _is_complete(path, study)}
-        done += sum(study.evaluations for path, study in repeats.items() if path not in missing)
-        progress(done, total)
-        if not missing:
-            continue
-        with open_place(next(iter(missing.values()))) as executor:
-            for path, study in missing.items():
+        with open_place(next(iter(repeats.values()))) as executor:
+            for path, study in repeats.items():
                 counter = _Counter(progress, done, total, problems)
                 with StoredRun.ensure(path, study) as run:
                     if study.scenario.robustness.conditions:
                         problems += [line for best in advance_run(run, executor, counter) for line in best.problems]
-                    else:
+                    elif run.count()[0] < study.evaluations:
                         search_run(run, executor, counter)
                 done += study.evaluations
+                progress(done, total)
     return problems
-
-
-def _is_complete(path: Path, study: Study) -> bool:
-    if not (path / DATABASE).is_file():
-        return False
-    with StoredRun.ensure(path, study) as run:
-        is_searched = run.count()[0] == study.evaluations
-        return is_searched and (not study.scenario.robustness.conditions or find_ended(run) is not None)
 
 
 class _Counter(Observer):

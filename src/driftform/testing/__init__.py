@@ -1,4 +1,4 @@
-"""Contract tests that a plugin inherits: one class per seam, and one each for commands and scenarios.
+"""Contract tests that a plugin inherits: one class per seam, and one for commands.
 
 To test a plugin against its seam, write a subclass that makes the plugin::
 
@@ -33,7 +33,6 @@ from driftform.testing.grammar import GrammarContract as GrammarContract  # noqa
 from driftform.testing.hydrodynamics import HydrodynamicsContract as HydrodynamicsContract  # noqa: E402
 from driftform.testing.recorder import RecorderContract as RecorderContract  # noqa: E402
 from driftform.testing.renderer import RendererContract as RendererContract  # noqa: E402
-from driftform.testing.scenarios import ScenariosContract as ScenariosContract  # noqa: E402
 from driftform.testing.simulator import PointSimulatorContract as PointSimulatorContract  # noqa: E402
 from driftform.testing.simulator import SimulatorContract as SimulatorContract  # noqa: E402
 from driftform.testing.strategy import StrategyContract as StrategyContract  # noqa: E402

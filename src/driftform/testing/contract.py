@@ -3,12 +3,11 @@
 import functools
 import inspect
 import pickle
-import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import fields, is_dataclass
 from multiprocessing import get_context
-from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, cast
+from typing import Any, Generic, TypeAlias, TypeVar, cast
 
 import numpy as np
 import pytest
@@ -29,7 +28,7 @@ def _explain(test: Callable[..., None]) -> Callable[..., None]:
     def explained(contract: Contract, *arguments: Any, **values: Any) -> None:
         __tracebackhide__ = True
         try:
-            _run_within(contract.time_limit, functools.partial(test, contract, *arguments, **values))
+            test(contract, *arguments, **values)
         except DriftformError as error:
             failure = AssertionError(str(error))
             failure.add_note(note)
@@ -41,34 +40,8 @@ def _explain(test: Callable[..., None]) -> Callable[..., None]:
     return explained
 
 
-def _run_within(seconds: float, test: Callable[[], None]) -> None:
-    """Run a test, and fail if it takes longer; what hangs then stays in a thread that ends with the process."""
-    __tracebackhide__ = True
-    raised: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            test()
-        except BaseException as error:
-            raised.append(error)
-
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    thread.join(seconds)
-    if thread.is_alive():
-        pytest.fail(f"the test has not ended after {seconds:g} s; 'time_limit' of the class allows more")
-    if raised:
-        raise raised[0]
-
-
 class Contract:
-    """Base class of all contracts: the failure of a test ends with the requirement that its docstring states.
-
-    Attributes:
-        time_limit: time after which a test fails, s, with what the first flight compiles; a slower plugin raises it.
-    """
-
-    time_limit: ClassVar[float] = 300.0
+    """Base class of all contracts: the failure of a test ends with the requirement that its docstring states."""
 
     def __init_subclass__(cls, **more: Any) -> None:
         super().__init_subclass__(**more)
