@@ -91,14 +91,14 @@ def film_flight(
         rng.normal(0.0, how.tilt),
         offset=(rng.normal(0.0, 0.3), rng.normal(0.0, 0.3)),
     )
-    blank = Track(name, t, (Marker(0.0, np.zeros((len(t), 2))),), np.full(len(t), np.nan))
-    [seen], _ = see_points(_look_down(path, how, rng) if how.look_down else path, blank, VIEWS["side"], camera)
+    blank = Track(name, t, (Marker(0.0, np.zeros((len(t), 2))),))
+    [seen] = see_points(_look_down(path, how, rng) if how.look_down else path, blank, VIEWS["side"], camera)
     if how.barrel:
         seen = _bend(seen, how.barrel, rng)
     noisy: FloatArray = seen + rng.normal(0.0, how.noise, seen.shape)
     if how.lost:
         kept = _keep_frames(len(t), how.lost, rng)
-        noisy, blank = noisy[kept], replace(blank, t=t[: len(kept)], angle=blank.angle[kept])
+        noisy, blank = noisy[kept], replace(blank, t=t[: len(kept)])
     return Filmed(bench, check_track(name, replace(blank, markers=(Marker(0.0, noisy),))))
 
 

@@ -104,7 +104,7 @@ def test_people_read_factors_intervals_notes_and_the_next_step(call: Call, track
 
 @pytest.mark.parametrize(
     ("order", "names", "message"),
-    [(1, "t,z", "give --unit mm"), (-1, "t (s),z (mm)", "rises by 0.114 m, where the agent sinks: give --y-down")],
+    [(1, "t,z", "give --unit mm"), (-1, "t (s),z (mm)", "upside down, or backwards: give --y-down")],
 )
 def test_a_track_in_another_unit_or_upside_down_is_refused(
     refused: Refused, track: Path, order: int, names: str, message: str

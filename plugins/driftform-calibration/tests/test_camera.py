@@ -20,8 +20,8 @@ def fall() -> Path:
 
 
 def see(camera: Camera) -> FloatArray:
-    blank = Track("film", T, (Marker(0.0, np.zeros((len(T), 2))),), np.full(len(T), np.nan))
-    [points], _ = see_points(fall(), blank, VIEWS["side"], camera)
+    blank = Track("film", T, (Marker(0.0, np.zeros((len(T), 2))),))
+    [points] = see_points(fall(), blank, VIEWS["side"], camera)
     return points
 
 

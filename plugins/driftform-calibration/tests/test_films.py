@@ -1,15 +1,20 @@
 """What scales show of an agent before it is filmed."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
+from made_films import Filming
 
 from driftform.agent import hull_mass
 from driftform.design.opening import open_agent
 from driftform.errors import InputError
 from driftform.water import Factors
 from driftform_calibration.bench import Bench
-from driftform_calibration.films import SCALES, weigh_prior
+from driftform_calibration.films import SCALES, film_track, weigh_prior
+from driftform_calibration.problem import Filmed
+from driftform_calibration.tracks import Reading
 
 WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB"
 
@@ -36,3 +41,18 @@ def test_a_print_that_weighs_no_more_than_what_is_in_it_was_weighed_without(benc
     inside = bench.agent(Factors()).mass.mass - hull_mass(bench.body)
     with pytest.raises(InputError, match="in kg, with all that is in it; the agent was simulated with"):
         weigh_prior(bench, 0.99 * inside)
+
+
+@pytest.mark.parametrize("slower", [1, 4])
+def test_slow_motion_is_refused_with_its_factor_and_a_world_with_more_drag_is_none(
+    slower: int, film: Callable[..., list[Filmed]], write_track: Callable[[Path, Filmed], Path], tmp_path: Path
+) -> None:
+    for world in (Factors(), Factors(cross_drag=1.5, axial_drag=0.7)):
+        [made] = film(world, Filming(), (30.0,))
+        track = replace(made.track, t=slower * made.track.t)
+        path = write_track(tmp_path / "film.csv", replace(made, track=track))
+        if slower == 1:
+            assert film_track(path, made.bench, Reading(), "side", 0.005, 2.5).track.notes == ()
+            continue
+        with pytest.raises(InputError, match="if it is 4 times slow: give --fps"):
+            film_track(path, made.bench, Reading(), "side", 0.005, 2.5)

@@ -132,7 +132,7 @@ def lose_frames(film: Filmed, frames: list[int]) -> Filmed:
     """Return a film without some frames, whose others are numbered without a gap."""
     kept = np.delete(np.arange(len(film.track.t)), frames)
     marker = replace(film.track.markers[0], points=film.track.markers[0].points[kept])
-    short = replace(film.track, t=film.track.t[: len(kept)], markers=(marker,), angle=film.track.angle[kept])
+    short = replace(film.track, t=film.track.t[: len(kept)], markers=(marker,))
     return replace(film, track=check_track("1.csv", short))
 
 

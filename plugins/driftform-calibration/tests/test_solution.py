@@ -52,8 +52,8 @@ class Lines:
     def paths(self, x: FloatArray) -> list[None]:
         return [None] * len(self.films)
 
-    def see(self, x: FloatArray, number: int, path: None = None) -> tuple[FloatArray, None]:
-        return (self.designs[number] @ x)[None, :, None], None
+    def see(self, x: FloatArray, number: int, path: None = None) -> FloatArray:
+        return (self.designs[number] @ x)[None, :, None]
 
     def residuals(self, x: FloatArray) -> FloatArray:
         parts = [((A @ x - u) / s)[np.isfinite(u)] for A, u, s in zip(self.designs, self.seen, self.noise, strict=True)]
@@ -141,7 +141,7 @@ def test_two_coordinates_share_one_correlation_time() -> None:
     rng = np.random.default_rng(5)
     a, b = draw_series(rng, 5000, 0.8), draw_series(rng, 5000, 0.0)
     film = SimpleNamespace(observed=np.stack([a, b], axis=1)[None], track=SimpleNamespace(t=np.arange(5000.0)))
-    zero: Any = SimpleNamespace(films=[film], see=lambda *_: (np.zeros((1, 5000, 2)), None), paths=lambda _: [None])
+    zero: Any = SimpleNamespace(films=[film], see=lambda *_: np.zeros((1, 5000, 2)), paths=lambda _: [None])
     # Both have the variance 1, so that the correlations are means of 0.8^k and 0.
     assert correlation_time(zero, np.zeros(2), 0) == pytest.approx(1 + 0.8 / 0.2, rel=0.15)
 

@@ -51,13 +51,6 @@ def test_decimal_commas_are_numbers_where_semicolons_separate(write):
     assert table.points[""].tolist() == [[-0.012, 0.5]]
 
 
-def test_an_angle_counts_counterclockwise_and_a_pitch_nose_down(write):
-    assert read_table(write("t,x,y,angle_deg\n0,0,0,90\n")).angle == pytest.approx(np.pi / 2)
-    assert read_table(write("t,x,y,pitch_deg\n0,0,0,30\n")).angle == pytest.approx(-np.pi / 6)
-    assert read_table(write("t,x,y,pitch\n0,0,0,0.5\n")).angle == pytest.approx(-0.5)
-    assert np.isnan(read_table(write("t,x,y\n0,0,0\n")).angle).all()
-
-
 def test_an_export_of_tracker_has_the_name_of_the_track_above_its_columns(write):
     table = read_table(write("mass A\t\t\nt\tx\ty\n0.00E0\t1.1E-2\t-2.0E-3\n3.33E-2\t\t\n"))
     assert table.t == pytest.approx([0.0, 0.0333])
@@ -166,11 +159,15 @@ TRACKPY = (
 )
 
 
+IMAGEJ = " \tTrack n°\tSlice n°\tX\tY\tDistance\tVelocity\tPixel Value\n1\tA\t7\t300\t400\t-1\t-1\t9\n2\tA\t8\t301\t404\t4\t4\t9\n"
+
+
 @pytest.mark.parametrize(
     ("text", "point", "unit", "t"),
     [
         (SLEAP, "core", "px", [7, 8]),
         (TRACKPY, "", "px", [7, 8]),
+        (IMAGEJ, "", "px", [7, 8]),
         (TRACKMATE.format(unit="pixel", time="sec", first=0.0, second=0.033), "", "px", [0.0, 0.033]),
         (TRACKMATE.format(unit="mm", time="frame", first=7, second=8), "", "mm", [7, 8]),
     ],
@@ -181,6 +178,14 @@ def test_programs_with_a_row_for_each_object_and_frame_count_downward_from_the_t
     assert seen[np.isfinite(seen).all(axis=1)].tolist() == [[300.0, 400.0], [301.0, 404.0]]
     assert table.t[np.isfinite(table.t)].tolist() == t
     assert (table.is_image, table.unit, table.is_frames) == (True, unit, t[0] == 7)
+
+
+def test_idtracker_numbers_its_individuals(write):
+    path = write("time,x1,y1,x2,y2\n0.0,1,2,3,4\n0.02,,,5,6\n")
+    with pytest.raises(InputError, match=r"follows 2 objects \(1, 2\); choose one with --object"):
+        read_table(path)
+    table = read_table(path, "2")
+    assert (table.points["2"].tolist(), table.is_image, table.unit) == ([[3.0, 4.0], [5.0, 6.0]], True, "px")
 
 
 def test_rows_of_several_objects_need_a_choice(write):

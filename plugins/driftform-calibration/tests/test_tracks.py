@@ -17,7 +17,7 @@ def fall(n=40, fps=60.0):
 
 
 def track_of(t, points):
-    return Track("film.csv", t, (Marker(0.0, points),), np.full(len(t), np.nan))
+    return Track("film.csv", t, (Marker(0.0, points),))
 
 
 def write_csv(path, t, points, names="t,x,y"):

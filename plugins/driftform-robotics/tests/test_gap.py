@@ -66,10 +66,8 @@ def test_the_step_is_the_longest_whose_error_is_small_beside_the_gap(jobs: dict[
         gap = measure_gap(reader, job, link)
         fine, path = (fly_reader(reader, job, link, 5.0, s)[[100, 300, 500]] for s in (1e-5, gap.step))
         accepted = max(0.01, 0.1 * max(gap.distances.values()))
-        if not gap.is_coarse:
+        if gap.step > STEPS[-1]:
             assert np.linalg.norm(path - fine, axis=1).max() < 1.5 * accepted
-        else:
-            assert gap.step == STEPS[-1] and not np.linalg.norm(path - fine, axis=1).max() < 0.005
         found[name] = gap.step
     assert found["dragged"] > found["random"]
 
@@ -79,7 +77,7 @@ def test_a_lag_that_diverges_with_every_step_is_described_and_costs_no_short_ste
     link = make_link(job)
     assert link.added_mass_ratio > 1
     gap = measure_gap(replace(read_link("Gazebo", link, job.scenario.fluid.density), smoothing=1.0), job, link)
-    assert gap.step == 0.001 and gap.describe() == "The path by Gazebo diverges, with steps of 0.001 s."
+    assert gap.step == 0.001 and gap.describe().startswith("The path by Gazebo diverges, with steps of 0.001 s.")
 
 
 HEADERS = {
@@ -106,6 +104,8 @@ def test_the_gap_is_in_the_header_and_in_the_readme(
                 sentences.add(stated.group(0))
         if format != "mjcf":
             readme = (folder / "README.md").read_text(encoding="utf-8")
+            # Gazebo and the UUV simulator do not run here.
+            assert ("not checked by the program" in readme) == (format != "urdf")
             assert all(sentence in readme for sentence in sentences)
 
 

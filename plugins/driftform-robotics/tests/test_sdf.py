@@ -97,16 +97,6 @@ def test_at_a_free_surface_spheres_displace_what_the_hull_does(jobs: dict[str, E
     assert moment / volume == pytest.approx(mass.cob[0] - mass.cog[0], abs=1e-9)
 
 
-def test_a_displaced_volume_that_differs_from_the_hull_is_a_warning(
-    jobs: dict[str, ExportJob], export: Callable
-) -> None:
-    job = jobs["random"]
-    bigger = replace(job.agent.mass, volume=2 * job.agent.mass.volume)
-    other = replace(job, agent=replace(job.agent, mass=bigger))
-    assert "this agent displaces" in (export("sdf", other) / "world.sdf").read_text(encoding="utf-8")
-    assert "this agent displaces" not in (export("sdf", job) / "world.sdf").read_text(encoding="utf-8")
-
-
 @pytest.mark.parametrize("kind", ["log_law", "turbulent"])
 def test_a_flow_that_is_not_uniform_becomes_its_mean_with_a_warning(
     kind: str, jobs: dict[str, ExportJob], export: Callable

@@ -43,8 +43,8 @@ class Camera:
     offset: tuple[float, ...] = (0.0, 0.0)
 
 
-def see_points(path: Path, track: Track, view: FloatArray, camera: Camera) -> tuple[FloatArray, FloatArray]:
-    """Return where a film shows the markers, (markers, n, d) in m, and the angle of the axis in it, (n,) in rad."""
+def see_points(path: Path, track: Track, view: FloatArray, camera: Camera) -> FloatArray:
+    """Return where a film shows the markers, m, (markers, n, d)."""
     core, axis = path.points_at(track.t - camera.delay)
     stretch = np.array([np.exp(camera.aspect), *[1.0] * (len(view) - 1)])
     turn = stretch[:, None] * view
@@ -58,9 +58,7 @@ def see_points(path: Path, track: Track, view: FloatArray, camera: Camera) -> tu
     points = (start + seen) @ turn.T
     if camera.barrel:
         points = bend_points(points, camera.barrel)
-    points = np.exp(camera.scale) * points + np.array(camera.offset)
-    right, up = (axis @ turn.T).T[:2] if len(view) == 2 else (axis[:, 0], axis[:, 2])
-    return points, np.arctan2(up, right)
+    return np.asarray(np.exp(camera.scale) * points + np.array(camera.offset))
 
 
 def bend_points(points: FloatArray, barrel: float) -> FloatArray:

@@ -78,7 +78,7 @@ def calibrate(
         list[Path],
         typer.Argument(
             metavar="TRACK",
-            help="Tracks of filmed flights: CSV with the columns t, x, y, and z or pitch if known, or an export of Tracker, Kinovea, SLEAP, TrackMate, trackpy or DeepLabCut. "
+            help="Tracks of filmed flights: CSV with the columns t, x, y, and z if known, or an export of Tracker, Kinovea, SLEAP, TrackMate, trackpy or DeepLabCut. "
             "NAME.toml in the folder of NAME.csv is the scenario of that film.",
         ),
     ],

@@ -174,7 +174,7 @@ def _inform(bench: Bench, names: Sequence[str], noise: float, distance: float, t
 
 def _blank(t: FloatArray) -> Track:
     """Return a track of the core at times ``t`` (s), whose points do not matter."""
-    return Track("", t, (Marker(0.0, np.zeros((len(t), 2))),), np.full(len(t), np.nan))
+    return Track("", t, (Marker(0.0, np.zeros((len(t), 2))),))
 
 
 def _find_end(body: Body, path: Path, tank: Tank) -> tuple[float, str]:

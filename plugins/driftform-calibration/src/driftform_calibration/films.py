@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,20 +10,23 @@ import numpy as np
 from driftform import Design
 from driftform.agent import hull_mass, mass_properties
 from driftform.errors import InputError, did_you_mean
-from driftform.types import FloatArray
 from driftform.water import Factors
 from driftform_calibration.bench import Bench, ReleaseError
 from driftform_calibration.camera import VIEWS
-from driftform_calibration.fit import fit_factors
-from driftform_calibration.problem import DISTANCE, Filmed
+from driftform_calibration.fit import fit_factors, measure_distance
+from driftform_calibration.problem import DISTANCE, Filmed, Problem
 from driftform_calibration.result import CalibrationResult
-from driftform_calibration.tracks import UNITS, Reading, estimate_noise, read_track
+from driftform_calibration.solution import place_releases
+from driftform_calibration.tracks import UNITS, Reading, Track, read_track
 
 MAX_SPAN, MIN_SPAN = 5.0, 0.02
 """Extent of a track over what the model can move in that time, outside which its unit is wrong."""
 
 SURE_SIGN = 0.2
 """Net weight over the weight of the hull above which no print sinks that should rise."""
+
+SLOW_MOTION, CLEARLY = (1, 2, 3, 4, 5, 6, 8, 10, 16), 3.0
+"""How many times slow a film may be; distance of a track from the flight over that at another speed that is clear."""
 
 SCALES = 1e-3
 """Standard deviation of a weight by scales, relative to it."""
@@ -88,11 +92,38 @@ def film_track(path: Path, bench: Bench, reading: Reading, view: str, scale_erro
         raise InputError(f"--view {view}: unknown view{did_you_mean(view, VIEWS)}; take {', '.join(VIEWS)}")
     film = Filmed(bench, read_track(path, bench.body, reading), view, scale_error, distance)
     _check_motion(str(path), film)
-    return film
+    return _check_likeness(str(path), film)
+
+
+def _check_likeness(label: str, film: Filmed) -> Filmed:
+    """Return a film, with a note if it may be slow motion or upside down; refuse it where the agent's weight leaves no doubt."""
+    track, bench, up = film.track, film.bench, film.axes[:, 2]
+
+    def measure(other: Track) -> float:
+        problem = Problem([replace(film, track=other)], (), [1.0])
+        return measure_distance(problem.distances(place_releases(problem, problem.start)))
+
+    apart = {slower: measure(replace(track, t=track.t / slower)) for slower in SLOW_MOTION}
+    if up.any():
+        turned = tuple(replace(marker, points=marker.points * (1 - 2 * up)) for marker in track.markers)
+        apart[-1] = measure(replace(track, markers=turned))
+    best = min(apart, key=lambda kind: apart[kind])
+    if apart[1] < CLEARLY * apart[best]:
+        return film
+    # Forces of the square of the speed: so much less net weight slows an agent as much.
+    share, found = 1 - best**-2, f"{best} times slow: give --fps, the frames that the camera takes per second"
+    if best == -1:
+        share, found = (
+            1.0,
+            "upside down, or backwards: give --y-down (or --y-up), or export the film as it runs forwards",
+        )
+    if abs(bench.net_weight) * share > SURE_SIGN * bench.hull_weight:
+        raise InputError(f"{label}: follows the model's flight if it is {found}")
+    return replace(film, track=replace(track, notes=(*track.notes, f"may be {found}; or weigh the print")))
 
 
 def _check_motion(label: str, film: Filmed) -> None:
-    """Refuse a track in another unit, upside down or played backwards, by the flight that the model expects."""
+    """Refuse a track in another unit, by the flight that the model expects."""
     track, bench = film.track, film.bench
     duration = float(track.t[-1] - track.t[0])
     path = bench.fly(Factors(), ReleaseError(), duration)
@@ -104,26 +135,6 @@ def _check_motion(label: str, film: Filmed) -> None:
         hint = f"give --unit {close[0]}" if close else "check --unit, --scale and --fps"
         raise InputError(
             f"{label}: spans {track.span:.3g} m in {duration:.3g} s, where the model moves {expected:.3g} m: {hint}"
-        )
-    _check_direction(label, film, moved)
-
-
-def _check_direction(label: str, film: Filmed, moved: FloatArray) -> None:
-    track, bench = film.track, film.bench
-    up = int(np.argmax(film.axes[:, 2]))
-    if film.axes[up, 2] == 0 or not film.seen_axes[up] or bench.scenario.release.ballast:
-        return
-    if abs(bench.net_weight) < SURE_SIGN * bench.hull_weight or bench.scenario.flow.speed != 0.0:
-        return
-    heights = track.markers[0].points[:, up]
-    heights = heights[np.isfinite(heights)]
-    seen, expected = float(heights[-1] - heights[0]), float(moved[-1, up] - moved[0, up])
-    doubt = 10 * estimate_noise(track)
-    if seen * expected < 0 and abs(expected) > doubt and abs(seen) > max(doubt, 0.2 * abs(expected)):
-        verbs = ("rises", "sinks") if seen > 0 else ("sinks", "rises")
-        raise InputError(
-            f"{label}: {verbs[0]} by {abs(seen):.3g} m, where the agent {verbs[1]}: give --y-down (or --y-up) if y points "
-            "the other way, or export the film as it runs forwards"
         )
 
 

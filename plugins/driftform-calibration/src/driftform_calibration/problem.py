@@ -50,9 +50,6 @@ BARREL = 0.01
 RELEASE_SPEED, RELEASE_RISE = 0.005, 0.005
 """Standard deviations of the speed of a release from rest in each direction, m/s, and of its height above a floor, m."""
 
-ANGLE_ERROR = np.deg2rad(1.5)
-"""Standard deviation of an angle that was measured in a film, rad."""
-
 MAX_LEAD = 3.0
 """Longest time before the first point at which the release may be, over the duration of the track."""
 
@@ -92,9 +89,8 @@ class Filmed:
 
     @cached_property
     def times(self) -> FloatArray:
-        """Time of each residual: of the coordinates of the points that were seen, and then of the angles, s."""
-        frames = np.nonzero(~np.isnan(self.observed))[1], np.flatnonzero(~np.isnan(self.track.angle))
-        return np.asarray(self.track.t[np.concatenate(frames)])
+        """Time of each residual: of the coordinates of the points that were seen, s."""
+        return np.asarray(self.track.t[np.nonzero(~np.isnan(self.observed))[1]])
 
     @cached_property
     def seen_axes(self) -> FloatArray:
@@ -233,8 +229,8 @@ class Problem:
         until = self.until(x, number)
         return self.films[number].bench.fly(self.factors(x), self.release(x, number), until)
 
-    def see(self, x: FloatArray, number: int, path: Path | None = None) -> tuple[FloatArray, FloatArray]:
-        """Return what the film of a track shows: markers (markers, n, d), m, and the angle of the axis (n,), rad."""
+    def see(self, x: FloatArray, number: int, path: Path | None = None) -> FloatArray:
+        """Return what the film of a track shows: markers (markers, n, d), m."""
         film = self.films[number]
         return see_points(path or self.fly(x, number), film.track, film.axes, self.camera(x, number))
 
@@ -246,14 +242,12 @@ class Problem:
     def _compute_state(self, key: bytes) -> list[tuple[Path, FloatArray]]:
         x = np.frombuffer(key)
         paths = [self.fly(x, number) for number in range(len(self.films))]
-        return [(path, self._weigh(number, *self.see(x, number, path))) for number, path in enumerate(paths)]
+        return [(path, self._weigh(number, self.see(x, number, path))) for number, path in enumerate(paths)]
 
-    def _weigh(self, number: int, points: FloatArray, angle: FloatArray) -> FloatArray:
+    def _weigh(self, number: int, points: FloatArray) -> FloatArray:
         """Return the differences of one track over their noise, of what was seen only."""
-        film = self.films[number]
-        off, turned = points - film.observed, (angle - film.track.angle + np.pi) % (2 * np.pi) - np.pi
-        seen, known = ~np.isnan(film.observed), ~np.isnan(film.track.angle)
-        return np.concatenate([off[seen] / self.noise[number], turned[known] / ANGLE_ERROR])
+        observed = self.films[number].observed
+        return np.asarray((points - observed)[~np.isnan(observed)] / self.noise[number])
 
     def list_new(self, number: int) -> npt.NDArray[np.bool_]:
         """Return which residuals of a track the earlier fit has not counted, (residuals,)."""
@@ -263,14 +257,13 @@ class Problem:
     @cached_property
     def counts(self) -> list[int]:
         """Number of residuals of each track."""
-        return [int((~np.isnan(f.observed)).sum() + (~np.isnan(f.track.angle)).sum()) for f in self.films]
+        return [int((~np.isnan(film.observed)).sum()) for film in self.films]
 
     def distances(self, x: FloatArray) -> list[FloatArray]:
         """Return the distances (m) of the markers from where the model has them, of each track, (markers, n)."""
         found = []
         for number, film in enumerate(self.films):
-            points, _ = self.see(x, number, self._state(x.tobytes())[number][0])
-            off = points - film.observed
+            off = self.see(x, number, self._state(x.tobytes())[number][0]) - film.observed
             found.append(np.where(np.isnan(off).all(axis=2), np.nan, np.sqrt(np.nansum(off**2, axis=2))))
         return found
 
@@ -288,7 +281,7 @@ class Problem:
         return np.vstack([*data, self.prior_rows])
 
     def _derive(self, x: FloatArray, number: int, path: Path) -> FloatArray:
-        base = self._weigh(number, *self.see(x, number, path))
+        base = self._weigh(number, self.see(x, number, path))
         out = np.zeros((len(base), len(self.parameters)))
         for j, p in enumerate(self.parameters):
             if p.owner not in (-1, number):
@@ -300,12 +293,12 @@ class Problem:
                 # In still water a whole flight without a contact rises with its release, but for rounding.
                 is_lifted = p.name == "rise" and np.isinf(path.contact)
                 other = replace(path, position=path.position + np.array([0.0, 0.0, step])) if is_lifted else None
-                out[:, j] = (self._weigh(number, *self.see(moved, number, other)) - base) / step
+                out[:, j] = (self._weigh(number, self.see(moved, number, other)) - base) / step
             else:
                 # The camera's: the flight is the same, and its end, which follows the delay, is not seen.
                 moved = x.copy()
                 moved[j] += 1e-5
-                out[:, j] = (self._weigh(number, *self.see(moved, number, path)) - base) / 1e-5
+                out[:, j] = (self._weigh(number, self.see(moved, number, path)) - base) / 1e-5
         return out
 
 

@@ -146,10 +146,7 @@ class DropPlan:
 
     def html(self) -> str:
         """Return the page to take to the tank, complete in itself."""
-        alike: dict[tuple[float, float], list[int]] = {}
-        for number, drop in enumerate(self.drops, start=1):
-            alike.setdefault((drop.pitch_deg, drop.ballast), []).append(number)
-        pictures = [self._draw(numbers) for numbers in alike.values()]
+        pictures = [self._draw(number, drop) for number, drop in enumerate(self.drops, start=1)]
         return svg.fill_template(
             __package__,
             "protocol.html",
@@ -167,12 +164,10 @@ class DropPlan:
             section=section_svg(self.agent, self.name),
         )
 
-    def _draw(self, numbers: Sequence[int]) -> str:
-        drop = self.drops[numbers[0] - 1]
-        title = f"Drop{'s' if len(numbers) > 1 else ''} {' and '.join(map(str, numbers))}"
+    def _draw(self, number: int, drop: Drop) -> str:
         ballast = f", {1000 * drop.ballast:.1f} g of ballast" if drop.ballast else ""
         caption, size = f"pitch {drop.pitch_deg:+.0f} deg{ballast}", (self.tank.length, self.tank.depth)
-        return drop_svg(title, caption, self.agent.body, drop.scenario.release_quaternion(), drop.path, size)
+        return drop_svg(f"Drop {number}", caption, self.agent.body, drop.scenario.release_quaternion(), drop.path, size)
 
     def __repr__(self) -> str:
         return f"<DropPlan of {self.name}: {len(self.drops)} drops>"

@@ -176,8 +176,7 @@ class CalibrationResult:
         """Return the path of the first marker in the picture at times ``t`` (s, (k,)) of the film, m, (k, 2)."""
         problem = self.fit.problem
         film, camera = problem.films[number], problem.camera(x, number)
-        points, _ = see_points(problem.fly(x, number), replace(film.track, t=t), film.axes, camera)
-        return _flatten(points[0])
+        return _flatten(see_points(problem.fly(x, number), replace(film.track, t=t), film.axes, camera)[0])
 
     def __repr__(self) -> str:
         known = ", ".join(f"{name} {e.value:.3g}" for name, e in self.factors.items() if e.known)

@@ -185,8 +185,7 @@ def place_releases(
             for delay in candidates:
                 trial = early.copy()
                 trial[j] = delay
-                points, _ = problem.see(trial, number, path)
-                off = film.observed - points
+                off = film.observed - problem.see(trial, number, path)
                 # Squares: an agent that lies on the floor for most of the film must not decide.
                 means = (np.nanmean(off[..., k]) if seen else 0.0 for k, seen in enumerate(film.seen_axes))
                 shift = np.array(list(means))
@@ -286,8 +285,7 @@ def estimate_covariance(problem: Problem, x: FloatArray) -> FloatArray:
 def correlation_time(problem: Problem, x: FloatArray, number: int) -> float:
     """Return the integrated autocorrelation time of a track's residuals, in points, at least 1."""
     film = problem.films[number]
-    points, _ = problem.see(x, number, problem.paths(x)[number])
-    return measure_correlation(points - film.observed)
+    return measure_correlation(problem.see(x, number, problem.paths(x)[number]) - film.observed)
 
 
 def measure_correlation(off: FloatArray) -> float:

@@ -1,9 +1,8 @@
 """Files of tracks: plain CSV, and what programs that follow points in films export.
 
-Plain CSV has a row of names, then ``t, x, y``, ``t, x, y, z`` or a part of them, with ``pitch`` or ``angle`` if it was
-measured; several points are named as in ``nose_x, nose_y``. Tracker writes the name of the track above the names of the
-columns, Kinovea before them (``Trajectory 1/0/X``) or after ``#``. SLEAP, TrackMate and trackpy have a row for each object
-and frame, and pixels with y downward. DeepLabCut writes rows ``scorer``, ``individuals`` (with several animals),
+Plain CSV has a row of names, then ``t, x, y``, ``t, x, y, z`` or a part of them; several points are named as in ``nose_x, nose_y``. Tracker writes the name of the track above the names of the
+columns, Kinovea before them (``Trajectory 1/0/X``) or after ``#``, idtracker.ai numbers behind them (``x1, y1``). SLEAP,
+TrackMate, trackpy and ImageJ have a row for each object and frame, and pixels with y downward. DeepLabCut writes rows ``scorer``, ``individuals`` (with several animals),
 ``bodyparts`` and ``coords``, and numbers frames, or names their pictures. Cells are separated by commas, semicolons, tabs or
 spaces. What the points and commas in numbers mean is found from all of them.
 """
@@ -21,22 +20,22 @@ from driftform.types import FloatArray
 from driftform.util import files
 
 TIMES = ("t", "time", "times", "seconds", "sec", "position_t")
-FRAMES = ("frame", "frames", "frame_number", "frame_idx", "step", "n")
-OBJECTS = ("track", "track_id", "particle", "object")
+FRAMES = ("frame", "frames", "frame_number", "frame_idx", "step", "n", "slice", "slice n°")
+OBJECTS = ("track", "track_id", "track n°", "particle", "object")
 """Columns whose values name the object that a row is of."""
 
-PIXEL_PROGRAMS = ({"frame_idx", "instance.score"}, {"track_id", "position_t"}, {"frame", "particle"})
-"""Columns by which SLEAP, TrackMate and trackpy are known: their coordinates are those of a picture."""
-
-ANGLES = {"pitch": -1.0, "angle": 1.0, "theta": 1.0, "θ": 1.0}
-"""Columns of an angle, and its sign: a positive pitch is nose down, other angles are counterclockwise."""
+PIXEL_PROGRAMS = (
+    *({"frame_idx", "instance.score"}, {"track_id", "position_t"}, {"frame", "particle"}),
+    *({"slice"}, {"slice n°"}, {"x1", "y1"}),
+)
+"""Columns by which SLEAP, TrackMate, trackpy, ImageJ and idtracker.ai are known: coordinates are those of a picture."""
 
 _UNIT = re.compile(r"[\s_]*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 _NUMBER = re.compile(r"[+-]?(\d[\d.,'’\u00a0\u202f]*|[.,]\d+)([eE][+-]?\d+)?")
 _GROUPS = re.compile(r"['’\u00a0\u202f](?=\d{3})")
 _CLOCK = re.compile(r"\d+(:\d\d){1,3}([.,]\d+)?")
 _PIXELS = {"pixel": "px", "pixels": "px"}
-_LENGTHS, _ANGLE_UNITS = ("m", "cm", "mm", "px"), {"deg": np.pi / 180, "°": np.pi / 180, "rad": 1.0}
+_SUFFIXES = ("m", "cm", "mm", "px", "s", "ms")
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +45,6 @@ class TrackTable:
     Attributes:
         t: times, s, or numbers of frames, (n,).
         points: coordinates of each named point, NaN where there are none: (n, 2), or (n, 3) in space.
-        angle: rad, counterclockwise from the right, (n,); NaN without one.
         likelihood: of each point, (n,), if the file has it.
         is_frames: whether ``t`` counts frames.
         is_image: whether the coordinates are those of a picture, with y downward.
@@ -55,7 +53,6 @@ class TrackTable:
 
     t: FloatArray
     points: dict[str, FloatArray]
-    angle: FloatArray
     likelihood: dict[str, FloatArray] = field(default_factory=dict)
     is_frames: bool = False
     is_image: bool = False
@@ -178,8 +175,7 @@ def _read_deeplabcut(path: Path, rows: list[list[str]], target: str | None) -> T
                 likelihood[name] = of["likelihood"]
     if not points:
         raise InputError(f"{path}: has no body part with x and y")
-    t, angle = numbers[:, 0], np.full(len(numbers), np.nan)
-    return TrackTable(t, points, angle, likelihood, is_frames=True, is_image=True, unit="px")
+    return TrackTable(numbers[:, 0], points, likelihood, is_frames=True, is_image=True, unit="px")
 
 
 def _choose(path: Path, objects: Sequence[str], target: str | None) -> str:
@@ -196,19 +192,18 @@ def _choose(path: Path, objects: Sequence[str], target: str | None) -> str:
 
 @dataclass(frozen=True)
 class _Column:
-    """What a column holds: ``t``, ``frame``, ``object``, ``angle``, or the coordinate ``x``, ``y`` or ``z`` of a point."""
+    """What a column holds: ``t``, ``frame``, ``object``, or the coordinate ``x``, ``y`` or ``z`` of a point."""
 
     kind: str
     point: str = ""
     unit: str = ""
-    factor: float = 1.0
 
 
 def _name_column(text: str) -> _Column | None:
     name, unit = text.strip().lower(), ""
     if (found := _UNIT.search(name)) is not None:
         name, unit = name[: found.start()], found.group(1)
-    for suffix in (*_LENGTHS, *_ANGLE_UNITS, "s", "ms"):
+    for suffix in _SUFFIXES:
         if name.endswith(f"_{suffix}"):
             name, unit = name[: -len(suffix) - 1], suffix
     if name in TIMES:
@@ -217,8 +212,8 @@ def _name_column(text: str) -> _Column | None:
         return _Column("frame")
     if name in OBJECTS:
         return _Column("object")
-    if name in ANGLES:
-        return _Column("angle", unit=unit, factor=ANGLES[name] * _ANGLE_UNITS.get(unit, 1.0))
+    if (individual := re.fullmatch(r"([xyz])(\d+)", name)) is not None:
+        return _Column(individual.group(1), individual.group(2), unit)
     point, axis = next((name.rsplit(mark, 1) for mark in "_./ " if mark in name), ("", name))
     return _Column(axis, "" if point == "position" else point, unit) if axis in ("x", "y", "z") else None
 
@@ -233,6 +228,10 @@ def _read_columns(path: Path, rows: list[list[str]], target: str | None) -> Trac
     body = _join_commas(path, rows[head + 1 :], len(columns), notes)
     if head > 0 and len({column.point for column in columns if column and column.kind in "xyz"}) == 1:
         columns = _choose_columns(path, rows[head - 1], columns, target)
+    individuals = [column.point for column in columns if column and column.kind in "xyz"]
+    if all(map(str.isdigit, individuals)):
+        chosen = _choose(path, individuals, target)
+        columns = [column if column and column.point in ("", chosen) else None for column in columns]
     places: dict[tuple[str, str], int] = {}
     for j, column in enumerate(columns):
         if column is None:
@@ -252,15 +251,11 @@ def _read_columns(path: Path, rows: list[list[str]], target: str | None) -> Trac
     cells = ([row[j] for row in body] for j in places.values())
     numbers = dict(zip(places, _read_numbers(path, cells).T, strict=True))
     t = numbers["frame", ""] if is_frames and ("frame", "") in places else numbers["t", ""]
-    angle = np.full(len(body), np.nan)
-    if ("angle", "") in places:
-        angle = numbers["angle", ""] * (columns[places["angle", ""]] or _Column("angle")).factor
     names = {cell.lower() for cell in rows[head]} if head >= 0 else set()
     is_image = any(known <= names for known in PIXEL_PROGRAMS)
     return TrackTable(
         t * (1.0 if is_frames else {"ms": 0.001}.get(units["t"], 1.0)),
         _gather_points(path, numbers, is_image),
-        angle,
         is_frames=is_frames,
         is_image=is_image,
         unit=units["x"] or ("px" if is_image else ""),

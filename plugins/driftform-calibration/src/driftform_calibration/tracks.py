@@ -64,14 +64,12 @@ class Track:
     Attributes:
         t: times of the frames, s, increasing, (n,).
         markers: the points that were followed.
-        angle: of the axis in the picture, counterclockwise from the right, rad, (n,); NaN where it is not known.
         notes: repairs, one line each.
     """
 
     name: str
     t: FloatArray
     markers: tuple[Marker, ...]
-    angle: FloatArray
     notes: tuple[str, ...] = ()
 
     def cut(self, end: float) -> "Track":
@@ -135,8 +133,7 @@ def read_track(path: Path, body: Body, reading: Reading) -> Track:
         if name in points and (doubtful := likely < LIKELY).any():
             points[name][doubtful] = np.nan
             notes.append(f"{int(doubtful.sum())} points of '{name}' less likely than {LIKELY:g} left out")
-    angle = -table.angle if down else table.angle
-    track = Track(path.name, t, tuple(Marker(x, points[name]) for name, x in markers.items()), angle, tuple(notes))
+    track = Track(path.name, t, tuple(Marker(x, points[name]) for name, x in markers.items()), tuple(notes))
     return check_track(str(path), track)
 
 
@@ -204,7 +201,7 @@ def _name_markers(path: Path, table: TrackTable, body: Body, reading: Reading) -
 
 def _pick_rows(track: Track, rows: npt.NDArray[np.intp]) -> Track:
     markers = tuple(replace(marker, points=marker.points[rows]) for marker in track.markers)
-    return replace(track, t=track.t[rows], markers=markers, angle=track.angle[rows])
+    return replace(track, t=track.t[rows], markers=markers)
 
 
 def _merge_doubles(label: str, track: Track, notes: list[str]) -> Track:

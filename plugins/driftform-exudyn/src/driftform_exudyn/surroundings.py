@@ -1,6 +1,6 @@
 """The pipe for display: cut open along its length, with equally spaced rings, and the water's surface."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -37,16 +37,12 @@ def upright_axes(scenario: Scenario) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Bore:
-    """A straight piece of pipe, m; rows of ``axes`` are its axis, up, and the direction of the back wall, (3, 3).
-
-    ``is_chord`` is whether it is one of many pieces of a pipe with parts, which have no distances beside them.
-    """
+    """A straight piece of pipe, m; rows of ``axes`` are its axis, up, and the direction of the back wall, (3, 3)."""
 
     start: FloatArray
     length: float
     radius: float
     axes: FloatArray
-    is_chord: bool = False
 
     @classmethod
     def between(cls, start: FloatArray, end: FloatArray, radius: float, viewer: FloatArray) -> "Bore":
@@ -145,8 +141,7 @@ def list_bores(pipe: Pipe, viewer: FloatArray) -> list[Bore]:
                 # Outside a bend, chords of the axis' own length would leave wedges between them.
                 turn = part.angle / (len(axis.points) - 1) if isinstance(part, shapes.Bend) else 0.0
                 more = part.radius * np.tan(0.5 * turn) * (end - start) / np.linalg.norm(end - start)
-                bore = Bore.between(start - more, end + more, 0.5 * float(first + last), viewer)
-                bores.append(replace(bore, is_chord=True))
+                bores.append(Bore.between(start - more, end + more, 0.5 * float(first + last), viewer))
     return bores
 
 

@@ -137,7 +137,8 @@ class SideView:
             right, up, _ = np.abs(scene.axes @ bore.axes[0]) * px / size
             step = layout.floor_to_nice_number(2.5 / max(float(right) / 5, float(up) / 1.6))
             shapes += bore.make_shapes(0.0, bore.length, step / 2)
-            if not bore.is_chord:
+            # The many chords of a pipe with parts have no distances beside them.
+            if len(scene.bores) == 1:
                 shapes += bore.make_labels(step, size, 1.4 * scene.letter_height / px)
             shapes += scene.make_water(bore, 0.0, bore.length)
         if not scene.bores:

@@ -52,6 +52,7 @@ class Reader:
         turning: the current (m/s, world frame, (3,)) in which the program lacks -M_A (w x u) on a link that rotates
             at w.
         ellipsoids: rows of :func:`driftform_robotics.models.ellipsoid.fit_ellipsoids`, for their drag and lift.
+        is_checked: whether the program itself was found to fly so.
     """
 
     name: str
@@ -62,6 +63,7 @@ class Reader:
     smoothing: float = 0.0
     turning: FloatArray | Sequence[float] = (0.0, 0.0, 0.0)
     ellipsoids: FloatArray = field(default_factory=lambda: np.zeros((0, 7)))
+    is_checked: bool = False
 
 
 @dataclass(frozen=True)
@@ -73,23 +75,24 @@ class Gap:
         step: that was given or chosen, s.
         distances: at those of :data:`TIMES` to which driftform's flight lasts, m; not finite where the program's path
             diverges.
-        is_coarse: whether none of :data:`STEPS` is short enough.
+        is_checked: whether the program itself was found to fly so.
     """
 
     name: str
     step: float
     distances: dict[float, float]
-    is_coarse: bool
+    is_checked: bool = False
 
     def describe(self) -> str:
         """Describe in a sentence how far the paths are apart."""
         near = [f"{d:.3g} m after {t:g} s" for t, d in self.distances.items() if np.isfinite(d)]
+        source = "" if self.is_checked else " This follows from the program's law, and is not checked by the program."
         if not near:
-            return f"The path by {self.name} diverges, with steps of {self.step:g} s."
+            return f"The path by {self.name} diverges, with steps of {self.step:g} s.{source}"
         end = ", and then diverges" if len(near) < len(self.distances) else ""
         return (
             f"The path by {self.name} is apart from driftform's in open water by {', '.join(near)}{end}, with steps of "
-            f"{self.step:g} s." + (" A shorter step changes it further." if self.is_coarse else "")
+            f"{self.step:g} s.{source}"
         )
 
 
@@ -132,21 +135,20 @@ def measure_gap(reader: Reader, job: ExportJob, link: Link, step: float | None =
         path: FloatArray = fly_reader(reader, job, link, TIMES[-1], length)[index]
         return path
 
-    def make_gap(length: float, path: FloatArray, is_coarse: bool) -> Gap:
+    def make_gap(length: float, path: FloatArray) -> Gap:
         apart = np.linalg.norm(path - own[index], axis=1).tolist()
-        return Gap(reader.name, length, dict(zip(times, apart, strict=True)), is_coarse)
+        return Gap(reader.name, length, dict(zip(times, apart, strict=True)), reader.is_checked)
 
     if step is not None:
-        return make_gap(step, fly(step), False)
+        return make_gap(step, fly(step))
     paths = {length: fly(length) for length in STEPS}
     limit = 2 * paths[STEPS[-1]] - paths[STEPS[-2]]
     if not np.isfinite(limit[:1]).all():
-        return make_gap(COMMON_STEP, paths[COMMON_STEP], False)
+        return make_gap(COMMON_STEP, paths[COMMON_STEP])
     accepted = max(NEGLIGIBLE, SHARE * float(np.linalg.norm(limit - own[index], axis=1).max(initial=0.0)))
-    for length, path in paths.items():
-        if np.linalg.norm(path - limit, axis=1).max(initial=0.0) <= accepted:
-            return make_gap(length, path, False)
-    return make_gap(STEPS[-1], paths[STEPS[-1]], True)
+    off = {length: np.linalg.norm(path - limit, axis=1).max(initial=0.0) for length, path in paths.items()}
+    chosen = next((length for length in STEPS if off[length] <= accepted), STEPS[-1])
+    return make_gap(chosen, paths[chosen])
 
 
 def fly_calm(job: ExportJob, link: Link, seconds: float) -> Trajectory:

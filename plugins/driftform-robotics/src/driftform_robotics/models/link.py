@@ -66,8 +66,7 @@ class Link:
     @property
     def momentum(self) -> FloatArray:
         """Impulse that accelerates the body and its added mass from rest to the release velocity, world frame, (6,)."""
-        total = self.added_mass + np.diag([self.mass] * 3 + [0.0] * 3)
-        along = total @ np.concatenate((self.rotation.T @ self.velocity, np.zeros(3)))
+        along = (self.added_mass + self.rigid_mass) @ np.concatenate((self.rotation.T @ self.velocity, np.zeros(3)))
         return np.concatenate((self.rotation @ along[:3], self.rotation @ along[3:]))
 
 

@@ -69,7 +69,7 @@ def read_mujoco(ellipsoids: FloatArray, density: float) -> Reader:
     none, products = np.zeros((6, 6)), np.zeros((2, 6, 6, 6))
     for a, b, x, *_ in ellipsoids.tolist():
         products[1] += coriolis_products(added_mass(a, b, x, density))
-    return Reader("MuJoCo", none, none, products, density, ellipsoids=ellipsoids)
+    return Reader("MuJoCo", none, none, products, density, ellipsoids=ellipsoids, is_checked=True)
 
 
 def _list_warnings(model: Model, link: Link) -> list[str]:

@@ -1,7 +1,6 @@
 """A ROS 2 package around the files of an agent: package.xml, CMakeLists.txt, a launch file, a README.
 
-Formats: REP 149 (package.xml, format 3), REP 144 (names of packages), and ``ament_cmake``. The files follow the linters of
-``ament_lint``: a copyright notice, single quotes, at most 99 columns.
+Formats: REP 149 (package.xml, format 3), REP 144 (names of packages), and ``ament_cmake``.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -38,10 +37,7 @@ def make_package(
     others = list(others)
     values = {"package": package, "others": others, **values}
     folder, _, name = launch.removesuffix(".in").partition("/")
-    notice = render("ros2/notice.txt")
-    # The linters expect the notice at the top of a Python file.
-    commented = "".join(f"# {line}".rstrip() + "\n" for line in notice.splitlines())
-    made = {f"launch/{name}": f"{commented}\n{render(launch, **values)}", **(configuration or {})}
+    made = {f"launch/{name}": render(launch, **values), **(configuration or {})}
     paths = [*others, *made]
     programs = sorted(path for path in paths if path.endswith(".sh"))
     single = sorted(path for path in paths if "/" not in path and path not in programs)
@@ -54,5 +50,5 @@ def make_package(
         "CMakeLists.txt": build,
         **made,
         "README.md": render(f"{folder}/README.md", **values),
-        "LICENSE": f"MIT License\n\n{notice}",
+        "LICENSE": f"MIT License\n\n{render('ros2/notice.txt')}",
     }

@@ -104,7 +104,7 @@ class SdfExporter(ModelExporter[SdfOptions]):
         water = self.list_values(model)
         gazebo, model, products = water["gazebo"], water["model"], water["products"]
         gap = _measure_gap(model, gazebo, products, "world.sdf", self.options.step)
-        warnings = [gap.describe(), *_list_warnings(model, gazebo, volume, PUSH)]
+        warnings = [gap.describe(), *_list_warnings(model, gazebo, PUSH)]
         body, slices = model.job.agent.body, list[tuple[float, float]]()
         if scenario.fluid.water_level is not None:
             # x (m) and volume (m3) of slices of the hull, which spheres replace.
@@ -128,7 +128,7 @@ class SdfExporter(ModelExporter[SdfOptions]):
             drifting = _move_to_water_frame(model)
             gap = _measure_gap(drifting, gazebo, products, "drift.sdf", self.options.step)
             warnings.insert(0, gap.describe())
-            adrift = [gap.describe(), *warn_of_flow(scenario), *_list_warnings(drifting, gazebo, volume, PUSH_DRIFT)]
+            adrift = [gap.describe(), *warn_of_flow(scenario), *_list_warnings(drifting, gazebo, PUSH_DRIFT)]
             values = {**values, "model": drifting, "passing": -scenario.current(), "step": gap.step}
             files["drift.sdf"] = render("gazebo/world.sdf", **values, warnings=adrift)
             if drifting.link.velocity.any():
@@ -164,15 +164,9 @@ def _measure_gap(model: Model, gazebo: _Gazebo, products: FloatArray, world: str
     return measure_gap(reader, model.job, link, step)
 
 
-def _list_warnings(model: Model, gazebo: _Gazebo, volume: float, push: str) -> list[str]:
+def _list_warnings(model: Model, gazebo: _Gazebo, push: str) -> list[str]:
     link, found = model.link, [*warn_of_folding(model.job.agent.body), *warn_of_flow(model.job.scenario)]
     found += warn_of_fit(link)
-    solid = sum(piece.volume for piece in model.pieces)
-    if abs(solid - volume) > 1e-6 * volume:
-        found.append(
-            f"Gazebo computes the displaced volume from the hull, {1e6 * solid:.6g} cm3; "
-            f"this agent displaces {1e6 * volume:.6g} cm3."
-        )
     if not gazebo.solves_added_mass:
         found.append(
             f"Mass and inertia have a part of the added mass: {link.mass - model.job.agent.mass.mass:.3g} kg, whose weight "

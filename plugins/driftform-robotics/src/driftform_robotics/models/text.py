@@ -62,7 +62,8 @@ def _make_environment() -> "Environment":
     environment.globals |= {"pose": format_pose, "zero": np.zeros(3)}
     environment.filters |= {
         "comment": comment,
-        "entries": list_entries,
+        # The indices of the entries that are not zero to rounding.
+        "entries": lambda array: map(tuple, np.argwhere(np.abs(array) > 1e-12 * np.abs(array).max()).tolist()),
         # {x: 1, y: 2, z: 3}: the syntax of YAML and of Gazebo's messages.
         "fields": lambda values, names="xyz": (
             f"{{{', '.join(f'{name}: {format_number(v)}' for name, v in zip(names, values.tolist(), strict=True))}}}"
@@ -88,11 +89,6 @@ def _list_symmetric(matrix: FloatArray, axes: str, prefix: str = "") -> list[tup
     """Return names such as ``ixy`` and values of the upper triangle of a symmetric matrix."""
     pairs = combinations_with_replacement(range(len(axes)), 2)
     return [(f"{prefix}{axes[i]}{axes[j]}", format_number(matrix[i, j])) for i, j in pairs]
-
-
-def list_entries(array: FloatArray) -> list[tuple[int, ...]]:
-    """Return the indices of the entries that are not zero to rounding."""
-    return [tuple(found) for found in np.argwhere(np.abs(array) > 1e-12 * np.abs(array).max()).tolist()]
 
 
 def roll_pitch_yaw(rotation: FloatArray) -> FloatArray:

@@ -39,7 +39,7 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
         """Return ``agent.urdf`` and the files of a ROS 2 package, and the warnings."""
         package = f"{model.title}_description"
         none = np.zeros((6, 6))
-        dry = Reader("a program that knows no water", none, none, np.zeros((2, 6, 6, 6)), 0.0)
+        dry = Reader("a program that knows no water", none, none, np.zeros((2, 6, 6, 6)), 0.0, is_checked=True)
         gap = measure_gap(dry, model.job, model.link, COMMON_STEP)
         warnings = [gap.describe(), *warn_of_folding(model.job.agent.body)]
         values: dict[str, Any] = {"model": model, "warnings": warnings}

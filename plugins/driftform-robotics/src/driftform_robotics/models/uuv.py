@@ -25,15 +25,9 @@ TO_NED = np.array([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 """Signs of the six components in the frame of the simulator's forces (``ToNED`` in HydrodynamicModel.cc)."""
 
 
-_FILES = {
-    "launch/start.launch": "start.launch",
-    "launch/release.launch": "release.launch",
-    "urdf/agent.xacro": "agent.xacro",
-    "worlds/pipe.world": "pipe.world",
-    "package.xml": "package.xml",
-    "CMakeLists.txt": "CMakeLists.txt",
-    "README.md": "README.md",
-}
+_FOLDERS = {"launch": ("start.launch", "release.launch"), "urdf": ("agent.xacro",), "worlds": ("pipe.world",)}
+_FILES = [f"{folder}/{name}" for folder, names in _FOLDERS.items() for name in names]
+_FILES += ["package.xml", "CMakeLists.txt", "README.md"]
 
 
 class UuvOptions(ModelOptions, WaterOptions):
@@ -92,7 +86,7 @@ class UuvExporter(ModelExporter[UuvOptions]):
                 ("vertical_angle", np.arctan2(z, np.hypot(x, y)), -np.pi, np.pi),
             ],
         }
-        return {path: render(f"uuv/{template}", **values) for path, template in _FILES.items()}, warnings
+        return {path: render(f"uuv/{path.rpartition('/')[2]}", **values) for path in _FILES}, warnings
 
 
 def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
