@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 from chromium import browser
 from filelock import FileLock
-from program import call, ideal_water, install, refused
+from program import call, ideal_water, install, refused, write_metadata
 from shared import shared_folder
 
 from driftform.util.files import cache_folder
@@ -133,10 +133,7 @@ def fake_plugin(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A directory for PYTHONPATH with an installed plugin, as far as ``importlib.metadata`` can tell."""
     folder = tmp_path_factory.mktemp("site")
     shutil.copy(Path(__file__).parent / "cli" / "fake_plugin" / "driftform_fake.py", folder)
-    info = folder / "driftform_fake-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: driftform-fake\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[driftform]\nfake = driftform_fake\n")
+    write_metadata(folder, "driftform-fake", "fake = driftform_fake")
     return folder
 
 

@@ -13,12 +13,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("mass_elements.py", "element.mass * (element.x - x) ** 2", "element.mass * element.x**2", ("tests/agent",)),
     ("clearance.py", "offset @ across + x * sine", "offset @ across - x * sine", ("tests/agent",)),
     ("slices.py", "3 * rb * rb) / 12", "2 * rb * rb) / 12", ("tests/agent",)),
-    (
-        "distance.py",
-        "/ square, 0.0), 1.0)",
-        "/ square, 0.0), 9.0)",
-        ("test_coupon.py", "driftform-kit/tests/test_ballast.py"),
-    ),
+    ("distance.py", "/ square, 0.0), 1.0)", "/ square, 0.0), 9.0)", ("tests/agent",)),
     # Disturbed conditions.
     ("disturbances.py", "(intervals.T - within) / count", "(intervals.T - 0.5) / count", ("test_disturbances.py",)),
     (
@@ -51,7 +46,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("regime.py", "reynolds ** (1 / 6)", "reynolds ** (1 / 5)", ("test_regime.py",)),
     ("regime.py", "+ flow.upstream", "+ 0.0", ("test_regime.py",)),
     # Flights.
-    ("stability.py", '- n["inverse"][4, 2] * net', "", ("motion/test_inertia.py", "cli/test_inspect.py")),
+    ("stability.py", '- n["inverse"][4, 2] * net', "", ("motion/test_stability.py",)),
     ("way.py", "offsets * (through / straight)", "offsets * (straight / through)", ("motion/test_way.py",)),
     (
         "way.py",

@@ -51,6 +51,14 @@ def ideal_water(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("driftform.study.study.DEFAULT", "paper")
 
 
+def write_metadata(site: Path, name: str, point: str, version: str = "1.0") -> None:
+    """Let ``importlib.metadata`` find a distribution with an entry point of driftform in a folder."""
+    info = site / f"{name.replace('-', '_')}-{version}.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
+    (info / "entry_points.txt").write_text(f"[driftform]\n{point}\n")
+
+
 @pytest.fixture
 def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., None]]:
     """Install modules as distributions ``<module>-plugin 1.0``, beside the directory that the program works in."""
@@ -63,10 +71,7 @@ def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Monkey
     def installed(**sources: str) -> None:
         for module, source in sources.items():
             (site / f"{module}.py").write_text(source)
-            info = site / f"{module}_plugin-1.0.dist-info"
-            info.mkdir()
-            (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}-plugin\nVersion: 1.0\n")
-            (info / "entry_points.txt").write_text(f"[driftform]\n{module} = {module}\n")
+            write_metadata(site, f"{module}-plugin", f"{module} = {module}")
             modules.append(module)
         load_added.cache_clear()
 

@@ -231,12 +231,13 @@ def test_the_wake_of_a_blunt_body_begins_at_its_base_and_that_of_a_pointed_one_w
 
 
 @pytest.mark.parametrize(
-    ("term", "zero"), [("sphere", "round_area"), ("roll", "spin"), ("lift", "shear_volume"), ("bore", "blocking")]
+    ("term", "zero"),
+    [("sphere", "round_area"), ("roll", "spin"), ("lift", "shear_volume"), ("bore", "blocking"), ("bore", "spread")],
 )
 def test_every_term_can_be_left_out(term, zero):
     body = spheroid_body(0.02, 0.02, edges=100)
-    assert getattr(estimate_drag(body, NU), zero) > 0
-    assert getattr(estimate_drag(body, NU, without=(term,)), zero) == 0
+    assert np.all(np.array(getattr(estimate_drag(body, NU), zero)) > 0)
+    assert not np.any(getattr(estimate_drag(body, NU, without=(term,)), zero))
 
 
 def test_a_study_leaves_out_what_its_option_names():

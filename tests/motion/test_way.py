@@ -100,6 +100,16 @@ def test_the_outlet_is_that_in_whose_opening_the_flight_ends():
     assert name_outlet(fly_along((0, 0, 0), (0.5, 0, 0), end=End.HORIZON), junction_scenario()) is None
 
 
+def test_a_flight_at_the_rim_of_a_wide_outlet_left_by_it_although_the_centre_of_a_narrow_one_is_nearer():
+    branch = [{"kind": "bend", "radius": 0.03, "roll_deg": 180}, {"length": 0.394, "outlet": "narrow"}]
+    tee = {"kind": "tee", "roll_deg": 0, "branch_radius": 0.02, "share": 0.05, "branch": branch}
+    beside = Scenario.model_validate({"pipe": {"radius": 0.1, "parts": [tee, {"length": 0.2, "outlet": "wide"}]}})
+    narrow, wide = (outlet.opening.centre for outlet in beside.pipe.layout.outlets)
+    rim = wide + np.array([0.0, 0.0, 0.095])
+    assert np.linalg.norm(rim - narrow) < np.linalg.norm(rim - wide)
+    assert name_outlet(fly_along((0, 0, 0), rim), beside) == "wide"
+
+
 def test_near_enough_is_the_papers_share_and_at_most_half_the_radius_of_the_bore_at_the_target():
     wide = load_study("pipe-inspection").scenario
     assert find_within(wide) == pytest.approx(0.05 * farthest_distances(wide))

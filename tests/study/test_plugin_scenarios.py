@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from program import write_metadata
 
 from driftform.errors import InputError
 from driftform.study import load_study
@@ -27,10 +28,7 @@ def install(site: Path, name: str, files: dict[str, str], package: str | None = 
     (folder / "__init__.py").write_text(HOOK.format(package=package or f"driftform_{name}"))
     for file, text in files.items():
         (folder / file).write_text(text)
-    info = site / f"driftform_{name}-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: driftform-{name}\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text(f"[driftform]\n{name} = driftform_{name}\n")
+    write_metadata(site, f"driftform-{name}", f"{name} = driftform_{name}")
 
 
 @pytest.fixture

@@ -67,44 +67,6 @@ def test_the_distance_in_a_reducer_is_that_from_its_arcs(end: float) -> None:
     assert wall_distance(points, scenario) == pytest.approx(expected, abs=1e-12)
 
 
-TEE = [
-    {"length": 0.5, "name": "first"},
-    {"kind": "tee", "branch_radius": 0.05, "share": 0.3, "branch": [{"length": 0.5, "outlet": "up"}]},
-    {"length": 0.5, "outlet": "on"},
-]
-
-
-def test_the_distance_in_a_tee_is_that_of_its_bores_and_of_the_ball_that_rounds_their_edge() -> None:
-    scenario = scenario_of(TEE)
-    tee = next(p.part for p in scenario.pipe.layout.parts if p.name.startswith("tee"))
-    x = tee.origin[0]
-    fillet = 0.2 * 0.05
-    # Below, the wall of the run; above in the branch, its wall; on the plane of both axes, the ball beside the edge.
-    below, side = [x, 0.0, -0.07], [x + 0.02, 0.0, 0.2]
-    ball = np.array([x + 0.05 + fillet, 0.0, R + fillet])
-    near = ball - 1.5 * fillet * np.array([math.sqrt(0.5), 0.0, math.sqrt(0.5)])
-    found = wall_distance([below, side, near], scenario)
-    assert found == pytest.approx([0.03, 0.03, 0.5 * fillet], abs=1e-9)
-
-
-def test_uniform_water_has_the_velocity_along_the_pipe_which_grows_with_time() -> None:
-    scenario = straight(flow={"speed": 1.5, "acceleration": 0.2}, flight={"horizon": 10.0})
-    found = water_velocity([place(1.0, 0.1)] * 3, [0.0, 2.0, 10.0], scenario)
-    assert found == pytest.approx(np.outer([1.5, 1.9, 3.5], AXIS))
-    assert water_velocity([[7.0, 8.0, 9.0]], 1.0, Scenario(flow={"speed": 0.7})) == pytest.approx(
-        np.array([[0.7, 0.0, 0.0]])
-    )
-
-
-def test_behind_a_reducer_and_a_tee_the_water_has_the_speed_of_its_share_of_the_flux() -> None:
-    reducer = scenario_of([{"kind": "reducer", "length": 0.4, "radius": 0.05}, {"length": 1.0}], flow={"speed": 0.5})
-    assert water_velocity([[0.9, 0.0, 0.02]], 0.0, reducer) == pytest.approx(np.array([[2.0, 0.0, 0.0]]))
-    tee = scenario_of(TEE, flow={"speed": 0.5})
-    on, up = (next(o.opening for o in tee.pipe.layout.outlets if o.name == name) for name in ("on", "up"))
-    found = water_velocity([on.centre, up.centre], 0.0, tee)
-    assert found == pytest.approx(np.array([[0.35, 0.0, 0.0], [0.0, 0.0, 0.6]]), abs=1e-9)
-
-
 def test_a_grid_has_the_velocity_of_its_file(tmp_path) -> None:
     file = tmp_path / "shear.csv"
     nodes = np.stack(np.meshgrid(*[np.arange(5.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)

@@ -98,17 +98,6 @@ def test_a_heavy_body_slides_along_the_bottom_of_a_bend_and_leaves_by_the_outlet
     assert (flight.position[-1] - exit_.centre) @ exit_.axes[0] == pytest.approx(0, abs=1e-9)
 
 
-def test_against_the_current_a_body_leaves_by_the_inlet():
-    scenario = scenario_of(
-        [{"length": 0.5}, {"kind": "bend", "radius": 0.3}],
-        flow={"kind": "uniform", "speed": 0.0},
-        release={"position": [0.2, 0.0, 0.0], "velocity": [-0.5, 0.0, 0.0]},
-    )
-    flight = fly(neutral_sphere(0.005), scenario)
-    assert flight.end is End.INLET
-    assert flight.position[-1, 0] == pytest.approx(-0.1, abs=0.03)
-
-
 def test_gusts_do_not_stop_the_water_from_turning():
     """With gusts the mean flow still accelerates along its own path: a neutral sphere turns with the bend."""
     parts = [{"length": 0.5}, {"kind": "bend", "radius": 0.3}, {"length": 0.5}]

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 from textbook import distance_from_textbook, random_case
 
 from driftform.motion.path.interpolation import interpolate_positions
 from driftform.testing.agents import DENSITY, sphere_agent
-from driftform.water import Fluid, Pipe, Scenario, Segment
-from driftform.water.scenario import Contact, FlightLimits, Release
+from driftform.water import Fluid, Scenario
+from driftform.water.scenario import FlightLimits, Release
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
 
 
@@ -41,18 +40,3 @@ def test_the_error_of_the_path_between_the_longest_steps_is_stated():
     fallen = inertia / c * np.log(np.cosh(np.sqrt(weight * c) / inertia * times))
     error = np.abs(interpolate_positions(flight, times)[:, 2] + fallen).max()
     assert 1e-5 < error <= flight.error <= 1e-4
-
-
-def test_a_wall_without_damping_throws_the_agent_back_as_fast_as_it_came():
-    agent = sphere_agent(0.01, 1024 * 4 / 3 * np.pi * 1e-6)
-    scenario = Scenario(
-        pipe=Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=0.2),)),
-        release=Release(velocity=(1.0, 0.3, 0.4)),
-        # In nearly inviscid water: a film of water takes 2 %.
-        fluid=Fluid(viscosity=1e-8),
-        contact=Contact(restitution=1.0),
-        flight=FlightLimits(horizon=0.6),
-    )
-    flight = ExudynSimulator(ExudynOptions(tolerance=1e-8)).simulate(agent, scenario)
-    turn = Rotation.from_quat(flight.quaternion[-1], scalar_first=True)
-    assert turn.apply(flight.velocity[-1, :3].copy()) == pytest.approx([1.0, -0.3, -0.4], abs=2e-4)
