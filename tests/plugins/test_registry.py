@@ -214,6 +214,14 @@ def driftform_{seam}():
 """
 
 
+CHECKED = """low: float = option(2.0, "", "m", ge=0, le=9)
+
+            @model_validator(mode="after")
+            def check(self):
+                {check}"""
+"""The body of options that a check of their own judges."""
+
+
 def state_of(install: Install, body: str, base: str = "Table", seam: str = "fitness") -> str:
     source = OPTIONS.format(seam=seam, interface=SEAMS[seam].__name__, base=base, body=body)
     return row(install(ext_options=source), "ext_options").state
@@ -230,17 +238,7 @@ def state_of(install: Install, body: str, base: str = "Table", seam: str = "fitn
             'count: int = option("many", "")',
             "option 'count' has the default 'many': should be a valid integer, unable to parse string as an integer",
         ),
-        (
-            """low: float = option(2.0, "", "m")
-            high: float = option(1.0, "", "m")
-
-            @model_validator(mode="after")
-            def check(self):
-                if self.low > self.high:
-                    raise ValueError("low should be at most high")
-                return self""",
-            "its defaults: Value error, low should be at most high",
-        ),
+        (CHECKED.format(check="raise ValueError('too low')"), "its defaults: Value error, too low"),
     ],
 )
 def test_a_default_that_its_own_option_refuses_is_reported_in_its_row(install, body, reason):
@@ -268,11 +266,7 @@ def test_a_required_option_needs_no_default(install):
 
 
 def test_a_check_of_options_that_fails_itself_names_the_plugin(install):
-    body = """low: float = option(2.0, "", "m", ge=0, le=9)
-
-            @model_validator(mode="after")
-            def check(self):
-                return {0: self, 2.0: self}[self.low]"""
+    body = CHECKED.format(check="return {0: self, 2.0: self}[self.low]")
     source = OPTIONS.format(seam="fitness", interface="Fitness", base="Table", body=body)
     with pytest.raises(WorkFailedError, match=r"^fitness 'mine' failed to check its options: KeyError: 5\.0"):
         install(ext_options=source).create("fitness", "mine", {"low": 5.0})
@@ -287,13 +281,7 @@ def test_a_check_of_options_that_fails_itself_names_the_plugin(install):
     ],
 )
 def test_what_a_check_of_options_says_is_one_line_of_the_study(install, monkeypatch, check, line):
-    body = f"""low: float = option(2.0, "", "m", ge=0, le=9)
-
-            @model_validator(mode="after")
-            def check(self):
-                if self.low == 5:
-                    {check}
-                return self"""
+    body = CHECKED.format(check=f"if self.low == 5:\n                    {check}\n                return self")
     source = OPTIONS.format(seam="fitness", interface="Fitness", base="Table", body=body)
     found = install(ext_options=source)
     monkeypatch.setattr("driftform.study.study.registry", lambda: found)

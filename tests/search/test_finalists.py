@@ -341,6 +341,17 @@ def test_a_finalist_that_can_still_win_flies_on_and_the_promise_is_that_of_fresh
     assert [winner.promises[specimen].misses.count for specimen in FLOWN] == [3] * len(FLOWN)
 
 
+def test_a_finalist_that_is_as_perfect_as_the_best_of_the_search_flies_on(tmp_path: Path) -> None:
+    study = study_of("robustness.score='worst'", "robustness.conditions=12", "robustness.survey=0")
+    undisturbed, disturbed = np.full((8, 2), 90.0), np.full((8, 12 + 3 * len(FLOWN), 2), 100.0)
+    undisturbed[:2] = [[99.9], [99.5]]
+    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
+        executor = Table(study, undisturbed, disturbed)
+        run_search(study, store, executor)
+        fly_finalists(study, store, executor)
+        assert set(range(12)) <= set(store.read_disturbed("TP2")[1])
+
+
 def test_failed_flights_do_not_lower_a_score_unless_most_failed() -> None:
     fitness = np.array([[90.0, 90.0], [80.0, np.nan], [np.nan, np.nan]])
     for score, expected in (("mean", 85.0), ("worst", 80.0)):
