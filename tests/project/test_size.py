@@ -11,7 +11,7 @@ PACKAGES = [*sorted(path.parent for path in CORE.glob("*/__init__.py")), *PLUGIN
 
 MAX_LINES, MAX_LINES_OF_PACKAGE, MAX_LINES_OF_FUNCTION = 32_100, 5_700, 120
 
-MAX_LINES_WITH_PLUGINS, MAX_LINES_OF_TESTS = 60_500, 51_980
+MAX_LINES_WITH_PLUGINS, MAX_LINES_OF_TESTS = 60_500, 51_930
 
 
 def count_lines(folder: Path) -> int:
