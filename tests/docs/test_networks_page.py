@@ -62,4 +62,4 @@ def test_a_run_becomes_a_fleet_and_a_fleet_becomes_parts(blocks: list[Any]) -> N
 def test_the_example_in_python_runs(blocks: list[Any], capsys: pytest.CaptureFixture[str]) -> None:
     [block] = [block for block in blocks if block.page == PAGE and block.file == "town.py"]
     exec(compile(block.text, PAGE, "exec"), {"__name__": "__docs__"})
-    assert capsys.readouterr().out == "water 0.297, sphere 0.297, five spheres 0.371\n"
+    assert capsys.readouterr().out == "water 0.297, sphere 0.297, five spheres 0.372\n"

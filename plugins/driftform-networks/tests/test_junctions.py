@@ -140,12 +140,15 @@ def test_a_run_of_cells_is_the_power_of_one(sphere: Traveller, cells: int, seed:
     rng = np.random.default_rng(seed)
     transfer = rng.dirichlet(np.ones(BANDS), BANDS) * rng.uniform(0.9, 1, (BANDS, 1))
     slowness = rng.uniform(1, 3, BANDS)
-    flights = StraightFlights(2.0, transfer, slowness, np.zeros((0, 13)))
+    scatter = rng.uniform(0, 0.1, BANDS)
+    flights = StraightFlights(2.0, transfer, slowness, scatter, np.zeros((0, 13)))
     task = StraightTask(sphere, Path(), 0.3, 0.5, 0.0)
     table = repeat_cells(flights, cells, task)
     assert table.transfer == pytest.approx(np.linalg.matrix_power(transfer, cells))
     spent = sum(np.linalg.matrix_power(transfer, cell) @ slowness for cell in range(cells))
     assert table.slowness == pytest.approx(spent / cells)
+    spread = sum(np.linalg.matrix_power(transfer, cell) @ scatter for cell in range(cells))
+    assert table.scatter == pytest.approx(spread / cells**2)
     assert table.obstacle == "at rest on the wall: 300 mm, about 0.5 m/s"
 
 

@@ -63,7 +63,7 @@ def test_a_net_at_the_end_of_each_branch_catches_all_that_the_bodies_have_seen(f
 def test_nothing_is_seen_after_the_battery_nor_caught_after_the_shift(fork_file: Path, tmp_path: Path) -> None:
     network, bodies = open_network(fork_file, tmp_path), [open_traveller("sphere:30mm")]
     # The water takes 470 s through the main, 707 s through the run and 1414 s through the branch.
-    more = {"size": 1, "walks": 50, "cache": tmp_path}
+    more = {"size": 1, "walks": 50, "demand_error": 0.0, "cache": tmp_path}
     short = plan_inspection(network, bodies, ["source"], 2, within=1.0, battery=0.15, **more)
     assert short.measure(short.alone) == pytest.approx(1 / 3)
     assert short.catches.sum() == 1

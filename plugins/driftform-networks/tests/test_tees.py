@@ -186,11 +186,12 @@ def test_bends_within_a_link_move_bodies_between_its_runs(reverse: bool, fork_fi
     onward[:, RUN] = shift
     traveling._read_tee = lambda task: TeeFlights(onward, 0.0)  # type: ignore[assignment]
     cell = np.roll(0.9 * np.eye(BANDS), 3, axis=1)
-    flights = StraightFlights(10.0, cell, np.full(BANDS, 1.5), np.zeros((0, 13)))
+    flights = StraightFlights(10.0, cell, np.full(BANDS, 1.5), np.full(BANDS, 0.2), np.zeros((0, 13)))
     table = traveling._run_along(flights, 3, bends, bends[0][1].straight)
     # Either way, the first bend leads to the left.
     assert table.transfer == pytest.approx(cell @ shift[MIRROR][:, MIRROR] @ cell @ shift @ cell)
     assert table.slowness == pytest.approx(1.5 * (1 + 0.9 + 0.81) / 3)
+    assert table.scatter == pytest.approx(0.2 * (1 + 0.9 + 0.81) / 9)
 
 
 @pytest.mark.long

@@ -87,7 +87,7 @@ def declare(*names: str) -> Callable[[Callable[[Given, "Outputs"], None]], Calla
 
 CHANGES = ("close", "open", "set_valve")
 WATER = ("steady", "within", "walks", "seed")
-BODY = ("branch", "service_bore", "clearance", "scenario", "settings", "workers")
+BODY = ("demand_error", "branch", "service_bore", "clearance", "scenario", "settings", "workers")
 CHOICE = ("agents_from", "run", "count", "buoyancies", "as_designed")
 SIGHT = ("receiver", "range", "pipes", "by", "weight")
 FILES = ("map", "style", "width_mm", "tables", "gis", "crs", "report", "cache", "json")
@@ -239,7 +239,12 @@ def _travel(given: Given, network: "Network") -> dict[str, Any]:
     from driftform_networks.flights.travelling import Travel
 
     travel = Travel.parse(network, given.branch, given.clearance)
-    return {"travel": travel, "workers": given.workers or cores.count_cores(), "cache": given.cache}
+    return {
+        "travel": travel,
+        "demand_error": given.demand_error,
+        "workers": given.workers or cores.count_cores(),
+        "cache": given.cache,
+    }
 
 
 def _collect(given: Given, buoyancies: Sequence[float]) -> "list[Traveller]":

@@ -180,15 +180,14 @@ def cut_stiffness(
     nodes: FloatArray,
     weights: FloatArray,
     penalty: float,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the matrices of cells (n, 64, 64), their volumes of water (n,), and the points on their walls (m, 7).
+) -> tuple[FloatArray, FloatArray]:
+    """Return the matrices of cells (n, 64, 64), and their volumes of water (n,).
 
     A matrix is the integral of grad N_i . grad N_j over the water, plus ``penalty`` times the width times that of
     (n . grad N_i)(n . grad N_j) over the wall.
     """
     count = len(corners)
     matrices, volumes = np.empty((count, 64, 64)), np.empty(count)
-    found = [np.empty((0, 7))]
     for c in range(count):
         inner, outer = cut_cell(corners[c], width, wall, parts, nodes, weights)
         rows = gradient_rows(inner, corners[c], width)
@@ -208,13 +207,4 @@ def cut_stiffness(
                         + outer[q, 5] * slopes[3 * q + 2, f]
                     )
             matrices[c] += normal.T @ normal
-        found.append(outer)
-    total = 0
-    for outer in found:
-        total += len(outer)
-    walls = np.empty((total, 7))
-    at = 0
-    for outer in found:
-        walls[at : at + len(outer)] = outer
-        at += len(outer)
-    return matrices, volumes, walls
+    return matrices, volumes

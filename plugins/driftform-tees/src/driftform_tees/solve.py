@@ -63,7 +63,7 @@ def _solve_tee(junction: tee_wall.Junction, show: ShowShare) -> tee_store.TeePot
     matrices, starts = coefficient_matrices(levels)
     mirror = _mirror_matrix(levels, starts)
     maps = [csr_array(matrix @ mirror) for matrix in matrices]
-    stiffness, walls = _assemble(levels, maps, wall, lambda share: show(ASSEMBLY * share))
+    stiffness = _assemble(levels, maps, wall, lambda share: show(ASSEMBLY * share))
     inlet, outlet, end = (_load(points, levels, maps) for points in _end_points(wall))
     found = solve_system(
         stiffness,
@@ -73,9 +73,6 @@ def _solve_tee(junction: tee_wall.Junction, show: ShowShare) -> tee_store.TeePot
     flows = [
         [np.asarray(P @ x).reshape(level.active.shape) for level, P in zip(levels, maps, strict=True)] for x in found.T
     ]
-    normal = np.stack([_normal_velocity(walls, levels, flow) for flow in flows])
-    weight = np.concatenate(walls)[:, 6]
-    leakage = (normal * weight) @ normal.T / weight.sum()
     packed = []
     for level, *values in zip(levels, *flows, strict=True):
         # Functions that touch only cells with y < 0 are left out.
@@ -83,19 +80,16 @@ def _solve_tee(junction: tee_wall.Junction, show: ShowShare) -> tee_store.TeePot
         touched = level.touched()[:, first:]
         through, branch = (np.where(touched, value[:, first:], np.nan) for value in values)
         packed.append((level.width, (int(level.low[0]), 0, int(level.low[2])), through, branch))
-    return _pack_levels(packed, leakage)
+    return _pack_levels(packed)
 
 
-def _pack_levels(
-    levels: Sequence[tuple[float, Sequence[int], FloatArray, FloatArray]], leakage: FloatArray
-) -> tee_store.TeePotentials:
+def _pack_levels(levels: Sequence[tuple[float, Sequence[int], FloatArray, FloatArray]]) -> tee_store.TeePotentials:
     """Return the potentials of a hierarchical spline.
 
     Args:
         levels: of each level, the coarsest first: width of a cell, the cell with which its box begins along x, y and
             z (0 along y), and the coefficients of the two flows, (nx, ny, nz), NaN where no cell of the region needs
             them.
-        leakage: see :class:`driftform.water.parts.tee_store.TeePotentials`.
     """
     head = np.zeros(tee_store.HEAD + tee_store.LEVEL_SIZE * len(levels))
     head[0], place = len(levels), len(head)
@@ -106,7 +100,7 @@ def _pack_levels(
         place += values.size
     through = np.concatenate([values.ravel() for _, _, values, _ in levels])
     branch = np.concatenate([values.ravel() for _, _, _, values in levels])
-    return tee_store.TeePotentials(head, through - np.nanmean(through), branch - np.nanmean(branch), leakage)
+    return tee_store.TeePotentials(head, through - np.nanmean(through), branch - np.nanmean(branch))
 
 
 def make_levels(junction: tee_wall.Junction) -> list[Level]:
@@ -165,12 +159,10 @@ def _distances_from_ball(points: FloatArray, wall: FloatArray) -> FloatArray:
     return out
 
 
-def _assemble(
-    levels: Sequence[Level], maps: Sequence[csr_array], wall: FloatArray, show: ShowShare
-) -> tuple[csr_array, list[FloatArray]]:
-    """Return the matrix of the system, and for each level the points on the wall with normals and weights, (m, 7)."""
+def _assemble(levels: Sequence[Level], maps: Sequence[csr_array], wall: FloatArray, show: ShowShare) -> csr_array:
+    """Return the matrix of the system."""
     reference = _whole_stiffness()
-    matrix, walls = None, []
+    matrix = None
     nodes, weights = _gauss(4)
     laid = [_lay_cells(level, wall) for level in levels]
     done, count = 0, sum(int(cut.sum()) for _, _, cut in laid)
@@ -182,10 +174,9 @@ def _assemble(
             parts.append(cut_stiffness(some, level.width, wall, 1, nodes, weights, PENALTY))
             done += len(some)
             show(done / count)
-        found, volumes, points = (np.concatenate(part) for part in zip(*parts, strict=True))
+        found, volumes = (np.concatenate(part) for part in zip(*parts, strict=True))
         dry = np.clip(1 - volumes / level.width**3, 0, 1)
         entries[cut] = found + OUTSIDE * level.width * dry[:, None, None] * reference
-        walls.append(points)
         functions = _functions_of(cells, level)
         rows = np.broadcast_to(functions[:, :, None], entries.shape).ravel()
         columns = np.broadcast_to(functions[:, None, :], entries.shape).ravel()
@@ -193,7 +184,7 @@ def _assemble(
         own = coo_array((entries.ravel(), (rows, columns)), shape=(size, size)).tocsr()
         part = P.T @ own @ P
         matrix = part if matrix is None else matrix + part
-    return csr_array(matrix), walls
+    return csr_array(matrix)
 
 
 def _lay_cells(level: Level, wall: FloatArray) -> tuple[IntArray, FloatArray, BoolArray]:
@@ -300,27 +291,3 @@ def solve_system(matrix: csr_array, loads: FloatArray, show: ShowShare = lambda 
         p = r + new / square * p
         square = new
     raise ArithmeticError("the conjugate gradients did not converge")
-
-
-def _normal_velocity(
-    walls: Sequence[FloatArray], levels: Sequence[Level], potential: Sequence[FloatArray]
-) -> FloatArray:
-    """Return the velocity through the wall at its points."""
-    found = []
-    for points, level, values in zip(walls, levels, potential, strict=True):
-        cells = np.floor(points[:, :3] / level.width).astype(np.int64) - level.low
-        # Points on the boundary of a cell, found from its other side.
-        cells = np.clip(cells, 0, np.array(level.leaves.shape) - 1)
-        coefficients = values.ravel()[_functions_of(cells, level)]
-        found.append(normal_slopes(points, (cells + level.low) * level.width, level.width, coefficients))
-    return np.concatenate(found)
-
-
-@allocating
-def normal_slopes(points: FloatArray, corners: FloatArray, width: float, coefficients: FloatArray) -> FloatArray:
-    """Return the derivatives along the normals of points (n, 6+) of splines with these coefficients (n, 64), (n,)."""
-    out = np.empty(len(points))
-    for q in range(len(points)):
-        rows = gradient_rows(points[q : q + 1], corners[q], width)
-        out[q] = (points[q, 3:6] * (rows @ coefficients[q])).sum()
-    return out

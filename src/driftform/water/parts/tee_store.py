@@ -47,13 +47,11 @@ class TeePotentials:
         head: number of levels and the rows of the levels, as :mod:`driftform.water.parts.tee_spline` reads them.
         through, branch: coefficients of all levels where all water leaves by the run, and where all leaves by the
             branch.
-        leakage: means over the wall of the products of the two velocities through it, (2, 2).
     """
 
     head: FloatArray
     through: FloatArray
     branch: FloatArray
-    leakage: FloatArray
 
 
 @lru_cache(maxsize=8)
@@ -105,7 +103,6 @@ def _write(path: Path, found: TeePotentials) -> None:
         np.savez_compressed(
             file,
             head=found.head,
-            leakage=found.leakage,
             needed=np.packbits(needed),
             changes=np.ascontiguousarray(changes.astype("<i8").view(np.uint8).reshape(2, -1, 8).T),
         )
@@ -119,7 +116,7 @@ def _read(path: Path) -> TeePotentials:
         flows = np.full((2, total), np.nan)
         steps = np.ascontiguousarray(changes.T).view("<i8")[:, :, 0].cumsum(axis=1)
         flows[:, np.unpackbits(needed, count=total).astype(bool)] = STEP * steps
-        return TeePotentials(head, flows[0], flows[1], data["leakage"])
+        return TeePotentials(head, flows[0], flows[1])
 
 
 def _compute(junction: Junction) -> TeePotentials:

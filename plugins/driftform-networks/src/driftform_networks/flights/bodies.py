@@ -66,16 +66,25 @@ class Traveller:
         """Return the name of the file that keeps some flights of this body, which plain values describe."""
         return f"{hash_content({'body': self.hash, **flights})}.npz"
 
-    def is_mixed(self, speed: float) -> bool:
-        """Return whether the water mixes the body over the bore like itself, at a mean speed (m/s).
+    def place(self, bore: float, speed: float) -> "Scenario":
+        """Return its scenario in a straight pipe of a bore (m), with the mean speed of its water (m/s)."""
+        from driftform.water import Pipe, Segment
 
-        That is so for a Rouse number w / (kappa u*) below about a quarter, with its terminal speed w, here that of a
-        sphere of its diameter, and a friction velocity u* of a twentieth of the mean speed.
+        pipe = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(1.0, 0.0, 0.0), radius=bore / 2),))
+        flow = self.scenario.flow.model_copy(update={"speed": speed})
+        return self.scenario.model_copy(update={"pipe": pipe, "flow": flow})
+
+    def is_mixed(self, speed: float) -> bool:
+        """Return whether the water mixes the body over the bore like itself, at a mean speed (m/s)."""
+        return abs(self.agent.mass.net_buoyancy(self.scenario.fluid)) < self.mixing_limit(speed)
+
+    def mixing_limit(self, speed: float) -> float:
+        """Return the net buoyancy (N) up to which the water mixes the body over the bore like itself, at a mean speed (m/s).
+
+        It is that of a Rouse number w / (kappa u*) of a quarter, with its terminal speed w, here that of a sphere of its
+        diameter, and a friction velocity u* of a twentieth of the mean speed.
         """
-        fluid, mass = self.scenario.fluid, self.agent.mass
-        area = np.pi / 4 * self.width**2
-        terminal = np.sqrt(abs(mass.net_buoyancy(fluid)) / (0.25 * fluid.density * area))
-        return bool(terminal < 0.1 * speed / 20)
+        return float(0.25 * self.scenario.fluid.density * np.pi / 4 * self.width**2 * (0.1 * speed / 20) ** 2)
 
 
 def open_traveller(

@@ -1,15 +1,15 @@
-"""Where a body in a network is outside of the ranges of the formulas that fly it."""
+"""Where a body in a network is outside of the ranges of the formulas that fly it, and where its weight decides."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from driftform.motion.forces import list_limits
 from driftform.types import FloatArray
-from driftform.water import Pipe, Segment
 from driftform_networks.flights.bodies import Traveller
 from driftform_networks.flights.travelling import match_speed
 from driftform_networks.hydraulics.network import Network
+from driftform_networks.passages.routing import TEE
 
 
 def warn_of_limits(traveller: Traveller, network: Network, seen: FloatArray, steps: Iterable[int]) -> list[str]:
@@ -27,13 +27,27 @@ def warn_of_limits(traveller: Traveller, network: Network, seen: FloatArray, ste
                 flown.setdefault((float(network.diameter[link]), match_speed(speeds[link])), set()).add(link)
     found: dict[str, tuple[str, set[int]]] = {}
     for (bore, speed), links in sorted(flown.items()):
-        pipe = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(1.0, 0.0, 0.0), radius=bore / 2),))
-        flow = traveller.scenario.flow.model_copy(update={"speed": speed})
-        for line in list_limits(traveller.agent, traveller.scenario.model_copy(update={"pipe": pipe, "flow": flow})):
+        for line in list_limits(traveller.agent, traveller.place(bore, speed)):
             where = f"in {1000 * bore:.0f} mm at about {speed:.2g} m/s"
             found.setdefault(line.partition(" = ")[0], (f"{where}: {line}", set()))[1].update(links)
     distance = network.length * seen
     return [
         f"warning: {traveller.name} {line}; so it is in {100 * distance[sorted(links)].sum() / distance.sum():.0f} % of what it sees"
         for line, links in found.values()
+    ]
+
+
+def word_weight(traveller: Traveller, network: Network, passings: Mapping[int, str], steps: Iterable[int]) -> list[str]:
+    """Return a line with the tees on its way at which a tenth of a gram decides whether the water mixes a body; none without tees."""
+    tees = [node for node, how in passings.items() if how == TEE]
+    speeds = np.abs(network.hydraulics.flow[list(steps)]).max(axis=0) / np.where(network.is_pipe, network.area, np.inf)
+    gravity = traveller.scenario.fluid.gravity
+    # The greatest speed beside a tee leaves a body the most room.
+    fastest = (speeds[(network.start == node) | (network.end == node)].max() for node in tees)
+    milligrams = np.sort([1e6 * traveller.mixing_limit(speed) / gravity for speed in fastest])
+    if not len(milligrams):
+        return []
+    return [
+        f"a tenth of a gram decides at {(milligrams < 100).sum()} of {len(tees)} tees and crosses: the water mixes bodies of at most "
+        f"{milligrams[0]:.2g} to {milligrams[-1]:.2g} mg of net weight there, and others ride along the top or the bottom"
     ]

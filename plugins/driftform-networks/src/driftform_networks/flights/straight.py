@@ -46,7 +46,7 @@ class StraightFlights:
         cell: length of a cell, m.
         transfer: probability that a body in a band is in each band one cell later, (bands, bands); what is left of 1
             is the probability that it is held.
-        slowness: time for a cell from each band, relative to that of the water, (bands,).
+        slowness, scatter: mean and variance of the time for a cell from each band, relative to that of the water, (bands,).
         states: bodies at the ends of cells: band, place of the centre of the displaced water to the right and upward
             relative to the bore's radius, quaternion, velocity over ground in the body frame, (n, 13).
     """
@@ -54,6 +54,7 @@ class StraightFlights:
     cell: float
     transfer: FloatArray
     slowness: FloatArray
+    scatter: FloatArray
     states: FloatArray
 
 
@@ -90,15 +91,16 @@ def _fly_straight(task: StraightTask) -> StraightFlights:
     scenarios = _make_scenarios(traveller, bore, speed, task.slope, cell)
     if not scenarios:
         # It fits in no attitude: it is held at once.
-        return StraightFlights(cell, np.zeros((BANDS, BANDS)), np.ones(BANDS), np.zeros((0, 13)))
+        return StraightFlights(cell, np.zeros((BANDS, BANDS)), np.ones(BANDS), np.zeros(BANDS), np.zeros((0, 13)))
     flights = fly(traveller, scenarios, f"in a bore of {1000 * bore:.0f} mm")
     room = max(1 - traveller.agent.body.max_diameter / bore, 1e-3)
     counts, held = np.zeros((BANDS, BANDS)), np.zeros(BANDS)
-    times, states = np.zeros(BANDS), []
+    times, squares, states = np.zeros(BANDS), np.zeros(BANDS), []
 
     def count(before: int, after: int, time: float) -> None:
         counts[before, after] += 1
         times[before] += time
+        squares[before] += time**2
 
     frame = scenarios[0].release_frame()
     for flight in flights:
@@ -126,7 +128,8 @@ def _fly_straight(task: StraightTask) -> StraightFlights:
         # A band in which no flight has been is like all others together.
         transfer = np.where(total[:, None] > 0, counts / total[:, None], counts.sum(axis=0) / total.sum())
         slowness = np.where(passed > 0, times / (passed * water), times.sum() / max(passed.sum() * water, 1e-9))
-    return StraightFlights(cell, transfer, slowness, np.array(states).reshape(-1, 13))
+        scatter = np.where(passed > 1, squares / (passed * water**2) - slowness**2, 0.0)
+    return StraightFlights(cell, transfer, slowness, np.maximum(scatter, 0.0), np.array(states).reshape(-1, 13))
 
 
 def _make_scenarios(traveller: Traveller, bore: float, speed: float, slope: float, cell: float) -> list[Scenario]:

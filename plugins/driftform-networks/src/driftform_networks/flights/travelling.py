@@ -20,6 +20,7 @@ from driftform_networks.flights.fits import find_gate, find_obstacle, read_gates
 from driftform_networks.flights.junctions import SIDES, Junction, describe_junction, divide_bodies, find_bends
 from driftform_networks.flights.straight import StraightFlights, StraightTask
 from driftform_networks.flights.tees import Tee, TeeTask
+from driftform_networks.flights.transit import transit
 from driftform_networks.hydraulics.epanet import split_option
 from driftform_networks.hydraulics.network import Network, Snapshot
 from driftform_networks.passages.routing import JOINT, TEE, Routing, RoutingTable, TransferTable
@@ -90,7 +91,7 @@ class Traveling:
         self._folder = find_cache(folder)
         self._read_straight, self._read_tee = cache(StraightTask.__call__), cache(TeeTask.__call__)
         self._repeat_cells, self._find_bend = cache(repeat_cells), cache(self._fit_bends)
-        self._find_bends = cache(find_bends)
+        self._find_bends, self._place = cache(find_bends), cache(self._traveller.place)
         self._describe = cache(partial(describe_junction, branch=travel.branch))
         self._travel = travel
 
@@ -143,7 +144,11 @@ class Traveling:
         if obstacle:
             return TransferTable(np.zeros((BANDS, BANDS)), np.ones(BANDS), obstacle)
         if not self._needs_flights(snapshot, link):
-            return replace(_MIXING, gate=gate) if gate else _MIXING
+            time, scatter = 1.0, 0.0
+            if network.is_pipe[index]:
+                bore, speed = float(network.diameter[index]), match_speed(float(snapshot.speed[link]))
+                time, scatter = transit(self._place(bore, speed), self._traveller.width, float(network.length[index]))
+            return TransferTable(np.tile(MIXED, (BANDS, 1)), np.full(BANDS, time), "", gate, scatter)
         task = self._find_straight(snapshot, link)
         flights = self._read_straight(task)
         cells = max(1, round(float(network.length[index]) / flights.cell))
@@ -172,16 +177,17 @@ class Traveling:
         self, flights: StraightFlights, cells: int, bends: list[tuple[float, TeeTask, bool]], task: StraightTask
     ) -> TransferTable:
         """Return the table of a run of cells with bends, in which bodies take no time."""
-        power, spent, before = np.eye(BANDS), np.zeros(BANDS), 0
+        power, spent, before = np.eye(BANDS), np.zeros((BANDS, 2)), 0
         for place, bend, left in [*bends, (1.0, None, False)]:
             if (run := round(place * cells) - before) > 0:
                 table = self._repeat_cells(flights, run, task)
-                spent, power = spent + run * power @ table.slowness, power @ table.transfer
+                spent += power @ np.column_stack([run * table.slowness, run**2 * table.scatter])
+                power = power @ table.transfer
                 before += run
             if bend is not None:
                 power = power @ _mirror(self._read_tee(bend).onward, left)[:, tees.RUN]
         obstacle = self._repeat_cells(flights, cells, task).obstacle
-        return TransferTable(power, np.maximum(spent / cells, 1e-3), obstacle)
+        return TransferTable(power, np.maximum(spent[:, 0] / cells, 1e-3), obstacle, scatter=spent[:, 1] / cells**2)
 
     def _fit_bends(self, network: Network, index: int) -> str:
         """Return why the body cannot pass the bends of a link, empty if it can."""
@@ -279,20 +285,17 @@ def match_speed(speed: float) -> float:
     return float(SPEED_STEP ** round(np.log(max(speed, MIN_SPEED)) / np.log(SPEED_STEP)))
 
 
-_MIXING = TransferTable(np.tile(MIXED, (BANDS, 1)), np.ones(BANDS))
-
-
 def repeat_cells(flights: StraightFlights, cells: int, task: StraightTask) -> TransferTable:
     """Return the table of a run of ``cells`` cells."""
-    power, spent = np.eye(BANDS), np.zeros(BANDS)
-    # By doubling: transfer and time of 1, 2, 4, ... cells.
-    transfer, slow, left = flights.transfer, flights.slowness.copy(), cells
+    power, spent = np.eye(BANDS), np.zeros((BANDS, 2))
+    # By doubling: transfer, and mean and variance of the time, of 1, 2, 4, ... cells.
+    transfer, slow, left = flights.transfer, np.column_stack([flights.slowness, flights.scatter]), cells
     while left:
         if left % 2:
             spent, power = spent + power @ slow, power @ transfer
         slow, transfer, left = slow + transfer @ slow, transfer @ transfer, left // 2
     obstacle = f"at rest on the wall: {1000 * task.bore:.0f} mm, about {task.speed:.2g} m/s"
-    return TransferTable(power, np.maximum(spent / cells, 1e-3), obstacle)
+    return TransferTable(power, np.maximum(spent[:, 0] / cells, 1e-3), obstacle, scatter=spent[:, 1] / cells**2)
 
 
 def make_flights(travelings: Sequence[Traveling], snapshots: Sequence[Snapshot], workers: int) -> None:

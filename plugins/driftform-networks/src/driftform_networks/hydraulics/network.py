@@ -181,13 +181,19 @@ class Network:
         return np.vstack([ends[:1], self.vertices[link].reshape(-1, 2), ends[1:]])
 
     def tabulate_links(self, kept: BoolArray, **values: FloatArray) -> dict[str, list[Any]]:
-        """Return names, lengths and further values of some links as columns; ``kept`` and each value are (links,)."""
-        rows = np.flatnonzero(kept)
+        """Return names, sizes, values and places of some links as columns; ``kept`` and each value are (links,)."""
+        rows = np.flatnonzero(kept).tolist()
+        corners = ([f"{x:.12g} {y:.12g}" for x, y in self.polyline(row)] for row in rows)
         columns: dict[str, list[Any]] = {
             "link": [self.links[row] for row in rows],
+            "kind": [self.link_kinds[row] for row in rows],
+            "start": [self.nodes[self.start[row]] for row in rows],
+            "end": [self.nodes[self.end[row]] for row in rows],
             "length_m": self.length[rows].tolist(),
+            "diameter_m": self.diameter[rows].tolist(),
+            **{name: value[rows].tolist() for name, value in values.items()},
         }
-        return columns | {name: value[rows].tolist() for name, value in values.items()}
+        return columns | {"wkt": [f"LINESTRING ({', '.join(line)})" for line in corners]}
 
     @cached_property
     def courses(self) -> list[FloatArray]:

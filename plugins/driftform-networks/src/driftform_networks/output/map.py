@@ -1,8 +1,7 @@
-"""Maps of a network as SVG: what is seen of each link, arrival times, and where bodies end; and the curve of a fleet."""
+"""Maps of a network as SVG: what is seen of each link, arrival times, and where bodies end."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -26,8 +25,8 @@ _WIDE = 700.0
 """Width of a page on which the legend has room for one line, px."""
 
 _THIN, _THICK = 1.4, 6.0
-_MAX_TIMES, _MAX_STREETS = 14, 60
-"""Arrival times, and names of links, that are written on a map."""
+_MAX_TIMES = 14
+"""Arrival times that are written on a map."""
 
 _STEP = 34.0
 """Width of a step of the legend, px."""
@@ -35,16 +34,11 @@ _STEP = 34.0
 
 @dataclass(frozen=True, eq=False)
 class Mark:
-    """A place on a map: a node, its name or another text, and whether it matters more than others."""
+    """A place on a map: a node, its name or another text, and its colour, which is that of ink unless it matters more than others."""
 
     node: int
     text: str
     colour: str = style.INK
-
-    @property
-    def is_bold(self) -> bool:
-        """Whether it matters more than others."""
-        return self.colour != style.INK
 
 
 def passage_svg(passage: Passage, title: str, subtitle: str, page: style.Page = style.SCREEN) -> str:
@@ -130,11 +124,9 @@ def network_svg(
         network=network.name,
         links=links,
         sources=[(network.node_kinds[node], *spots[node]) for node in np.flatnonzero(network.stores)],
-        marks=[(*spots[mark.node], 5 if mark.is_bold else 2.6, mark.colour) for mark in marks],
+        marks=[(*spots[mark.node], 5 if mark.colour != style.INK else 2.6, mark.colour) for mark in marks],
         crosses=crosses,
         labels=labels,
-        # They would be smaller than 7 pt.
-        streets=[] if page.is_paper else _place_streets(network, lines, labels),
         step=_STEP,
         ramp=steps if np.isfinite(shares).any() else [],
         legend=legend,
@@ -162,7 +154,7 @@ def _place_crosses(
         if end.place in nodes and end.kind == "stuck":
             x, y = spots[nodes[end.place]].tolist()
             if number < 4:
-                text = f"{100 * end.probability:.0f} % stuck"
+                text = f"{end.place}: {100 * end.probability:.0f} % stuck"
                 marks.append(Mark(nodes[end.place], text, style.VERMILLION))
         elif end.place in links:
             line = layout.resample_polyline(lines[links[end.place]], 3)
@@ -210,62 +202,11 @@ def _place_marks(
         return []
     anchors = page.to_page(network.places[[mark.node for mark in marks]])
     texts = [layout.shorten(mark.text, 12, 140, bold=True) for mark in marks]
-    widths = [layout.text_width(text, 12, bold=mark.is_bold) for text, mark in zip(texts, marks, strict=True)]
+    widths = [
+        layout.text_width(text, 12, bold=mark.colour != style.INK) for text, mark in zip(texts, marks, strict=True)
+    ]
     boxes = layout.place_labels(anchors, widths, 14, ink, page.box)
     return [
         ((box.left + box.right) / 2, box.bottom - 3, text, mark.colour)
         for text, mark, box in zip(texts, marks, boxes, strict=True)
     ]
-
-
-def _place_streets(
-    network: Network, lines: Sequence[FloatArray], labels: Sequence[tuple[float, float, str, str]]
-) -> list[tuple[float, float, float, str]]:
-    """Return middle, turn (degrees) and name of links whose names fit along them, the longest first, off other texts."""
-    taken = [(x + dx, y - 4) for x, y, text, _ in labels for dx in np.arange(-3.5, 4.0) * len(text)]
-    parts = [(line, np.linalg.norm(np.diff(line, axis=0), axis=1)) for line in lines]
-    longest = np.array([steps.max(initial=0.0) for _, steps in parts])
-    found: list[tuple[float, float, float, str]] = []
-    for link in np.argsort(-longest, kind="stable").tolist():
-        name = network.links[link]
-        wide = layout.text_width(name, 9)
-        if len(found) == _MAX_STREETS or longest[link] < 24:
-            break
-        if wide > longest[link] - 8:
-            continue
-        line, steps = parts[link]
-        row = int(np.argmax(steps))
-        along = (line[row + 1] - line[row]) / steps[row]
-        along = along if along[0] >= 0 else -along
-        middle = (line[row] + line[row + 1]) / 2 + np.array([-along[1], along[0]]) * 3
-        spots = [tuple(middle + along * at) for at in np.linspace(-wide / 2, wide / 2, max(2, int(wide / 8)))]
-        apart = min((np.hypot(x - u, y - v) for x, y in spots for u, v in taken), default=np.inf)
-        if apart < 13:
-            continue
-        taken += spots
-        found.append((*middle.tolist(), round(float(np.rad2deg(np.arctan2(along[1], along[0]))), 1), name))
-    return found
-
-
-def curve_svg(fleet: Fleet, title: str) -> str:
-    """Draw the share of the reachable length that fleets of each size see, with tracers and perfect steering."""
-    size = len(fleet.curve)
-    step = next(step for step in (1, 2, 5, 10, 20, 50, 100, 1000) if size / step <= 12 or step == 1000)
-    lines = [
-        ("perfect steering (bound)", fleet.bound, style.MUTED, True),
-        ("this fleet", fleet.curve, style.VERMILLION, False),
-        ("divided like water, retained", fleet.retained, style.BLUE, True),
-        ("point tracers", fleet.tracers, style.BLUE, False),
-    ]
-    heights = [408 - 320 * float(curve[-1]) for _, curve, _, _ in lines]
-    # Labels keep 16 px from each other, in their order.
-    for above, below in pairwise(np.argsort(heights)):
-        heights[below] = max(heights[below], heights[above] + 16.0)
-    curves = []
-    for (name, curve, colour, dashes), y in zip(lines, heights, strict=True):
-        points = [(60 + 608 * count / size, 408 - 320 * share) for count, share in enumerate([0.0, *curve])]
-        ink = style.INK if colour == style.MUTED else colour
-        curves.append((f"{name} {100 * curve[-1]:.1f}", svg.path_data(points), colour, dashes, y, ink))
-    ticks = [(60 + 608 * count / size, count) for count in range(0, size + 1, step)]
-    shown = {"title": layout.shorten(title, 20, 856, bold=True), "ticks": ticks, "curves": curves, "fonts": svg.FONTS}
-    return svg.fill_template("driftform_networks.output", "curve.svg", **shown)

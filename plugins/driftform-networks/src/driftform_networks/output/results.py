@@ -21,9 +21,9 @@ from driftform.figures import style, svg
 from driftform.types import FloatArray
 from driftform.util import files
 from driftform_networks.flights.bodies import Traveller
-from driftform_networks.flights.limits import warn_of_limits
+from driftform_networks.flights.limits import warn_of_limits, word_weight
 from driftform_networks.hydraulics.network import BoolArray, Network, warn_of_model
-from driftform_networks.output.map import curve_svg, fleet_svg, format_time, passage_svg, plan_svg
+from driftform_networks.output.map import fleet_svg, format_time, passage_svg, plan_svg
 from driftform_networks.passages.passage import Passage, count_passings, word_ends
 from driftform_networks.planning.candidates import save_agents
 from driftform_networks.planning.fleets import Fleet, Member
@@ -33,7 +33,7 @@ from driftform_networks.planning.sights import group_sight
 _MAX_NAME = 30
 """Characters of an agent's name in a table."""
 
-MAX_ROWS = 12
+MAX_ROWS = 8
 """Rows of a table on the screen; all are in the files of ``--tables``, and in the JSON document."""
 
 
@@ -96,13 +96,13 @@ class Outputs:
         document: dict[str, Any],
         lines: Sequence[str],
         tables: Sequence[TextTable],
-        figures: Mapping[str, Callable[..., str]],
+        figure: Callable[..., str],
         bodies: Sequence[Traveller],
         saved: Sequence[Path] = (),
     ) -> None:
         """Write map, report, tables and layers, those that are asked for, and print the result.
 
-        ``document``, ``lines`` and ``tables`` get what all results have; ``figures`` draw SVG pictures, first the map;
+        ``document``, ``lines`` and ``tables`` get what all results have; ``figure`` draws the map;
         ``bodies`` travel, and there are none where water does; ``saved`` files are already written.
         """
         network, known = result.network, result.recorded if isinstance(result, Plan) else result.seen
@@ -110,7 +110,7 @@ class Outputs:
         limits = (line for one in bodies for line in warn_of_limits(one, network, known, result.steps))
         document["warnings"] = [*limits, *warn_of_model(network, result.steps)]
         lines, tables = [*lines, *more, *document["warnings"]], [*tables, *groups]
-        written, columns = self.write_map(next(iter(figures.values()))), result.list_tables()
+        written, columns = self.write_map(figure), result.list_tables()
         if self.report is not None:
             # One page, which loads nothing over the network.
             page = svg.fill_template(
@@ -121,7 +121,7 @@ class Outputs:
                 style=resources.files("driftform.search.report").joinpath("page.css").read_text(encoding="utf-8"),
                 lead=lines,
                 tables=tables,
-                figures=[(name, draw()) for name, draw in figures.items()],
+                figure=figure(),
                 is_body=bool(bodies),
             )
             files.write_text(self.report, page)
@@ -184,9 +184,9 @@ def present_plan(plan: Plan, title: str, outputs: Outputs, travellers: Sequence[
         f"without nets, {word_ends(plan.ends, len(plan.members))}",
         word_passings(plan.passings),
     ]
-    figures = {"Where bodies go until nets catch them": partial(plan_svg, plan, title, lines[1])}
+    figure = partial(plan_svg, plan, title, lines[1])
     chosen = [one for one in travellers if one.name in {name for name, _, _ in plan.members}]
-    outputs.present(plan, title, document, lines, tables, figures, chosen)
+    outputs.present(plan, title, document, lines, tables, figure, chosen)
 
 
 def present_passage(passage: Passage, title: str, outputs: Outputs, body: Traveller | None = None) -> None:
@@ -198,7 +198,7 @@ def present_passage(passage: Passage, title: str, outputs: Outputs, body: Travel
         word_ends(passage.ends),
     ]
     if body is not None:
-        lines.append(word_passings([passage.passings]))
+        lines += [word_passings([passage.passings]), *word_weight(body, network, passage.passings, passage.steps)]
     rows = [
         [end.kind, end.place, f"{100 * end.probability:.2f}", end.reason]
         for end in passage.ends
@@ -214,8 +214,8 @@ def present_passage(passage: Passage, title: str, outputs: Outputs, body: Travel
     if passage.branches:
         document["branches"], sides = _compare_sides(passage)
         tables.append(sides)
-    figures = {"Where it goes, and when it arrives": partial(passage_svg, passage, title, lines[0])}
-    outputs.present(passage, title, document, lines, tables, figures, [] if body is None else [body])
+    figure = partial(passage_svg, passage, title, lines[0])
+    outputs.present(passage, title, document, lines, tables, figure, [] if body is None else [body])
 
 
 def present_fleet(fleet: Fleet, title: str, outputs: Outputs, travellers: Sequence[Traveller]) -> None:
@@ -233,12 +233,9 @@ def present_fleet(fleet: Fleet, title: str, outputs: Outputs, travellers: Sequen
             2, "shape brings nothing here: bodies that divide like the water, and never leave with it, see as much"
         )
     chosen = [one for one in travellers if one.name in {member.agent for member in fleet.members}]
-    figures = {
-        "Where the fleet goes": partial(fleet_svg, fleet, title, lines[0]),
-        "What each further body adds": partial(curve_svg, fleet, title),
-    }
+    figure = partial(fleet_svg, fleet, title, lines[0])
     saved = [] if outputs.agents is None else save_agents(chosen, outputs.agents)
-    outputs.present(fleet, title, document, lines, _table_fleet(fleet), figures, chosen, saved)
+    outputs.present(fleet, title, document, lines, _table_fleet(fleet), figure, chosen, saved)
 
 
 def present(document: Mapping[str, Any], text: Sequence[str | TextTable], written: Sequence[Path], json: bool) -> None:

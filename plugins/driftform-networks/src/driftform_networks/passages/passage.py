@@ -142,18 +142,7 @@ class Passage:
 
     def link_table(self) -> dict[str, list[Any]]:
         """Return the reachable links as columns."""
-        rows, network = np.flatnonzero(self.reachable), self.network
-        corners = ([f"{x:.12g} {y:.12g}" for x, y in network.polyline(row)] for row in rows.tolist())
-        return {
-            "link": [network.links[row] for row in rows],
-            "kind": [network.link_kinds[row] for row in rows],
-            "start": [network.nodes[network.start[row]] for row in rows],
-            "end": [network.nodes[network.end[row]] for row in rows],
-            "length_m": network.length[rows].tolist(),
-            "diameter_m": network.diameter[rows].tolist(),
-            "seen": self.seen[rows].tolist(),
-            "wkt": [f"LINESTRING ({', '.join(line)})" for line in corners],
-        }
+        return self.network.tabulate_links(self.reachable, seen=self.seen)
 
     def end_table(self) -> dict[str, list[Any]]:
         """Return the ends as columns."""
@@ -279,8 +268,9 @@ def follow(routing: Routing, release: int) -> Passage:
     link = np.repeat(np.arange(links), bands)
     head = snapshot.head[link]
     first = (divide_flow(snapshot, release, routing.retained)[:, None] * routing.release).ravel()
-    duration = (snapshot.duration[:, None] * routing.slowness).ravel()
-    step, held, leaves = _link_states(routing)
+    transfer, slowness, _ = routing.stack_runs()
+    duration = (snapshot.duration[:, None] * slowness).ravel()
+    step, held, leaves = _link_states(routing, transfer)
     stays = np.maximum(1 - held - leaves - step.sum(axis=1), 0.0)
     step = step * (1 - LOST)
     solver = splu(sparse.csc_array(sparse.eye_array(len(first)) - step.T))
@@ -333,9 +323,9 @@ def _list_ends(
         yield Ending("circling", "", lost, "in a loop without an exit")
 
 
-def _link_states(routing: Routing) -> tuple[sparse.csr_array, FloatArray, FloatArray]:
+def _link_states(routing: Routing, transfer: FloatArray) -> tuple[sparse.csr_array, FloatArray, FloatArray]:
     """Return the probability that a state follows another, sparse, and that the body rests in its link, or leaves after it."""
-    transfer, bands = routing.transfer, np.arange(routing.bands)
+    bands = np.arange(routing.bands)
     outlets, choice, arrival = routing.stack_ends(routing.most)
     steps = np.einsum("lab,lbo,lboc->laoc", transfer, choice[..., :-1], arrival)
     states = np.arange(len(transfer) * len(bands)).reshape(-1, len(bands), 1, 1)

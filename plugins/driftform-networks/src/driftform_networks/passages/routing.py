@@ -45,12 +45,14 @@ class TransferTable:
         slowness: mean time that it takes, relative to that of the water, (bands,).
         obstacle: what holds bodies there, in a few words.
         gate: what narrows the bore and lets bodies pass, such as a valve, in a few words.
+        scatter: variance of this time, (bands,), or the same for all.
     """
 
     transfer: FloatArray
     slowness: FloatArray
     obstacle: str = ""
     gate: str = ""
+    scatter: FloatArray | float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,15 +87,13 @@ class Routing:
         """Largest number of outlets at the end of a link."""
         return max(1, *map(len, self.snapshot.outlets))
 
-    @property
-    def transfer(self) -> FloatArray:
-        """Transfer through each link, (links, bands, bands)."""
-        return np.array([straight.transfer for straight in self.transfers]).reshape(-1, self.bands, self.bands)
-
-    @property
-    def slowness(self) -> FloatArray:
-        """Slowness in each link, (links, bands)."""
-        return np.array([straight.slowness for straight in self.transfers]).reshape(-1, self.bands)
+    def stack_runs(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return transfer, slowness and scatter of each link, (links, bands, bands) and twice (links, bands)."""
+        count, bands = len(self.transfers), self.bands
+        transfer = np.array([straight.transfer for straight in self.transfers]).reshape(count, bands, bands)
+        times = [(straight.slowness, np.broadcast_to(straight.scatter, bands)) for straight in self.transfers]
+        slowness, scatter = np.array(times).reshape(count, 2, bands).swapaxes(0, 1)
+        return transfer, slowness, scatter
 
     def stack_ends(self, most: int) -> tuple[IntArray, FloatArray, FloatArray]:
         """Return what bodies do at the end of each link as arrays with room for ``most`` outlets.

@@ -90,7 +90,12 @@ class Walks:
 
 
 def walk(
-    routings: Sequence[Routing], times: Sequence[float], release: int, began: FloatArray, rng: np.random.Generator
+    routings: Sequence[Routing],
+    times: Sequence[float],
+    release: int,
+    began: FloatArray,
+    rng: np.random.Generator,
+    demand_error: float = 0.0,
 ) -> Walks:
     """Return routes of bodies that are drawn from their tables.
 
@@ -100,10 +105,11 @@ def walk(
             change.
         release: node where the bodies enter the water.
         began: time at which each walk begins, s, (walks,).
+        demand_error: standard deviation of the logarithm of one factor for all flows that a walk meets.
     """
-    walkers = _Walkers(routings, np.array(times), release, began)
+    walkers = _Walkers(routings, np.array(times), release, began, rng, demand_error)
     while walkers.active.any():
-        walkers.choose(rng)
+        walkers.choose()
         walkers.advance()
     moves = [np.concatenate(column) for column in zip(*walkers.moves, strict=True)]
     # In the order of time for each walk.
@@ -116,14 +122,22 @@ def walk(
 class _Walkers:
     """All walks at once: in turn, those at nodes choose a link, and those in links advance to its end or to a new flow."""
 
-    def __init__(self, routings: Sequence[Routing], times: FloatArray, release: int, began: FloatArray) -> None:
+    def __init__(
+        self,
+        routings: Sequence[Routing],
+        times: FloatArray,
+        release: int,
+        began: FloatArray,
+        rng: np.random.Generator,
+        demand_error: float,
+    ) -> None:
         network, count = routings[0].snapshot.network, len(began)
         self._stack(routings)
         self._first = _accumulate(routings[0].release)
         self._bands, self._steps = routings[0].bands, len(routings)
         self._exit = np.array([routing.snapshot.exit * ~np.asarray(routing.retained) for routing in routings])
         self._kept = np.broadcast_to(routings[0].retained, len(network.nodes))
-        self._times = times
+        self._times, self._rng, self._factor = times, rng, np.exp(demand_error * rng.standard_normal(count))
         self._near = _list_neighbours(network)
         self._sides = np.column_stack([network.start, network.end])
         self._volume = network.length * network.area
@@ -156,16 +170,17 @@ class _Walkers:
             arrivals.append(arrival)
         self._outlets = np.concatenate(outlets)
         self._choice, self._arrival = (_accumulate(np.concatenate(part)) for part in (choices, arrivals))
-        self._transfer = _accumulate(np.concatenate([routing.transfer for routing in routings]))
-        self._slowness = np.concatenate([routing.slowness for routing in routings])
+        runs = zip(*(routing.stack_runs() for routing in routings), strict=True)
+        transfer, self._slowness, self._scatter = (np.concatenate(part) for part in runs)
+        self._transfer = _accumulate(transfer)
 
-    def choose(self, rng: np.random.Generator) -> None:
+    def choose(self) -> None:
         """Choose a link, and the band in which it is entered, for all walks at nodes."""
         here = np.flatnonzero(self.active & (self._link < 0))
         if not len(here):
             return
         step, came, node = self._step[here], self._came[here], self._node[here]
-        number, second, third = rng.random((3, len(here)))
+        number, second, third = self._rng.random((3, len(here)))
         row = np.where(came >= 0, self._row[step, came], -1)
         arrives = self._sides[came, (self._flow[step, came] > 0).astype(int)] == node
         by_table = (row >= 0) & arrives
@@ -217,7 +232,10 @@ class _Walkers:
         held = following == self._bands
         self._finish(walks[held], HELD_IN_LINK, link[held])
         self._link[walks], self._band[walks], self._following[walks] = link, band, following
-        self._pace[walks] = self._slowness[row, band]
+        time, scatter = self._slowness[row, band], self._scatter[row, band]
+        # What spreads along its way arrives after times of this distribution (Schroedinger 1915).
+        drawn = self._rng.wald(time, time**3 / np.maximum(scatter, 1e-12))
+        self._pace[walks] = np.where(scatter > 0, drawn, time) / self._factor[walks]
         self._x[walks] = np.where(self._flow[self._step[walks], link] > 0, 0.0, 1.0)
         self._low[walks] = self._high[walks] = self._x[walks]
 

@@ -83,13 +83,9 @@ def group_sight(
     if len(set(names)) > MAX_GROUPS and np.isfinite(numbers).all():
         order = np.argsort(numbers, kind="stable")
         done = np.cumsum(network.length[rows][order])
-        part = np.empty(len(rows), np.int64)
-        part[order] = np.minimum((BINS * done / done[-1]).astype(np.int64), BINS - 1)
-        # Equal numbers are in one group, that of the first of them.
-        _, same = np.unique(numbers, return_inverse=True)
-        first = np.full(len(numbers), BINS)
-        np.minimum.at(first, same, part)
-        part = first[same]
+        edges = numbers[order][np.searchsorted(done, done[-1] * np.arange(1, BINS) / BINS)]
+        # Equal numbers are in one group.
+        part = np.searchsorted(edges, numbers)
         ends = {group: numbers[part == group] for group in set(part.tolist())}
         names = [f"{ends[group].min():g} to {ends[group].max():g}" for group in part.tolist()]
         rank = {name: float(group) for name, group in zip(names, part.tolist(), strict=True)}
