@@ -72,8 +72,7 @@ class Outcome:
     """A run.
 
     Its flights before the promise; by specimen the promised 90 % misses, m, (targets,), and those of fresh flights, m, (targets,
-    flights), NaN if one failed; by specimen the promised and the fresh shares of hits, (targets,); and the nominal misses, m,
-    (targets,).
+    flights), NaN if one failed; by specimen the promised and the fresh shares of hits, (targets,).
     """
 
     flights: int
@@ -81,7 +80,6 @@ class Outcome:
     fresh: Mapping[Specimen, FloatArray]
     promised_hits: Mapping[Specimen, FloatArray]
     fresh_hits: Mapping[Specimen, FloatArray]
-    nominal: FloatArray
 
 
 def study_of(way: str, seed: int) -> Study:
@@ -99,7 +97,7 @@ def executor() -> Iterator[Executor]:
 def run_and_verify(
     study: Study, executor: Executor, folder: Path, specimens: Sequence[Specimen] = ALL, fresh_flights: int = FRESH
 ) -> Outcome:
-    targets, points = study.scenario.target_names, study.scenario.target_array()
+    targets = study.scenario.target_names
     with Store.create(folder / "run.db", dict(study.document)) as store:
         run_search(study, store, executor)
         fly_finalists(study, store, executor)
@@ -138,13 +136,9 @@ def run_and_verify(
         fresh[specimen] = misses.reshape(len(targets), fresh_flights)
         sound = ~np.isnan(fresh[specimen])
         hits[specimen] = (hit.reshape(len(targets), fresh_flights) * sound).sum(axis=1) / sound.sum(axis=1)
-    nominal = [
-        inf if r.evaluation.trajectory is None else closest_approach(r.evaluation.trajectory, points)[0][n]
-        for n, r in enumerate(records)
-    ]
     promised = {s: np.array([w.promises[s].misses.promised[0] for w in winners]) for s in FLOWN}
     shares = {s: np.array([w.promises[s].hit for w in winners], dtype=float) for s in FLOWN}
-    return Outcome(flights, promised, fresh, shares, hits, np.array(nominal))
+    return Outcome(flights, promised, fresh, shares, hits)
 
 
 @pytest.fixture(scope="module")
@@ -263,18 +257,8 @@ def test_flights_keep_what_a_run_promises(
 
 
 def test_the_search_of_tuned_bodies_keeps_weighed_prints_as_near_as_any_other_with_as_many_flights(
-    outcomes: dict[str, list[Outcome]], publish: Callable[[str, Sequence[str]], None]
+    outcomes: dict[str, list[Outcome]],
 ) -> None:
-    lines = [
-        "| strategy | flights before the promise | nominal miss, mm: median, greatest | printed: 90 % miss, mm | weighed |",
-        "|---|---|---|---|---|",
-    ]
-    for way, runs in outcomes.items():
-        flights, nominal = np.mean([o.flights for o in runs]), 1000 * np.array([o.nominal for o in runs])
-        each = [f"{1000 * np.median(reached(runs, s), axis=1).mean():.0f}" for s in (Specimen.PRINT, Specimen.WEIGHED)]
-        misses = f"{np.median(nominal):.1f}, {nominal.max():.0f}"
-        lines.append(f"| `{way}` | {flights:.0f} | {misses} | {' | '.join(each)} |")
-    publish("ways to search", lines)
     weighed = {way: np.median(reached(runs, Specimen.WEIGHED), axis=1).mean() for way, runs in outcomes.items()}
     assert weighed[TUNED] <= 1.05 * min(weighed.values())
 
