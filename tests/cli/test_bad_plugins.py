@@ -97,6 +97,7 @@ def test_a_plugin_that_cannot_be_searched_with_is_refused_before_a_search_and_le
     ("slip", "text"),
     [
         ("exit", "failed in ask(): SystemExit: 0 (in <lambda>, line "),
+        ("generator", "failed in ask(): GeneratorExit (in _raise, line "),
         ("none", "returned nothing from ask(), expected 1 to 4 candidates"),
         ("word", "returned a str from ask(), expected a Candidate"),
         ("target", "returned a candidate for target 'Mars' from ask(), expected one of TP1, or an empty text"),

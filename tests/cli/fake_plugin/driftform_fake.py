@@ -312,6 +312,7 @@ class SlippingFitness(Fitness[SlipOptions]):
 
 CANDIDATES = {
     "exit": lambda genome: sys.exit(0),
+    "generator": lambda genome: _raise(GeneratorExit()),
     "none": lambda genome: None,
     "word": lambda genome: ["aab"],
     "target": lambda genome: [Candidate(genome, target="Mars")],
