@@ -319,3 +319,13 @@ def test_a_study_shows_its_plugins_and_targets_and_fits_a_line() -> None:
 def test_names_of_others_are_text_in_html() -> None:
     study = df.load_study("paper", ['title="<script>alert(1)</script>"'], run={"seed": 1})
     assert "<script>" not in study._repr_html_()
+
+
+def test_a_neutral_sphere_is_an_agent_by_its_diameter() -> None:
+    """Flights in changed water are those of the same sphere, which the port of the scenario has to let through."""
+    design = df.open_agent("sphere:40mm")
+    assert design.max_diameter == pytest.approx(0.04) and design.net_buoyancy == pytest.approx(0, abs=1e-6)
+    assert design.under("fluid.density=1000").mass.mass == pytest.approx(design.mass.mass)
+    for text in ("sphere:40m", "sphere:0.1mm", "sphere:9000mm"):
+        with pytest.raises(InputError, match="a sphere is named by its diameter"):
+            df.open_agent(text)

@@ -282,7 +282,7 @@ def open_agent(
     """Build an agent.
 
     Args:
-        text: path of an ``agent.json``, ``RUN:TARGET``, or the text of a genome, as the commands take it.
+        text: path of an ``agent.json``, ``RUN:TARGET``, the text of a genome, or ``sphere:40mm``, as the commands take it.
         settings: keys of its study to change, as for :meth:`Design.under`.
         scenario: another scenario than its own, as there.
         use: other plugins than its own, as there.

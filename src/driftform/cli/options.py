@@ -17,7 +17,7 @@ def make_option(
 
 
 AGENT_HELP = (
-    "An agent.json, RUN:TARGET (best agent of a run for a target), or a genome such as "
+    "An agent.json, RUN:TARGET (best agent of a run for a target), a neutral sphere such as sphere:40mm, or a genome such as "
     '"addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB".'
 )
 """How an agent is named in a command."""

@@ -1,6 +1,7 @@
-"""Open an agent by what names it: the path of an agent.json, RUN:TARGET, or the text of a genome."""
+"""Open an agent by what names it: the path of an agent.json, RUN:TARGET, the text of a genome, or a neutral sphere."""
 
 import hashlib
+import re
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -8,12 +9,14 @@ from pathlib import Path
 
 from driftform.design.design import Design
 from driftform.errors import DriftformError, InputError, did_you_mean
+from driftform.motion.forces import make_sphere
 from driftform.plugins.genome_text import read_genome
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import DATABASE
 from driftform.runs.run import StoredRun
 from driftform.search.advance import find_best
-from driftform.study import load_study
+from driftform.study import Study, load_study
+from driftform.types import Genome
 from driftform.util.files import is_directory, is_file
 
 
@@ -55,6 +58,8 @@ def _find(
     path = Path(text)
     if is_file(path):
         return StoredAgent.read(path)
+    if text.startswith("sphere:"):
+        return _make_sphere(text, load_study(scenario, settings, use=use))
     left, colon, right = text.rpartition(":")
     # The rules of a genotype have colons too, and so have some directories.
     if colon and (is_directory(Path(left)) or not any(c in text for c in " |")):
@@ -75,6 +80,18 @@ def _find(
         ) from None
     name = "word-" + hashlib.sha256(" ".join(genome.symbols).encode()).hexdigest()[:8]
     return StoredAgent(name, genome, study.environment(), {})
+
+
+def _make_sphere(text: str, study: Study) -> StoredAgent:
+    """Return a homogeneous sphere, neutral in the water of a study, as a body of one's own."""
+    size = re.fullmatch(r"sphere:(\d+\.?\d*)mm", text)
+    if not 0.0005 <= (diameter := float(size[1]) / 1000 if size else 0.0) <= 2:
+        raise InputError(f"AGENT '{text}': a sphere is named by its diameter from 0.5 to 2000 mm, such as sphere:60mm")
+    sphere = make_sphere(diameter, study.scenario.fluid)
+    profile = (sphere.body.outer[::-1] * [-1.0, 1.0] + [diameter / 2, 0.0]).clip(min=0.0).round(9).tolist()
+    builder = {"use": "profile", "profile": profile, "mass": sphere.mass.mass, "cog": diameter / 2}
+    environment = {**study.environment(), "grammar": {"use": "fixed"}, "builder": builder}
+    return StoredAgent(text.replace(":", "-"), Genome("fixed", ()), environment, {})
 
 
 def _shorten(text: str, length: int = 60) -> str:
