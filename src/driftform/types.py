@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 __all__ = [
     "Agent", "Body", "Candidate", "Coefficients", "Core", "Drag", "End", "Evaluation", "Finding",
-    "Fittings", "FloatArray", "Genome", "MassProperties", "Module", "Moments", "Morphology", "State",
+    "Fittings", "FloatArray", "Genome", "MassProperties", "Module", "Moments", "Morphology", "Pocket", "State",
     "Trajectory", "Verdict", "WrittenFile",
 ]  # fmt: skip
 
@@ -247,6 +247,37 @@ class Fittings:
     displaced: Moments = Moments()
 
 
+@dataclass(frozen=True)
+class Pocket:
+    """A hole on the axis at an end of a hull, open to the water, in which putty trims the sealed print.
+
+    Attributes:
+        mouth: x of its open end, m.
+        tip: x of its closed end, where it ends in a cone of 45 degrees, m.
+        radius: of its bore, m.
+        filled: share of its volume that the putty of the design fills, from the tip on.
+        density: of the putty, kg/m3.
+    """
+
+    mouth: float
+    tip: float
+    radius: float
+    filled: float
+    density: float
+
+    @property
+    def volume(self) -> float:
+        """Volume from mouth to tip, m3: the cone has that of a third of its length of bore."""
+        return float(np.pi * self.radius**2 * (abs(self.mouth - self.tip) - 2 / 3 * self.radius))
+
+    def contour(self, filled: float = 1.0) -> FloatArray:
+        """Return the contour of the pocket, or of what fills a share of its volume from the tip on, (4, 2) of x and r, m."""
+        r, way = self.radius, 1 if self.mouth > self.tip else -1
+        level = 2 / 3 * r + filled * (abs(self.mouth - self.tip) - 2 / 3 * r)
+        x = self.tip + way * np.array([0.0, r, level, level])
+        return np.column_stack((x, [0.0, r, r, 0.0]))[::way]
+
+
 @dataclass(frozen=True, eq=False)
 class Body:
     """A body of revolution: its meridian section, core and material.
@@ -264,6 +295,7 @@ class Body:
         ballast_density: density of the ballast, kg/m3.
         expansion: coefficient of thermal expansion of the hull's material, linear, 1/K.
         squeeze: share of its volume that the hull loses under the pressure that it is built for.
+        pockets: trim pockets, which the outer contour does not show.
     """
 
     outer: FloatArray
@@ -277,6 +309,7 @@ class Body:
     ballast_density: float = 0.0
     expansion: float = 0.0
     squeeze: float = 0.0
+    pockets: tuple[Pocket, ...] = ()
 
     def __post_init__(self) -> None:
         freeze_fields(self, outer=(None, 2), cavity=(None, 2), joints=(None,))
@@ -290,6 +323,11 @@ class Body:
     def max_diameter(self) -> float:
         """Largest outer diameter, m."""
         return float(2 * self.outer[:, 1].max())
+
+    def trim_range(self, water: float) -> tuple[float, float]:
+        """Return the net weight (kg) in water of a density (kg/m3) that emptying all trim pockets adds, and filling them up."""
+        whole = [(pocket.volume * (pocket.density - water), pocket.filled) for pocket in self.pockets]
+        return sum(-full * filled for full, filled in whole), sum(full * (1 - filled) for full, filled in whole)
 
 
 class FluidProperties(Protocol):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftform.agent import hull_mass, mass_properties
-from driftform.agent.mass import wall_moments
+from driftform.agent.mass import hull_moments
 from driftform.types import Body, Core, Fittings, Moments
 
 
@@ -21,7 +21,7 @@ def capsule(core_mass=0.05, shift=0.0, density=1050.0):
 def test_a_capped_tube_weighs_its_wall_its_caps_and_its_core():
     wall = np.pi * (0.015**2 - 0.013**2) * 0.096
     caps = 2 * np.pi * 0.015**2 * 0.002
-    assert wall_moments(capsule()).volume == pytest.approx(wall + caps, rel=1e-12)
+    assert hull_moments(capsule()).volume == pytest.approx(wall + caps, rel=1e-12)
     assert hull_mass(capsule()) == pytest.approx(1050 * (wall + caps), rel=1e-12)
     assert mass_properties(capsule()).mass == pytest.approx(1050 * (wall + caps) + 0.05, rel=1e-12)
 

@@ -42,8 +42,11 @@ def job(name: str) -> ExportJob:
 def plate(name: str) -> bytes:
     from driftform_frusta.exporters.threemf import ThreeMfExporter
     from driftform_frusta.kit_options import PartOptions
+    from driftform_frusta.parts import make_parts, settle_ballast
 
-    return ThreeMfExporter(PartOptions(kit=True)).plate_picture(job(name))
+    body, exporter = job(name).agent.body, ThreeMfExporter(PartOptions(kit=True))
+    placed = exporter.place_parts(make_parts(body, settle_ballast(body, exporter.options)))
+    return exporter.draw_plate([part for part in placed if part.plate == 0], 200.0, 150.0)
 
 
 def pixels(png: bytes) -> FloatArray:

@@ -89,37 +89,6 @@ def test_a_tree_without_a_solid_is_refused(nothing):
         to_solid(nothing)
 
 
-def test_source_is_readable():
-    peg, bore = frustum(10, 4, 2.5), frustum(1 / 3, 1, 0)
-    tree = Named("a peg", Difference(peg, (Translate((0, 0, -1e-9), Named("bore", bore)),)))
-    assert print_source(tree, segments=32) == (
-        "$fn = 32;\n"
-        "\n"
-        "// A polygon has a smaller area than its circle: radii are scaled so that the two are equal.\n"
-        "area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));\n"
-        "module tree() {\n"
-        "    // a peg\n"
-        "    difference() {\n"
-        "        rotate_extrude(convexity = 10)\n"
-        "            scale([area_factor, 1])\n"
-        "                polygon([\n"
-        "                    [0, 0], [4, 0], [2.5, 10],\n"
-        "                    [0, 10],\n"
-        "                ]);\n"
-        "        translate([0, 0, 0])\n"
-        "            // bore\n"
-        "            rotate_extrude(convexity = 10)\n"
-        "                scale([area_factor, 1])\n"
-        "                    polygon([\n"
-        "                        [0, 0], [1, 0], [0, 0.333333],\n"
-        "                        [0, 0.333333],\n"
-        "                    ]);\n"
-        "    }\n"
-        "}\n"
-        "tree();\n"
-    )
-
-
 def test_source_says_only_what_a_tree_needs():
     assert "module letters" not in print_source(frustum(1, 1, 1))
     assert "area_factor" not in print_source(Text("A", 5.0, 1.0))

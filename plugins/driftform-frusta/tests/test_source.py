@@ -9,7 +9,7 @@ import pytest
 from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
 from driftform.study import load_study
-from driftform.types import Agent, Coefficients, Module, Morphology
+from driftform.types import Agent, Coefficients
 from driftform.water import Scenario
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.exporters.scad import write_source
@@ -122,7 +122,7 @@ def test_a_title_cannot_leave_its_comment():
 
 def kit_source(agent, **options):
     parts = make_parts(agent.body, PartOptions(kit=True, segments=16, **options))
-    return parts, write_source(ExportJob("TP1", agent, Scenario()), parts, 16, options.get("ballast", ()))
+    return parts, write_source(ExportJob("TP1", agent, Scenario()), parts, 16)
 
 
 def test_the_source_of_a_kit_renders_each_part_as_it_stands_on_the_bed(render):
@@ -150,29 +150,3 @@ def test_the_preview_of_a_kit_is_cut_open_on_the_side_of_the_default_view(render
     assert all(reach > part.on_bed().bounds[1, 1] and tall > part.on_bed().bounds[1, 2] for part in parts)
     places = [float(x) for x in re.findall(r", ([\d.]+), \"#", source)]
     assert wide > places[-1] + last.on_bed().bounds[1, 0]
-
-
-def test_each_part_of_a_kit_has_a_colour_and_the_core_is_at_its_place():
-    [agent] = agents(["grammar.occupied=skip"], 1)
-    parts, source = kit_source(agent)
-    colours = re.findall(r"\"(#[0-9a-f]{6})\"\],", source)
-    assert len(set(colours)) == len(colours) == len(parts)
-    height = float(re.search(r"core_height = ([\d.]+);", source).group(1))
-    assert height == pytest.approx(-1e3 * agent.body.outer[0, 0], abs=1e-6)
-    assert f"core_radius = {1e3 * agent.body.core.radius:g};" in source
-
-
-def test_the_preview_of_a_kit_sees_through_nothing_and_shows_the_ballast_at_its_place():
-    straight = tuple(Module(0.01, 0.0) for _ in range(6))
-    agent = agent_of(Morphology(straight, straight))
-    parts, source = kit_source(agent, ballast=[[-0.04, 0.006], [0.045, 0.008]])
-    # OpenSCAD needs to know how often a ray passes the wall of a concave solid.
-    assert source.count("rotate_extrude(convexity = 10)") == source.count("rotate_extrude(") >= len(parts)
-    rows = re.search(r"ballast = \[(.*)\];", source).group(1)
-    aft, fore = (tuple(map(float, row)) for row in re.findall(r"\[([\d.]+), ([\d.]+), -[\d.]+\]", rows))
-    lift = -1e3 * agent.body.outer[0, 0]
-    assert aft == pytest.approx((lift - 40, 3)) and fore == pytest.approx((lift + 45, 4))
-    colours = set(re.findall(r"#[0-9a-f]{6}", source))
-    assert len(colours) == len(parts) + 2
-    assert "preview (F5)" in source.split("/* [View] */")[0]
-    assert kit_source(agent)[1].count("ballast = [];") == 1

@@ -8,7 +8,7 @@ import pytest
 from prints import mesh_xml, write_3mf
 
 from driftform.errors import InputError
-from driftform_kit.checks.programs import run_program
+from driftform.util.foreign import run_program
 from driftform_kit.reading import read_meshes
 
 MESH = mesh_xml()

@@ -64,22 +64,6 @@ def test_a_kit_that_cannot_be_made_leaves_no_file(call: Call, tmp_path: Path) ->
     assert not list(tmp_path.iterdir())
 
 
-def test_ballast_is_weighed_in_the_balance_of_the_kit(call: Call, tmp_path: Path) -> None:
-    ballast = ("--option", "ballast=[[0.03,0.008]]", "--option", "ballast_density=7850")
-    kit = files(call, "--kit", *ballast, "--out", str(tmp_path))[0]["kit"]
-    [ball] = kit["ballast"]
-    assert ball["material"] == "steel" and ball["mass_kg"] == pytest.approx(7850 * 0.008**3 * 3.14159 / 6, rel=1e-5)
-    simulated, printed, loaded = kit["balance"]
-    assert loaded["of"] == "with ballast"
-    # The parts are printed so much lighter that they and their ballast weigh what was simulated.
-    assert loaded["mass_kg"] == pytest.approx(simulated["mass_kg"])
-    core = printed["mass_kg"] - sum(part["mass_kg"] for part in kit["parts"])
-    flow = (simulated["mass_kg"] - core - ball["mass_kg"]) / (printed["mass_kg"] - core)
-    moment = flow * printed["mass_kg"] * printed["cog_mm"] + ball["mass_kg"] * 30.0
-    assert loaded["mass_kg"] * loaded["cog_mm"] == pytest.approx(moment)
-    assert loaded["net_buoyancy_n"] == pytest.approx(simulated["net_buoyancy_n"])
-
-
 def test_the_note_on_kits_is_for_formats_that_have_them(call: Call, tmp_path: Path) -> None:
     made = ("--set", "builder.made_as=kit", "--out", str(tmp_path))
     assert "write them with --kit" in call("export", LONG, *made, "--format", "stl").stderr

@@ -21,7 +21,7 @@ from driftform_frusta.parts import make_parts
 from driftform_frusta.solid import to_manifold
 from driftform_frusta.triangles import Mesh, area_factor
 from driftform_kit.cutting.joint import Joint, draw_joint
-from driftform_kit.cutting.meridian import draw_tube, make_polygon
+from driftform_kit.cutting.meridian import draw_tube, make_polygons
 from driftform_kit.cutting.pieces import make_kit
 
 WALL = 1.25e-3
@@ -374,7 +374,7 @@ def test_a_socket_beside_a_ledge_of_the_cavity_does_not_cut_into_the_wall(side, 
         [(-21.0, 0.0), (-21.0, ordered[0]), (at, ordered[1]), (at, ordered[2]), (21.0, ordered[3]), (21.0, 0.0)]
     )
     polygon = [(sign * r, z) for sign in (1, -1) for z, r in bore[::sign]]
-    hull = replace(tube, bore=bore, cavity=make_polygon(polygon))
+    hull = replace(tube, bore=bore, cavity=make_polygons([polygon]))
     joint = Joint(0.0, side, "sleeve", 6.0, 1.2, 0.2)
     _, pocket, _ = draw_joint(hull, joint)
     assert (pocket ^ hull.material).area() < 1e-3

@@ -135,17 +135,6 @@ def test_a_tall_part_on_a_small_foot_warns_first_that_it_is_lifted_off(tmp_path:
     assert lifted < sways and "(--kit, --bed)" in line.detail
 
 
-def test_parts_of_a_kit_are_not_advised_to_be_made_a_kit(tmp_path: Path) -> None:
-    rod = revolve(*ROD)
-    paths = []
-    for index in range(2):
-        paths.append(tmp_path / f"part-{index}.stl")
-        paths[-1].write_bytes(Mesh(rod.vertices, rod.faces).to_stl())
-    found = MeshChecker(MeshOptions()).check(PrintJob(tuple(paths), Printer()))
-    lines = [finding.detail for finding in found if finding.check == "slender"]
-    assert len(lines) == 2 and all("in shorter parts (--bed)" in line for line in lines)
-
-
 @pytest.mark.parametrize(("radius", "height"), [(3.0, 170.0), (5.0, 60.0), (2.0, 80.0)])
 def test_the_brim_that_is_named_holds_and_the_next_smaller_one_does_not(radius: float, height: float) -> None:
     rod = revolve((0, 0), (radius, 0), (radius, height), (0, height))

@@ -224,15 +224,6 @@ def test_a_kit_that_holds_no_ballast_is_trimmed_with_putty(call: Call) -> None:
     assert facts["trimmed"] is not None
 
 
-@pytest.mark.usefixtures("kit_of_34_grams")
-def test_a_kit_that_was_weighed_balances_where_its_parts_do(call: Call) -> None:
-    facts = told(call, "--kit", "--printed-mass", 0.030)
-    core, hull = 0.02507, 0.034 * 0.005 / (0.034 - 0.02507)
-    assert facts["printed_cog"] == pytest.approx((0.030 - core) * hull / 0.030)
-    measured = told(call, "--kit", "--printed-mass", 0.030, "--printed-cog", 0.001)
-    assert (measured["printed_cog"], measured["cog_source"]) == (pytest.approx(0.001), "measured")
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

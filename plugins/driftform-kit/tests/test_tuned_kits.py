@@ -9,7 +9,7 @@ from manifold3d import Manifold
 from scipy.optimize import brentq
 
 from driftform import load_study
-from driftform.agent import mass_properties
+from driftform.agent import MassElement, mass_properties
 from driftform.types import Body
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import make_parts, settle_ballast
@@ -50,10 +50,13 @@ def test_the_meshes_of_a_kit_with_core_and_ball_weigh_what_is_simulated(share):
         ball = body.ballast.volume * body.ballast_density
         printed = sum(part.solid.volume for part in make_parts(body, options)) * 1e-9 * body.hull_density
         whole = mass_properties(body)
+        putty = [MassElement.of_putty(pocket) for pocket in body.pockets]
+        ball += sum(one.mass for one in putty)
         assert printed + body.core.mass + ball == pytest.approx(whole.mass, abs=2e-5)
         made = kit_mass(body, options)
         assert made.mass + ball == pytest.approx(whole.mass, abs=1e-8)
         moment = made.mass * made.cog[0] + body.ballast.first * body.ballast_density
+        moment += sum(one.mass * one.x for one in putty)
         assert moment == pytest.approx(whole.mass * whole.cog[0], abs=1e-8)
 
 

@@ -7,8 +7,10 @@ from driftform.types import Body, MassProperties, Moments
 
 
 def hull_moments(body: Body) -> Moments:
-    """Return the volume integrals of the hull's material: its wall and its fittings."""
-    return wall_moments(body) + body.fittings.material
+    """Return the volume integrals of the hull's material: outer contour less cavity and trim pockets, and its fittings."""
+    holes = (body.cavity, *(pocket.contour() for pocket in body.pockets))
+    wall = sum((Moments() - solid_of_revolution(hole) for hole in holes), solid_of_revolution(body.outer))
+    return wall + body.fittings.material
 
 
 def hull_mass(body: Body) -> float:
@@ -16,37 +18,31 @@ def hull_mass(body: Body) -> float:
     return hull_moments(body).volume * body.hull_density
 
 
-def wall_moments(body: Body) -> Moments:
-    """Return the volume integrals of a hull's wall: outer contour less cavity, without fittings."""
-    return displaced_moments(body) - solid_of_revolution(body.cavity)
-
-
 def displaced_moments(body: Body) -> Moments:
-    """Return the volume integrals of the inside of a body's outer contour."""
-    return solid_of_revolution(body.outer)
+    """Return the volume integrals of what a body displaces: its outer contour, and its fittings, less the water in its trim pockets."""
+    displaced = solid_of_revolution(body.outer) + body.fittings.displaced
+    for pocket in body.pockets:
+        water = solid_of_revolution(pocket.contour()) - solid_of_revolution(pocket.contour(pocket.filled))
+        displaced = displaced - water
+    return displaced
 
 
-def mass_properties(body: Body, parts: Moments | None = None) -> MassProperties:
+def mass_properties(body: Body) -> MassProperties:
     """Return the mass properties of a body with its core, and the volume that it displaces.
 
     The hull is outer minus cavity, and its fittings, at the hull's density (eq. 17, 18, 24). The core enters
     eq. 20 with its mass, and the inertia with its own, 2/5 m R^2 for a sphere; so does the ballast at its place. Buoyancy
     acts on the outer contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses, less what it
-    loses under pressure.
-
-    Args:
-        body: the body.
-        parts: volume integrals of the material of its parts, in place of the hull with its fittings.
+    loses under pressure. Water that stands in trim pockets neither weighs nor displaces anything, and its inertia is left out.
     """
-    hull, displaced = parts, displaced_moments(body)
-    if hull is None:
-        hull, displaced = hull_moments(body), displaced + body.fittings.displaced
+    hull, displaced = hull_moments(body), displaced_moments(body)
     core, (core_axial, core_transverse) = body.core, body.core.inertia
-    ballast, density = body.ballast, body.ballast_density
-    mass = hull.volume * body.hull_density + core.mass + ballast.volume * density
-    cog = (hull.first * body.hull_density + ballast.first * density + core.mass * core.cog) / mass
-    axial = hull.polar * body.hull_density + core_axial + ballast.polar * density
-    transverse = hull.transverse * body.hull_density + core_transverse + ballast.transverse * density
+    solids = [(hull, body.hull_density), (body.ballast, body.ballast_density)]
+    solids += [(solid_of_revolution(p.contour(p.filled)), p.density) for p in body.pockets]
+    mass = sum((solid.volume * density for solid, density in solids), core.mass)
+    cog = (sum(solid.first * density for solid, density in solids) + core.mass * core.cog) / mass
+    axial = sum((solid.polar * density for solid, density in solids), core_axial)
+    transverse = sum((solid.transverse * density for solid, density in solids), core_transverse)
     transverse += core.mass * core.cog**2 - mass * cog**2
     return MassProperties(
         mass=mass,

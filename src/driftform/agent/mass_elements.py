@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from driftform.agent.mass import hull_moments
-from driftform.types import Agent, Body
+from driftform.agent.solids import solid_of_revolution
+from driftform.types import Agent, Body, Pocket
 
 
 @dataclass(frozen=True)
@@ -49,8 +50,15 @@ class MassElement:
         )
 
     @classmethod
+    def of_putty(cls, pocket: Pocket, filled: float | None = None) -> "MassElement":
+        """Return the putty that fills a share of a trim pocket, from its tip on; by default that of the design."""
+        solid = solid_of_revolution(pocket.contour(pocket.filled if filled is None else filled))
+        across = solid.transverse - solid.volume * solid.centroid**2
+        return cls(pocket.density * solid.volume, solid.centroid, pocket.density * solid.polar, pocket.density * across)
+
+    @classmethod
     def of_print(cls, body: Body, mass: float, x: float | None = None) -> "tuple[MassElement, MassElement]":
-        """Return the hull and the core of a printed agent that weigh ``mass`` (kg) together; ballast is not among them.
+        """Return the hull and the core of a printed agent that weigh ``mass`` (kg) together, without ballast and putty.
 
         ``x`` is the centre of gravity of both (m); without it, the hull's centre is that of its material. The hull's
         inertia is proportional to its mass: the distribution of the material is taken to be unchanged. Raises

@@ -35,7 +35,7 @@ def solid_of_revolution(contour: npt.ArrayLike) -> Moments:
     return _revolve(np.asarray(contour, dtype=np.float64).reshape(-1, 2).tobytes())
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=16)
 def _revolve(contour: bytes) -> Moments:
     """Revolve points of x and r, whose integrals mass, drag and added mass of an agent share."""
     points: FloatArray = np.ascontiguousarray(np.frombuffer(contour).reshape(-1, 2).T)

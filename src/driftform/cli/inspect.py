@@ -55,7 +55,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
 
     net = facts["net_buoyancy"]
     weight = "floats" if net > 0 else "sinks" if net < 0 else "hovers"
-    modules = facts["modules"]
+    modules, pockets = facts["modules"], facts["pockets"]
     aft = sum(m["side"] == "aft" for m in modules)
     # Your own body has neither modules nor a core.
     origin, parts = "volume's", []
@@ -74,6 +74,9 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
         ("inertia about the COG", f"axial {facts['inertia'][0, 0]:.4g}, transverse {facts['inertia'][1, 1]:.4g} kg m2"),
     ]
     speeds = facts["terminal_speeds"]
+    if pockets:
+        least, most = (1000 * weight for weight in facts["trim_range"])
+        rows.append(("trim pockets", f"{len(pockets)}, for {least:+.2f} to {most:+.2f} g of net weight"))
     rows += [
         ("at rest", _describe_rest(facts["rest"])),
         ("righting moment", f"{1000 * facts['righting_moment']:.3g} mN m, level"),

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -73,6 +74,8 @@ def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | Non
         "hull_mass": hull_mass(body),
         "core_mass": body.core.mass,
         "ballast_mass": body.ballast.volume * body.ballast_density,
+        "pockets": [{**asdict(pocket), "putty": MassElement.of_putty(pocket).mass} for pocket in body.pockets],
+        "trim_range": body.trim_range(fluid.density),
         "volume": mass.volume,
         "net_buoyancy": net,
         "cog": mass.cog,

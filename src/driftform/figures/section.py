@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from driftform.agent import hull_mass
+from driftform.agent import MassElement, hull_mass
 from driftform.agent.distance import distance_from, radius_at
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
@@ -128,11 +128,13 @@ def _describe_agent(agent: Agent) -> str:
 def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]]:
     """Return names and values of the title block: masses and volume, and with a scenario the net buoyancy."""
     body, mass = agent.body, agent.mass
+    putty = [MassElement.of_putty(pocket).mass for pocket in body.pockets]
     block = [
         ("mass", f"{1000 * mass.mass:.1f} g"),
         ("hull", f"{1000 * hull_mass(body):.1f} g of {body.hull_density:.0f} kg/m³"),
         *([("core", f"{1000 * body.core.mass:.1f} g")] if body.core.radius > 0 else []),
         *([("ballast", f"{1000 * body.ballast.volume * body.ballast_density:.2f} g")] if body.ballast.volume else []),
+        *([("putty", f"{1000 * sum(putty):.2f} g")] if putty else []),
         ("volume", f"{1e6 * mass.volume:.1f} cm³"),
     ]
     if scenario is not None:
@@ -148,9 +150,11 @@ def _format_mm(metres: float) -> str:
 
 def _plot_cut(body: Body, place: Placement) -> dict[str, Any]:
     """Return what the template draws of the cut: polygons, hatching, ballast and core, px."""
+    pockets = [(pocket.contour(), pocket.contour(pocket.filled)) for pocket in body.pockets]
     wall, cavity = (place.to_page(contour * (1.0, -1.0)) for contour in (body.outer, body.cavity))
+    holes, putty = ([place.to_page(pair[k] * (1.0, -1.0)) for pair in pockets] for k in (0, 1))
     # A wall of a few px needs close lines to look hatched.
-    lines = hatch([wall, cavity], 4.0 if body.wall * place.px_per_m < 8 else 6.0)
+    lines = hatch([wall, cavity, *holes], 4.0 if body.wall * place.px_per_m < 8 else 6.0)
     ballast = None
     if ball := body.ballast.volume:
         at = place.x + place.px_per_m * body.ballast.centroid
@@ -161,6 +165,8 @@ def _plot_cut(body: Body, place: Placement) -> dict[str, Any]:
         "steel": _STEEL,
         "wall": wall,
         "cavity": cavity,
+        "pockets": holes,
+        "putty": putty,
         "hatching": svg.lines_data(lines) if len(lines) else "",
         "ballast": ballast,
         "core": body.core.radius * place.px_per_m,

@@ -112,7 +112,7 @@ def call_apart(function: Callable[..., Any], *arguments: Any, seconds: float = S
     raise _REPORTED[error](*answer)
 
 
-def run_program(command: Sequence[str], folder: Path, seconds: float, memory: int) -> str:
+def run_program(command: Sequence[str], folder: Path, seconds: float, memory: int = 8 << 30) -> str:
     """Run a program with its arguments in ``folder``; return the beginning of its output, standard error included.
 
     Its limits are ``seconds`` of waiting and ``memory`` in bytes. The exit code is not looked at, because programs for

@@ -21,6 +21,7 @@ from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.load import LESS, SPARE, Load, find_max_ballast, list_loads, name_ball, place_ballast
 from driftform_frusta.materials import MATERIALS, find_expansion, find_material
 from driftform_frusta.own.builder import Profile, check_profile
+from driftform_frusta.pockets import PocketOptions, clear_cavity, place_pockets
 from driftform_frusta.section import draw_room, hull_section, lay_chains, open_section
 from driftform_frusta.strength import describe_strength, find_loss, list_parts, thicken_ends
 
@@ -91,6 +92,7 @@ class FrustaOptions(Table):
         le=1,
     )
     ballast: BallastOptions = option(BallastOptions(), "ballast that may be added")
+    pockets: PocketOptions = option(PocketOptions(), "trim pockets")
     pressure: float = option(0.0, _PRESSURE, "Pa", ge=0, le=1e8)
     safety: float = option(2.0, "factor on `pressure`", ge=1, le=100)
     line_width: float = option(Printer().nozzle, "width of a printed line, that of the nozzle", "m", ge=1e-5, le=0.01)
@@ -142,6 +144,8 @@ class FrustaOptions(Table):
             )
         if self.pressure and self.wall_model == "paper":
             raise ValueError("wall_model 'paper' withstands no pressure, as its ends are open: set it to 'mitred'")
+        if self.pockets.diameter and self.wall_model == "paper":
+            raise ValueError("wall_model 'paper' has open ends, which take no trim pockets: set it to 'mitred'")
         if self.pressure and find_material(self.hull_density) is None:
             raise ValueError(
                 f"the strength of a material of {self.hull_density:g} kg/m3 is not known: set material, or pressure = 0"
@@ -354,7 +358,8 @@ def _list_loads(o: FrustaOptions, morphology: Morphology) -> tuple[Load, ...]:
     if o.tuning == "wall" and o.wall_model == "mitred" and not o.pressure:
         from driftform_frusta.envelope import offset_inward
 
-        widest, wall = offset_inward(bare.outer, o.thinnest), min(o.wall, o.thinnest)
+        widest = clear_cavity(offset_inward(bare.outer, o.thinnest), bare.pockets, o.wall)
+        wall = min(o.wall, o.thinnest)
     loads = list_loads(replace(bare, wall=wall), widest, draw_room(_place_core(o)[1], o.wall), o.ballast, o.clearance)
     return loads if o.tuning == "wall" else loads[::-1]
 
@@ -380,9 +385,12 @@ def _draw(o: FrustaOptions, morphology: Morphology) -> Body:
         hull_density=o.hull_density,
         expansion=find_expansion(o.hull_density),
     )
-    if not o.pressure:
+    if o.pressure:
+        body = replace(body, cavity=thicken_ends(body, o.clearance, o.safety * o.pressure, o.line_width))
+    if not o.pockets.diameter:
         return body
-    return replace(body, cavity=thicken_ends(body, o.clearance, o.safety * o.pressure, o.line_width))
+    pockets = place_pockets(body, o.pockets)
+    return replace(body, pockets=pockets, cavity=clear_cavity(body.cavity, pockets, o.wall))
 
 
 def _place_core(o: FrustaOptions) -> tuple[Core, float | FloatArray, tuple[float, float]]:

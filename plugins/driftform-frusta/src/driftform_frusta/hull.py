@@ -5,11 +5,14 @@ loose in the cavity and is not part of the hull. A mesh whose cavity is turned i
 its volume shows the fault.
 """
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
 from driftform.agent import distance_from, solid_of_revolution
 from driftform.errors import WorkFailedError
-from driftform.types import Body, FloatArray
+from driftform.types import Body, FloatArray, Moments
 from driftform_frusta.csg import MM, Named, Node, Point, Revolve
 from driftform_frusta.solid import Solid, to_solid
 
@@ -17,6 +20,9 @@ MM3_PER_M3 = 1e9
 
 # Relative, between the mesh in double precision and the closed form.
 _VOLUME_TOLERANCE = 1e-6
+
+_PROUD = 0.001
+"""m by which the tool of a trim pocket leaves the hull, so that no skin is left in its mouth."""
 
 # m: contours nearer than this touch.
 _NO_WALL = 1e-6
@@ -26,16 +32,28 @@ _NO_WALL = 1e-6
 _GRID = 2.0**30
 
 
+def wall_moments(body: Body) -> Moments:
+    """Return the volume integrals of the hull's wall: outer contour less cavity and trim pockets, without fittings."""
+    holes = (body.cavity, *(pocket.contour() for pocket in body.pockets))
+    return sum((Moments() - solid_of_revolution(hole) for hole in holes), solid_of_revolution(body.outer))
+
+
 def hull_volume(body: Body) -> float:
-    """Return the volume of the hull's wall, m3: outer contour less cavity, without fittings."""
-    return solid_of_revolution(body.outer).volume - solid_of_revolution(body.cavity).volume
+    """Return the volume of the hull's wall, m3, as of :func:`wall_moments`."""
+    return wall_moments(body).volume
 
 
 def build_hull(body: Body) -> Node:
     """Return the hull as its meridian section revolved: outer contour less cavity; errors as of :func:`read_contours`."""
     outer, cavity = read_contours(body)
-    holes = (_points(cavity),) if len(cavity) else ()
+    holes = (*((_points(cavity),) if len(cavity) else ()), *map(_points, list_pockets(body)))
     return Named("hull: the meridian section, revolved; fore end up", Revolve(_points(outer), holes))
+
+
+def list_pockets(body: Body) -> list[FloatArray]:
+    """Return the contour of each trim pocket as (n, 2) of z and r in the printed frame; it leaves the hull by :data:`_PROUD`."""
+    longer = [replace(p, mouth=p.mouth + math.copysign(_PROUD, p.mouth - p.tip)) for p in body.pockets]
+    return [_place(pocket.contour(), body) for pocket in longer]
 
 
 def read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
@@ -49,15 +67,18 @@ def read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
             raise WorkFailedError(f"the hull has no solid: its {what} has coordinates that are not finite")
         if len(contour) < 3:
             raise WorkFailedError(f"the hull has no solid: its {what} has {len(contour)} points, fewer than 3")
-        printed = np.array(contour)
-        printed[:, 0] -= body.outer[:, 0].min()
-        printed = np.round(printed * MM * _GRID) / _GRID
+        printed = _place(contour, body)
         if printed[0, 1] or printed[-1, 1]:
             raise WorkFailedError(f"the hull has no solid: its {what} does not begin and end on the axis")
         if not (printed[:, 1] > 0).any():
             raise WorkFailedError(f"the hull has no solid: its {what} never leaves the axis")
         contours.append(printed)
     return contours[0], contours[1] if contours[1:] else body.cavity
+
+
+def _place(contour: FloatArray, body: Body) -> FloatArray:
+    """Return a contour, x and r in m, as z and r in the printed frame."""
+    return np.asarray(np.round((contour - (body.outer[:, 0].min(), 0.0)) * MM * _GRID) / _GRID)
 
 
 def _points(contour: FloatArray) -> tuple[Point, ...]:

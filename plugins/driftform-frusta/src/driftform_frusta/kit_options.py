@@ -61,8 +61,7 @@ class KitOptions(Table):
     )
     ballast: tuple[_Ballast, ...] = option(
         (),
-        "one or two balls of ballast that get a seat, as 'driftform trim' computes them: x of the centre of each, from that "
-        "of the core, and its diameter",
+        "one or two balls of ballast that get a seat: x of the centre of each, from that of the core, and its diameter",
         "m",
     )
     drain: float = option(

@@ -16,7 +16,7 @@ from manifold3d import CrossSection, FillRule, JoinType
 from driftform.agent import solid_of_revolution
 from driftform.types import Agent, Body, FloatArray, Module
 from driftform_frusta.csg import MM
-from driftform_frusta.hull import hull_volume
+from driftform_frusta.hull import hull_volume, list_pockets
 from driftform_frusta.scad import fill_source, format_number
 from driftform_frusta.section import DOME_STEP
 
@@ -159,10 +159,12 @@ def _contours_text(body: Body) -> str:
     def points(contour: FloatArray) -> str:
         return ",\n".join(f"    [{format_number(r)}, {format_number(z)}]" for z, r in (MM * contour).tolist())
 
+    pockets = [contour / MM + (body.outer[0, 0], 0.0) for contour in list_pockets(body)]
     return fill_source(
         "contours",
         core=format_number(MM * body.core.radius),
         height=format_number(-MM * float(body.outer[:, 0].min())),
         outside=points(body.outer),
         hollow=points(body.cavity),
+        pockets=",\n".join(f"  [\n{points(pocket)}\n  ]" for pocket in pockets),
     )

@@ -20,6 +20,7 @@ from driftform.agent import distance_from
 from driftform.types import Body, FloatArray
 from driftform.water import Fluid
 from driftform_frusta.materials import MATERIALS, Material, find_material
+from driftform_frusta.pockets import cut_end
 
 KNOCK_DOWN = 0.75
 """Pressure at which cylinders and cones buckle, over that of perfect ones (SP-8007, SP-8019)."""
@@ -213,14 +214,13 @@ def thicken_ends(body: Body, room: float, pressure: float, line: float) -> Float
 
     The plates count as free to turn at the rim, and leave so much ``room`` beyond the ends of the core, m.
     """
-    material, cut = MATERIALS[find_material(body.hull_density) or ""], np.array(body.cavity)
+    material, cut = MATERIALS[find_material(body.hull_density) or ""], body.cavity
     share = math.sqrt(pressure / plate_yield(material, 1.0, 1.0, 0.0))
     for way, core in ((1, body.core.ends[0] - room), (-1, body.core.ends[1] + room)):
         (end, _), (rim, radius) = body.outer[::way][:2].tolist()
         x = way * min(way * end + line * math.ceil(share * radius / line), way * core)
-        beyond = way * cut[:, 0] > way * x
-        if abs(rim - end) < 1e-9 and way * x > way * cut[::way][0, 0] + 1e-9:
-            cut = np.vstack([[x, 0.0], [x, np.interp(x, *cut.T)], cut[beyond][::way]])[::way]
+        if abs(rim - end) < 1e-9:
+            cut = cut_end(cut, x, way)
     return cut
 
 

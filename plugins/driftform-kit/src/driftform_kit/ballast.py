@@ -33,9 +33,6 @@ NEGLIGIBLE = 1e-6
 MIN_FILLING = 1e-3
 """m: a filling along the bore that is thinner than this cannot be laid evenly."""
 
-MIN_DIAMETER = 1e-3
-"""m: minimum diameter of each of two balls."""
-
 _STATIONS = 240
 _SLICES = 2000
 
@@ -101,31 +98,6 @@ def place_one_ball(body: Body, wanted: RequiredBallast, density: float) -> tuple
     piece = make_ball(wanted.mass, wanted.x, density)
     room = max_ball_radius(body, np.array([wanted.x]))
     return (piece,) if room[0] >= piece.element.x - piece.start else ()
-
-
-def place_two_balls(body: Body, wanted: RequiredBallast, density: float, between: float = 0.0) -> tuple[Piece, ...]:
-    """Return two balls, one on either side of the position of ``wanted``; empty if no pair has room.
-
-    It is the closest pair with at least ``between`` (m) between them, because that changes the inertia least; the
-    other parameters are those of :func:`place_one_ball`.
-    """
-    if not _can_hold(body, wanted) or wanted.x is None:
-        return ()
-    mass, x, stations = wanted.mass, wanted.x, _stations(body)
-    room = max_ball_radius(body, stations)
-    aft, fore = stations[stations < x], stations[stations > x]
-    if not len(aft) or not len(fore):
-        return ()
-    share = (x - aft[:, None]) / (fore[None] - aft[:, None])
-    radius = np.cbrt(3 * mass * np.stack((1 - share, share)) / (4 * np.pi * density))
-    fits = (radius[0] <= room[stations < x][:, None]) & (radius[1] <= room[stations > x][None])
-    fits &= (radius >= MIN_DIAMETER / 2).all(axis=0)
-    fits &= fore[None] - aft[:, None] >= radius.sum(axis=0) + between
-    if not fits.any():
-        return ()
-    i, j = np.unravel_index(np.where(fits, fore[None] - aft[:, None], np.inf).argmin(), fits.shape)
-    heavier = float(share[i, j])
-    return (make_ball(mass * (1 - heavier), float(aft[i]), density), make_ball(mass * heavier, float(fore[j]), density))
 
 
 def place_filling(body: Body, wanted: RequiredBallast, density: float, nearest: bool = False) -> tuple[Piece, ...]:

@@ -13,9 +13,6 @@ from driftform.cli import options
 if TYPE_CHECKING:
     from driftform.types import Finding
 
-STYLES = {"pass": "green", "warn": "yellow", "fail": "bold red", "skipped": "dim"}
-"""Styles of states on a terminal."""
-
 
 def check(
     subject: Annotated[
@@ -98,36 +95,17 @@ def check(
 
 
 def _print(findings: "Sequence[Finding]") -> None:
-    """Print a line for each finding, and the verdict; on a terminal coloured by state and folded to fit.
-
-    The state ``fail`` is in capitals, so that it is seen without colours.
-    """
+    """Print a line for each finding, and the verdict; the state ``fail`` is in capitals, so that it is seen."""
     from collections import Counter
 
     from driftform.cli import output
     from driftform.types import State
 
-    rows = []
-    for f in findings:
-        state = "FAIL" if f.state is State.FAIL else str(f.state)
-        subject = output.escape_controls(f"{f.check}, {f.part}" if f.part else f.check)
-        rows.append((state, subject, output.escape_controls(f.detail)))
-    if sys.stdout.isatty():
-        from rich.console import Console
-        from rich.table import Table
-        from rich.text import Text
-
-        table = Table.grid(padding=(0, 2))
-        table.add_column(no_wrap=True)
-        table.add_column(overflow="fold", max_width=24)
-        table.add_column(overflow="fold")
-        for state, subject, detail in rows:
-            table.add_row(Text(state, STYLES[state.lower()]), Text(subject), Text(detail))
-        Console(highlight=False).print(table)
-    else:
-        widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
-        for state, subject, detail in rows:
-            print(f"{state:{widths[0]}}  {subject:{widths[1]}}  {detail}")
+    rows = [
+        ("FAIL" if f.state is State.FAIL else str(f.state), f"{f.check}, {f.part}" if f.part else f.check, f.detail)
+        for f in findings
+    ]
+    output.print_table(("", "check", "found"), rows)
     counts = Counter(f.state for f in findings)
     tally = ", ".join(f"{counts[state]} {state}" for state in State if counts[state])
     failed = [f.check for f in findings if f.state is State.FAIL]

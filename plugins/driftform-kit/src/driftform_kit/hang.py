@@ -15,11 +15,11 @@ from typing import Any
 from driftform import Design
 from driftform.agent import MassElement
 from driftform.errors import InputError
-from driftform.types import Agent, Body
+from driftform.types import Agent, Body, Pocket
 from driftform.water import Fluid
 from driftform_kit.ballast import FOAM, MATERIALS, PUTTY
 from driftform_kit.templates import fill_template
-from driftform_kit.trim import fly_cases
+from driftform_kit.trim import displace, fly_cases
 
 ADDED = {**MATERIALS, "epoxy putty": PUTTY}
 """Densities of what can be added outside, kg/m3."""
@@ -46,6 +46,28 @@ def find_reading(agent: Agent, fluid: Fluid, celsius: float) -> float:
 def weigh_added(missing: float, fluid_density: float) -> dict[str, float]:
     """Return the mass (kg) of each of :data:`ADDED` that weighs ``missing`` (kg) under water: it displaces water too."""
     return {name: missing / (1 - fluid_density / density) for name, density in ADDED.items() if density > fluid_density}
+
+
+def share_putty(body: Body, missing: float, fluid_density: float, x: float) -> list[tuple[MassElement, Pocket]]:
+    """Return the putty that is put into each trim pocket of a body, or negative for what is taken out, with its pocket.
+
+    Together it weighs ``missing`` (kg) under water, or as much of that as the pockets hold; two pockets share it so that it
+    balances as near to ``x`` (m) as possible.
+    """
+    pockets = body.pockets
+    rooms = [
+        sorted((0.0, MassElement.of_putty(p, float(missing > 0)).mass - MassElement.of_putty(p).mass)) for p in pockets
+    ]
+    places = [(p.mouth + p.tip) / 2 for p in pockets]
+    lacking = [missing / (1 - fluid_density / p.density) for p in pockets]
+    if len(pockets) == 2:
+        share = (x - places[0]) / (places[1] - places[0])
+        first = lacking[0] * min(max(1 - share, 0.0), 1.0)
+        # What one has no room for goes into the other.
+        first = min(max(first, lacking[0] - rooms[1][1], rooms[0][0]), lacking[0] - rooms[1][0], rooms[0][1])
+        lacking = [first, lacking[1] - first]
+    masses = [min(max(mass, low), high) for mass, (low, high) in zip(lacking, rooms, strict=True)]
+    return [(MassElement(mass, at), p) for mass, at, p in zip(masses, places, pockets, strict=True)]
 
 
 def list_readings(
@@ -76,6 +98,12 @@ def trim_in_water(design: Design, net_weight: float, celsius: float | None = Non
             "in air: give the grams that the scale shows while the sealed agent hangs under water, negative if it floats"
         )
     off = MassElement.reweigh(agent, (MassElement.of_agent(agent), MassElement(-missing, agent.body.core.cog)))
+    changes = share_putty(agent.body, missing, density, float(agent.mass.cog[0])) if abs(missing) >= SCALE / 2 else []
+    cases, rest = {"simulated": agent, "untrimmed": off}, missing
+    for change, pocket in changes:
+        off = MassElement.reweigh(off, (MassElement.of_agent(off), change))
+        cases["trimmed"] = off = displace(off, change.mass / pocket.density, change.x)
+        rest -= change.mass * (1 - density / pocket.density)
     return {
         "agent": design.name,
         "simulator": design.pipeline.simulator.name,
@@ -86,9 +114,15 @@ def trim_in_water(design: Design, net_weight: float, celsius: float | None = Non
         "flight_net_weight": find_net_weight(agent, fluid),
         "flight_celsius": fluid.celsius,
         "missing": missing,
-        "added": weigh_added(missing, density) if missing >= SCALE / 2 else {},
-        "foam": max(0.0, -missing) / (density - FOAM) if missing <= -SCALE / 2 else 0.0,
-        **fly_cases(design, {"simulated": agent, "untrimmed": off}),
+        "pockets": [
+            {"end": "fore" if pocket.mouth > pocket.tip else "aft", "x": change.x, "change": change.mass}
+            for change, pocket in changes
+        ],
+        "moved": float(off.mass.cog[0] - agent.mass.cog[0]) if changes else 0.0,
+        "rest": rest,
+        "added": weigh_added(rest, density) if rest >= SCALE / 2 else {},
+        "foam": -rest / (density - FOAM) if rest <= -SCALE / 2 else 0.0,
+        **fly_cases(design, cases),
     }
 
 

@@ -8,10 +8,11 @@ from driftform_frusta.hull import refuse_other_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import Part
 from driftform_frusta.solid import Solid, to_manifold, to_solid
-from driftform_kit.cutting.accounting import list_facts, measure_fittings, place_ballast
+from driftform_kit.cutting.accounting import measure_fittings, place_ballast
 from driftform_kit.cutting.coupon import make_coupon
 from driftform_kit.cutting.meridian import moments, split_rings
 from driftform_kit.cutting.pieces import Piece, add_brim, make_kit
+from driftform_kit.kit import list_facts
 
 __all__ = ["draw_sheet", "list_facts", "make_coupon", "make_parts", "measure_fittings", "place_ballast"]
 

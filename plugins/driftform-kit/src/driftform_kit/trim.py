@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from driftform.cli import formats
 from driftform.errors import InputError, WorkFailedError
 from driftform.motion import path
 from driftform.types import Agent, FloatArray
-from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.kit_options import STEEL, PartOptions
 from driftform_frusta.parts import settle_ballast
 from driftform_kit import ballast
 from driftform_kit.ballast import NEGLIGIBLE, Piece, RequiredBallast
@@ -22,9 +21,6 @@ from driftform_kit.kit import HeldBall, KitReport, report_kit
 
 GRAMS_FOR_KG = 20
 """A printed mass of more than this many times the simulated one was given in another unit."""
-
-_BETWEEN = (0.0, 0.01, 0.02, 0.04)
-"""Distances (m) tried between two balls, so that the seat of one has room before the other."""
 
 _ROUNDS = 16
 """Maximum number of times that ballast is placed, because each place changes the mass of its seats."""
@@ -34,9 +30,6 @@ _SETTLED = 2e-4
 
 _SAME_SIZE = 0.1
 """Share of its diameter by which a ball may differ from that of its seat: it then lies within a twentieth of it."""
-
-STEEL = ballast.MATERIALS["steel"]
-"""Default density of ballast, kg/m3."""
 
 
 Balls = Sequence[tuple[float, float]]
@@ -57,9 +50,10 @@ class PrintWeight:
     cog: float | None
     source: str
 
-    def elements(self, agent: Agent) -> tuple[MassElement, MassElement]:
-        """Return the hull and the core of a print of an agent."""
-        return MassElement.of_print(agent.body, self.mass, self.cog)
+    def elements(self, agent: Agent) -> tuple[MassElement, ...]:
+        """Return the hull and the core of a print of an agent, and the putty of its trim pockets, which is not weighed."""
+        putty = map(MassElement.of_putty, agent.body.pockets)
+        return (*MassElement.of_print(agent.body, self.mass, self.cog), *putty)
 
 
 def weigh_print(agent: Agent, mass: float | None, cog: float | None, kit: KitReport | None = None) -> PrintWeight:
@@ -209,29 +203,25 @@ class _Planner:
         )
 
     def plan_seats(self, required: RequiredBallast, kit: KitReport, measure: MeasureKit) -> _Plan:
-        """Ballast that the kit holds by seats, which weigh too; or else what can be fixed by hand."""
-        body, reasons = self.agent.body, list[str]()
-        places: list[Callable[..., tuple[Piece, ...]]] = [ballast.place_one_ball]
-        places += [partial(ballast.place_two_balls, between=distance) for distance in _BETWEEN]
-        for place in places:
-            try:
-                if plan := self.settle(kit, measure, place):
-                    return plan
-            except WorkFailedError as error:
-                reasons.append(str(error))
-        pieces = ballast.place_by_hand(body, required, self.density)
-        unheld = reasons[0] if reasons else "no ball has room where it is needed"
+        """Ballast that the kit holds by a seat, which weighs too; or else what can be fixed by hand."""
+        unheld = "no ball has room where it is needed"
+        try:
+            if plan := self.settle(kit, measure):
+                return plan
+        except WorkFailedError as error:
+            unheld = str(error)
+        pieces = ballast.place_by_hand(self.agent.body, required, self.density)
         return _Plan(self.weight, required, pieces, unheld=unheld)
 
-    def settle(self, kit: KitReport, measure: MeasureKit, place: Callable[..., tuple[Piece, ...]]) -> _Plan | None:
-        """Repeat until the ballast is that of a print with the seats for it; ``None`` if no balls have room."""
+    def settle(self, kit: KitReport, measure: MeasureKit) -> _Plan | None:
+        """Repeat until the ballast is that of a print with the seat for it; ``None`` if no ball has room."""
         core = self.agent.body.core.mass
         # The seats are printed as the rest of the hull was.
         flow = (self.weight.mass - core) / (kit.mass - core)
         assumed = np.zeros(2)  # mass and moment of the seats
         for _ in range(_ROUNDS):
             required = self.find_required(self.add(assumed))
-            pieces = place(self.agent.body, required, self.density)
+            pieces = ballast.place_one_ball(self.agent.body, required, self.density)
             if not pieces and assumed[0]:
                 raise WorkFailedError(
                     f"with the mass of a seat, {1000 * assumed[0]:.2f} g, no ball has room where it is needed"
@@ -249,7 +239,8 @@ class _Planner:
         raise WorkFailedError(f"the mass of its seat, about {1000 * assumed[0]:.2f} g, depends too much on its place")
 
     def add(self, seats: FloatArray) -> PrintWeight:
-        printed = MassElement.reweigh(self.agent, self.weight.elements(self.agent)).mass
+        elements = MassElement.of_print(self.agent.body, self.weight.mass, self.weight.cog)
+        printed = MassElement.reweigh(self.agent, elements).mass
         whole = self.weight.mass + seats[0]
         cog = (printed.mass * printed.cog[0] + seats[1]) / whole
         return PrintWeight(float(whole), float(cog), self.weight.source)
@@ -276,8 +267,8 @@ def _fill_seats(held: Sequence[HeldBall], required: RequiredBallast, density: fl
 
 def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[str, Any]]:
     """The agent with its ballast or buoyancy, ``None`` without room for it, and what that is."""
-    hull, core = plan.weight.elements(agent)
-    elements, required = [hull, core, *(piece.element for piece in plan.pieces)], plan.required
+    hull, *others = plan.weight.elements(agent)
+    elements, required = [hull, *others, *(piece.element for piece in plan.pieces)], plan.required
     trimmed = buoyancy = residual = None
     if required.mass <= -NEGLIGIBLE:
         trimmed, buoyancy = _lift(agent, elements, required, water)
@@ -311,10 +302,14 @@ def _lift(
     aft, fore = agent.body.outer[0, 0], agent.body.outer[-1, 0]
     x = float(np.clip(required.x if required.x is not None else 0.0, aft, fore))
     loaded = MassElement.reweigh(agent, [*elements, MassElement(ballast.FOAM * volume, x)])
+    return displace(loaded, volume, x), {"volume": volume, "density": ballast.FOAM, "x": x}
+
+
+def displace(agent: Agent, volume: float, x: float) -> Agent:
+    """Return an agent that displaces so much more (m3) at x (m)."""
     displaced = agent.mass.volume + volume
     cob = (agent.mass.volume * agent.mass.cob[0] + volume * x) / displaced
-    mass = replace(loaded.mass, volume=displaced, cob=np.array([cob, 0.0, 0.0]))
-    return replace(agent, mass=mass), {"volume": volume, "density": ballast.FOAM, "x": x}
+    return replace(agent, mass=replace(agent.mass, volume=displaced, cob=np.array([cob, 0.0, 0.0])))
 
 
 def trim_design(

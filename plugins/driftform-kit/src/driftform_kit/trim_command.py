@@ -79,9 +79,10 @@ def trim(
     """Compute the ballast that makes a print fly as simulated, and show where it flies without it."""
     from driftform.cli import formats, output
     from driftform.errors import InputError
+    from driftform_frusta.kit_options import STEEL
     from driftform_kit.ballast import name_material
     from driftform_kit.settings import list_arguments
-    from driftform_kit.trim import STEEL, trim_design
+    from driftform_kit.trim import trim_design
 
     names = formats.parse_formats(format, "exporter", "stl")
     for name, given in (("format", names != ["stl"]), ("bed", bed), ("option", option)):

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform import Design, StoredAgent
-from driftform.agent import hull_mass
+from driftform.agent import MassElement, hull_mass
 from driftform.errors import InputError, did_you_mean
 from driftform.figures import scene, style
 from driftform.motion.path import closest_approach
@@ -63,9 +63,11 @@ def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any
             "mass": design.mass.mass,
             "hull": hull_mass(agent.body),
             "core": agent.body.core.mass,
+            "putty": sum(MassElement.of_putty(pocket).mass for pocket in agent.body.pockets),
             "buoyancy": design.net_buoyancy,
             "modules": len(agent.morphology.modules) if agent.morphology else 0,
             "pressure": strength.get("summary", ""),
+            "trim": agent.body.trim_range(scenario.fluid.density) if agent.body.pockets else None,
         },
         "number": number,
     }

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from driftform.figures import style
 from driftform.interfaces import ExportJob
-from driftform.types import Body
 from driftform_frusta.colours import colour_of
 from driftform_frusta.csg import MM
 from driftform_frusta.exporters.base import File, PartExporter, list_facts
@@ -24,17 +23,12 @@ class ScadExporter(PartExporter):
 
     def make_files(self, job: ExportJob, parts: Sequence[Part], path: Path) -> Iterator[File]:
         """Yield the source; its facts are those of what it renders to."""
-        source = write_source(job, parts, self.options.segments, self.options.ballast)
+        source = write_source(job, parts, self.options.segments)
         yield path, source, list_facts(parts, job.agent.body)
 
 
-def write_source(
-    job: ExportJob, parts: Sequence[Part], segments: int, ballast: Sequence[tuple[float, float]] = ()
-) -> str:
-    """Return source that renders to the sealed hull, or to the parts of a kit side by side as they are printed.
-
-    ``ballast`` has x and diameter of each ball of ballast of the kit, m.
-    """
+def write_source(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
+    """Return source that renders to the sealed hull, or to the parts of a kit side by side as they are printed."""
     if [part.name for part in parts] == ["hull"]:
         return hull_source(job.agent, segments, job.name)
     body = job.agent.body
@@ -64,20 +58,8 @@ def write_source(
         shape=draw_core(body),
         height=f"{-MM * float(body.outer[0, 0]):.6f}",
         core_colour=style.ORANGE,
-        balls=", ".join(_list_balls(body, ballast)),
-        ballast_colour=style.INK,
         gap=f"{GAP:g}",
         reach=math.ceil(500 * body.max_diameter) + 1,
         wide=math.ceil(x) + 1,
         tall=math.ceil(MM * body.length) + 2,
     )
-
-
-def _list_balls(body: Body, ballast: Sequence[tuple[float, float]]) -> Iterator[str]:
-    """Height, radius and place on the bed of each ball of ballast, mm: beside the core, which lies left of the parts."""
-    place = -2 * MM * body.core.radius - GAP
-    for x, diameter in ballast:
-        radius = MM * diameter / 2
-        place -= GAP + radius
-        yield f"[{MM * (x - float(body.outer[0, 0])):.6f}, {radius:.6g}, {place:.3f}]"
-        place -= radius

@@ -10,6 +10,7 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform_frusta.brep import require_opencascade, to_brep, volume_of
 from driftform_frusta.colours import channels, colour_of
+from driftform_frusta.csg import MM
 from driftform_frusta.exporters.base import File, PartExporter, list_facts
 from driftform_frusta.hull import MM3_PER_M3
 from driftform_frusta.parts import Part
@@ -38,14 +39,14 @@ class StepExporter(PartExporter):
                 raise WorkFailedError(
                     f"the exact solid of the {part.name} has {exact:.3f} mm3, its mesh {meshed:.3f} mm3"
                 )
-        volume = sum(volume_of(shape) for shape in shapes)
-        facts = list_facts(parts, job.agent.body) | {
+        volume, body = sum(volume_of(shape) for shape in shapes), job.agent.body
+        facts = list_facts(parts, body) | {
             "volume_mm3": volume,
-            "mass_kg": volume / MM3_PER_M3 * job.agent.body.hull_density,
-            "faces": sum(_faces(shape) for shape in shapes),
+            "mass_kg": volume / MM3_PER_M3 * body.hull_density,
+            "faces": sum(_count_faces(shape) for shape in shapes),
         }
-        if len(shapes) == 1:
-            facts["size_mm"] = _size(shapes[0])
+        if parts[0].name == "hull":
+            facts["size_mm"] = [MM * body.max_diameter, MM * body.max_diameter, MM * body.length]
         yield path, step_text(job.name, parts, shapes), facts
 
 
@@ -88,18 +89,7 @@ def step_text(title: str, parts: Sequence[Part], shapes: Sequence[Any]) -> str:
     return re.sub(r"FILE_NAME\('[^']*','[^']*'", f"FILE_NAME('{name}','1970-01-01T00:00:00'", text, count=1)
 
 
-def _size(shape: Any) -> list[float]:
-    """Width, depth and height, mm."""
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
-
-    box = Bnd_Box()
-    BRepBndLib.AddOptimal_s(shape, box, False, False)
-    low, high = box.CornerMin(), box.CornerMax()
-    return [high.X() - low.X(), high.Y() - low.Y(), high.Z() - low.Z()]
-
-
-def _faces(shape: Any) -> int:
+def _count_faces(shape: Any) -> int:
     from OCP.TopAbs import TopAbs_FACE
     from OCP.TopExp import TopExp_Explorer
 

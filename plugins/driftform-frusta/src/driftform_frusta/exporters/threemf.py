@@ -20,7 +20,7 @@ from driftform_frusta.colours import colour_of
 from driftform_frusta.csg import MM
 from driftform_frusta.exporters.base import File, PartExporter, list_facts
 from driftform_frusta.exporters.scad import write_source
-from driftform_frusta.parts import KIT_FILE, Part, make_parts, settle_ballast
+from driftform_frusta.parts import KIT_FILE, Part
 from driftform_frusta.picture import plate_svg
 from driftform_frusta.plate import arrange, fits
 from driftform_frusta.solid import make_mesh
@@ -68,9 +68,9 @@ class ThreeMfExporter(PartExporter):
 
     def make_files(self, job: ExportJob, parts: Sequence[Part], path: Path) -> Iterator[File]:
         """Yield the plates; facts: those of parts, the number of ``triangles``, and whether all parts of a plate ``fits_bed``."""
-        placed = self._placed(parts)
+        placed = self.place_parts(parts)
         plates = 1 + max(p.plate for p in placed)
-        attachments = {"agent.scad": write_source(job, parts, self.options.segments, self.options.ballast)}
+        attachments = {"agent.scad": write_source(job, parts, self.options.segments)}
         if self.options.coupon:
             attachments = {}
         elif job.document:
@@ -89,13 +89,8 @@ class ThreeMfExporter(PartExporter):
             }
             yield target, self._pack(title, job, here, attachments), facts
 
-    def plate_picture(self, job: ExportJob) -> bytes:
-        """Return a larger picture of the first plate than the file has, a PNG file."""
-        body = job.agent.body
-        placed = self._placed(make_parts(body, settle_ballast(body, self.options)))
-        return self._picture([p for p in placed if p.plate == 0], 200.0, 150.0)
-
-    def _placed(self, parts: Sequence[Part]) -> list[_Placed]:
+    def place_parts(self, parts: Sequence[Part]) -> list[_Placed]:
+        """Return parts with their meshes as printed and their places on plates."""
         meshes = [make_mesh(part.on_bed(), part.name) for part in parts]
         boxes = [mesh.bounds[:, :2] for mesh in meshes]
         sizes = [(float(width), float(depth)) for width, depth in np.ptp(boxes, axis=1)]
@@ -127,12 +122,13 @@ class ThreeMfExporter(PartExporter):
             "material_density_kg_per_m3": f"{body.hull_density:g}",
             "printed_mass_g": f"{sum(grams.values()):.3f}",
         }
-        picture = self._picture(placed)
+        picture = self.draw_plate(placed)
         metadata = {"Title": title, "Application": "driftform", "Description": description}
         metadata |= {f"driftform:{name}": value for name, value in hints.items()}
         return _package(_write_model(placed, self._bed, metadata), picture, attachments)
 
-    def _picture(self, placed: Sequence[_Placed], width: float = 160.0, height: float = 120.0) -> bytes:
+    def draw_plate(self, placed: Sequence[_Placed], width: float = 160.0, height: float = 120.0) -> bytes:
+        """Return a picture of parts on a plate, as a PNG file of some size in px."""
         shapes = [(p.mesh.translate((p.x, p.y, 0.0)), p.colour) for p in placed]
         return picture_files.rasterise(plate_svg(shapes, self._bed[:2], width, height)) or b""
 

@@ -40,6 +40,8 @@ def _load(path: Path) -> FloatArray:
     import trimesh
 
     mesh: Any = trimesh.load(path, force="mesh", process=False, skip_materials=True)
+    if not len(mesh.faces):
+        raise ValueError("no triangle is in it")
     return np.asarray(mesh.vertices[mesh.faces], dtype=np.float64).reshape(-1, 3, 3)
 
 

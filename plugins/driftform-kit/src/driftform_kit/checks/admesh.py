@@ -9,7 +9,8 @@ from typing import ClassVar
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, State
-from driftform_kit.checks.programs import last_line, require_program, run_program
+from driftform.util.foreign import run_program
+from driftform_kit.checks.programs import last_line, require_program
 from driftform_kit.reading import provide_stl
 
 _FAULTS = {

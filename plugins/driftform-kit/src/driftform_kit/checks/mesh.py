@@ -7,7 +7,7 @@ from typing import ClassVar, TypeAlias
 import numpy as np
 
 from driftform.errors import WorkFailedError
-from driftform.interfaces import Checker, PrintJob, Table, option
+from driftform.interfaces import Checker, ExportJob, PrintJob, Table, option
 from driftform.types import Finding, FloatArray, State
 from driftform_frusta.csg import MM
 from driftform_frusta.hull import MM3_PER_M3, hull_volume
@@ -119,6 +119,8 @@ class MeshChecker(Checker[MeshOptions]):
             needed = builder.get("pressure", 0.0) * builder.get("safety", 1.0)
             more = f"; builder.pressure and safety ask for {needed / 1e5:g} bar" if facts["pressure"] < needed else ""
             yield Finding("pressure", State.FAIL if more else State.PASS, facts["summary"] + more)
+        if job.export is not None and (trim := _check_trim(job.export)):
+            yield Finding("trim", *trim)
 
     def _check_slenderness(self, one: AnalysedPart, job: PrintJob, count: int) -> Verdict:
         if not one.shells:
@@ -213,6 +215,18 @@ class MeshChecker(Checker[MeshOptions]):
         support = "" if now.overhang <= self.options.overhang * MM**2 else ", with support"
         state = State.WARN if support else State.PASS
         return state, f"{message}; best {words.get(best.name, best.name)}{support}"
+
+
+def _check_trim(export: ExportJob) -> Verdict | None:
+    """Return by how much trim pockets change the net weight; ``None`` if none were asked for."""
+    body, builder = export.agent.body, export.document.get("environment", {}).get("builder", {})
+    if body.pockets:
+        least, most = (1000 * weight for weight in body.trim_range(export.scenario.fluid.density))
+        pockets = _count(len(body.pockets), "pocket")
+        return State.PASS, f"putty in {pockets} changes the net weight by {least:+.2f} to {most:+.2f} g"
+    if builder.get("pockets", {}).get("diameter"):
+        return State.WARN, "no end has room for a trim pocket: the sealed print is trimmed on its outside"
+    return None
 
 
 def _show_force(newtons: float) -> str:

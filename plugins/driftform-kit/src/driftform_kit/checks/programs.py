@@ -4,14 +4,10 @@ admesh always returns 0, OpenSCAD 0 with an ERROR line, PrusaSlicer nearly alway
 """
 
 import shutil
-from collections.abc import Sequence
 from pathlib import Path
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.util import foreign
-
-MEMORY = 8 << 30
-"""Maximum memory of a program, bytes."""
+from driftform.util.foreign import run_program
 
 TIMEOUT = 300.0
 """Time limit of OpenSCAD, s."""
@@ -21,11 +17,6 @@ def require_program(program: str) -> None:
     """Check that a program is on PATH. Raises WorkFailedError if it is not."""
     if shutil.which(program) is None:
         raise WorkFailedError(f"{program} is not on PATH")
-
-
-def run_program(command: Sequence[str], folder: Path, timeout: float, memory: int = MEMORY) -> str:
-    """Run a program with limits of time (s) and memory (bytes); see :func:`driftform.util.foreign.run_program`."""
-    return foreign.run_program(command, folder, timeout, memory)
 
 
 def last_line(output: str) -> str:

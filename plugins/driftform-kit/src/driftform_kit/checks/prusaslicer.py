@@ -10,8 +10,9 @@ from typing import ClassVar
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, Printer, PrintJob, Table, option
 from driftform.types import Finding, State
+from driftform.util.foreign import run_program
 from driftform_frusta.csg import MM
-from driftform_kit.checks.programs import last_line, require_program, run_program
+from driftform_kit.checks.programs import last_line, require_program
 from driftform_kit.reading import provide_stl, read_meshes
 
 _FILAMENT = 1.75

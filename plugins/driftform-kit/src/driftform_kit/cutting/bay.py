@@ -40,7 +40,7 @@ _STEPS = 26
 _TOUCHING = 0.01
 """mm: sections nearer than this touch."""
 
-_AREA = 1e-3
+AREA = 1e-3
 """mm2: sections that share less than this do not meet."""
 
 
@@ -123,7 +123,7 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
 
     def meets(aside: float, along: float) -> bool:
         moved = drawn.translate((aside, side * along))
-        return any((moved ^ part).area() > _AREA for part in near)
+        return any((moved ^ part).area() > AREA for part in near)
 
     if not meets(0.0, play):
         return False
@@ -198,13 +198,13 @@ def draw_tube(
 
 
 def _fits(section: CrossSection, part: CrossSection, taken: CrossSection, gap: float) -> bool:
-    held = (meridian.grow(section, _TOUCHING) ^ part).area() > _AREA
-    return bool(held and (meridian.grow(section, gap) ^ taken).area() < _AREA)
+    held = (meridian.grow(section, _TOUCHING) ^ part).area() > AREA
+    return bool(held and (meridian.grow(section, gap) ^ taken).area() < AREA)
 
 
 def _cut_nearest(hull: Hull, ball: Ball, corners: FloatArray, gap: float, foot: float) -> CrossSection:
     """The piece of a strip, given from a point of the axis, its foot, between a ball and the nearest wall."""
-    strip = meridian.make_polygon(corners + np.array([0.0, foot]))
+    strip = meridian.make_polygons([corners + np.array([0.0, foot])])
     pieces = ((meridian.take_right(strip) ^ hull.inside) - ball.draw(gap)).decompose()
     if not pieces:
         return CrossSection()

@@ -14,7 +14,7 @@ from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.lettering import STROKE, text_length
 from driftform_frusta.solid import draw_letters
 from driftform_kit.cutting.joint import Joint
-from driftform_kit.cutting.meridian import MM, Hull, grow, make_slab, split_pieces, take_half
+from driftform_kit.cutting.meridian import MM, Hull, grow, list_rings, make_slab, split_rings, take_half
 
 MARGIN = 1.0
 """mm between the text and any other feature of the wall."""
@@ -68,7 +68,7 @@ def engrave(
         layer = grow(hull.outer, _PROUD) - grow(hull.outer, -depth)
     else:
         layer = grow(hull.cavity, depth) - grow(hull.cavity, -_PROUD)
-    pieces = split_pieces(take_half(layer ^ window))
+    pieces = [split_rings(list_rings(piece)) for piece in take_half(layer ^ window).decompose()]
     tool = Intersection((placed, Union(tuple(Revolve(*rings) for rings in pieces))))
     volume, centroid = _integrate_text(hull, begin, options)
     return Engraving(Named(f"engraved: {options.engrave}", tool), volume, centroid)

@@ -14,13 +14,10 @@ from manifold3d import CrossSection
 
 from driftform.errors import WorkFailedError
 from driftform_kit.cutting import meridian
-from driftform_kit.cutting.bay import Ball, Seat, distance_along, draw_seat, draw_tube, is_held
+from driftform_kit.cutting.bay import AREA, Ball, Seat, distance_along, draw_seat, draw_tube, is_held
 from driftform_kit.cutting.joint import Joint, takes_core_aft
-from driftform_kit.cutting.meridian import Hull, Ring
+from driftform_kit.cutting.meridian import Hull
 from driftform_kit.cutting.upright import prints_fore_down
-
-_AREA = 1e-3
-"""mm2: sections that share less than this do not meet."""
 
 _MIN_SEAT = 0.05
 """mm2: section of the least material that is a seat."""
@@ -61,9 +58,9 @@ def hold_ballast(
         part = sum(joint.z < ball.z for joint in joints)
         kept_free = [_draw_path(hull, core_joint) if part == shell else hull.draw_core(-_ROUNDING)]
         kept_free += [*(other.draw(-_ROUNDING) for other in balls if other is not ball)]
-        if (ball.draw() ^ kept_free[0]).area() > _AREA:
+        if (ball.draw() ^ kept_free[0]).area() > AREA:
             raise _refuse(ball, hull, "the core is there, or passes there")
-        if any((ball.draw() ^ other).area() > _AREA for other in kept_free[1:]):
+        if any((ball.draw() ^ other).area() > AREA for other in kept_free[1:]):
             raise _refuse(ball, hull, "another ball is there")
         held.append(_hold(hull, parts, joints, gap, ball, part, kept_free))
         if held[-1].seat is not None:
@@ -110,11 +107,11 @@ def _hold(
     kept_free: Sequence[CrossSection],
 ) -> HeldBall:
     own, others = parts[part], [section for index, section in enumerate(parts) if index != part]
-    if any((ball.draw(gap) ^ other).area() > _AREA for other in others):
+    if any((ball.draw(gap) ^ other).area() > AREA for other in others):
         raise _refuse(ball, hull, "a joint is there")
     if hull.bore_radius(ball.z) <= 0:
         raise _refuse(ball, hull, "it is not in the cavity")
-    if (ball.draw(-_ROUNDING) ^ own).area() > _AREA:
+    if (ball.draw(-_ROUNDING) ^ own).area() > AREA:
         raise _refuse(ball, hull, "the bore is narrower there")
     taken = meridian.unite((*others, *kept_free))
 
@@ -150,12 +147,6 @@ def _hold(
 
 def _fore_down(section: CrossSection) -> bool:
     return prints_fore_down(meridian.list_rings(meridian.take_half(section)))
-
-
-def pause_height(held: HeldBall, rings: Sequence[Ring]) -> float:
-    """Return the height above the bed at which the printer pauses for a ball, mm: its top is below the next layer."""
-    lowest = min(float((-held.side * ring[:, 1]).min()) for ring in rings)
-    return -held.side * held.ball.z + held.ball.radius - lowest
 
 
 def _refuse(ball: Ball, hull: Hull, why: str) -> WorkFailedError:

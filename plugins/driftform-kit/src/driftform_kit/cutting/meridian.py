@@ -6,7 +6,7 @@ there.
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import TypeAlias
 
@@ -18,6 +18,7 @@ from driftform.agent import distance_from, solid_of_revolution
 from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray, Moments
 from driftform_frusta.csg import Point
+from driftform_frusta.hull import list_pockets
 
 MM = 1e3
 
@@ -43,7 +44,7 @@ class Hull:
 
     ``bore`` and ``skin`` are the contours of the cavity and of the outside as z and r, (n, 2), from aft to fore; ``core`` is
     the core's radius, ``wall`` the nominal thickness of the wall, and ``joints`` has z of the joints of modules. ``capsule`` is
-    the contour of a core that is not a ball.
+    the contour of a core that is not a ball. The material is without the trim ``pockets``.
     """
 
     outer: CrossSection
@@ -54,6 +55,7 @@ class Hull:
     wall: float
     joints: tuple[float, ...]
     capsule: FloatArray | None = None
+    pockets: CrossSection = field(default_factory=CrossSection)
 
     def bore_radius(self, z: npt.ArrayLike) -> FloatArray:
         """Radius of the cavity, 0 beyond its ends."""
@@ -121,7 +123,7 @@ class Hull:
     @cached_property
     def material(self) -> CrossSection:
         """The hull itself."""
-        return self.outer - self.cavity
+        return self.outer - self.cavity - self.pockets
 
     @cached_property
     def inside(self) -> CrossSection:
@@ -157,6 +159,7 @@ def draw_hull(body: Body) -> Hull:
         wall=MM * body.wall,
         joints=tuple((MM * body.joints).tolist()),
         capsule=MM * np.array(capsule) if capsule else None,
+        pockets=unite(_mirror_contour(np.add(contour, (MM * body.outer[0, 0], 0.0))) for contour in list_pockets(body)),
     )
     if capsule and not (hull.draw_core() - hull.cavity).is_empty():
         raise WorkFailedError("no kit can be made: the core does not fit into the hull's cavity")
@@ -175,12 +178,7 @@ def draw_tube(bore: float, wall: float, core: float, low: float, high: float) ->
 
 def _mirror_contour(contour: FloatArray) -> CrossSection:
     z, r = contour.T
-    return make_polygon(np.concatenate((np.column_stack((r, z)), np.column_stack((-r, z))[-2:0:-1])))
-
-
-def make_polygon(points: npt.ArrayLike) -> CrossSection:
-    """Return the area inside a polygon of (r, z), in either sense of rotation."""
-    return make_polygons([points])
+    return make_polygons([np.concatenate((np.column_stack((r, z)), np.column_stack((-r, z))[-2:0:-1]))])
 
 
 def make_polygons(polygons: Sequence[npt.ArrayLike]) -> CrossSection:
@@ -238,11 +236,6 @@ def take_half(section: CrossSection) -> CrossSection:
 def list_rings(section: CrossSection) -> tuple[Ring, ...]:
     """Return the polygons of a section."""
     return tuple(np.asarray(ring, dtype=np.float64) for ring in section.to_polygons())
-
-
-def split_pieces(section: CrossSection) -> list[tuple[tuple[Point, ...], tuple[tuple[Point, ...], ...]]]:
-    """Return the outline and the holes of each piece of a section."""
-    return [split_rings(list_rings(piece)) for piece in section.decompose()]
 
 
 def split_rings(polygons: Sequence[Ring]) -> tuple[tuple[Point, ...], tuple[tuple[Point, ...], ...]]:

@@ -18,7 +18,7 @@ from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, place_seats
 from driftform_kit.cutting.cut import choose_bed_joints, choose_core_joint
 from driftform_kit.cutting.engraving import Engraving, engrave, list_occupied
-from driftform_kit.cutting.held_ballast import HeldBall, hold_ballast, pause_height
+from driftform_kit.cutting.held_ballast import HeldBall, hold_ballast
 from driftform_kit.cutting.joint import Joint, draw_joint
 from driftform_kit.cutting.meridian import MM, Hull, Ring
 from driftform_kit.cutting.upright import prints_fore_down
@@ -95,7 +95,11 @@ class Kit:
 
     def find_pause(self, held: HeldBall) -> float | None:
         """Return the height above the bed at which the printer pauses for a ball, mm; ``None`` if it goes in by a joint."""
-        return pause_height(held, self.pieces[held.part].rings) if held.mouth is None else None
+        if held.mouth is not None:
+            return None
+        lowest = min(float((-held.side * ring[:, 1]).min()) for ring in self.pieces[held.part].rings)
+        # The top of the ball is below the next layer.
+        return -held.side * held.ball.z + held.ball.radius - lowest
 
     @property
     def engravings(self) -> tuple[Engraving, ...]:
@@ -170,6 +174,10 @@ def _add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) ->
     skin, bore = (hull.skin, hull.bore) if side < 0 else (hull.skin[::-1], hull.bore[::-1])
     end = float(skin[0, 0])
     what = f"no hole of {diameter:g} mm can be made in the {'fore' if side > 0 else 'aft'} end"
+    if not hull.pockets.is_empty():
+        raise WorkFailedError(
+            f"{what}: trim pockets take its place; leave drain out, or set builder.pockets.diameter to 0"
+        )
     wide = bore[bore[:, 1] >= r]
     if not len(wide) or abs(float(wide[0, 0]) - end) > _MAX_DEPTH:
         raise WorkFailedError(
@@ -179,8 +187,9 @@ def _add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) ->
     through = skin[(skin[:, 0] - inner) * side >= 0][1:, 1]
     if len(through) and float(through.max()) < r + _RIM:
         raise WorkFailedError(f"{what}: it is {2 * float(through.max()):.1f} mm wide; make drain smaller")
-    hole = meridian.make_polygon(
-        [(-r, end + side * meridian.FAR), (r, end + side * meridian.FAR), (r, inner), (-r, inner)]
+    levels = sorted((inner, end + side * meridian.FAR))
+    hole = meridian.make_slab(*levels) ^ CrossSection.square((diameter, 2 * meridian.FAR)).translate(
+        (-r, -meridian.FAR)
     )
     return section - hole
 

@@ -5,14 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.agent import MassElement
 from driftform.interfaces import ExportJob
 from driftform.types import MassProperties
 from driftform_frusta.cores import CUSTOM, name_core
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.materials import MATERIALS, find_material
 from driftform_frusta.strength import describe_strength
-from driftform_kit.ballast import name_material
-from driftform_kit.cutting.accounting import held_mass, measure_flooding, piece_mass, weigh_kit
+from driftform_kit.ballast import ball_mass, name_material
+from driftform_kit.cutting.accounting import measure_flooding, piece_mass, weigh_kit
 from driftform_kit.cutting.held_ballast import HeldBall
 from driftform_kit.cutting.joint import Joint, groove_diameter, takes_core_aft
 from driftform_kit.cutting.meridian import MM, Ring
@@ -91,7 +92,7 @@ class SheetBall:
 class Sheet:
     """Contents of an assembly sheet, with the parts in the order of assembly.
 
-    ``steps`` has a paragraph for each, and ``scenes`` the key of its drawing, such as ``join 2``. Positions are counted from
+    ``steps`` has a paragraph for each, and ``scenes`` the key of its drawing, such as ``join 2``; ``putty`` has the half sections of what is in the pockets. Positions are counted from
     the ``aft`` end, which is given in mm from the core's centre. The parts are to be printed with the ``flow``, a share of the full one, with which they weigh what volume and density give; the rows of ``weights`` have a
     mass with either, kg. ``target`` is what was simulated, and the ``remedy`` makes the closed kit weigh and balance like it.
     """
@@ -108,6 +109,7 @@ class Sheet:
     remedy: str
     steps: tuple[str, ...]
     scenes: tuple[str, ...]
+    putty: tuple[Ring, ...]
     settings: tuple[tuple[str, str], ...]
     shopping: tuple[tuple[str, str], ...]
 
@@ -129,6 +131,7 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
         core = f"{name}: {core}"
     printed = weigh_kit(job.agent, kit, options)
     bought = [("core", body.core.mass), *((f"ball {ball.mark}", ball.mass) for ball in balls)]
+    bought += [("putty", sum(putty.mass for putty in map(MassElement.of_putty, body.pockets)))] if body.pockets else []
     (_, remedy), *texts = _write_texts(job, options, format, kit, parts, balls, core)
     get, strength = "get ", describe_strength(body, job.scenario.fluid)
     hulls = [] if strength is None else [strength]
@@ -148,6 +151,7 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
             ("as simulated", target.mass, target.mass),
         ),
         remedy=remedy,
+        putty=tuple(MM * pocket.contour(pocket.filled)[:, ::-1] for pocket in body.pockets),
         steps=tuple(text for key, text in texts if not key.startswith(get)),
         scenes=tuple(key for key, _ in texts if not key.startswith(get)),
         shopping=tuple((key.removeprefix(get), text) for key, text in texts if key.startswith(get)),
@@ -177,10 +181,11 @@ def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
 
 def _mark_balls(kit: Kit, parts: tuple[SheetPart, ...], options: PartOptions) -> tuple[SheetBall, ...]:
     numbers = {part.place: part.number for part in parts}
+    masses = [ball_mass(2 * held.ball.radius / MM, options.ballast_density) for held in kit.ballast]
     mouths = [None if held.mouth is None else kit.joints[held.mouth] for held in kit.ballast]
     return tuple(
-        SheetBall(mark, numbers[held.part], held_mass(held, options), held, mouth, kit.find_pause(held))
-        for mark, held, mouth in zip("AB", kit.ballast, mouths, strict=False)
+        SheetBall(mark, numbers[held.part], mass, held, mouth, kit.find_pause(held))
+        for mark, mass, held, mouth in zip("AB", masses, kit.ballast, mouths, strict=False)
     )
 
 
@@ -215,6 +220,7 @@ def _write_texts(
         by_place=sorted(parts, key=lambda part: part.place),
         balls=balls,
         core=core,
+        putty=[MassElement.of_putty(pocket) for pocket in body.pockets],
         aft=MM * float(body.outer[0, 0]),
         printed=weigh_kit(job.agent, kit, options),
         material=name_material(options.ballast_density),

@@ -124,6 +124,8 @@ def _place_closed(sheet: Sheet, top: float) -> dict[str, Any]:
         "parts": [{"data": _trace(place(p.piece.rings)), "colour": colour_of(p.place)} for p in sheet.parts],
         "core": None if hull.capsule is None else _trace(place([hull.capsule[:, ::-1]])),
         "core_fill": CORE,
+        "putty": _trace(place(sheet.putty)),
+        "putty_fill": BALLAST,
         "balls": [
             *([("core", x_of, scale * hull.core, CORE)] if hull.capsule is None else []),
             *(("ballast", x_of + scale * b.held.ball.z, scale * b.held.ball.radius, BALLAST) for b in sheet.balls),

@@ -49,16 +49,11 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[Shape]:
     hull, parts, first = sheet.kit.hull, sheet.parts, sheet.parts[0]
     wide, length = 2 * hull.widest, float(np.ptp(hull.skin[:, 0]))
     ball = next((ball for ball in sheet.balls if ball.mark == which), None)
-    if kind in ("print", "weigh"):
+    if kind in ("print", "test", "weigh"):
         x = 0.0
         for part in parts:
             yield from _stand(part, x + part.size[0] / 2)
             x += part.size[0] + wide / 4
-        if kind == "weigh":
-            yield _draw_core(hull, x + hull.reach, hull.core)
-            x += 2 * hull.reach
-            yield Shape([np.array([[0, 0], [x, 0], [0.9 * x, -wide / 2], [0.1 * x, -wide / 2]])], _PALE)
-            yield Shape([np.array([[0.4 * x, -wide / 4], [0.6 * x, -wide / 4]])], width=3)
         yield _draw_floor(-wide / 4, x)
     elif kind == "pause" and ball is not None and ball.pause is not None:
         yield from _stand(parts[ball.number - 1], 0.0)
@@ -66,21 +61,8 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[Shape]:
         yield _draw_ball(0.0, ball.pause - ball.held.ball.radius, ball.held.ball.radius, BALLAST)
         yield from _draw_arrow((0.0, ball.pause + wide), (0.0, ball.pause + wide / 8))
         yield _draw_floor(-wide, wide)
-    elif kind == "test":
-        up = 1.0 if first.place < parts[1].place else -1.0
-        rings = [ring * (1.0, up) for ring in first.piece.rings]
-        heights = np.concatenate(rings)[:, 1]
-        levels = np.linspace(heights.min(), heights.max(), 80)
-        bore = np.column_stack((hull.bore_radius(up * levels), levels))
-        yield Shape([np.concatenate((bore, bore[::-1] * (-1.0, 1.0)))], WATER)
-        yield Shape(_mirror(rings), style.tint(colour_of(first.place), 0.45))
-        yield _draw_floor(-wide, wide, float(heights.min()))
     elif kind == "trim":
         yield from _lay(sheet, parts, loaded=False)
-        corner = (sheet.aft, wide / 2 + length / 12)
-        yield Shape([np.array([[0, 0], [1, 0], [1, 0.25], [0, 0.25]]) * length + corner], _PALE)
-        for line in ([[0.05, 0.16], [0.08, 0.125], [0.05, 0.09]], [[0.12, 0.09], [0.45, 0.09]]):
-            yield Shape([np.array(line) * length + corner], width=1.4)
     elif kind in ("insert", "core"):
         part, z, radius, side = first, 0.0, hull.reach, 1.0 if first.place < parts[1].place else -1.0
         if ball is not None and ball.mouth is not None:
@@ -111,8 +93,10 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[Shape]:
         yield Shape([box], _PALE)
     else:
         yield from _lay(sheet, parts, core=True)
-        ends = ((-1.0, sheet.aft), (1.0, sheet.aft + length)) if kind == "drain" else ()
+        ends = ((-1.0, sheet.aft), (1.0, sheet.aft + length)) if kind in ("drain", "putty") else ()
         for side, end in ends:
+            if kind == "putty" and all(side * ring[0, 1] < 0 for ring in sheet.putty):
+                continue
             yield from _draw_arrow((end + side * wide / 2, 0.0), (end + side * wide / 12, 0.0))
         if not ends:
             balance = 1e3 * float(sheet.target.cog[0])

@@ -449,11 +449,12 @@ function showAgent(key, data) {
   find("agent-shown").hidden = find("transport").hidden = false;
   showPromise(data);
   const { facts } = data;
-  const ballast = facts.mass - facts.hull - facts.core;
+  const ballast = facts.mass - facts.hull - facts.core - facts.putty;
   find("agent-facts").replaceChildren(...[
     ["length", length(facts.length)], ["diameter", length(facts.diameter)], ["modules", `${facts.modules}`],
     ["mass", grams(facts.mass)], ["of it printed", grams(facts.hull)], ["core", grams(facts.core)],
     ...(ballast > 5e-5 ? [["ballast", grams(ballast)]] : []), ["in water", `${facts.buoyancy >= 0 ? "rises" : "sinks"} with ${Math.abs(1000 * facts.buoyancy).toFixed(0)} mN`],
+    ...(facts.trim ? [["putty", grams(facts.putty)], ["trim pockets", facts.trim.map((mass) => `${mass > 0 ? "+" : ""}${(1000 * mass).toFixed(1)} g`).join(" to ")]] : []),
     ...(facts.pressure ? [["under pressure", facts.pressure]] : []),
   ].map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
   showTakes(key);

@@ -8,8 +8,8 @@ function describeSpot(x, aft) {
   return `${side}, ${(1000 * (x - aft)).toFixed(1)} mm from the aft end`;
 }
 
-function describePiece({ mass, x, diameter, putty, ring, start, end }, aft) {
-  if (diameter) return `a steel ball of ${(1000 * diameter).toFixed(1)} mm (${grams(mass)}) ${describeSpot(x, aft)}${putty ? `, set in ${grams(putty)} of epoxy putty` : ""}`;
+function describePiece({ mass, x, diameter, ring, start, end }, aft) {
+  if (diameter) return `a steel ball of ${(1000 * diameter).toFixed(1)} mm (${grams(mass)}) ${describeSpot(x, aft)}`;
   if (ring) return `${grams(mass)} of epoxy putty as a ring on the wall, ${(1000 * ring).toFixed(1)} mm wide and thick, ${describeSpot(x, aft)}`;
   return `${grams(mass)} of steel that fills the bore from ${describeSpot(start, aft)}, to ${describeSpot(end, aft)}`;
 }
@@ -34,7 +34,7 @@ export function describeTrim({ ballast_mass: ballast, pieces, held, unheld, buoy
   return lines;
 }
 
-export function describeHanging({ lines, misses: { simulated, untrimmed } }) {
-  const rows = [["as simulated", simulated], ["as it weighs now", untrimmed]].filter(([, miss]) => miss !== undefined);
+export function describeHanging({ lines, misses: { simulated, untrimmed, trimmed } }) {
+  const rows = [["as simulated", simulated], ["as it weighs now", untrimmed], ["with the putty", trimmed]].filter(([, miss]) => miss !== undefined);
   return [...lines.map((line) => make("p", {}, line)), make("p", { class: "hint" }, rows.map(([words, miss]) => `Undisturbed, ${words}, it misses by ${length(miss)}.`).join(" "))];
 }
