@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.agent import MassElement, hull_mass, mass_properties
+from driftform.agent import MassElement, mass_properties
 from driftform.agent.mass import hull_moments
 from driftform.testing.bodies import hollow_body
 from driftform.types import Agent, Coefficients
@@ -20,13 +20,6 @@ AGENT = Agent(BODY, MASS, Coefficients(0.01 * np.eye(6)))
 def print_agent(mass: float, x: float | None = None) -> Agent:
     """The agent as printed."""
     return MassElement.reweigh(AGENT, MassElement.of_print(BODY, mass, x))
-
-
-def test_hull_and_core_are_the_body_as_simulated() -> None:
-    found = print_agent(hull_mass(BODY) + BODY.core.mass).mass
-    assert found.mass == pytest.approx(MASS.mass, rel=1e-12)
-    np.testing.assert_allclose(found.cog, MASS.cog, atol=1e-12)
-    np.testing.assert_allclose(found.inertia, MASS.inertia, rtol=1e-9)
 
 
 def test_a_print_of_the_simulated_mass_and_balance_is_the_simulated_body() -> None:

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from textbook import textbook_rate
 
 from driftform.motion.forces.equations import accelerations, water_motion_at_cob
 from driftform.motion.forces.model import flight_model
@@ -45,16 +46,6 @@ def scenario_of(flow, mode):
 # Against Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control (2011), theorem 3.2 and section 8.1.
 
 
-def skew(a):
-    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
-
-
-def coriolis(M, nu):
-    force = skew(M[:3, :3] @ nu[:3] + M[:3, 3:] @ nu[3:])
-    moment = skew(M[3:, :3] @ nu[:3] + M[3:, 3:] @ nu[3:])
-    return -np.block([[np.zeros((3, 3)), force], [force, moment]])
-
-
 def random_agent(rng, *, damped):
     """Nothing about it is symmetric but what must be, and every point lies elsewhere."""
     size = np.array([1.0, 1.0, 1.0, 0.06, 0.06, 0.06])
@@ -83,30 +74,13 @@ def random_agent(rng, *, damped):
 def test_accelerations_are_those_of_fossens_matrices(seed):
     rng = np.random.default_rng(seed)
     agent = random_agent(rng, damped=seed % 2)
-    mass, coefficients = agent.mass, agent.coefficients
-    R = Rotation.random(rng=rng).as_matrix()
-    velocity, omega = rng.normal(size=3), rng.normal(0, 10, 3)
-    current = np.array([rng.uniform(-2, 2), 0, 0])
-
-    m, S = mass.mass, skew(mass.cog)
-    M_RB = np.block([[m * np.eye(3), -m * S], [m * S, mass.inertia - m * S @ S]])
-    H = np.block([[np.eye(3), -skew(coefficients.origin)], [np.zeros((3, 3)), np.eye(3)]])
-    M_A = H.T @ coefficients.added_mass @ H
-    nu = np.concatenate([R.T @ velocity, omega])
-    nu_c = np.concatenate([R.T @ current, STILL])
-    nu_c_dot = np.concatenate([-np.cross(omega, R.T @ current), STILL])
-    nu_r = nu - nu_c
-    local = H @ nu_r
-    damping = coefficients.linear_damping @ local + coefficients.quadratic_damping @ (np.abs(local) * local)
-    up = R.T @ [0, 0, 1]
-    W, B = m * GRAVITY, DENSITY * mass.volume * GRAVITY
-    hydrostatic = np.concatenate([(B - W) * up, np.cross(mass.cob, B * up) - np.cross(mass.cog, W * up)])
-    tau = hydrostatic - H.T @ damping - coriolis(M_RB, nu) @ nu - coriolis(M_A, nu_r) @ nu_r
-    nu_dot = np.linalg.solve(M_RB + M_A, tau + M_A @ nu_c_dot)
-    expected = np.concatenate([R @ (nu_dot[:3] + np.cross(omega, nu[:3])), nu_dot[3:]])
-
-    scenario = Scenario(flow=UniformFlow(speed=current[0]), fluid=Fluid(density=DENSITY, gravity=GRAVITY))
-    found = accelerated(flight_model(agent, scenario), R, rng.normal(size=3), velocity, omega)
+    turn, velocity, omega = Rotation.random(rng=rng), rng.normal(size=3), rng.normal(0, 10, 3)
+    flow, fluid = UniformFlow(speed=rng.uniform(-2, 2)), Fluid(density=DENSITY, gravity=GRAVITY)
+    scenario = Scenario(flow=flow, fluid=fluid)
+    state = np.concatenate([rng.normal(size=3), turn.as_quat(scalar_first=True), turn.inv().apply(velocity), omega])
+    rate = textbook_rate(agent, scenario, state)
+    expected = np.concatenate([turn.apply(rate[7:10] + np.cross(omega, state[7:10])), rate[10:]])
+    found = accelerated(flight_model(agent, scenario), turn.as_matrix(), state[:3], velocity, omega)
     for half in (slice(0, 3), slice(3, 6)):
         assert found[half] == pytest.approx(expected[half], abs=1e-10 * np.linalg.norm(expected[half]))
 

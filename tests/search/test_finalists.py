@@ -223,6 +223,17 @@ def test_of_finalists_that_do_equally_well_the_lightest_print_wins(store: Store)
     assert found is not None and found.index == heavy
 
 
+def test_of_equal_finalists_of_one_mass_the_best_undisturbed_flight_wins(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("driftform.search.finalists.hull_mass", lambda body: 0.05)
+    best = store.find_best("TP2")
+    assert best is not None
+    store.add([], ("TP2", "TP6"), [scored(index, c, 90.0) for index in range(8) for c in range(4)])
+    found = find_winner(study_of(), store, "TP2")
+    assert found is not None and found.index == best[0]
+
+
 def test_a_finalist_whose_round_was_interrupted_does_not_win_yet(store: Store) -> None:
     store.add([], ("TP2", "TP6"), [scored(0, c, 100.0) for c in range(3)])
     assert find_winner(study_of(), store, "TP2") is None

@@ -17,7 +17,7 @@ from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform_exudyn import encoder
 from driftform_exudyn.film import ExudynRenderer, FilmOptions
 from driftform_exudyn.headless import defer_interrupts
-from driftform_exudyn.scene import Pose, Scene, interpolate_poses
+from driftform_exudyn.scene import Pose, Scene
 from driftform_exudyn.shapes import make_ball, make_line
 from driftform_exudyn.stage import Camera, Stage
 from driftform_exudyn.views import FollowView, SideView
@@ -203,15 +203,6 @@ def test_targets_and_the_waters_surface_are_seen(agent):
 # Which moments are shown.
 
 
-def test_samples_are_met_and_the_path_between_them_is_the_one_that_fitness_measures():
-    flight = drifting_trajectory(1.0, turn=0.5)
-    for pose, place, when in zip(interpolate_poses(flight, flight.t), flight.position, flight.t, strict=True):
-        assert pose.position == pytest.approx(place)
-        assert pose.rotation[:, 0] == pytest.approx([np.cos(0.5 * when), 0, -np.sin(0.5 * when)])
-    [between] = interpolate_poses(flight, np.array([0.4321]))
-    assert between.position == pytest.approx([0.4321, 0, 0])
-
-
 @pytest.mark.peers
 def test_slow_motion_has_as_many_more_frames(agent, tmp_path):
     counts = []
@@ -232,12 +223,6 @@ def test_slow_motion_has_as_many_more_frames(agent, tmp_path):
 def film(agent, path):
     options = FilmOptions(width=64, height=64, fps=5, view="side", rays=1)
     return ExudynRenderer(options).film(agent, drifting_trajectory(), Scenario(pipe=PIPE), path, lambda *_: None)
-
-
-@pytest.mark.peers
-def test_capital_letters_make_no_other_suffix(agent, tmp_path):
-    film(agent, tmp_path / "FILM.MP4")
-    assert len(read_film(tmp_path / "FILM.MP4")) > 1
 
 
 @pytest.mark.peers
