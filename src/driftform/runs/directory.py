@@ -16,14 +16,14 @@ from shlex import quote
 from typing import Any
 
 import tomli_w
-from filelock import FileLock, Timeout
+from filelock import BaseFileLock, FileLock, SoftFileLock, Timeout
 
 from driftform import __version__
 from driftform.errors import InputError
 from driftform.plugins.registry import registry
 from driftform.runs.versions import find_versions
 from driftform.study import Study
-from driftform.util.files import is_locked, write_text
+from driftform.util.files import NO_LOCKS, is_locked, name_owner, write_text
 
 DATABASE = "run.db"
 """Name of the file with all that a run has found."""
@@ -44,15 +44,30 @@ def resume_command(directory: Path) -> str:
     return f"driftform resume {quote(str(directory))}"
 
 
+def _take_lock(path: Path) -> BaseFileLock:
+    """Lock a file; where its file system has no locks, by a second file that names host and process.
+
+    The file of a process of this host that has ended is taken over.
+    """
+    lock: BaseFileLock = FileLock(path)
+    try:
+        lock.acquire(timeout=LOCK_TIMEOUT_S, poll_interval=LOCK_TIMEOUT_S / 10)
+    except OSError as error:
+        if error.errno not in NO_LOCKS:
+            raise
+        lock = SoftFileLock(name_owner(path))
+        lock.acquire(timeout=LOCK_TIMEOUT_S, poll_interval=LOCK_TIMEOUT_S / 10)
+    return lock
+
+
 @contextmanager
 def lock_run(directory: Path) -> Iterator[None]:
     """Hold the run for one writer; the lock goes with the process, however it ends.
 
     Raises InputError where another process holds it.
     """
-    lock = FileLock(directory / _LOCK)
     try:
-        lock.acquire(timeout=LOCK_TIMEOUT_S, poll_interval=LOCK_TIMEOUT_S / 10)
+        lock = _take_lock(directory / _LOCK)
     except Timeout:
         raise InputError(f"{directory}: another driftform process is working on this run; wait for it to end") from None
     except OSError as error:
@@ -90,7 +105,7 @@ def check_new(directory: Path) -> None:
 def _is_own(name: str) -> bool:
     """Return whether a run writes such a file before its first evaluation, in part or as a whole."""
     beginnings = tuple(f".{whole}." for whole in (DATABASE, *INPUTS))
-    return name in (_LOCK, *INPUTS) or (name.startswith(beginnings) and ".part" in name)
+    return name in (_LOCK, name_owner(Path(_LOCK)).name, *INPUTS) or (name.startswith(beginnings) and ".part" in name)
 
 
 def remove_leftovers(directory: Path) -> None:

@@ -1,6 +1,7 @@
 """Read text in whatever encoding it is; write files and folders completely or not at all, under safe names."""
 
 import codecs
+import errno
 import logging
 import os
 import re
@@ -112,6 +113,10 @@ def _looks_chinese(data: bytes) -> bool:
     return fits and sum(0xB0 <= pair[0] <= 0xD7 for pair in pairs) > 0.7 * len(pairs)
 
 
+NO_LOCKS = frozenset({errno.ENOLCK, errno.EOPNOTSUPP, errno.EIO})
+"""Errors of a file system that has no locks, such as NFS without its daemon; for ENOSYS filelock itself has a way out."""
+
+
 def is_locked(path: Path) -> bool:
     """Return whether a process holds a lock file; nothing is written."""
     if not path.exists():
@@ -130,9 +135,14 @@ def is_locked(path: Path) -> bool:
     with path.open("rb") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except OSError:
-            return True
+        except OSError as error:
+            return error.errno not in NO_LOCKS or name_owner(path).exists()
     return False
+
+
+def name_owner(path: Path) -> Path:
+    """Return the file that takes the place of a lock where the file system has none."""
+    return path.with_name(f"{path.name}.owner")
 
 
 def make_directory(path: Path, option: str = "--out") -> Path:
