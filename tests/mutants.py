@@ -83,7 +83,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("tuned.py", "elite.root * sqrt(shape.size / elite.shape.size)", "elite.root", ("test_tuned.py",)),
     ("evolution.py", "(change.undo(), -moved)", "(change.undo(), moved)", ("test_evolution.py",)),
     # Films.
-    ("bench.py", "position + late * self.velocity[-1]", "position", (FILMS,)),
+    ("bench.py", "position + late * self.velocity[-1]", "position", ("test_camera.py",)),
     ("fit.py", "sum(problem.counts) - len(problem.parameters)", "sum(problem.counts)", (FILMS,)),
     ("experiment.py", "Calibration.quantile * deviation", "deviation", (FILMS,)),
     # Robots.

@@ -25,6 +25,13 @@ def see(camera: Camera) -> FloatArray:
     return points
 
 
+def test_before_its_first_sample_a_body_is_held_and_after_its_last_it_moves_on_straight() -> None:
+    flight = fall()
+    found, axis = flight.points_at(np.array([-0.3, 1.2]))
+    assert found == pytest.approx(np.array([[0.0, 0.0, 0.2], [0.12, 0.0, -0.3 - 0.2]]))
+    assert axis == pytest.approx(flight.axis[:2])
+
+
 def see_by_pinhole(down: float, distance: float) -> FloatArray:
     """Where a pinhole shows the flight that looks down at the release; lengths as on a ruler upright there."""
     x, _, z = (fall().position - fall().position[0]).T

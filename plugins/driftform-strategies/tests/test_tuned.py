@@ -1,6 +1,7 @@
 """The searches of tuned bodies: contract, hits by secants, and what they do with bodies that cannot be tuned."""
 
 import gc
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from driftform.testing.strategy import search_space
 from driftform.types import End, Evaluation, FloatArray, Genome, Morphology, Trajectory
 from driftform.water import Scenario
 from driftform_strategies.shapes import Shape
-from driftform_strategies.tuned import HIT, MAX_UNFIT, DirectStrategy, TunedOptions, TunedStrategy
+from driftform_strategies.tuned import HIT, MAX_UNFIT, DirectStrategy, TunedOptions, TunedStrategy, _Elite, _Start
 
 SPEED, FALL = 1.0, 1.2
 """Of the current, m/s, and of a body with a net weight of 1 kg, m/s."""
@@ -190,6 +191,14 @@ def test_one_flight_shows_the_response_because_a_body_without_net_weight_passes_
     response = -1.5 * strategy._aims[0].guess_response(shape.size)
     shape.points.append((1.0, np.array([0.3 + response, 0.0])))
     assert strategy._find_tuning(shape, 0) == pytest.approx(shape.tune(-0.3 / response), rel=1e-12)
+
+
+def test_a_descendant_of_another_size_first_flies_as_fast_as_its_parent() -> None:
+    """A body falls with the root of its net weight over its size."""
+    strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
+    small, large = (Shape(Genome("letters", ()), (0.0, 100.0), 50.0, 1.0, size) for size in (0.01, 0.02))
+    job = strategy._start_job(_Start(0, _Elite(99.0, 7, small, 0.3), large))
+    assert large.find_root(job.tuning) == pytest.approx(0.3 * math.sqrt(2))
 
 
 def test_a_study_whose_bodies_cannot_float_freely_is_refused_with_the_next_step() -> None:
