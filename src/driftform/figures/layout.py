@@ -95,23 +95,23 @@ def fit_title(title: str, size: float, width: float) -> tuple[float, list[str]]:
     # Two lines need the room above the base of one.
     for count, largest, smallest in ((1, size, 0.75 * size), (2, 0.8 * size, 0.6 * size)):
         for smaller in np.arange(largest, smallest - 0.5, -1.0).tolist():
-            lines = _fold(title, smaller, width)
+            lines = fold(" ".join(title.split()), smaller, width, bold=True)
             if len(lines) <= count:
                 return smaller, lines
     return smaller, lines[:2]
 
 
-def _fold(text: str, size: float, width: float) -> list[str]:
-    """Return the lines of a bold text; a word that is wider than a line is divided."""
+def fold(text: str, size: float, width: float, bold: bool = False) -> list[str]:
+    """Return the lines of a text, broken at spaces; a word that is wider than a line is divided."""
     lines = [""]
-    for word in text.split():
+    for word in text.split(" "):
         longer = f"{lines[-1]} {word}".lstrip()
-        if text_width(longer, size, bold=True) <= width:
+        if text_width(longer, size, bold) <= width:
             lines[-1] = longer
             continue
         lines += [""] if lines[-1] else []
         for letter in word:
-            if text_width(lines[-1] + letter, size, bold=True) > width:
+            if text_width(lines[-1] + letter, size, bold) > width:
                 lines.append("")
             lines[-1] += letter
     return lines

@@ -23,7 +23,7 @@ from driftform_frusta.materials import MATERIALS, find_expansion, find_material
 from driftform_frusta.own.builder import Profile, check_profile
 from driftform_frusta.pockets import PocketOptions, clear_cavity, place_pockets
 from driftform_frusta.section import draw_room, hull_section, lay_chains, open_section
-from driftform_frusta.strength import describe_strength, find_loss, list_parts, thicken_ends
+from driftform_frusta.strength import describe_strength, list_parts, thicken_ends
 
 _PAPERS = Core(radius=0.01, mass=0.05)
 """The paper's core."""
@@ -263,9 +263,8 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
             body = replace(body, ballast=place_ballast(body, morphology.tuning, density), ballast_density=density)
         else:
             body = _build_loaded(o, untuned, morphology.tuning)
-        return (
-            replace(body, squeeze=o.pressure * find_loss(body) / mass_properties(body).volume) if o.pressure else body
-        )
+        lost = o.pressure and o.pressure * sum(part.loss for part in list_parts(body))
+        return replace(body, squeeze=lost / mass_properties(body).volume) if lost else body
 
     def describe_strength(self, body: Body, fluid: Fluid) -> Mapping[str, Any] | None:
         """Return what the hull withstands by :mod:`driftform_frusta.strength`; ``None`` if that is not known."""

@@ -157,11 +157,6 @@ def describe_strength(body: Body, fluid: Fluid) -> dict[str, Any] | None:
     }
 
 
-def find_loss(body: Body) -> float:
-    """Return the volume that a hull loses under pressure, m3/Pa: the sum over the parts of :func:`list_parts`."""
-    return sum(part.loss for part in list_parts(body))
-
-
 def list_parts(body: Body) -> list[HullPart]:
     """Return the parts of a hull from aft to fore; none if it is solid, open, or of an unknown material.
 

@@ -41,11 +41,11 @@ def draw_pages(sheet: Sheet) -> tuple[str, str]:
     what = f"{count} printed parts and a core ({sheet.core}). All positions are distances from the aft end, mm."
     shopping, y = list[tuple[str, float, list[str]]](), 132.0
     for name, text in sheet.shopping:
-        shopping.append((name, y, wrap(text, _TEXT, _RIGHT - _LEFT - 90)))
+        shopping.append((name, y, layout.fold(text, _TEXT, _RIGHT - _LEFT - 90)))
         y += _LINE * len(shopping[-1][2])
     closed = _place_closed(sheet, y + 22)
     wide = _RIGHT - _LEFT - _COLUMN - 30
-    remedy = [*wrap(sheet.remedy, _TEXT, wide), "Glue, O-rings and plugs are not counted."]
+    remedy = [*layout.fold(sheet.remedy, _TEXT, wide), "Glue, O-rings and plugs are not counted."]
     tables = max(20.0 * len(sheet.weights), _LINE * (len(sheet.settings) + len(remedy)) + 10)
     top, first = _BOTTOM - tables - 8, closed["level"] + 74
     parts, scale, name = _place_parts(sheet, first, top - first - 30)
@@ -186,7 +186,7 @@ def _list_weights(sheet: Sheet) -> dict[str, Any]:
 
 def _place_steps(sheet: Sheet, top: float) -> dict[str, Any]:
     left = _LEFT + _SCENE + 24
-    texts = [wrap(text, _TEXT, _RIGHT - left - 24) for text in sheet.steps]
+    texts = [layout.fold(text, _TEXT, _RIGHT - left - 24) for text in sheet.steps]
     for height in _SCENES:
         heights = [max(height, _LINE * len(rows) + 12) for rows in texts]
         if sum(heights) <= _BOTTOM - top:
@@ -204,15 +204,3 @@ def _place_steps(sheet: Sheet, top: float) -> dict[str, Any]:
         for scene, rows, height, end in zip(sheet.scenes, texts, heights, ends.tolist(), strict=True)
     ]
     return {"steps": steps, "left": left, "right": _RIGHT, "edge": _LEFT}
-
-
-def wrap(text: str, size: float, width: float) -> list[str]:
-    """Return a text as lines that are no wider than ``width`` px, broken between words."""
-    lines = [""]
-    for word in text.split(" "):
-        longer = f"{lines[-1]} {word}".strip()
-        if layout.text_width(longer, size) <= width or not lines[-1]:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return lines
