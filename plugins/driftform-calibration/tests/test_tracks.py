@@ -43,12 +43,7 @@ T, POINTS = fall()
             np.delete(np.arange(40), [3, 8, 17]),
             ("3 of 40 rows without a time or a point left out",),
         ),
-        (
-            np.delete(T, np.s_[15:30]),
-            np.delete(POINTS, np.s_[15:30], axis=0),
-            np.r_[0:15, 30:40],
-            (f"nothing was seen from t = {T[14]:.3f} to {T[30]:.3f} s",),
-        ),
+        (np.delete(T, np.s_[15:30]), np.delete(POINTS, np.s_[15:30], axis=0), np.r_[0:15, 30:40], ()),
         (T[::-1], POINTS[::-1], slice(None), ("times go back 39 times: rows were put in the order of time",)),
         (np.repeat(T, 2), np.repeat(POINTS, 2, axis=0), slice(None), ("40 rows with the time of another left out",)),
     ],

@@ -13,7 +13,7 @@ from driftform.figures.style import BLUE, VERMILLION
 from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drifting_trajectory, read_film
 from driftform.types import Agent, Coefficients
-from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water import Pipe, Scenario, Segment
 from driftform_exudyn import encoder
 from driftform_exudyn.film import ExudynRenderer, FilmOptions
 from driftform_exudyn.headless import defer_interrupts
@@ -186,18 +186,16 @@ def test_seen_from_close_by_the_whole_agent_is_in_a_picture_of_any_shape(agent, 
         assert (found > 2).all() and (found < np.array(size) - 3).all()
 
 
-def test_targets_and_the_waters_surface_are_seen(agent):
-    bare = Scenario(pipe=PIPE)
-    wet = Scenario(pipe=PIPE, fluid=Fluid(water_level=0.08), targets={"leak": (0.7, 0.0, -0.05)})
+def test_targets_are_seen(agent):
+    bare, aimed = Scenario(pipe=PIPE), Scenario(pipe=PIPE, targets={"leak": (0.7, 0.0, -0.05)})
     before, after = (
-        SideView(scene(agent, scenario=s), (240, 120), rays=1, captioned=False).render(0) for s in (bare, wet)
+        SideView(scene(agent, scenario=s), (240, 120), rays=1, captioned=False).render(0) for s in (bare, aimed)
     )
     changed = np.abs(before.astype(int) - after).max(axis=2) > 40
-    view = SideView(scene(agent, scenario=wet), (240, 120), rays=1, captioned=False)
-    places = np.array([[0.7, 0.0, -0.05], [0.5, 0.0, 0.08]]) - view._centre
-    (column, row), (_, level) = (np.array([120, 60]) + view._px_per_m * places[:, [0, 2]] * (1, -1)).astype(int)
+    view = SideView(scene(agent, scenario=aimed), (240, 120), rays=1, captioned=False)
+    right, _, up = view._px_per_m * (np.array([0.7, 0.0, -0.05]) - view._centre)
+    column, row = int(120 + right), int(60 - up)
     assert changed[row - 1 : row + 2, column - 1 : column + 2].all()
-    assert changed[level - 2 : level + 3, 40:200].any(axis=0).mean() > 0.9
 
 
 # Which moments are shown.

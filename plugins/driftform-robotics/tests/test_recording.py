@@ -27,7 +27,7 @@ from driftform.types import Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Pipe, Scenario, Segment
 from driftform_robotics import sensors
-from driftform_robotics.options import FlightOptions, Ros2Options, Rosbag2Options
+from driftform_robotics.options import FlightOptions, Ros2Options
 from driftform_robotics.plume import make_plume
 from driftform_robotics.recording.recorders import McapRecorder, Rosbag1Recorder, Rosbag2Recorder
 
@@ -48,12 +48,7 @@ KINDS = {
 ONCE = {"/tf_static", "/agent/markers", "/agent/path"}
 
 
-RECORDERS = (
-    McapRecorder(Ros2Options()),
-    Rosbag1Recorder(FlightOptions()),
-    Rosbag2Recorder(Rosbag2Options()),
-    Rosbag2Recorder(Rosbag2Options(storage="mcap")),
-)
+RECORDERS = (McapRecorder(Ros2Options()), Rosbag1Recorder(FlightOptions()), Rosbag2Recorder(Ros2Options()))
 
 
 class TestRecorders(RecorderContract):
@@ -207,7 +202,7 @@ def test_markers_show_the_pipe_the_targets_and_the_agent(
 
 
 def test_a_database_holds_the_same_bytes_as_the_mcap_file(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
-    options = Rosbag2Options()
+    options = Ros2Options()
     folder, file = tmp_path / "agent-rosbag2", tmp_path / "agent.mcap"
     Rosbag2Recorder(options).write(job, flight, folder)
     McapRecorder(Ros2Options()).write(job, flight, file)
@@ -232,14 +227,11 @@ def test_a_database_holds_the_same_bytes_as_the_mcap_file(job: ExportJob, flight
     assert np.array_equal(places, flight.position)
 
 
-@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
-def test_the_metadata_of_a_bag_describes_its_contents(
-    storage: Any, job: ExportJob, flight: Trajectory, tmp_path: Path
-) -> None:
+def test_the_metadata_of_a_bag_describes_its_contents(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
     folder = tmp_path / "agent-rosbag2"
-    written = Rosbag2Recorder(Rosbag2Options(storage=storage)).write(job, flight, folder)
+    written = Rosbag2Recorder(Ros2Options()).write(job, flight, folder)
     metadata = YAML(typ="safe").load(folder / "metadata.yaml")["rosbag2_bagfile_information"]
-    assert metadata["storage_identifier"] == storage
+    assert metadata["storage_identifier"] == "sqlite3"
     assert metadata["duration"]["nanoseconds"] == pytest.approx(flight.t[-1] * 1e9, abs=1)
     assert metadata["starting_time"]["nanoseconds_since_epoch"] == 10**9
     topics = {t["topic_metadata"]["name"]: t for t in metadata["topics_with_message_count"]}

@@ -53,11 +53,8 @@ def see_points(path: Path, track: Track, view: FloatArray, camera: Camera) -> Fl
         turn = np.array([[c, -s], [s, c]]) @ turn
     start = path.position[0]
     seen = np.array([(core + marker.x * axis - start) for marker in track.markers])
-    if camera.keystone:
-        seen = seen / (1 - camera.keystone * (seen @ view[1]))[..., None]
-    points = (start + seen) @ turn.T
-    if camera.barrel:
-        points = bend_points(points, camera.barrel)
+    seen = seen / (1 - camera.keystone * (seen @ view[1]))[..., None]
+    points = bend_points((start + seen) @ turn.T, camera.barrel)
     return np.asarray(np.exp(camera.scale) * points + np.array(camera.offset))
 
 

@@ -68,8 +68,6 @@ def drop_design(
         WorkFailedError: if no release can be filmed.
     """
     given = f"--tank {' '.join(f'{size:g}' for size in tank)}"
-    if not all(0 < size < 50 for size in tank):
-        raise InputError(f"{given}: sizes should be from 0 to 50 m")
     if min(tank) < design.max_diameter or max(tank) < max(design.length, design.max_diameter):
         raise InputError(
             f"{given}: the agent is {design.length:.3g} m long and {design.max_diameter:.3g} m wide; the tank must be "
@@ -154,9 +152,7 @@ def _examine(
         falling = inform(before) if len(before) >= MIN_FRAMES else 0.0
         information = np.where(np.outer(free, free), falling, np.where(np.outer(~free, ~free), information, 0.0))
     points, _ = path.points_at(t)
-    release = bench.scenario.release
-    start = (release.pitch_deg, -release.position[2], release.ballast, release.ballast_x)
-    return Drop(*start, duration, end, 0.0, points[:, [0, 2]], bench.scenario), information
+    return Drop(bench.scenario, duration, end, 0.0, points[:, [0, 2]]), information
 
 
 def _inform(bench: Bench, names: Sequence[str], noise: float, distance: float, t: FloatArray) -> FloatArray:

@@ -33,29 +33,24 @@ class Drop:
     """One release to film.
 
     Attributes:
-        pitch_deg: of the axis, positive nose down.
-        depth: of the core's centre below the surface, m.
-        ballast, ballast_x: mass that hangs on the agent (kg), and where along its axis (m).
+        scenario: whose release it is; the surface is at z = 0.
         duration: from the release to the end of what is filmed, s.
         end: where the agent is then: ``"floor"``, ``"surface"``, ``"side"`` or ``"time"``.
         gain: bits that it adds about the factors, after the drops before it.
         path: expected path in the picture, to the right of the release and above the surface, m, (k, 2).
     """
 
-    pitch_deg: float
-    depth: float
-    ballast: float
-    ballast_x: float
+    scenario: Scenario
     duration: float
     end: str
     gain: float
     path: FloatArray
-    scenario: Scenario
 
     def document(self) -> dict[str, Any]:
         """Return the drop as ``driftform drop --json`` prints it; SI units, degrees where the name says so."""
-        names = ("pitch_deg", "depth", "ballast", "ballast_x", "duration", "end")
-        return {**{name: getattr(self, name) for name in names}, "gain_bits": self.gain}
+        release = {name: getattr(self.scenario.release, name) for name in ("pitch_deg", "ballast", "ballast_x")}
+        depth = -self.scenario.release.position[2]
+        return {**release, "depth": depth, "duration": self.duration, "end": self.end, "gain_bits": self.gain}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,19 +98,14 @@ class DropPlan:
 
     def tabulate(self) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
         """Return the drops as a table to print: its header and its rows."""
-        rows = [
-            (
-                f"{number}",
-                f"{drop.pitch_deg:+.0f}",
-                "level" if drop.pitch_deg == 0 else f"fore end {'down' if drop.pitch_deg > 0 else 'up'}",
-                f"{1000 * drop.depth:.0f}",
-                f"{1000 * drop.ballast:.1f}",
-                f"{drop.duration:.2f}",
-                drop.end,
-                f"{drop.gain:.1f}",
+        rows = []
+        for number, drop in enumerate(self.drops, start=1):
+            release, pitch = drop.scenario.release, drop.scenario.release.pitch_deg
+            attitude = "level" if pitch == 0 else f"fore end {'down' if pitch > 0 else 'up'}"
+            place = f"{-1000 * release.position[2]:.0f}", f"{1000 * release.ballast:.1f}"
+            rows.append(
+                (f"{number}", f"{pitch:+.0f}", attitude, *place, f"{drop.duration:.2f}", drop.end, f"{drop.gain:.1f}")
             )
-            for number, drop in enumerate(self.drops, start=1)
-        ]
         heads = "drop", "pitch deg", "attitude", "core below surface mm", "ballast g", "film s", "ends at", "bits"
         return heads, rows
 
@@ -155,7 +145,7 @@ class DropPlan:
             mass=1000 * self.agent.mass.mass,
             density=self.drops[0].scenario.fluid.density,
             distance=CAMERA * self.tank.length,
-            ballasts=any(drop.ballast for drop in self.drops),
+            ballasts=any(drop.scenario.release.ballast for drop in self.drops),
             releases=notebook.show_table(*self.tabulate()),
             pictures="".join(pictures),
             tracks=" ".join(f"drop-{n}.csv" for n in range(1, len(self.drops) + 1)),
@@ -165,8 +155,9 @@ class DropPlan:
         )
 
     def _draw(self, number: int, drop: Drop) -> str:
-        ballast = f", {1000 * drop.ballast:.1f} g of ballast" if drop.ballast else ""
-        caption, size = f"pitch {drop.pitch_deg:+.0f} deg{ballast}", (self.tank.length, self.tank.depth)
+        release, size = drop.scenario.release, (self.tank.length, self.tank.depth)
+        ballast = f", {1000 * release.ballast:.1f} g of ballast" if release.ballast else ""
+        caption = f"pitch {release.pitch_deg:+.0f} deg{ballast}"
         return drop_svg(f"Drop {number}", caption, self.agent.body, drop.scenario.release_quaternion(), drop.path, size)
 
     def __repr__(self) -> str:

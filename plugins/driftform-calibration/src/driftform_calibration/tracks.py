@@ -20,9 +20,6 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 MAX_INTERVAL = 2.0
 """Longest time between most frames, s; longer ones are frames or milliseconds that were taken for seconds."""
 
-GAP = 5.0
-"""Time without a point, over the usual one, that is reported as a gap."""
-
 MIN_JUMP = 0.03
 """Distance beyond that of the neighbours, over the span of a track, that no motion explains."""
 
@@ -158,8 +155,6 @@ def check_track(label: str, track: Track) -> Track:
     usual = float(np.median(np.diff(track.t)))
     if usual > MAX_INTERVAL:
         raise InputError(f"{label}: its times are {usual:g} apart: t must be in s; give --fps N if they are frames")
-    for k in np.flatnonzero(np.diff(track.t) > GAP * usual)[:3]:
-        notes.append(f"nothing was seen from t = {track.t[k]:.3f} to {track.t[k + 1]:.3f} s")
     track = _mend_lost_frames(track, notes)
     _check_jumps(label, track, notes)
     if not track.span > 0:

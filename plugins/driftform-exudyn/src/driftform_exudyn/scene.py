@@ -76,11 +76,6 @@ class Scene:
         """The pipe, seen from the side."""
         return list_bores(self.scenario.pipe, self.axes[2])
 
-    def make_water(self, bore: Bore, first: float, last: float) -> list[Shape]:
-        """Return the water's surface from ``first`` to ``last`` (m along the bore); nothing in a full pipe."""
-        level = self.scenario.fluid.water_level
-        return [] if level is None else bore.make_surface(level, first, last)
-
     def make_targets(self, radius: float, focus: FloatArray, near: float = np.inf) -> list[Shape]:
         """Return the targets within ``near`` (m) of ``focus`` as balls of ``radius`` (m), with their names."""
         shapes = []

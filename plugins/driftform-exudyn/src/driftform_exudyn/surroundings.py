@@ -1,4 +1,4 @@
-"""The pipe for display: cut open along its length, with equally spaced rings, and the water's surface."""
+"""The pipe for display: cut open along its length, with equally spaced rings."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -96,25 +96,6 @@ class Bore:
         rims = self.radius * np.array([1.0, 1 + THICKNESS])[:, None]
         grid = self.point(np.array([first, last]), rims, angles)
         return make_ribbons(grid, np.broadcast_to(-self.axes[2], grid.shape), [style.tint(style.WALL, 0.6)] * 2)
-
-    def make_surface(self, level: float, first: float, last: float) -> list[Shape]:
-        """Return the water's surface at the height ``level`` (m), where it lies within the pipe."""
-        _, up, back = self.axes
-        first, last = max(first, 0.0), min(last, self.length)
-        if last <= first or abs(up[2]) < 1e-6:
-            return []
-        middles = self.point(np.linspace(first, last, LINE_POINTS), 0.0, 0.0)
-        above = (level - middles[:, 2]) / up[2]
-        cut = np.abs(above) < self.radius
-        if cut.sum() < 2:
-            return []
-        near = (middles + above[:, None] * up)[cut]
-        far = near + np.sqrt(self.radius**2 - above[cut] ** 2)[:, None] * back
-        grid = np.stack([near, far])[None]
-        return [
-            make_ribbons(grid, np.broadcast_to(up, grid.shape), [style.tint(style.BLUE, 0.35)]),
-            make_line(near, style.BLUE),
-        ]
 
     def make_labels(self, step: float, size: float, gap: float) -> list[Shape]:
         """Return the distances from the inlet every ``step`` (m), ``gap`` (m) below the pipe, in letters of ``size`` px."""

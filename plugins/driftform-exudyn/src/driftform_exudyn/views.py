@@ -1,6 +1,7 @@
 """Both views of a film: a close one of the agent, and the whole pipe from the side."""
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.figures import layout, style
 from driftform.types import FloatArray
@@ -57,7 +58,7 @@ class FollowView:
     def _make_surroundings(self, frame: int, focus: FloatArray) -> list[Shape]:
         scene, camera = self._scene, self._camera
         width, height = np.array(self._size) / camera.px_per_m
-        shapes = [self._make_caption(scene.format_caption(frame), focus)]
+        shapes = [make_caption(scene, frame, self._size, focus, camera)]
         near = float(width)
         for bore in scene.bores:
             along, up, back = bore.axes @ (focus - bore.start)
@@ -69,7 +70,6 @@ class FollowView:
             shapes += bore.make_shapes(
                 along - wide, along + wide, layout.floor_to_nice_number(wide / 2), up - high, up + high
             )
-            shapes += scene.make_water(bore, along - wide, along + wide)
         if not scene.bores:
             behind = focus - height * scene.axes[2]
             shapes += make_lattice(
@@ -82,11 +82,6 @@ class FollowView:
         first = away[away < here].max(initial=-1) + 1
         close = flown[first : away[away > here].min(initial=len(flown))]
         return [*shapes, make_line(thin(close, 3 / camera.px_per_m), style.BLUE)]
-
-    def _make_caption(self, words: str, focus: FloatArray) -> Shape:
-        camera, letters = self._camera, self._scene.letter_height
-        from_middle = np.array(self._size) * (-0.5, 0.5) + np.array([1.0, -2.0]) * letters
-        return make_text(focus + from_middle / camera.px_per_m @ camera.axes[:2], words, style.INK, letters)
 
 
 MIN_LENGTH = 0.05
@@ -114,18 +109,16 @@ class SideView:
         length = max(body.length, body.max_diameter)
         self._magnified = max(1.0, layout.floor_to_nice_number(MIN_LENGTH * size[0] / (length * self._px_per_m)))
         self._drawn = self._magnified * length
-        camera = Camera(scene.axes, self._px_per_m)
-        self._stage = Stage(make_hull(body, self._magnified), camera, rays, scene.line_width)
+        self._camera = Camera(scene.axes, self._px_per_m)
+        self._stage = Stage(make_hull(body, self._magnified), self._camera, rays, scene.line_width)
         self._still = self._make_surroundings()
 
     def render(self, frame: int) -> Image:
         """Return a frame."""
-        scene, letters = self._scene, self._scene.letter_height
+        scene = self._scene
         shapes = [*self._still, make_line(thin(scene.path_until(frame), 3 / self._px_per_m), style.BLUE)]
         if self._captioned:
-            corner = self._size * (-0.5, 0.5) + letters * np.array([1.0, -2.0])
-            place = self._centre + corner / self._px_per_m @ scene.axes[:2]
-            shapes.append(make_text(place, scene.format_caption(frame), style.INK, letters))
+            shapes.append(make_caption(scene, frame, self._size, self._centre, self._camera))
         width, height = map(int, self._size)
         return self._stage.render((width, height), self._centre, scene.poses[frame], shapes)
 
@@ -140,7 +133,6 @@ class SideView:
             # The many chords of a pipe with parts have no distances beside them.
             if len(scene.bores) == 1:
                 shapes += bore.make_labels(step, size, 1.4 * scene.letter_height / px)
-            shapes += scene.make_water(bore, 0.0, bore.length)
         if not scene.bores:
             seen = self._size / px
             shapes += make_lattice(scene.axes, self._centre, seen, layout.floor_to_nice_number(float(seen[0]) / 9))
@@ -164,6 +156,13 @@ class SideView:
             return np.zeros(1)
         step = 1 / layout.floor_to_nice_number(count / end)
         return np.asarray(np.arange(np.floor(end / step + 1e-9) + 1) * step, dtype=np.float64)
+
+
+def make_caption(scene: Scene, frame: int, size: npt.ArrayLike, focus: FloatArray, camera: Camera) -> Shape:
+    """Return time and place as text in the upper left corner of an image of ``size`` (px) about ``focus``, m, (3,)."""
+    corner = np.asarray(size) * (-0.5, 0.5) + scene.letter_height * np.array([1.0, -2.0])
+    place = focus + corner / camera.px_per_m @ camera.axes[:2]
+    return make_text(place, scene.format_caption(frame), style.INK, scene.letter_height)
 
 
 def extent(scene: Scene) -> tuple[FloatArray, FloatArray]:

@@ -24,8 +24,6 @@ class SensorOptions(Table):
 
 Release = Literal["humble", "iron", "jazzy", "kilted", "lyrical"]
 
-Storage = Literal["sqlite3", "mcap"]
-
 
 class FlightOptions(SensorOptions):
     """Options of the messages of a flight."""
@@ -59,11 +57,3 @@ class Ros2Options(FlightOptions):
     """Options of messages of ROS 2."""
 
     release: Release = option("jazzy", "release of ROS 2 whose message definitions are used")
-
-
-class Rosbag2Options(Ros2Options):
-    """Options of the messages of a bag, and how they are stored."""
-
-    storage: Storage = option(
-        "sqlite3", "'sqlite3': every release of ROS 2 reads it; 'mcap': the default of ROS 2 since Iron"
-    )

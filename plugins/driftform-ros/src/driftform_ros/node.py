@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -48,14 +48,6 @@ SAME = 1e-9
 """Steps shorter than this are skipped, s."""
 
 
-@dataclass(frozen=True, eq=False)
-class Release:
-    """A design to be released, and its answer: when it was, s."""
-
-    design: "Design"
-    done: Future[float] = field(default_factory=Future)
-
-
 class LiveNode:
     """Flies one agent at a time.
 
@@ -78,7 +70,7 @@ class LiveNode:
     ) -> None:
         self._bus, self._open, self._options, self._interval = bus, open_other, options, interval
         self._rate, self._max_current = rate or math.inf, max_current
-        self._requests: queue.Queue[tuple[float, Current | Release]] = queue.Queue()
+        self._requests: queue.Queue[Callable[[], None]] = queue.Queue()
         self._current: Current | None = None
         self._published = 0
         self._failure: WorkFailedError | None = None
@@ -92,7 +84,7 @@ class LiveNode:
         self._rehearse(design)
         self._bus.check_clock()
         self._release(design, self._options.start)
-        self._bus.receive_currents(self._options.world, lambda current: self._requests.put((time.monotonic(), current)))
+        self._bus.receive_currents(self._options.world, self._receive_current)
         self._bus.serve(f"{name}/release", self._answer_release)
         self._bus.serve(f"{name}/evaluate", self._answer_evaluate)
         print(f"{design.name} flies at {self._bus.address}; topics in {name}/; end with Ctrl-C", flush=True)
@@ -102,15 +94,12 @@ class LiveNode:
             if once and self._reason:
                 return
             try:
-                at, request = self._requests.get(timeout=min(PATIENCE, max(0.0, self._due - time.monotonic())))
+                act = self._requests.get(timeout=min(PATIENCE, max(0.0, self._due - time.monotonic())))
             except queue.Empty:
                 if time.monotonic() >= self._due:
                     self._tick()
                 continue
-            if isinstance(request, Release):
-                self._answer(request)
-            else:
-                self._meet_current(at, request)
+            act()
         raise WorkFailedError(self._bus.lost)
 
     def _rehearse(self, design: "Design") -> None:
@@ -175,6 +164,10 @@ class LiveNode:
                 flush=True,
             )
 
+    def _receive_current(self, current: Current) -> None:
+        at = time.monotonic()
+        self._requests.put(lambda: self._meet_current(at, current))
+
     def _meet_current(self, at: float, current: Current) -> None:
         """Apply a current from its arrival; an equal one changes nothing."""
         if current == self._current:
@@ -222,15 +215,15 @@ class LiveNode:
                 for _, message in topic.messages():
                     self._send(topic.name, topic.kind, message)
 
-    def _answer(self, request: Release) -> None:
-        """Release the agent of a request."""
+    def _answer(self, design: "Design", done: Future[float]) -> None:
+        """Release an agent, and tell when, s."""
         try:
             # The clock never goes back.
-            self._release(request.design, self._clock + (self._ticks + 1) * self._interval)
+            self._release(design, self._clock + (self._ticks + 1) * self._interval)
         except DriftformError as error:
-            request.done.set_exception(error)
+            done.set_exception(error)
         else:
-            request.done.set_result(self._clock)
+            done.set_result(self._clock)
 
     def _open_named(self) -> "Design":
         """Open the agent that the parameter names, or return the one in flight."""
@@ -239,9 +232,9 @@ class LiveNode:
 
     def _answer_release(self) -> tuple[bool, str]:
         try:
-            request = Release(self._open_named())
-            self._requests.put((time.monotonic(), request))
-            return True, f"{request.design.name} flies from {request.done.result(ANSWER_S):.3f} s"
+            design, done = self._open_named(), Future[float]()
+            self._requests.put(lambda: self._answer(design, done))
+            return True, f"{design.name} flies from {done.result(ANSWER_S):.3f} s"
         except (DriftformError, TimeoutError) as error:
             return False, describe_error(error)
 

@@ -5,11 +5,8 @@ Format: http://wiki.ros.org/urdf/XML.
 
 from typing import Any, ClassVar
 
-import numpy as np
-
 from driftform.interfaces import Table, option
 from driftform_robotics.models.exporter import HULL, Model, ModelExporter
-from driftform_robotics.models.gap import COMMON_STEP, Reader, measure_gap
 from driftform_robotics.models.link import warn_of_folding
 from driftform_robotics.models.ros2 import make_package
 from driftform_robotics.models.text import render
@@ -38,10 +35,7 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return ``agent.urdf`` and the files of a ROS 2 package, and the warnings."""
         package = f"{model.title}_description"
-        none = np.zeros((6, 6))
-        dry = Reader("a program that knows no water", none, none, np.zeros((2, 6, 6, 6)), 0.0, is_checked=True)
-        gap = measure_gap(dry, model.job, model.link, COMMON_STEP)
-        warnings = [gap.describe(), *warn_of_folding(model.job.agent.body)]
+        warnings = ["The agent falls in this file: URDF knows no water.", *warn_of_folding(model.job.agent.body)]
         values: dict[str, Any] = {"model": model, "warnings": warnings}
         floating = self.options.floating
         files = {"agent.urdf": render("urdf/agent.urdf", **values, package=package, floating=floating)}

@@ -101,8 +101,6 @@ def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
     top = max((float((axis.points[:, 2] + axis.radii).max()) for axis in axes), default=-np.inf)
     if scenario.fluid.water_level is None and top + offset[2] >= 0:
         found.append(f"The pipe rises {top + offset[2]:.3g} m above the water: set a larger depth.")
-    if scenario.fluid.gravity == 0:
-        found.append("The simulator does not start without gravity.")
     damping = model.link.quadratic_damping
     if np.abs(damping - np.diag(np.diag(damping))).max() > 1e-12 * np.abs(damping).max():
         found.append("The simulator uses only the diagonal of the quadratic damping.")

@@ -9,7 +9,6 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
-from driftform_robotics.options import Storage
 from driftform_robotics.recording.messages import Messages, full_name
 from driftform_robotics.recording.topics import Topic
 
@@ -18,7 +17,11 @@ VERSION: Literal[8] = 8
 
 
 def write_bag(
-    path: Path, topics: Sequence[Topic], ros: Messages, storage: Storage | None, notes: Mapping[str, str]
+    path: Path,
+    topics: Sequence[Topic],
+    ros: Messages,
+    storage: Literal["sqlite3", "mcap"] | None,
+    notes: Mapping[str, str],
 ) -> dict[str, int]:
     """Write a bag into a folder or a file that does not exist yet; return the number of messages of each topic.
 

@@ -4,11 +4,12 @@ import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 from driftform.interfaces import ExportJob, Recorder
 from driftform.types import Trajectory, WrittenFile
 from driftform.util import files
-from driftform_robotics.options import FlightOptions, Ros2Options, Rosbag2Options, Storage
+from driftform_robotics.options import FlightOptions, Ros2Options
 
 
 class McapRecorder(Recorder[Ros2Options]):
@@ -39,7 +40,7 @@ class McapRecorder(Recorder[Ros2Options]):
         return _write_file(self.name, path, write)
 
 
-class Rosbag2Recorder(Recorder[Rosbag2Options]):
+class Rosbag2Recorder(Recorder[Ros2Options]):
     """A flight as a bag of ROS 2, for ``ros2 bag play``, RViz and Foxglove: a folder with its metadata.
 
     It holds the same messages as ``mcap``. Writing it does not need ROS.
@@ -47,14 +48,14 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
 
     name = "rosbag2"
     suffix = "-rosbag2"
-    Options = Rosbag2Options
+    Options = Ros2Options
 
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the folder."""
         with files.write_folder(path) as part:
             # The writer makes a new folder, and names the file with the messages after it.
             bag = part / path.name
-            facts = _write_bag(bag, job, trajectory, self.options, self.options.storage)
+            facts = _write_bag(bag, job, trajectory, self.options, "sqlite3")
             for file in bag.iterdir():
                 file.replace(part / file.name)
             bag.rmdir()
@@ -87,7 +88,11 @@ def _write_file(name: str, path: Path, write: Callable[[Path], dict[str, object]
 
 
 def _write_bag(
-    path: Path, job: ExportJob, trajectory: Trajectory, options: FlightOptions, storage: Storage | None
+    path: Path,
+    job: ExportJob,
+    trajectory: Trajectory,
+    options: FlightOptions,
+    storage: Literal["sqlite3", "mcap"] | None,
 ) -> dict[str, object]:
     """Write a bag of ROS 2 with this storage, or of ROS 1 without one; return its facts."""
     from driftform_robotics.recording.bag import write_bag
