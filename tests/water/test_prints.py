@@ -45,17 +45,8 @@ def test_an_offset_moves_the_surface_of_a_sphere_a_cylinder_and_a_cone_along_its
         4 / 3 * np.pi * ((0.04 + distance) ** 3 - 0.04**3), rel=1e-3, abs=1e-15
     )
     cylinder = np.array([(-0.1, 0.0), (-0.1, 0.02), (0.1, 0.02), (0.1, 0.0)])
-    assert offset_contour(cylinder, distance) == pytest.approx(
-        np.array(
-            [
-                (-0.1 - distance, 0.0),
-                (-0.1 - distance, 0.02 + distance),
-                (0.1 + distance, 0.02 + distance),
-                (0.1 + distance, 0.0),
-            ]
-        ),
-        abs=1e-12,
-    )
+    outward = np.array([(-1, 0), (-1, 1), (1, 1), (1, 0)])
+    assert offset_contour(cylinder, distance) == pytest.approx(cylinder + distance * outward, abs=1e-12)
     cone = offset_contour(np.array([(0.0, 0.0), (0.0, 0.03), (0.04, 0.0)]), distance)
     # Its side has the normal (3, 4) / 5: the nose moves by 5/3 of the distance.
     assert cone[-1] == pytest.approx((0.04 + 5 / 3 * distance, 0.0), abs=1e-12)
