@@ -203,7 +203,8 @@ def test_disturbed_flights_do_not_depend_on_the_rest_of_their_batch():
 
 def test_a_disturbed_flight_for_some_targets_ends_behind_them_and_passes_them_as_the_whole_flight_does():
     pipeline = load_study("pipe-inspection", use={"simulator": "native"}).make_pipeline()
-    conditions, rng = draw_conditions(Robustness(), 6, (5,)), np.random.default_rng(3)
+    # Bodies that do not come to rest on the floor.
+    conditions, rng = draw_conditions(Robustness(), 6, (5,)), np.random.default_rng(4)
     genomes, names = [pipeline.grammar.random(rng) for _ in conditions], list(pipeline.scenario.targets)
     for name in ("TP1", "TP4"):
         wanted, number = tuple(target == name for target in names), names.index(name)
