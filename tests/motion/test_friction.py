@@ -119,7 +119,7 @@ def test_both_integrators_roll_and_stick_alike():
 
 def test_bodies_that_have_settled_on_the_wall_move_on_as_their_equations_say():
     # Wide, thin hulls, of which some stop and some slide on.
-    wide = ["builder.pressure=0", "builder.max_radius=0", "release.port=0"]
+    wide = ["builder.pressure=0", "builder.max_radius=0", "builder.pockets.diameter=0", "release.port=0"]
     study = load_study("pipe-inspection", wide, use={"simulator": "native"}, run={"seed": 1})
     pipeline, rng, ends = study.make_pipeline(), np.random.default_rng(1), []
     agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(5)]

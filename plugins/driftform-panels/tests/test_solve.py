@@ -85,7 +85,7 @@ def test_the_page_shows_how_well_spheroids_agree_with_lamb(published):
         # A sphere that turns moves nothing, and nothing has no errors in percent.
         if expected == 0:
             return f"{found:.4f} for 0"
-        percent = 100 * (found / expected - 1)
+        percent = round(100 * (found / expected - 1), 3) + 0.0
         return f"{percent:+.3f} %" if abs(percent) < 1 else f"{percent:+.0f} %"
 
     lines = ["| spheroid | k1 | panels | strips | k2 | panels | strips | k' | panels | strips |", "|---" * 10 + "|"]
