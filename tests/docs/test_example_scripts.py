@@ -12,7 +12,7 @@ from shared import shared_folder
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 SCRIPTS = (
     *("evolve", "own_fitness", "own_grammar", "reach_map", "junction", "kit", "calibration", "network"),
-    *("tether", "follow", "gym_ballast"),
+    *("tether", "pair", "follow", "gym_ballast"),
 )
 
 pytestmark = [pytest.mark.long, pytest.mark.peers]
@@ -60,6 +60,7 @@ def test_five_hundred_flights_pass_most_points(printed: Callable[[str, str], lis
         ("junction", r"(\d+) % by riser", pytest.approx([100, 50, 0], abs=25)),
         ("kit", r"ballast of ([\d.]+) g", [2.0]),
         ("calibration", r"drag ([\d.]+) times", pytest.approx([1.14], abs=0.02)),
+        ("pair", r"([\d.]+) N", pytest.approx([0.089, 0.089], abs=0.005)),
         ("follow", r"TP1: ([\d.]+) %", pytest.approx([99], abs=1)),
         ("gym_ballast", r"misses by (\d+) mm", pytest.approx([5], abs=5)),
         ("network", r"five spheres see ([\d.]+) %", pytest.approx([45.1], abs=0.2)),

@@ -1,5 +1,6 @@
 """Motions that Exudyn integrates."""
 
+import exudyn
 import numpy as np
 import pytest
 
@@ -74,6 +75,20 @@ def test_a_system_has_the_weight_and_the_buoyancy_of_its_agent_as_loads():
     mass = agent.mass
     assert loads == pytest.approx([-9.81 * mass.mass, 9.81 * scenario.fluid.density * mass.volume])
     assert sum(loads) == pytest.approx(mass.net_buoyancy(scenario.fluid))
+
+
+def test_two_agents_in_one_system_fly_as_each_does_alone():
+    agents, ends = [make_agent(1), make_agent(2)], []
+    for chosen in ([0], [1], [0, 1]):
+        systems = []
+        for number in chosen:
+            systems.append(exudyn_system(agents[number], PIPELINE.scenario, systems[0] if systems else None))
+        systems[0].mbs.Assemble()
+        settings = integration.make_settings("RK44", 0.5, 1e-8, 0.001)
+        systems[0].mbs.SolveDynamic(settings)
+        ends += [systems[0].mbs.GetNodeOutput(s.node, exudyn.OutputVariableType.Position) for s in systems]
+    assert np.array(ends[2:]) == pytest.approx(np.array(ends[:2]), abs=1e-9)
+    assert np.linalg.norm(ends[0] - ends[1]) > 1e-4
 
 
 @pytest.mark.parametrize("depth", [1e-6, 3e-5, 3e-4])

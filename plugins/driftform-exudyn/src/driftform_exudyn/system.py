@@ -40,16 +40,17 @@ class ExudynSystem:
     tries: list[float]
 
 
-def exudyn_system(agent: Agent, scenario: Scenario) -> ExudynSystem:
+def exudyn_system(agent: Agent, scenario: Scenario, beside: ExudynSystem | None = None) -> ExudynSystem:
     """Return an agent, released in a scenario, as a system of Exudyn, to which you can add bodies, connectors and sensors.
 
     It has a rigid body with the dry mass on a Lie-group node; the added mass as a second object on that node, which is what
     calls driftform; and weight and buoyancy as loads at markers of the centres of gravity and buoyancy. Call ``Assemble`` and
-    then ``SolveDynamic`` with an explicit integrator, such as DOPRI5. A flight does not end at an outlet by itself.
+    then ``SolveDynamic`` with an explicit integrator, such as DOPRI5. A flight does not end at an outlet by itself. An agent
+    ``beside`` another is in the same system; they do not touch each other.
     """
     water = forces.WaterForces.of(agent, scenario)
-    container = exudyn.SystemContainer()
-    mbs = container.AddSystem()
+    container = beside.container if beside else exudyn.SystemContainer()
+    mbs = beside.mbs if beside else container.AddSystem()
     node = mbs.AddNode(
         items.NodeRigidBodyRotVecLG(
             referenceCoordinates=[0.0] * 6,
