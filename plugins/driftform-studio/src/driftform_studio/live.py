@@ -22,9 +22,6 @@ STARTING, PAUSING, PAUSED, FAILED = "starting", "pausing", "paused", "failed"
 PATH_TOLERANCE = 2e-3
 """Tolerance to which a path is simplified for a side view, m: a tenth of the detail that a screen shows of a pipe."""
 
-COLUMNS = 120
-"""Points of the curve of a target."""
-
 
 class LiveRun:
     """A run that the page has open; results are kept, and only new ones are read."""
@@ -63,11 +60,9 @@ class LiveRun:
                 if target.index < 0:
                     targets.append({"name": name, "evaluation": None, "curve": []})
                     continue
-                curve = target.errors(COLUMNS, max(status.extent, 1))
                 result = self._read_result(run, name, (target.index, monitor.state, disturbed))
-                targets.append(
-                    {"name": name, "curve": [None if error is None else round(error, 5) for error in curve], **result}
-                )
+                curve = [None if error is None else round(error, 5) for error in target.list_errors()]
+                targets.append({"name": name, "curve": curve, **result})
             failure = searches.read_failure(self.directory)
             state = self._name_state(run, searches, failure, targets)
             throughput = monitor.throughput
