@@ -35,7 +35,8 @@ def count(topic: str, _: object) -> None:
 for topic in given.topics:
     name, _, kind = topic.partition(":")
     message = roslib.message.get_message_class(kind)
-    kept.append(rospy.Subscriber(name, message, functools.partial(count, name)))
+    # rospy itself keeps one message of /clock, and all subscribers of a process share the queue of a topic.
+    kept.append(rospy.Subscriber(name, message, functools.partial(count, name), queue_size=-1))
 frames = tf2_ros.Buffer()
 kept.append(tf2_ros.TransformListener(frames))
 print("ready", flush=True)
