@@ -66,19 +66,18 @@ class LiveRun:
             failure = searches.read_failure(self.directory)
             state = self._name_state(run, searches, failure, targets)
             throughput = monitor.throughput
-            # The largest index may be ahead of the count, because evaluations are stored as they come.
             return {
                 "state": state,
                 "canPause": state in (STARTING, RUNNING, WRITING) and searches.can_pause(self.directory),
                 "canResume": state in (PAUSED, FAILED, FINISHED),
                 "done": status.done,
-                "extent": status.extent,
+                "extent": status.done,
                 "budget": status.budget,
                 "failed": status.failed,
                 "commonestFailure": (run.describe_failures() or {}).get("reason") if status.failed else None,
                 "disturbed": disturbed,
                 "compiling": [] if status.done else searches.read_compilation(self.directory),
-                "rate": throughput.recent(status.done) if state == RUNNING else None,
+                "rate": throughput.measure(status.done) if state == RUNNING else None,
                 "targets": targets,
                 "failure": failure,
                 "command": run.resume_command if state in (PAUSED, FAILED) else "",
