@@ -37,12 +37,17 @@ def mass_properties(body: Body) -> MassProperties:
     """
     hull, displaced = hull_moments(body), displaced_moments(body)
     core, (core_axial, core_transverse) = body.core, body.core.inertia
-    solids = [(hull, body.hull_density), (body.ballast, body.ballast_density)]
-    solids += [(solid_of_revolution(p.contour(p.filled)), p.density) for p in body.pockets]
-    mass = sum((solid.volume * density for solid, density in solids), core.mass)
-    cog = (sum(solid.first * density for solid, density in solids) + core.mass * core.cog) / mass
-    axial = sum((solid.polar * density for solid, density in solids), core_axial)
-    transverse = sum((solid.transverse * density for solid, density in solids), core_transverse)
+    ballast, density = body.ballast, body.ballast_density
+    putty = [(solid_of_revolution(pocket.contour(pocket.filled)), pocket.density) for pocket in body.pockets]
+    # In the order of earlier versions: another one changes the last digits of flights.
+    mass = hull.volume * body.hull_density + core.mass + ballast.volume * density
+    mass += sum(solid.volume * heavy for solid, heavy in putty)
+    first = hull.first * body.hull_density + ballast.first * density + core.mass * core.cog
+    cog = (first + sum(solid.first * heavy for solid, heavy in putty)) / mass
+    axial = hull.polar * body.hull_density + core_axial + ballast.polar * density
+    axial += sum(solid.polar * heavy for solid, heavy in putty)
+    transverse = hull.transverse * body.hull_density + core_transverse + ballast.transverse * density
+    transverse += sum(solid.transverse * heavy for solid, heavy in putty)
     transverse += core.mass * core.cog**2 - mass * cog**2
     return MassProperties(
         mass=mass,
