@@ -7,7 +7,7 @@ FILMS = "driftform-calibration/tests/test_calibrate_command.py"
 
 CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     # A body and its mass.
-    ("mass.py", "+ core.mass * core.cog) / mass", ") / mass", ("tests/agent",)),
+    ("mass.py", "* density + core.mass * core.cog\n", "* density\n", ("tests/agent",)),
     ("mass.py", "core.mass * core.cog**2 - mass * cog**2", "-mass * cog**2", ("tests/agent",)),
     ("mass_elements.py", "(mass * x - core.mass * core.cog) / hull", "mass * x / hull", ("tests/agent",)),
     ("mass_elements.py", "element.mass * (element.x - x) ** 2", "element.mass * element.x**2", ("tests/agent",)),

@@ -52,10 +52,19 @@ def test_two_pockets_share_the_putty_so_that_weight_and_balance_are_right(missin
 
 def test_trim_and_check_say_what_the_pockets_of_a_sealed_print_take(call):
     word = "-".join(["addF-tiltp-0-L-moveF"] * 5 + ["addB-tiltn-1-L-moveB"] * 3)
-    agent, fluid = (design := open_agent(word)).agent, design.scenario.fluid
-    given = (word, "--simulator", "native", "--net-weight", 1e3 * find_reading(agent, fluid, fluid.celsius) - 1.0)
+    setting = "builder.pockets.diameter=0.005"
+    agent, fluid = (design := open_agent(word, setting)).agent, design.scenario.fluid
+    given = (
+        word,
+        "--set",
+        setting,
+        "--simulator",
+        "native",
+        "--net-weight",
+        1e3 * find_reading(agent, fluid, fluid.celsius) - 1.0,
+    )
     facts = json.loads(call("trim", *given, "--json").stdout)
     assert facts["missing"] == pytest.approx(1e-3) and facts["rest"] == pytest.approx(0, abs=1e-9)
     assert facts["added"] == {} and facts["pockets"] and "trimmed" in facts["ends"]
     assert "g of tungsten putty into the pocket at the " in call("trim", *given).stdout
-    assert "changes the net weight by -" in call("check", word, "--no-programs").stdout
+    assert "changes the net weight by -" in call("check", word, "--set", setting, "--no-programs").stdout

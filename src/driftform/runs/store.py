@@ -282,7 +282,7 @@ class Store:
                     self._connection.execute(_INSERT, _row(record))
                     self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", scores)
                     found = json.dumps((dict(record.evaluation.measures), dict(record.evaluation.violations)))
-                    self._connection.execute("INSERT INTO measured VALUES (?, ?)", (record.index, found))
+                    self._connection.execute("INSERT OR REPLACE INTO measured VALUES (?, ?)", (record.index, found))
             rows = [
                 (flight.evaluation, flight.condition, target, value, *offset, flight.failure)
                 for flight in flights
