@@ -249,8 +249,8 @@ def evolve(
 
     Warns:
         UserWarning: before the first flight, of what is likely to be wrong with the study, such as targets out of
-            reach, as ``driftform scenarios check`` does; at the end, of evaluations that differ when they are flown again,
-            and of files that could not be written.
+            reach, as ``driftform scenarios check`` does; if nearly all of the first flights last to the horizon; at the end,
+            of evaluations that differ when they are flown again, and of files that could not be written.
     """
     if workers < 1:
         raise InputError(f"workers = {workers}: should be at least 1")

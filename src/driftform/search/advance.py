@@ -10,6 +10,7 @@ from driftform.runs.agent_file import StoredAgent
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
 from driftform.runs.versions import find_versions
+from driftform.search.early_warnings import FIRST, warn_of_rest
 from driftform.search.finalists import find_best_agent, fly_finalists
 from driftform.search.jobs import Executor
 from driftform.search.loop import run_search
@@ -122,8 +123,17 @@ def _search(run: StoredRun, store: Store, executor: Executor, observer: Observer
             if isinstance(scenario.flow, GridFlow):
                 raise InputError(f"{run.path}: {error}") from None
             # The flow in a tee of such a shape is not known; a flight says so.
+    first: list[Evaluation] = []
+
+    def record(record: Record) -> None:
+        observer.record(record)
+        if record.index < FIRST:
+            first.append(record.evaluation)
+            if len(first) == FIRST and (text := warn_of_rest(first, scenario.flight.horizon)):
+                observer.warn(text)
+
     with observer.open_search(store.count()):
-        run_search(run.study, store, executor, observer.record, observer.end_batch)
+        run_search(run.study, store, executor, record, observer.end_batch)
 
 
 def find_best(run: StoredRun, target: str) -> StoredAgent | None:
