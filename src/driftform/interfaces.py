@@ -390,7 +390,7 @@ class Exporter(Plugin[OptionsT_co]):
         """
 
     def describe_water(self, job: ExportJob) -> str:
-        """Return the part of the format that describes the forces of water, for ``driftform inspect --block``.
+        """Return the part of the format that describes the forces of water, for the option ``--block`` of ``driftform inspect``.
 
         Raises WorkFailedError if the format has none.
         """

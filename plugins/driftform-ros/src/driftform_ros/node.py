@@ -29,7 +29,7 @@ PATIENCE = 0.2
 ANSWER_S = 10.0
 """Longest time until a released agent flies, s."""
 
-SETTLE = 0.5
+SETTLE = 2.0
 """Time for waiting subscribers to find the topics, s."""
 
 CURRENT = "geometry_msgs/TwistStamped"
