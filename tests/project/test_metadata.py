@@ -111,6 +111,17 @@ def test_ci_runs_every_group_of_tests_that_is_not_slow(pytestconfig: pytest.Conf
         assert f"uv run pytest -m {selection}" in script
 
 
+def test_the_files_of_tests_that_ci_names_are_there() -> None:
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    named = [
+        f"{before}{name}{after}"
+        for before, names, after in re.findall(r"(\S+/test_)\{([\w,]+)\}(\.py)", script)
+        for name in names.split(",")
+    ]
+    assert len(named) > 10
+    assert [name for name in named if not (ROOT / name).is_file()] == []
+
+
 def test_a_release_is_published_without_a_stored_token() -> None:
     jobs = read_workflow("release.yml")["jobs"]
     assert any("uv build --all-packages" in step.get("run", "") for step in jobs["build"]["steps"])
