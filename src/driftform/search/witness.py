@@ -23,9 +23,6 @@ _NEAR = 20
 def find_difference(study: Study, store: Store, winners: Iterable[int]) -> str | None:
     """Return in one line which evaluations differ when they are flown again, ``None`` if none does.
 
-    A plugin that keeps something between evaluations, or draws random numbers of its own, gives results that depend on the
-    number of workers and on the moment of an interruption.
-
     Args:
         winners: evaluations that are flown again for certain.
     """
