@@ -239,8 +239,8 @@ def evolve(
         directory: where the run is written; see ``docs/dataflow.md`` for its files.
         workers: processes; the result does not depend on it.
         progress: whether the number of evaluations done is printed on stderr.
-        on_batch: called after each batch of the search, stored or new, with the index of its first evaluation and its
-            evaluations, as ``Strategy.tell`` is.
+        on_batch: called after each batch of the search, stored or new, with the arguments of ``Strategy.tell``: the index of
+            its first evaluation, and its evaluations.
 
     Raises:
         InputError: if the study has no targets, not even its smallest agent can be released, or the directory holds

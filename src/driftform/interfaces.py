@@ -343,10 +343,10 @@ class Strategy(Plugin[OptionsT_co]):
         """
 
     def can_ask_ahead(self) -> bool:
-        """Return whether :meth:`ask` may be called once more before :meth:`tell` receives the batch before.
+        """Return whether :meth:`ask` may be called again before :meth:`tell` has received the last batch.
 
         The workers of a run then evaluate one batch while the strategy learns from the other. It is asked after each
-        :meth:`ask` and :meth:`tell`, and the answer must follow from these calls. By default it is no.
+        :meth:`ask` and :meth:`tell`, and the answer must follow from these calls. The default is False.
         """
         return False
 
