@@ -8,14 +8,14 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform_robotics.options import FlightOptions
 from driftform_robotics.recording.messages import SECOND
-from driftform_robotics.recording.topics import FlightTopics, Topic, list_plumes
+from driftform_robotics.recording.topics import FlightTopics, Topic, Values, list_plumes, make_header
 from driftform_ros.currents import Current
 
 if TYPE_CHECKING:
@@ -138,8 +138,8 @@ class LiveNode:
             # Between flights time passes as it does outside, if nothing limits that of a flight.
             self._due += self._interval / self._rate if math.isfinite(self._rate) else self._interval
             if self._bus.has_clock:
-                now = self._bus.ros.make_time(round((self._clock + self._ticks * self._interval) * SECOND))
-                self._send("/clock", "rosgraph_msgs/Clock", self._bus.ros.make("rosgraph_msgs/Clock", clock=now))
+                now = round((self._clock + self._ticks * self._interval) * SECOND)
+                self._send("/clock", "rosgraph_msgs/Clock", {"clock": divmod(now, SECOND)})
             return
         self._due += self._interval / self._rate
         self._fly(self._ticks * self._interval)
@@ -181,13 +181,11 @@ class LiveNode:
         ahead = (self._due - at) * self._rate if math.isfinite(self._rate) else math.inf
         self._fly((self._ticks + 1) * self._interval - max(0.0, ahead))
         self._current = self._pending = current
-        ros, stamp = self._bus.ros, self._make_topics().stamps[0]
-        twist = ros.make_twist(np.array([*current, 0.0, 0.0, 0.0]))
-        message = ros.make_stamped(CURRENT, stamp, self._options.world, twist=twist)
-        self._send(f"{self._options.namespace}/current", CURRENT, message)
+        header = make_header(self._make_topics().stamps[0], self._options.world)
+        self._send(f"{self._options.namespace}/current", CURRENT, {"header": header, "twist": {"linear": current}})
 
-    def _send(self, topic: str, kind: str, message: Any) -> None:
-        self._bus.publish(topic, self._bus.ros.encode(kind, message))
+    def _send(self, topic: str, kind: str, values: Values) -> None:
+        self._bus.publish(topic, self._bus.ros.encode(kind, values))
 
     def _make_topics(self) -> FlightTopics:
         """Return the topics of the last sample of the flight."""
@@ -212,8 +210,8 @@ class LiveNode:
         for topic in self._list_topics(topics):
             if topic.latched == latched:
                 self._bus.advertise(topic.name, topic.kind, latched)
-                for _, message in topic.messages():
-                    self._send(topic.name, topic.kind, message)
+                for _, values in topic.messages():
+                    self._send(topic.name, topic.kind, values)
 
     def _answer(self, design: "Design", done: Future[float]) -> None:
         """Release an agent, and tell when, s."""

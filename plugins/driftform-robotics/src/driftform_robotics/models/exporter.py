@@ -14,7 +14,7 @@ from driftform.types import FloatArray, WrittenFile
 from driftform.util import files as writing
 from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.link import Link, describe_link, make_link
-from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolve_contour
+from driftform_robotics.models.meshes import Piece, convex_pieces, folds_back, obj_text, revolve_contour
 from driftform_robotics.models.pipe import Bore, list_bores, make_wall
 from driftform_robotics.models.text import make_identifier, render
 
@@ -79,6 +79,11 @@ class Model:
     def wall(self) -> Mesh | None:
         """The wall of the pipe, ``None`` in open water."""
         return make_wall(self.job.scenario.pipe)
+
+    @property
+    def folds_back(self) -> bool:
+        """True if the outline cannot be cut into convex pieces."""
+        return folds_back(self.job.agent.body.outer)
 
     @property
     def friction(self) -> float:

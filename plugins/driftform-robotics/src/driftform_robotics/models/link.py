@@ -1,15 +1,14 @@
 """ExportJob -> the link that all formats write, about the centre of gravity and along the body's axes, with its damping."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from driftform.interfaces import ExportJob
 from driftform.motion import forces
-from driftform.types import Agent, Body, FloatArray
-from driftform.water import Fluid, Scenario
-from driftform_robotics.models.meshes import folds_back
+from driftform.types import Agent, FloatArray
+from driftform.water import Fluid
+from driftform_robotics.models.text import list_lines
 
 LAGS = {"Gazebo Fortress": 1.0, "the UUV simulator": 0.3}
 """Programs that multiply added mass by an acceleration, and the weight of the previous step's in that."""
@@ -114,63 +113,13 @@ def move_to_mass(link: Link, mass: float, inertia: float, density: float) -> Lin
     )
 
 
-def warn_of_flow(scenario: Scenario) -> Iterator[str]:
-    """Warn if a uniform, steady current cannot represent the scenario's flow."""
-    flow = scenario.flow
-    if not scenario.pipe.is_open and scenario.pipe.straight is None:
-        yield (
-            f"The current in this file is the mean at the inlet, {flow.speed:g} m/s in one direction everywhere: it does not "
-            "turn with the pipe."
-        )
-    elif flow.kind != "uniform":
-        yield (
-            f"The flow '{flow.kind}' varies in space or time: the current in this file is its mean, "
-            f"{flow.speed:g} m/s along the pipe."
-        )
-    elif flow.acceleration:
-        yield f"The current's acceleration of {flow.acceleration:g} m/s2 is left out."
+def describe_link(name: str, link: Link, axes: str = "y to port, z up", is_fitted: bool = False) -> list[str]:
+    """Describe the reference of a link's numbers, and whether lagging added mass diverges.
 
-
-def warn_of_folding(body: Body) -> Iterator[str]:
-    """Warn if the outline cannot be cut into convex pieces."""
-    if folds_back(body.outer):
-        yield (
-            "The outline folds back along the axis: the hull collides as one piece, which most programs replace by its "
-            "convex hull."
-        )
-
-
-def warn_of_damping(link: Link) -> Iterator[str]:
-    """Warn if drag by strips was converted to quadratic damping."""
-    if link.drag_speed:
-        yield (
-            "Quadratic damping replaces drag by strips: it is equal for motion along one axis at "
-            f"{link.drag_speed:.3g} m/s, and smaller for motion along several axes at once."
-        )
-
-
-def warn_of_fit(link: Link) -> Iterator[str]:
-    """Warn if the terms of a program were fitted to drag by strips."""
-    if link.drag_speed:
-        yield (
-            "Drag and lift are fitted to the forces along the first 5 s of driftform's flight in open water: export again for "
-            "another release."
-        )
-
-
-def describe_link(name: str, link: Link, axes: str = "y to port, z up") -> list[str]:
-    """Describe the reference of a link's numbers, and whether lagging added mass diverges."""
-    ratio = link.added_mass_ratio
-    verdicts = [
-        f"{'DIVERGES' if ratio >= find_limit(smoothing) else 'is stable'} in {program}"
-        for program, smoothing in LAGS.items()
-    ]
-    return [
-        f"The agent {name} of driftform in water: SI units, about its centre of gravity, with x forward along the axis, {axes}.",
-        f"The added mass is at most {ratio:.3g} times the own mass. Solved together with the mass it is stable; multiplied by "
-        f"the acceleration of the previous step it {', and '.join(verdicts)}.",
-        *warn_of_damping(link),
-    ]
+    ``is_fitted`` is whether the terms of a program were fitted to drag by strips.
+    """
+    limits = {program: find_limit(smoothing) for program, smoothing in LAGS.items()}
+    return list_lines("link.txt", name=name, link=link, axes=axes, limits=limits, is_fitted=is_fitted)
 
 
 def find_limit(smoothing: float) -> float:
@@ -180,17 +129,6 @@ def find_limit(smoothing: float) -> float:
     mass is lambda multiplies a by 1 - s - s lambda in every step: it diverges for lambda >= 2/s - 1.
     """
     return 2 / smoothing - 1
-
-
-def warn_of_divergence(link: Link, smoothing: float) -> Iterator[str]:
-    """Warn if added mass times the acceleration of the previous step diverges."""
-    limit = find_limit(smoothing)
-    if link.added_mass_ratio >= limit:
-        yield (
-            "UNSTABLE: this simulator multiplies the added mass by the acceleration of the previous step, which diverges "
-            f"for any step if the added mass is {limit:.2f} times the agent's own mass or more; "
-            f"here it is {link.added_mass_ratio:.2f} times."
-        )
 
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:

@@ -14,9 +14,9 @@ from driftform.types import FloatArray
 from driftform_robotics.models.ellipsoid import added_mass, fit_ellipsoids
 from driftform_robotics.models.exporter import PIPE, Model, ModelExporter, ModelOptions
 from driftform_robotics.models.gap import COMMON_STEP, Reader, coriolis_products, measure_gap
-from driftform_robotics.models.link import Link, move_to_mass, warn_of_fit, warn_of_flow, warn_of_folding
+from driftform_robotics.models.link import move_to_mass
 from driftform_robotics.models.meshes import obj_text
-from driftform_robotics.models.text import render
+from driftform_robotics.models.text import list_lines, render
 
 SHARE = 0.9
 """Share of the least added mass that is in the mass of the file; the ellipsoid has the rest."""
@@ -45,7 +45,7 @@ class MjcfExporter(ModelExporter[ModelOptions]):
         link = move_to_mass(model.link, mass, 0.5 * float(own[4, 4] + own[5, 5]), fluid.density)
         ellipsoids = fit_ellipsoids(model.job, link)
         gap = measure_gap(read_mujoco(ellipsoids, fluid.density), model.job, link, step)
-        warnings = [gap.describe(), *_list_warnings(model, link)]
+        warnings = [gap.describe(), *list_lines("mujoco/warnings.txt", model=model, link=link)]
         agent = render(
             "mujoco/agent.xml",
             model=replace(model, link=link),
@@ -70,20 +70,3 @@ def read_mujoco(ellipsoids: FloatArray, density: float) -> Reader:
     for a, b, x, *_ in ellipsoids.tolist():
         products[1] += coriolis_products(added_mass(a, b, x, density))
     return Reader("MuJoCo", none, none, products, density, ellipsoids=ellipsoids, is_checked=True)
-
-
-def _list_warnings(model: Model, link: Link) -> list[str]:
-    along, across = (1 + model.link.added_mass[i, i] / model.link.mass for i in (0, 1))
-    moved = link.mass / model.link.mass
-    found = [
-        "MuJoCo ignores the inertia of added mass: a part of it is in the mass of this file, which is "
-        f"{moved:.3g} times the agent's own, where {along:.3g} times would be right along the axis, and {across:.3g} across it.",
-        *warn_of_fit(model.link),
-        *warn_of_folding(model.job.agent.body),
-        *warn_of_flow(model.job.scenario),
-    ]
-    if link.linear_damping.any():
-        found.append("Linear damping is left out: MuJoCo's linear damping is that of a sphere, from viscosity.")
-    if model.job.scenario.fluid.water_level is not None:
-        found.append("MuJoCo has no water surface: the water is everywhere.")
-    return found

@@ -16,17 +16,10 @@ from driftform.water import Scenario
 from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions
 from driftform_robotics.models.fitting import fit_products
 from driftform_robotics.models.gap import Gap, Reader, coriolis_products, measure_gap
-from driftform_robotics.models.link import (
-    describe_link,
-    move_to_mass,
-    warn_of_divergence,
-    warn_of_fit,
-    warn_of_flow,
-    warn_of_folding,
-)
+from driftform_robotics.models.link import describe_link, move_to_mass
 from driftform_robotics.models.meshes import obj_text
 from driftform_robotics.models.ros2 import make_package
-from driftform_robotics.models.text import render
+from driftform_robotics.models.text import list_lines, render
 
 WORLD = "driftform"
 """Name of the world in Gazebo."""
@@ -95,7 +88,7 @@ class SdfExporter(ModelExporter[SdfOptions]):
             mass = 0.0 if model.job.scenario.fluid.water_level is not None else 0.7 * float(own[:3].max())
             model = replace(model, link=move_to_mass(model.link, mass, 0.35 * float(own[4] + own[5]), density))
             products[1] += coriolis_products(model.link.added_mass)
-        notes = [*describe_link(model.job.name, model.link)[:2], *warn_of_fit(model.link)]
+        notes = describe_link(model.job.name, model.link, is_fitted=True)
         return {"gazebo": gazebo, "model": model, "products": products, "notes": notes}
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
@@ -104,7 +97,7 @@ class SdfExporter(ModelExporter[SdfOptions]):
         water = self.list_values(model)
         gazebo, model, products = water["gazebo"], water["model"], water["products"]
         gap = _measure_gap(model, gazebo, products, "world.sdf", self.options.step)
-        warnings = [gap.describe(), *_list_warnings(model, gazebo, PUSH)]
+        warnings = [gap.describe(), *_list_warnings(model, gazebo, PUSH, scenario)]
         body, slices = model.job.agent.body, list[tuple[float, float]]()
         if scenario.fluid.water_level is not None:
             # x (m) and volume (m3) of slices of the hull, which spheres replace.
@@ -128,7 +121,7 @@ class SdfExporter(ModelExporter[SdfOptions]):
             drifting = _move_to_water_frame(model)
             gap = _measure_gap(drifting, gazebo, products, "drift.sdf", self.options.step)
             warnings.insert(0, gap.describe())
-            adrift = [gap.describe(), *warn_of_flow(scenario), *_list_warnings(drifting, gazebo, PUSH_DRIFT)]
+            adrift = [gap.describe(), *_list_warnings(drifting, gazebo, PUSH_DRIFT, scenario)]
             values = {**values, "model": drifting, "passing": -scenario.current(), "step": gap.step}
             files["drift.sdf"] = render("gazebo/world.sdf", **values, warnings=adrift)
             if drifting.link.velocity.any():
@@ -164,27 +157,11 @@ def _measure_gap(model: Model, gazebo: _Gazebo, products: FloatArray, world: str
     return measure_gap(reader, model.job, link, step)
 
 
-def _list_warnings(model: Model, gazebo: _Gazebo, push: str) -> list[str]:
-    link, found = model.link, [*warn_of_folding(model.job.agent.body), *warn_of_flow(model.job.scenario)]
-    found += warn_of_fit(link)
-    if not gazebo.solves_added_mass:
-        found.append(
-            f"Mass and inertia have a part of the added mass: {link.mass - model.job.agent.mass.mass:.3g} kg, whose weight "
-            "a sphere without collision carries. Gazebo 6.14 is the oldest that reads the damping; before 6.18 it jerks an "
-            "agent in a current at its first step: use drift.sdf there."
-        )
-        found += warn_of_divergence(link, 1.0)
-    elif model.job.scenario.current().any():
-        found.append(
-            "In a current Gazebo lacks the force -M_A (w x u) on an agent that rotates at w, where u is the current in "
-            "body axes; gz-sim before April 2026 computes the Coriolis forces of added mass from the speed over ground."
-        )
-        if _is_straight(model.job.scenario):
-            found[-1] += " drift.sdf is the same world in the frame of the water, where neither error occurs."
-    if link.velocity.any():
-        world = "world.sdf" if push == PUSH else "drift.sdf"
-        found.append(f"Run {push} before you press play in {world}: SDF cannot hold the velocity of the release.")
-    return found
+def _list_warnings(model: Model, gazebo: _Gazebo, push: str, flown: Scenario) -> list[str]:
+    """Return warnings about a model, which is that of a scenario or adrift in its current."""
+    world = {PUSH: "world.sdf", PUSH_DRIFT: "drift.sdf"}[push]
+    values = {"model": model, "gazebo": gazebo, "push": push, "world": world, "flown": flown}
+    return list_lines("gazebo/warnings.txt", **values, is_straight=_is_straight(flown))
 
 
 def _make_package(model: Model, gazebo: _Gazebo, files: dict[str, str], warnings: list[str]) -> dict[str, str]:

@@ -38,6 +38,11 @@ def render(template: str, **values: Any) -> str:
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
+def list_lines(template: str, **values: Any) -> list[str]:
+    """Return the lines of a template, such as warnings, without empty ones."""
+    return list(filter(None, render(template, **values).splitlines()))
+
+
 def _is_xml(template: str | None) -> bool:
     return template is not None and not template.endswith(_PLAIN)
 

@@ -7,9 +7,8 @@ from typing import Any, ClassVar
 
 from driftform.interfaces import Table, option
 from driftform_robotics.models.exporter import HULL, Model, ModelExporter
-from driftform_robotics.models.link import warn_of_folding
 from driftform_robotics.models.ros2 import make_package
-from driftform_robotics.models.text import render
+from driftform_robotics.models.text import list_lines, render
 
 
 class UrdfOptions(Table):
@@ -35,7 +34,7 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
         """Return ``agent.urdf`` and the files of a ROS 2 package, and the warnings."""
         package = f"{model.title}_description"
-        warnings = ["The agent falls in this file: URDF knows no water.", *warn_of_folding(model.job.agent.body)]
+        warnings = list_lines("urdf/warnings.txt", model=model)
         values: dict[str, Any] = {"model": model, "warnings": warnings}
         floating = self.options.floating
         files = {"agent.urdf": render("urdf/agent.urdf", **values, package=package, floating=floating)}

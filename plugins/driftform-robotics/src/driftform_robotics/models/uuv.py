@@ -15,8 +15,8 @@ from driftform.interfaces import Table, option
 from driftform.types import FloatArray
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions, WaterOptions
 from driftform_robotics.models.gap import measure_gap, read_link
-from driftform_robotics.models.link import LAGS, warn_of_damping, warn_of_divergence, warn_of_flow, warn_of_folding
-from driftform_robotics.models.text import render, roll_pitch_yaw
+from driftform_robotics.models.link import LAGS, find_limit
+from driftform_robotics.models.text import list_lines, render, roll_pitch_yaw
 
 SMOOTHING = LAGS["the UUV simulator"]
 """Weight of the newest acceleration (``ComputeAcc`` in HydrodynamicModel.cc)."""
@@ -74,7 +74,6 @@ class UuvExporter(ModelExporter[UuvOptions]):
         values = {
             **self.list_values(model),
             "warnings": warnings,
-            "flow": list(warn_of_flow(scenario)),
             "offset": offset,
             "step": gap.step,
             "angles": roll_pitch_yaw(link.rotation),
@@ -90,18 +89,12 @@ class UuvExporter(ModelExporter[UuvOptions]):
 
 
 def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
-    scenario, body, link = model.job.scenario, model.job.agent.body, model.link
-    found = [
-        *warn_of_divergence(link, SMOOTHING),
-        *warn_of_folding(body),
-        *warn_of_flow(scenario),
-        *warn_of_damping(link),
+    axes = [
+        axis for placed in model.job.scenario.pipe.layout.parts for axis in placed.part.list_axes(placed.part.length)
     ]
-    axes = [axis for placed in scenario.pipe.layout.parts for axis in placed.part.list_axes(placed.part.length)]
-    top = max((float((axis.points[:, 2] + axis.radii).max()) for axis in axes), default=-np.inf)
-    if scenario.fluid.water_level is None and top + offset[2] >= 0:
-        found.append(f"The pipe rises {top + offset[2]:.3g} m above the water: set a larger depth.")
+    top = max((float((axis.points[:, 2] + axis.radii).max()) for axis in axes), default=-np.inf) + offset[2]
     damping = model.link.quadratic_damping
-    if np.abs(damping - np.diag(np.diag(damping))).max() > 1e-12 * np.abs(damping).max():
-        found.append("The simulator uses only the diagonal of the quadratic damping.")
-    return found
+    across = np.abs(damping - np.diag(np.diag(damping))).max()
+    is_diagonal = across <= 1e-12 * np.abs(damping).max()
+    limit = find_limit(SMOOTHING)
+    return list_lines("uuv/warnings.txt", model=model, top=top, limit=limit, is_diagonal=is_diagonal)

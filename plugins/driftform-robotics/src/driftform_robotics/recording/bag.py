@@ -1,7 +1,8 @@
 """Topics -> a bag of ROS 2, which is a folder with the messages and ``metadata.yaml``, or of ROS 1, which is a file."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from heapq import merge
+from itertools import repeat
 from pathlib import Path
 from typing import Any, Literal
 
@@ -39,25 +40,18 @@ def write_bag(
             writer.set_custom_data(key, text)
     counts = dict.fromkeys((topic.name for topic in topics), 0)
     with writer:
-        connections = []
+        streams = []
         for topic in topics:
             kind, latched = full_name(topic.kind), topic.latched
             more: dict[str, Any] = (
                 {"latching": int(latched)} if storage is None else {"offered_qos_profiles": [_make_qos(latched)]}
             )
-            connections.append(writer.add_connection(topic.name, kind, typestore=ros.store, **more))
-        streams = [_number_messages(place, topic) for place, topic in enumerate(topics)]
-        for stamp, place, message in merge(*streams, key=lambda item: item[:2]):
-            topic = topics[place]
-            writer.write(connections[place], stamp, ros.encode(topic.kind, message))
+            connection = writer.add_connection(topic.name, kind, typestore=ros.store, **more)
+            streams.append(zip(repeat(topic), repeat(connection), topic.messages()))
+        for topic, connection, (stamp, values) in merge(*streams, key=lambda item: item[2][0]):
+            writer.write(connection, stamp, ros.encode(topic.kind, values))
             counts[topic.name] += 1
     return counts
-
-
-def _number_messages(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
-    """Yield the time, the index of the topic, and the message."""
-    for stamp, message in topic.messages():
-        yield stamp, place, message
 
 
 def _make_qos(latched: bool) -> Qos:

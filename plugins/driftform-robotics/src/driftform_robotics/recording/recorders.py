@@ -96,9 +96,10 @@ def _write_bag(
 ) -> dict[str, object]:
     """Write a bag of ROS 2 with this storage, or of ROS 1 without one; return its facts."""
     from driftform_robotics.recording.bag import write_bag
+    from driftform_robotics.recording.messages import make_messages
     from driftform_robotics.recording.topics import FlightTopics
 
-    found = FlightTopics(job, trajectory, options)
+    ros = make_messages(options.release if isinstance(options, Ros2Options) else None)
     notes = {"agent": job.name, "end": str(trajectory.end), "document": json.dumps(job.document)}
-    counts = write_bag(path, found.list_topics(), found.ros, storage, notes)
+    counts = write_bag(path, FlightTopics(job, trajectory, options).list_topics(), ros, storage, notes)
     return {"messages": sum(counts.values()), "duration": float(trajectory.t[-1]), "topics": counts}

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from driftform.water import Scenario, field
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.models.pipe import list_bores
-from driftform_robotics.options import FlightOptions, Ros2Options
+from driftform_robotics.options import FlightOptions
 from driftform_robotics.plume import Plume, make_plume
-from driftform_robotics.recording.messages import SECOND, make_messages
+from driftform_robotics.recording.messages import SECOND
 
 ON_WALL = 0.01
 """Largest distance of a leak from the wall, relative to the bore's radius: such targets are leaks."""
@@ -25,6 +25,16 @@ SEGMENTS = 24
 """Corners of the circles of the agent's marker."""
 
 GREY, ORANGE, VERMILLION = (0.6, 0.65, 0.7, 0.15), (0.9, 0.6, 0.0, 1.0), (0.84, 0.37, 0.0, 0.9)
+
+
+CYLINDER, SPHERE, TEXT, TRIANGLES = 3, 2, 9, 11
+"""Types of markers, as ``visualization_msgs/Marker`` has them."""
+
+LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
+"""No rotation, in the order of ROS: x, y, z, w."""
+
+Values: TypeAlias = dict[str, Any]
+"""Fields of a message; see :meth:`~driftform_robotics.recording.messages.Messages.encode`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +46,7 @@ class Topic:
 
     name: str
     kind: str
-    messages: Callable[[], Iterator[tuple[int, Any]]]
+    messages: Callable[[], Iterator[tuple[int, Values]]]
     latched: bool = False
 
 
@@ -56,8 +66,8 @@ class FlightTopics:
     ) -> None:
         self.job, self.trajectory, self.options, self.part = job, trajectory, options, part
         self.plumes = list_plumes(job.scenario, options) if plumes is None else plumes
-        self.ros = make_messages(options.release if isinstance(options, Ros2Options) else None)
         self.stamps = [round(options.start * SECOND) + round(float(t) * SECOND) for t in trajectory.t]
+        self.turns = np.roll(trajectory.quaternion, -1, axis=1)
         self.world, self.base = options.world, f"{options.namespace}/base_link"
         # By REP 105 the pose is in a frame of the agent's own, which is where the map is.
         self.parent = f"{options.namespace}/odom" if options.rep105 else self.world
@@ -99,58 +109,50 @@ class FlightTopics:
         # The noise of a sensor does not depend on the other sensors.
         return np.random.default_rng((self.options.seed, sensor, self.part))
 
-    def _make_transform(self, stamp: int, parent: str, child: str, place: FloatArray, turned: FloatArray) -> Any:
-        moved = {"translation": self.ros.make_vector(place), "rotation": self.ros.make_quaternion(turned)}
-        transform = self.ros.make("geometry_msgs/Transform", **moved)
-        kind = "geometry_msgs/TransformStamped"
-        return self.ros.make_stamped(kind, stamp, parent, child_frame_id=child, transform=transform)
-
     def _list_poses(self) -> Iterator[tuple[int, FloatArray, FloatArray]]:
-        return zip(self.stamps, self.trajectory.position, self.trajectory.quaternion, strict=True)
+        return zip(self.stamps, self.trajectory.position, self.turns, strict=True)
 
-    def _make_clock(self) -> Iterator[tuple[int, Any]]:
+    def _make_clock(self) -> Iterator[tuple[int, Values]]:
         for stamp in self.stamps:
-            yield stamp, self.ros.make("rosgraph_msgs/Clock", clock=self.ros.make_time(stamp))
+            yield stamp, {"clock": divmod(stamp, SECOND)}
 
-    def _make_tf(self) -> Iterator[tuple[int, Any]]:
+    def _make_tf(self) -> Iterator[tuple[int, Values]]:
         for stamp, place, turned in self._list_poses():
-            moved = self._make_transform(stamp, self.parent, self.base, place, turned)
-            yield stamp, self.ros.make("tf2_msgs/TFMessage", transforms=[moved])
+            yield stamp, {"transforms": [make_transform(stamp, self.parent, self.base, place, turned)]}
 
-    def _make_static_tf(self) -> Iterator[tuple[int, Any]]:
-        mass, straight = self.job.agent.mass, np.array([1.0, 0.0, 0.0, 0.0])
+    def _make_static_tf(self) -> Iterator[tuple[int, Values]]:
+        mass, stamp = self.job.agent.mass, self.stamps[0]
         points = {"cog": mass.cog, "cob": mass.cob, "sensors": np.array(self.options.sensor)}
         fixed = [
-            self._make_transform(self.stamps[0], self.base, f"{self.options.namespace}/{name}", point, straight)
+            make_transform(stamp, self.base, f"{self.options.namespace}/{name}", point, LEVEL)
             for name, point in points.items()
         ]
         if self.parent != self.world:
-            fixed.append(self._make_transform(self.stamps[0], self.world, self.parent, np.zeros(3), straight))
-        yield self.stamps[0], self.ros.make("tf2_msgs/TFMessage", transforms=fixed)
+            fixed.append(make_transform(stamp, self.world, self.parent, np.zeros(3), LEVEL))
+        yield stamp, {"transforms": fixed}
 
-    def _make_odometry(self) -> Iterator[tuple[int, Any]]:
-        flight = self.trajectory
-        samples = zip(self.stamps, flight.position, flight.quaternion, flight.velocity, strict=True)
-        for stamp, place, turned, velocity in samples:
-            pose = self.ros.make("geometry_msgs/PoseWithCovariance", pose=self.ros.make_pose(place, turned))
-            twist = self.ros.make("geometry_msgs/TwistWithCovariance", twist=self.ros.make_twist(velocity))
-            state = {"child_frame_id": self.base, "pose": pose, "twist": twist}
-            yield stamp, self.ros.make_stamped("nav_msgs/Odometry", stamp, self.parent, **state)
+    def _make_odometry(self) -> Iterator[tuple[int, Values]]:
+        for (stamp, *pose), velocity in zip(self._list_poses(), self.trajectory.velocity, strict=True):
+            yield (
+                stamp,
+                {
+                    "header": make_header(stamp, self.parent),
+                    "child_frame_id": self.base,
+                    "pose": {"pose": pose},
+                    "twist": {"twist": np.split(velocity, 2)},
+                },
+            )
 
-    def _make_path(self) -> Iterator[tuple[int, Any]]:
-        make, kind = self.ros.make_stamped, "geometry_msgs/PoseStamped"
-        poses = [make(kind, stamp, self.parent, pose=self.ros.make_pose(*pose)) for stamp, *pose in self._list_poses()]
-        yield self.stamps[0], make("nav_msgs/Path", self.stamps[0], self.parent, poses=poses)
+    def _make_path(self) -> Iterator[tuple[int, Values]]:
+        poses = [{"header": make_header(stamp, self.parent), "pose": pose} for stamp, *pose in self._list_poses()]
+        yield self.stamps[0], {"header": make_header(self.stamps[0], self.parent), "poses": poses}
 
-    def _make_wrenches(self) -> Iterator[tuple[int, Any]]:
+    def _make_wrenches(self) -> Iterator[tuple[int, Values]]:
         found = path.net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
         for stamp, values in zip(self.stamps, found, strict=True):
-            force, torque = self.ros.make_vector(values[:3]), self.ros.make_vector(values[3:])
-            wrench = self.ros.make("geometry_msgs/Wrench", force=force, torque=torque)
-            frame = f"{self.options.namespace}/cog"
-            yield stamp, self.ros.make_stamped("geometry_msgs/WrenchStamped", stamp, frame, wrench=wrench)
+            yield stamp, {"header": make_header(stamp, f"{self.options.namespace}/cog"), "wrench": np.split(values, 2)}
 
-    def _make_imu(self) -> Iterator[tuple[int, Any]]:
+    def _make_imu(self) -> Iterator[tuple[int, Values]]:
         options, rng = self.options, self._make_rng(0)
         gravity = self.job.scenario.fluid.gravity
         force = sensors.specific_force(self.trajectory, self.accelerations, np.array(options.sensor), gravity)
@@ -160,98 +162,76 @@ class FlightTopics:
             "linear_acceleration_covariance": (options.acceleration_noise**2 * np.eye(3)).ravel(),
             "angular_velocity_covariance": (options.rate_noise**2 * np.eye(3)).ravel(),
         }
-        for stamp, turned, f, w in zip(self.stamps, self.trajectory.quaternion, force, rates, strict=True):
-            given = {"angular_velocity": self.ros.make_vector(w), "linear_acceleration": self.ros.make_vector(f)}
-            given |= {"header": self._make_sensor_header(stamp), "orientation": self.ros.make_quaternion(turned)}
-            yield stamp, self.ros.make("sensor_msgs/Imu", **given, **covariances)
+        for stamp, turned, f, w in zip(self.stamps, self.turns, force, rates, strict=True):
+            given = {"orientation": turned, "angular_velocity": w, "linear_acceleration": f}
+            yield stamp, {"header": self._make_sensor_header(stamp), **given, **covariances}
 
-    def _make_pressures(self) -> Iterator[tuple[int, Any]]:
+    def _make_pressures(self) -> Iterator[tuple[int, Values]]:
         scenario, options = self.job.scenario, self.options
         surface = sensors.surface_height(scenario)
         found = sensors.pressure(self.sensor_positions[:, 2], surface, scenario.fluid, options.atmosphere)
-        return self._make_readings("sensor_msgs/FluidPressure", "fluid_pressure", found, options.pressure_noise, 1)
+        return self._make_readings("fluid_pressure", found, options.pressure_noise, 1)
 
-    def _make_ranges(self) -> Iterator[tuple[int, Any]]:
+    def _make_ranges(self) -> Iterator[tuple[int, Values]]:
         scenario, noise = self.job.scenario, self.options.distance_noise
         found = np.maximum(field.wall_distance(self.sensor_positions, scenario), 0.0)
         # All directions: the distance is that of the nearest point of the wall.
         seen = {"field_of_view": 2 * np.pi, "max_range": scenario.pipe.layout.inlet.radius}
-        return self._make_readings("sensor_msgs/Range", "range", found, noise, 2, **seen)
+        return self._make_readings("range", found, noise, 2, **seen)
 
-    def _make_clearances(self) -> Iterator[tuple[int, Any]]:
+    def _make_clearances(self) -> Iterator[tuple[int, Values]]:
         found = path.wall_clearances(self.trajectory, self.job.scenario, self.job.agent)
-        return self._make_readings("std_msgs/Float64", "data", found, self.options.distance_noise, 3)
+        return self._make_readings("data", found, self.options.distance_noise, 3)
 
-    def _make_concentrations(self) -> Iterator[tuple[int, Any]]:
+    def _make_concentrations(self) -> Iterator[tuple[int, Values]]:
         found = np.sum([plume.concentration(self.sensor_positions) for plume in self.plumes], axis=0)
-        return self._make_readings("std_msgs/Float64", "data", found, self.options.concentration_noise, 4)
+        return self._make_readings("data", found, self.options.concentration_noise, 4)
 
     def _make_readings(
-        self, kind: str, field: str, values: FloatArray, noise: float, sensor: int, **more: float
-    ) -> Iterator[tuple[int, Any]]:
+        self, field: str, values: FloatArray, noise: float, sensor: int, **more: float
+    ) -> Iterator[tuple[int, Values]]:
         """Yield a reading with noise in a ``field`` of each message, with a header and its variance if the kind has them."""
         readings = sensors.add_noise(values, noise, self._make_rng(sensor))
         for stamp, value in zip(self.stamps, readings.tolist(), strict=True):
-            given = {field: value, "variance": noise**2, **more}
-            yield stamp, self.ros.make(kind, header=self._make_sensor_header(stamp), **given)
+            yield stamp, {"header": self._make_sensor_header(stamp), field: value, "variance": noise**2, **more}
 
-    def _make_sensor_header(self, stamp: int) -> Any:
-        return self.ros.make_header(stamp, f"{self.options.namespace}/sensors")
+    def _make_sensor_header(self, stamp: int) -> Values:
+        return make_header(stamp, f"{self.options.namespace}/sensors")
 
-    def _make_markers(self) -> Iterator[tuple[int, Any]]:
+    def _make_markers(self) -> Iterator[tuple[int, Values]]:
         from scipy.spatial.transform import Rotation
 
-        scenario, stamp, found = self.job.scenario, self.stamps[0], []
+        scenario, stamp, found = self.job.scenario, self.stamps[0], list[Values]()
+
+        def mark(group: str, shape: int, colour: tuple[float, ...], pose: Any, size: FloatArray, **more: Any) -> None:
+            header = make_header(stamp, self.base if shape == TRIANGLES else self.world)
+            marker = {"header": header, "ns": group, "id": len(found), "type": shape, "frame_locked": True}
+            found.append({**marker, "pose": pose, "scale": size, "color": colour, **more})
+
         for bore in list_bores(scenario.pipe):
             # The axis of a cylinder is its z, and that of a bore its x.
             turned = Rotation.from_matrix(bore.rotation[:, [1, 2, 0]]).as_quat()
-            pose = self.ros.make_pose(bore.position, np.roll(turned, 1))
             size = np.array([2 * bore.radius, 2 * bore.radius, bore.length])
-            found.append(self._make_marker(stamp, "pipe", "CYLINDER", GREY, pose=pose, size=size))
-        straight = np.array([1.0, 0.0, 0.0, 0.0])
-        small = 0.05 * (1.0 if scenario.pipe.is_open else scenario.pipe.layout.narrowest)
+            mark("pipe", CYLINDER, GREY, (bore.position, turned), size)
+        size = np.full(3, 0.05 * (1.0 if scenario.pipe.is_open else scenario.pipe.layout.narrowest))
         for name, point in scenario.target_points().items():
-            size = np.full(3, small)
-            pose = self.ros.make_pose(np.array(point), straight)
-            found.append(self._make_marker(stamp, "targets", "SPHERE", VERMILLION, pose=pose, size=size))
-            above = self.ros.make_pose(np.add(point, [0.0, 0.0, 1.2 * size[2]]), straight)
-            shown = {"pose": above, "size": size, "text": name}
-            found.append(self._make_marker(stamp, "names", "TEXT_VIEW_FACING", VERMILLION, **shown))
+            mark("targets", SPHERE, VERMILLION, (point, LEVEL), size)
+            above = np.add(point, [0.0, 0.0, 1.2 * size[2]])
+            mark("names", TEXT, VERMILLION, (above, LEVEL), size, text=name)
         mesh = revolve_contour(self.job.agent.body.outer, SEGMENTS)
         corners = mesh.vertices[mesh.triangles.ravel()]
-        points = [self.ros.make_vector(corner, "geometry_msgs/Point") for corner in corners]
-        place = {"pose": self.ros.make_pose(np.zeros(3), straight), "size": np.ones(3), "frame": self.base}
-        found.append(self._make_marker(stamp, "agent", "TRIANGLE_LIST", ORANGE, **place, points=points))
-        for number, marker in enumerate(found):
-            marker.id = number
-        yield stamp, self.ros.make("visualization_msgs/MarkerArray", markers=found)
+        mark("agent", TRIANGLES, ORANGE, (np.zeros(3), LEVEL), np.ones(3), points=corners)
+        yield stamp, {"markers": found}
 
-    def _make_marker(
-        self,
-        stamp: int,
-        group: str,
-        shape: Literal["CYLINDER", "SPHERE", "TEXT_VIEW_FACING", "TRIANGLE_LIST"],
-        colour: tuple[float, float, float, float],
-        *,
-        pose: Any,
-        size: FloatArray,
-        frame: str = "",
-        **more: Any,
-    ) -> Any:
-        r, g, b, a = colour
-        kind: Any = self.ros.store.types["visualization_msgs/msg/Marker"]
-        return self.ros.make(
-            "visualization_msgs/Marker",
-            header=self.ros.make_header(stamp, frame or self.world),
-            ns=group,
-            type=getattr(kind, shape),
-            action=kind.ADD,
-            pose=pose,
-            scale=self.ros.make_vector(size),
-            color=self.ros.make("std_msgs/ColorRGBA", r=r, g=g, b=b, a=a),
-            frame_locked=True,
-            **more,
-        )
+
+def make_header(stamp: int, frame: str) -> Values:
+    """Return a header; ``stamp`` is in ns."""
+    return {"stamp": divmod(stamp, SECOND), "frame_id": frame}
+
+
+def make_transform(stamp: int, parent: str, child: str, place: FloatArray, turned: FloatArray) -> Values:
+    """Return a transform with a header; ``turned`` is in the order of ROS."""
+    return {"header": make_header(stamp, parent), "child_frame_id": child, "transform": (place, turned)}
 
 
 def list_plumes(scenario: Scenario, options: FlightOptions) -> list[Plume]:
