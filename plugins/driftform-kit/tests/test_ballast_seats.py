@@ -19,7 +19,6 @@ from driftform_frusta.kit_options import LEAD, PartOptions
 from driftform_frusta.parts import make_parts, settle_ballast
 from driftform_kit.cutting.accounting import kit_mass, place_ballast
 from driftform_kit.cutting.pieces import make_kit
-from driftform_kit.cutting.upright import overhang_area
 
 NOTHING = 1e-3  # mm3
 
@@ -151,7 +150,7 @@ def test_a_seat_of_ballast_needs_no_support():
     plain, made = make_kit(body, PartOptions(kit=True)), Held(body, 0.045, 0.008)
     for before, after in zip(plain.pieces, made.kit.pieces, strict=True):
         assert after.fore_down == before.fore_down
-        overhang = overhang_area(after.rings, after.fore_down) - overhang_area(before.rings, before.fore_down)
+        overhang = after.overhang - before.overhang
         # The rim of the seat, one line wide, which begins in the air as that of the core does.
         assert overhang < 2 * math.pi * 4 * 1.3
 

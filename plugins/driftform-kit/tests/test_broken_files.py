@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import trimesh
+from prints import mesh_xml, write_3mf
 
 from driftform.design.design import Design
 from driftform.design.opening import open_agent
@@ -169,6 +170,33 @@ def test_shells_that_pass_through_one_another(check_mesh: CheckMesh, written: Wr
     both = trimesh.util.concatenate([one, other])
     found = check_mesh(written(both.vertices, both.faces))
     assert found["shells"].state is State.FAIL and "intersect" in found["shells"].detail
+
+
+def test_parts_that_overlap_on_a_plate_fail_by_their_names(check_mesh: CheckMesh, tmp_path: Path) -> None:
+    block = trimesh.creation.box((20, 20, 20))
+    objects = "".join(
+        f'<object id="{n}" name="block {n}">{mesh_xml(block.vertices, block.faces)}</object>' for n in "12"
+    )
+    for shift, state in ((25, State.PASS), (20, State.PASS), (15, State.FAIL), (0, State.FAIL)):
+        items = f'<item objectid="1"/><item objectid="2" transform="1 0 0 0 1 0 0 0 1 {shift} 0 0"/>'
+        found = check_mesh(write_3mf(tmp_path / f"{shift}.3mf", objects, items))["overlap"]
+        assert found.state is state
+        assert state is State.PASS or f"block 1 and block 2 by {8 - 0.4 * shift:g} cm3" in found.detail
+
+
+def test_parts_of_a_kit_stand_as_check_would_place_them(check_mesh: CheckMesh, tmp_path: Path) -> None:
+    # Its aft shell overhangs less with its fore end on the bed, but would come off it.
+    design = open_agent(
+        "C: addF-tiltp-0-M-moveB-addF-tiltn-2-L-moveB-addB-tiltp-0-L-moveB | "
+        "S: addF-tiltp-0-L-moveF-addF-tiltn-2-L-moveN-addB-tiltn-0-S-moveN | "
+        "M: addB-tiltp-2-S-moveN-addB-tiltp-1-S-moveB-addB-tiltn-2-S-moveN | "
+        "L: addB-tiltp-0-M-moveF-addB-tiltp-2-L-moveB-addB-tiltp-2-L-moveF",
+        "pipe-inspection",
+        settings=["exporter.3mf.kit=true"],
+    )
+    path, *_ = (Path(file.path) for file in design.export_files("3mf", tmp_path / "kit.3mf"))
+    standing = {check: one.detail for check, one in check_mesh(path).items() if check.startswith("standing")}
+    assert len(standing) > 1 and not [detail for detail in standing.values() if "better upside down" in detail]
 
 
 def test_a_loose_piece_in_a_hollow_faces_outward(check_mesh: CheckMesh, written: Written) -> None:

@@ -180,3 +180,30 @@ def test_openscad_source_without_openscad(tmp_path: Path, monkeypatch: pytest.Mo
     assert shutil.which("openscad") is None
     with pytest.raises(WorkFailedError, match="openscad is not on PATH"):
         read_meshes(path)
+
+
+@pytest.mark.parametrize("kind", ["stl", "stl_ascii"])
+@pytest.mark.parametrize("left", [0.3, 0.6, 0.97])
+def test_a_truncated_stl_is_named_as_such(tmp_path: Path, kind: str, left: float) -> None:
+    path = tmp_path / "cut.stl"
+    BLOCK.export(path, file_type=kind)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(left * len(content))])
+    with pytest.raises(InputError, match=r"cut\.stl: .* truncated") as caught:
+        read_meshes(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_stl_of_more_bytes_than_its_triangles_is_none(tmp_path: Path) -> None:
+    BLOCK.export(tmp_path / "long.stl")
+    with (tmp_path / "long.stl").open("ab") as file:
+        file.write(b"more")
+    with pytest.raises(InputError, match=r"no STL file: it states 4 triangles, and has 4\.08"):
+        read_meshes(tmp_path / "long.stl")
+
+
+def test_a_truncated_3mf_is_named_as_such(tmp_path: Path) -> None:
+    path = write_3mf(tmp_path / "cut.3mf")
+    path.write_bytes(path.read_bytes()[:-40])
+    with pytest.raises(InputError, match=r"cut\.3mf: .* truncated"):
+        read_meshes(path)

@@ -20,6 +20,9 @@ _FROM_GLTF = MM * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 _MAX_NAME = 40
 
+_STL_HEAD, _STL_FACET = 84, 50
+"""Bytes of a binary STL file: up to its first triangle, and of each."""
+
 
 def read_meshes(path: Path) -> tuple[Mesh, ...]:
     """Return the meshes of a file, one for each part, at least one; no two vertices of a mesh are the same.
@@ -99,6 +102,26 @@ def _read_with_trimesh(path: Path) -> tuple[Mesh, ...]:
     )
 
 
+def _read_stl(path: Path) -> tuple[Mesh, ...]:
+    """Read a text or binary STL file. Raises ValueError if it ends too early: readers guess what such a file is."""
+    content = path.read_bytes()
+    if content.lstrip()[:5].lower() == b"solid" and b"\0" not in content[:_STL_HEAD]:
+        if b"endsolid" not in content[content.rfind(b"vertex") :].lower():
+            raise ValueError(
+                f"is truncated in triangle {content.count(b'facet normal')}: it has no 'endsolid'; export it again"
+            )
+    elif len(content) < _STL_HEAD:
+        raise ValueError(
+            f"is truncated, or no STL file: it has {len(content)} bytes, fewer than the header; export it again"
+        )
+    else:
+        stated, held = int.from_bytes(content[80:_STL_HEAD], "little"), (len(content) - _STL_HEAD) / _STL_FACET
+        if held != stated:
+            fault = "truncated, or no STL file" if held < stated else "no STL file"
+            raise ValueError(f"is {fault}: it states {stated} triangles, and has {held:g}; export it again")
+    return _read_with_trimesh(path)
+
+
 def _read_gltf(path: Path) -> tuple[Mesh, ...]:
     parts = _read_with_trimesh(path)
     return tuple(replace(part, vertices=part.vertices @ _FROM_GLTF.T).merge_vertices() for part in parts)
@@ -111,7 +134,7 @@ def _read_scad(path: Path) -> tuple[Mesh, ...]:
 
 
 _READERS: dict[str, Callable[[Path], tuple[Mesh, ...]]] = {
-    ".stl": _read_with_trimesh,
+    ".stl": _read_stl,
     ".obj": _read_with_trimesh,
     ".ply": _read_with_trimesh,
     ".glb": _read_gltf,

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import ClassVar, TypeAlias
 
 import numpy as np
@@ -26,6 +27,9 @@ _MIN_SIZE, _MAX_SIZE = 5.0, 10_000.0
 
 _SHARES = (1.0, 0.75, 0.6, 0.5, 0.4, 0.3, 0.2)
 """Heights of the bed that are tried for parts that do not sway, over that of the printer."""
+
+_TOUCH, _SHOWN = 1e-4, 3
+"""Share of the smaller of two parts in which they overlap by the facets of their joints; pairs that are named."""
 
 _LINES = 2
 """Least thickness of a watertight wall, in lines of the nozzle."""
@@ -94,8 +98,9 @@ class MeshChecker(Checker[MeshOptions]):
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Report unit, closedness, orientation of faces, shells, mass, walls, size, orientation on the bed, slenderness."""
-        parts = [part for path in job.files for part in read_meshes(path)]
-        studied = [analyse_part(part) for part in parts]
+        plates = [[analyse_part(part) for part in read_meshes(path)] for path in job.files]
+        studied = [one for plate in plates for one in plate]
+        parts = [one.part for one in studied]
         unit = _check_unit(parts)
         yield Finding("unit", *unit)
         count = sum(len(part.triangles) for part in parts)
@@ -103,6 +108,8 @@ class MeshChecker(Checker[MeshOptions]):
         yield Finding("closed", *_judge(studied, _describe_edges, "every edge has two faces"))
         yield Finding("oriented", *_judge(studied, _describe_flipped, "neighbours face the same way"))
         yield Finding("shells", *_check_shells(studied, job))
+        if any(len(plate) > 1 for plate in plates):
+            yield Finding("overlap", *_check_overlap(plates))
         if unit[0] is State.FAIL:
             for check in ("mass", "wall", "bed", "standing", "slender"):
                 yield Finding(check, State.SKIPPED, "correct the unit first")
@@ -295,6 +302,29 @@ def _check_shells(studied: Sequence[AnalysedPart], job: PrintJob) -> Verdict:
             return State.FAIL, f"{_count(count, 'shell')}, but the hull of the agent has {expected}"
     state, message = _judge(studied, _describe_loose, passed)
     return State.WARN if state is State.FAIL else state, message
+
+
+def _check_overlap(plates: Sequence[Sequence[AnalysedPart]]) -> Verdict:
+    """Check that no two parts of a file are in the same place; those of several files are not on one plate."""
+    pairs = (
+        f"{one.part.name} and {other.part.name} by {shared / 1000:.3g} cm3"
+        for plate in plates
+        for one, other in _list_neighbours([part for part in plate if part.sound])
+        if (shared := float((one.part.to_manifold() ^ other.part.to_manifold()).volume()))
+        > _TOUCH * min(one.volume, other.volume)
+    )
+    if faults := list(islice(pairs, _SHOWN)):
+        return State.FAIL, f"parts take the same place: {', '.join(faults)}; arrange them again"
+    return State.PASS, "no two parts take the same place"
+
+
+def _list_neighbours(solids: Sequence[AnalysedPart]) -> Iterator[tuple[AnalysedPart, AnalysedPart]]:
+    """Yield the pairs of solids whose boxes overlap."""
+    bounds = np.array([one.part.bounds for one in solids]).reshape(-1, 2, 3)
+    for number, (low, high) in enumerate(bounds):
+        before = bounds[:number]
+        for other in np.flatnonzero((before[:, 0] < high).all(axis=1) & (low < before[:, 1]).all(axis=1)).tolist():
+            yield solids[other], solids[number]
 
 
 def _describe_loose(one: AnalysedPart) -> str:

@@ -78,10 +78,17 @@ def list_orientations(mesh: Mesh, hollow: int = 0) -> tuple[Orientation, ...]:
 
 def choose_orientation(found: tuple[Orientation, ...], bed: FloatArray) -> Orientation:
     """Return the orientation that fits the bed, is steady, and overhangs least; the first of those equal within 1 %."""
-    least = min(each.overhang for each in found)
+    return min(found, key=lambda each: _rank(each, found, bed))
 
-    def rank(each: Orientation) -> tuple[bool, bool, float]:
-        slack = 0.01 * max(least, 10.0)
-        return (not each.fits(bed), not each.steady, round((each.overhang - least) / slack))
 
-    return min(found, key=rank)
+def prints_upside_down(mesh: Mesh) -> bool:
+    """Return whether a part that stands on the bed, mm, is better turned over; of ways that are equal, the one with more contact."""
+    found = list_orientations(mesh)
+    as_placed, turned = ((*_rank(each, found, each.size), -round(each.contact, 1)) for each in found[:2])
+    return turned < as_placed
+
+
+def _rank(each: Orientation, found: tuple[Orientation, ...], bed: FloatArray) -> tuple[bool, bool, int]:
+    least = min(other.overhang for other in found)
+    slack = 0.01 * max(least, 10.0)
+    return not each.fits(bed), not each.steady, round((each.overhang - least) / slack)

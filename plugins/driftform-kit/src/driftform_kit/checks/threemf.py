@@ -56,6 +56,9 @@ def _read_values(path: str) -> list[tuple[FloatArray, npt.NDArray[np.int64], str
         with zipfile.ZipFile(path) as archive:
             return [(part.vertices, part.triangles, part.name) for part in _Package(archive).parts()]
     except (zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
+        # The directory of an archive is at its end.
+        if not zipfile.is_zipfile(path) and Path(path).read_bytes().startswith(b"PK\3\4"):
+            raise ValueError("is truncated: the end of its archive is missing; export it again") from None
         raise ValueError(f"is not a 3MF archive: {error}") from None
     except ElementTree.ParseError as error:
         raise ValueError(f"its model is not XML: {error}") from None

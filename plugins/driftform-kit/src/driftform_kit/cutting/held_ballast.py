@@ -13,11 +13,14 @@ import numpy as np
 from manifold3d import CrossSection
 
 from driftform.errors import WorkFailedError
+from driftform_frusta.csg import Revolve
+from driftform_frusta.solid import to_solid
+from driftform_frusta.triangles import Mesh
+from driftform_kit.checks.overhangs import prints_upside_down
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import AREA, Ball, Seat, distance_along, draw_seat, draw_tube, is_held
 from driftform_kit.cutting.joint import Joint, takes_core_aft
 from driftform_kit.cutting.meridian import Hull
-from driftform_kit.cutting.upright import prints_fore_down
 
 _MIN_SEAT = 0.05
 """mm2: section of the least material that is a seat."""
@@ -146,7 +149,8 @@ def _hold(
 
 
 def _fore_down(section: CrossSection) -> bool:
-    return prints_fore_down(meridian.list_rings(meridian.take_half(section)))
+    solid = to_solid(Revolve(*meridian.split_rings(meridian.list_rings(meridian.take_half(section)))))
+    return prints_upside_down(Mesh(solid.vertices, solid.triangles))
 
 
 def _refuse(ball: Ball, hull: Hull, why: str) -> WorkFailedError:

@@ -13,6 +13,7 @@ from driftform_frusta.hull import check_printable_section, hull_volume, refuse_o
 from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.solid import to_solid
 from driftform_frusta.triangles import Mesh
+from driftform_kit.checks.overhangs import TURNS, list_orientations, prints_upside_down
 from driftform_kit.checks.slenderness import find_brim
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, place_seats
@@ -21,7 +22,6 @@ from driftform_kit.cutting.engraving import Engraving, engrave, list_occupied
 from driftform_kit.cutting.held_ballast import HeldBall, hold_ballast
 from driftform_kit.cutting.joint import Joint, draw_joint
 from driftform_kit.cutting.meridian import MM, Hull, Ring
-from driftform_kit.cutting.upright import prints_fore_down
 
 _RIM = 1.0
 """mm of material that must stay around a hole."""
@@ -44,19 +44,29 @@ class Piece:
     @cached_property
     def fore_down(self) -> bool:
         """Whether it is printed with its fore end on the bed."""
-        return prints_fore_down(self.rings)
+        return prints_upside_down(self.upright)
+
+    @cached_property
+    def upright(self) -> Mesh:
+        """Its mesh with its fore end up, without its text: mm, z as in its rings."""
+        solid = to_solid(Revolve(*meridian.split_rings(self.rings)))
+        return Mesh(solid.vertices, solid.triangles, self.name)
 
     @cached_property
     def mesh(self) -> Mesh:
         """Its mesh as printed, without its text: mm, z up."""
-        solid = to_solid(Revolve(*meridian.split_rings(self.rings)))
-        turned = solid.turn_over() if self.fore_down else solid
-        return Mesh(turned.vertices, turned.triangles, self.name)
+        turn = TURNS["upside down" if self.fore_down else "as placed"]
+        return replace(self.upright, vertices=self.upright.vertices @ turn)
 
     @cached_property
     def brim(self) -> float:
         """Width of the brim that holds it on the bed, mm; 0 if it needs none."""
         return find_brim(self.mesh)
+
+    @cached_property
+    def overhang(self) -> float:
+        """Area that overhangs by more than 45 degrees as printed, mm2."""
+        return list_orientations(self.mesh)[0].overhang
 
     @property
     def bed_end(self) -> str:

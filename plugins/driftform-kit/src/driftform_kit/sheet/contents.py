@@ -18,7 +18,6 @@ from driftform_kit.cutting.held_ballast import HeldBall
 from driftform_kit.cutting.joint import Joint, groove_diameter, takes_core_aft
 from driftform_kit.cutting.meridian import MM, Ring
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
-from driftform_kit.cutting.upright import overhang_area
 from driftform_kit.hang import list_readings
 from driftform_kit.settings import list_arguments
 from driftform_kit.templates import fill_template
@@ -38,16 +37,15 @@ _NEGLIGIBLE = 5e-6
 
 @dataclass(frozen=True, eq=False)
 class SheetPart:
-    """One part on the sheet: its ``number`` in the order of assembly, from 1, its mass (kg), and its overhang (mm2).
+    """One part on the sheet: its ``number`` in the order of assembly, from 1, and its mass (kg).
 
-    Its ``place`` is that from aft to fore, from 0: the order of colours. What overhangs by more than 45 degrees counts.
+    Its ``place`` is that from aft to fore, from 0: the order of colours.
     """
 
     number: int
     place: int
     piece: Piece
     mass: float
-    overhang: float
 
     @property
     def printed(self) -> tuple[Ring, ...]:
@@ -59,7 +57,7 @@ class SheetPart:
     @property
     def hangs(self) -> bool:
         """Whether its overhang is worth mentioning."""
-        return self.overhang > _MIN_OVERHANG
+        return self.piece.overhang > _MIN_OVERHANG
 
     @property
     def size(self) -> tuple[float, float]:
@@ -174,7 +172,7 @@ def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
     first = inner if takes_core_aft(kit.core_joint) else inner + 1
     order = sorted(range(len(kit.pieces)), key=lambda place: (place != first, abs(place - inner - 0.5), place > inner))
     return tuple(
-        SheetPart(number, place, p, piece_mass(p, density), overhang_area(p.rings, p.fore_down))
+        SheetPart(number, place, p, piece_mass(p, density))
         for number, (place, p) in enumerate(((place, kit.pieces[place]) for place in order), 1)
     )
 
