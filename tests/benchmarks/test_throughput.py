@@ -199,7 +199,7 @@ def test_a_second_dask_worker_almost_doubles_the_rate(
             stack.callback(process.terminate)
             # A cluster takes its first tasks before its last worker is there.
             wait_for(address, workers)
-            rates["dask"].append(rate(Cluster.join(study.document, address), jobs))
+            rates["dask"].append(rate(Cluster(study.document, address), jobs))
     lines = [
         "| simulator | executor | one worker, 1/s | two workers, 1/s | ratio |",
         "|---|---|---|---|---|",

@@ -52,11 +52,6 @@ def workers(process: int) -> list[int]:
     return found
 
 
-both = pytest.mark.parametrize(
-    "going",
-    [pytest.param(("local", PAUSE), id="local"), pytest.param(("dask", PAUSE), id="dask", marks=pytest.mark.peers)],
-    indirect=True,
-)
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 
 
@@ -79,8 +74,7 @@ def hangups() -> Iterator[None]:
 @pytest.fixture
 def going(start: Start, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[subprocess.Popen[str]]:
     """A run of two workers that has some evaluations, and is not at its end."""
-    executor, pause = getattr(request, "param", ("local", PAUSE))
-    more = ("--set", f"simulator.pause={pause}", "--workers", 2, "--executor", executor, "--out", "run")
+    more = ("--set", f"simulator.pause={getattr(request, 'param', PAUSE)}", "--workers", 2, "--out", "run")
     with start("evolve", *STUDY, *more, cwd=tmp_path) as process:
         try:
             wait_until(lambda: count_evaluations(tmp_path / "run") >= 15)
@@ -90,7 +84,6 @@ def going(start: Start, tmp_path: Path, request: pytest.FixtureRequest) -> Itera
 
 
 @needs_proc
-@both
 def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(
     going: subprocess.Popen[str], run: Program, rows: Rows, undisturbed: list[tuple[Any, ...]], tmp_path: Path
 ) -> None:
@@ -108,7 +101,6 @@ def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(
 
 
 @needs_proc
-@both
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_whole(
     going: subprocess.Popen[str],
@@ -139,18 +131,9 @@ def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_w
 
 
 @needs_proc
-@pytest.mark.parametrize(
-    ("executor", "delay"),
-    [
-        pytest.param("local", 0.2, id="workers import"),
-        pytest.param("local", 2.0, id="workers fly"),
-        pytest.param("dask", 2.0, id="workers of Dask fly", marks=pytest.mark.peers),
-    ],
-)
-def test_interrupted_it_does_not_wait_for_long_flights(
-    start: Start, tmp_path: Path, executor: str, delay: float
-) -> None:
-    args = ("evolve", *STUDY, "--set", "simulator.pause=6000", "--workers", 2, "--executor", executor)
+@pytest.mark.parametrize("delay", [0.2, 2.0], ids=["workers import", "workers fly"])
+def test_interrupted_it_does_not_wait_for_long_flights(start: Start, tmp_path: Path, delay: float) -> None:
+    args = ("evolve", *STUDY, "--set", "simulator.pause=6000", "--workers", 2)
     with start(*args, "--out", "run", cwd=tmp_path) as process:
         wait_until(lambda: (tmp_path / "run" / "run.db").exists() and len(workers(process.pid)) == 2)
         time.sleep(delay)
@@ -162,7 +145,7 @@ def test_interrupted_it_does_not_wait_for_long_flights(
     assert err.splitlines()[-1].startswith(f"stopped after 0 of {EVALUATIONS} evaluations")
 
 
-@pytest.mark.parametrize("going", [("local", 0.5)], ids=["slow"], indirect=True)
+@pytest.mark.parametrize("going", [0.5], ids=["slow"], indirect=True)
 def test_a_second_process_on_a_run_is_refused(going: subprocess.Popen[str], run: Program, tmp_path: Path) -> None:
     for args in (("resume", "run"), ("evolve", *STUDY, "--out", "run")):
         second = run(*args, cwd=tmp_path)

@@ -62,7 +62,7 @@ def test_a_worker_flies_one_genome_at_a_time_however_many_threads_it_has(
     study = load_study(None, ["simulator.pause=0.05"], use={"simulator": "fake"}, targets=["TP1"], run={"seed": 1})
     jobs = [Job(index, job(study).genome) for index in range(20)]
     with dask_scheduler() as (address, _), dask("worker", address, "--nthreads", 4, cwd=tmp_path) as worker:
-        with closing(Cluster.join(study.document, address)) as executor:
+        with closing(Cluster(study.document, address)) as executor:
             list(executor.evaluate(jobs[:1]))
             began = time.monotonic()
             list(executor.evaluate(jobs))
@@ -112,21 +112,6 @@ def test_a_lost_scheduler_costs_nothing_and_the_command_to_resume_is_printed(
     assert rows(tmp_path / "run") == interrupted
 
 
-@pytest.mark.peers
-def test_a_local_cluster_lets_nobody_in_who_does_not_hold_its_keys(study: Study) -> None:
-    from distributed import Client, Security
-
-    with closing(Cluster.start(study.document, 1)) as executor:
-        address = executor._client.scheduler.address
-        assert address.startswith("tls://127.0.0.1:")
-        strangers = ((address.replace("tls", "tcp"), Security()), (address, Security.temporary()))
-        for where, security in strangers:
-            with pytest.raises(OSError):
-                Client(where, security=security, timeout=1, set_as_default=False)
-        [[(_, evaluation)]] = list(executor.evaluate([job(study)]))
-        assert evaluation.failure is None
-
-
 def test_a_scheduler_with_tls_is_joined_as_the_page_says(
     study: Study, dask: Dask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -149,14 +134,14 @@ def test_a_scheduler_with_tls_is_joined_as_the_page_says(
         with dask("worker", address, *flags, "--nthreads", 1, cwd=tmp_path) as worker:
             monkeypatch.setattr(cluster, "CONNECT_TIMEOUT_S", 2.0)
             with pytest.raises(InputError, match="no Dask scheduler answers there"):
-                Cluster.join(study.document, address)
+                Cluster(study.document, address)
             monkeypatch.setattr(cluster, "CONNECT_TIMEOUT_S", 10.0)
             settings = {
                 "distributed.comm.tls.ca-file": str(tmp_path / "cert.pem"),
                 "distributed.comm.tls.client.cert": str(tmp_path / "cert.pem"),
                 "distributed.comm.tls.client.key": str(tmp_path / "key.pem"),
             }
-            with dask_package.config.set(settings), closing(Cluster.join(study.document, address)) as executor:
+            with dask_package.config.set(settings), closing(Cluster(study.document, address)) as executor:
                 [[(_, evaluation)]] = list(executor.evaluate([job(study)]))
             assert evaluation.failure is None
             worker.terminate()
@@ -169,7 +154,7 @@ def test_other_versions_on_a_worker_are_refused(
     other = find_versions(study.document) | {"driftform-fake": "2.0"}
     monkeypatch.setattr(cluster, "find_versions", lambda _: other)
     with (
-        closing(Cluster.join(study.document, dask_cluster)) as executor,
+        closing(Cluster(study.document, dask_cluster)) as executor,
         pytest.raises(InputError, match=r"^worker tcp://\S+ has driftform-fake 1\.0, this run has 2\.0: install"),
     ):
         list(executor.evaluate([job(study)]))
@@ -184,7 +169,7 @@ def test_versions_that_affect_an_outcome_are_compared(study: Study) -> None:
 def test_workers_that_lack_a_plugin_of_the_study_report_it(study: Study, dask_cluster: str) -> None:
     document = study.document | {"simulator": {"use": "unheard-of"}}
     with (
-        closing(Cluster.join(document, dask_cluster)) as executor,
+        closing(Cluster(document, dask_cluster)) as executor,
         pytest.raises(InputError, match=r"^worker tcp://\S+: no simulator is named 'unheard-of'"),
     ):
         list(executor.evaluate([job(study)]))
@@ -195,7 +180,7 @@ def test_workers_that_cannot_import_the_task_report_it(
 ) -> None:
     monkeypatch.setattr(cluster, "_call", work_that_breaks)
     with (
-        closing(Cluster.join(study.document, dask_cluster)) as executor,
+        closing(Cluster(study.document, dask_cluster)) as executor,
         pytest.raises(WorkFailedError, match=r"its workers cannot evaluate \(No module .*\); install the same"),
     ):
         list(executor.evaluate([job(study)]))
@@ -224,20 +209,13 @@ def test_an_address_without_a_scheduler_is_refused(
     assert "'dask scheduler'" in line
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--executor", "dusk"), "--executor dusk: unknown executor; did you mean 'dask'?"),
-        (("--executor", "local", "--scheduler", "tcp://x:1"), "--scheduler tcp://x:1: needs --executor dask"),
-        (("--workers", 2, "--scheduler", "tcp://x:1"), "--workers 2: a cluster has the workers that joined it"),
-    ],
-)
-def test_options_that_exclude_each_other(refused: Refused, options: tuple[object, ...], message: str) -> None:
-    assert refused("evolve", "--out", "run", *options).startswith(f"error: {message}")
+def test_a_number_of_workers_and_a_scheduler_exclude_each_other(refused: Refused) -> None:
+    line = refused("evolve", "--out", "run", "--workers", 2, "--scheduler", "tcp://x:1")
+    assert line.startswith("error: --workers 2: a cluster has the workers that joined it")
 
 
 def test_without_the_extra_it_prints_how_to_install_it(refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    line = refused("evolve", "--executor", "dask", "--out", "run")
-    assert line.startswith("error: --executor dask needs Dask (")
+    line = refused("evolve", "--scheduler", "tcp://x:1", "--out", "run")
+    assert line.startswith("error: --scheduler needs Dask (")
     assert line.endswith("): uv sync --extra dask, or pip install 'driftform[dask]'")

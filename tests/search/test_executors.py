@@ -53,7 +53,7 @@ def make(request: pytest.FixtureRequest) -> Make:
     if request.param == "local":
         return lambda study: LocalProcesses(study.document, 2)
     address = request.getfixturevalue("dask_cluster")
-    return lambda study: Cluster.join(study.document, address)
+    return lambda study: Cluster(study.document, address)
 
 
 def workers_of(executor: PoolExecutor) -> list[int]:

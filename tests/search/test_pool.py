@@ -30,7 +30,7 @@ class FakePool(PoolExecutor):
         """Before each end, the jobs of each task."""
 
     def _submit(self, function):
-        [batch] = function.args
+        _, batch = function.args
         self._tasks.append((Future(), batch))
         return self._tasks[-1][0]
 

@@ -8,18 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from driftform.cli.complete import complete_plugin, complete_study
-from driftform.cli.options import (
-    ExecutorName,
-    Json,
-    Robust,
-    Scheduler,
-    Settings,
-    Simulator,
-    Style,
-    WidthMm,
-    Workers,
-    make_option,
-)
+from driftform.cli.options import Json, Robust, Scheduler, Settings, Simulator, Style, WidthMm, Workers, make_option
 
 if TYPE_CHECKING:
     from driftform.search.comparison import Repeats
@@ -47,7 +36,6 @@ def compare(
     ] = None,
     robust: Robust = None,
     workers: Workers = None,
-    executor: ExecutorName = None,
     scheduler: Scheduler = None,
     simulator: Simulator = None,
     out: Annotated[Path, make_option("DIR", "Directory for runs, table and figure.")] = Path("comparison"),
@@ -75,7 +63,7 @@ def compare(
     searches = _load_searches(
         study, use, simulator, [*(settings or ()), *more], numbers, evaluations, check_directory(out)
     )
-    search_repeats(list(searches.values()), executor, scheduler, workers, f"the same driftform compare --out {out}")
+    search_repeats(list(searches.values()), scheduler, workers, f"the same driftform compare --out {out}")
     outcomes = {name: comparison.read_outcome(repeats) for name, repeats in searches.items()}
     table = out / "comparison.csv"
     comparison.write_values(table, outcomes, numbers)
@@ -141,9 +129,7 @@ def _load_searches(
     return searches
 
 
-def search_repeats(
-    searches: "Sequence[Repeats]", executor: str | None, scheduler: str | None, workers: int | None, command: str
-) -> None:
+def search_repeats(searches: "Sequence[Repeats]", scheduler: str | None, workers: int | None, command: str) -> None:
     """Search all repeats to their ends, with progress; where it is interrupted, say which ``command`` continues."""
     from functools import partial
 
@@ -152,7 +138,7 @@ def search_repeats(
     from driftform.search.executors import open_executor
     from driftform.util.progress import count_progress
 
-    open_place = partial(open_executor, name=executor, scheduler=scheduler, workers=workers)
+    open_place = partial(open_executor, scheduler=scheduler, workers=workers)
     try:
         with stop_at_signals(), count_progress("flights") as progress:
             problems = search_all(searches, open_place, progress)

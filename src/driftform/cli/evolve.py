@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 
 from driftform.cli.options import (
-    ExecutorName,
     FitnessName,
     GrammarName,
     Hydrodynamics,
@@ -40,7 +39,6 @@ def evolve(
         ),
     ] = None,
     workers: Workers = None,
-    executor: ExecutorName = None,
     scheduler: Scheduler = None,
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
@@ -59,7 +57,7 @@ def evolve(
     """Evolve agents for every target of a scenario.
 
     Writes a run directory: the study, every evaluation, and the best agent of each target with its mesh. The same
-    seed gives the same result with any number of workers on any executor. An interrupted or killed run continues
+    seed gives the same result with any number of workers, wherever they are. An interrupted or killed run continues
     with 'driftform resume'.
 
     The best agents of the search are flown again under disturbed conditions. The agent that is chosen for a target is
@@ -86,7 +84,7 @@ def evolve(
     # The modules that run a study take a second to import. A wrong study is refused before, and workers import meanwhile.
     from driftform.search.executors import open_executor
 
-    with open_executor(checked, executor, scheduler, workers) as place:
+    with open_executor(checked, scheduler, workers) as place:
         from driftform.cli.running import advance_run
         from driftform.runs.directory import check_new
         from driftform.runs.run import StoredRun

@@ -107,17 +107,11 @@ MAX_WORKERS = 1024
 Workers: TypeAlias = Annotated[
     int | None, make_option("N", "Number of worker processes; by default one per processor.", min=1, max=MAX_WORKERS)
 ]
-ExecutorName: TypeAlias = Annotated[
-    str | None,
-    make_option(
-        "NAME", "Where evaluations run: local, in processes on this machine (the default), or dask, on a Dask cluster."
-    ),
-]
 Scheduler: TypeAlias = Annotated[
     str | None,
     make_option(
         "ADDRESS",
-        "Scheduler for --executor dask, such as tcp://host:8786; by default a cluster starts on this machine.",
+        "Dask scheduler whose workers evaluate, such as tcp://host:8786; by default processes on this machine do.",
     ),
 ]
 FlightDirectory: TypeAlias = Annotated[

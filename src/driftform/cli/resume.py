@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from driftform.cli.options import ExecutorName, Json, RunArgument, Scheduler, Workers, make_option
+from driftform.cli.options import Json, RunArgument, Scheduler, Workers, make_option
 
 
 def resume(
@@ -11,7 +11,6 @@ def resume(
         int | None, make_option("N", "Total number of flights, including finished ones; by default unchanged.", min=1)
     ] = None,
     workers: Workers = None,
-    executor: ExecutorName = None,
     scheduler: Scheduler = None,
     json: Json = False,
 ) -> None:
@@ -30,5 +29,5 @@ def resume(
             return
         from driftform.search.executors import open_executor
 
-        with open_executor(resumed.study, executor, scheduler, workers) as place:
+        with open_executor(resumed.study, scheduler, workers) as place:
             advance_run(resumed, place, json)

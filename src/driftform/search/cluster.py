@@ -1,4 +1,4 @@
-"""Evaluations on a Dask cluster: one on this machine, or one whose workers join from anywhere.
+"""Evaluations on a Dask cluster, whose workers join from anywhere.
 
 Each worker of the cluster evaluates in a process of its own, as :mod:`driftform.search.local` does: a genome that crashes
 or takes too long ends that process, and not the worker. The cluster stores nothing of a run. Every task carries the study,
@@ -8,9 +8,8 @@ in two kilobytes, so that workers may join and leave.
 import asyncio
 import json
 import logging
+import math
 import multiprocessing
-import os
-import signal
 import sys
 import threading
 import time
@@ -25,7 +24,7 @@ from driftform.runs.versions import find_versions
 from driftform.search.jobs import Cause, T, WorkerDiedError, WorkersLostError
 from driftform.search.local import LocalProcesses
 from driftform.search.pool import POLL_S, PoolExecutor
-from driftform.search.worker import LocalProcess, hold_back_interrupts
+from driftform.search.worker import Worker, hold_back_interrupts
 from driftform.study import Document, load_study
 from driftform.util.cores import count_cores
 
@@ -37,92 +36,28 @@ NOISY_LOGGERS = ("distributed", "tornado", "asyncio", "bokeh")
 
 
 class Cluster(PoolExecutor):
-    """Evaluates on the workers of a Dask cluster; ``where`` names it, and ``local`` is a cluster that ends with this executor."""
+    """Evaluates on the workers of a Dask cluster."""
 
-    def __init__(self, document: Mapping[str, Any], client: Any, where: str, local: Any = None) -> None:
-        super().__init__(document)
-        self._document = document
-        self._study = zlib.compress(json.dumps(document).encode(), 9)
-        self._versions = find_versions(document)
-        self._client, self._local, self._where = client, local, where
-        self._tasks = client.get_executor(pure=False)
-        self._count_workers()
-        self._polled_at = self._seen_at = time.monotonic()
-        self._has_printed = False
-
-    @classmethod
-    def start(cls, document: Mapping[str, Any], workers: int) -> "Cluster":
-        """Start a cluster of worker processes on this machine; it ends with this process.
-
-        Any program that can connect to a Dask cluster can run code in it, and every user of a machine can connect to its
-        local ports. The processes therefore talk by TLS, with keys that exist in their memory alone.
-
-        Raises InputError if the extra ``dask`` is not installed, WorkFailedError if the cluster does not start.
-        """
-        distributed = _import_distributed("--executor dask")
-        try:
-            security = distributed.Security.temporary()
-        except ImportError as error:
-            raise _make_missing_error("--executor dask", error) from None
-        try:
-            with hold_back_interrupts():
-                local = distributed.LocalCluster(
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    host="127.0.0.1",
-                    security=security,
-                    dashboard_address=None,
-                    memory_limit=0,
-                    silence_logs=logging.CRITICAL,
-                    # Without a dashboard, too, the scheduler serves its state: here on any free port.
-                    scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
-                )
-                client = distributed.Client(local, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
-        except Exception as error:
-            raise WorkFailedError(
-                f"--executor dask: cannot start a cluster: {describe_error(_find_cause(error))}"
-            ) from None
-        return cls(document, client, "the local Dask cluster", local)
-
-    @classmethod
-    def join(cls, document: Mapping[str, Any], address: str) -> "Cluster":
+    def __init__(self, document: Mapping[str, Any], address: str) -> None:
         """Join the cluster of a running scheduler, and wait for its first worker.
 
         Raises InputError if the extra ``dask`` is not installed, or no scheduler answers.
         """
-        distributed = _import_distributed("--scheduler")
+        super().__init__(document)
+        self._document, self._address = document, address
+        self._study = zlib.compress(json.dumps(document).encode(), 9)
+        self._versions = find_versions(document)
+        self._client = _connect(address)
+        self._tasks = self._client.get_executor(pure=False)
+        self._count, self._polled_at, self._seen_at = 0, -math.inf, -math.inf
+        self._has_printed = False
         try:
-            # Asked first, because a client waits forever for a listener that is not a scheduler.
-            kind = asyncio.run(asyncio.wait_for(_identify(distributed, address), CONNECT_TIMEOUT_S))
-            if kind != "Scheduler":
-                raise InputError(f"it is a {kind.lower()}")
-            with hold_back_interrupts():
-                client = distributed.Client(address, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
-        except Exception as error:
-            # A refused connection and a timeout give one message: which of them occurs depends on the load.
-            silent = isinstance(_find_cause(error), TimeoutError | ConnectionRefusedError)
-            why = "" if silent else f" ({describe_error(_find_cause(error))})"
-            raise InputError(
-                f"--scheduler {address}: no Dask scheduler answers there{why}; "
-                "start one with 'dask scheduler', which prints its address"
-            ) from None
-        joined = cls(document, client, address)
-        try:
-            while not joined._count:
-                if not joined._has_printed:
-                    joined._print_join_command()
-                time.sleep(POLL_S / 10)
-                joined._poll()
+            while not self._count:
+                self._poll()
+                time.sleep(0 if self._count else POLL_S / 10)
         except BaseException:
-            joined.close()
+            self.close()
             raise
-        return joined
-
-    def _count_workers(self) -> None:
-        # Whatever their number of threads, each evaluates one genome at a time.
-        self._count = len(self._client.nthreads())
-        self.processes = max(1, self._count)
 
     def _submit(self, function: Callable[[], T]) -> "Future[T]":
         future: Future[T] = self._tasks.submit(_call, self._study, self._versions, function)
@@ -139,7 +74,7 @@ class Cluster(PoolExecutor):
         if error is None or isinstance(error, DriftformError):
             return error
         return WorkFailedError(
-            f"{self._where}: its workers cannot evaluate ({describe_error(_find_cause(error))}); "
+            f"{self._address}: its workers cannot evaluate ({describe_error(_find_cause(error))}); "
             "install the same driftform and plugins for the scheduler and all workers"
         )
 
@@ -149,14 +84,18 @@ class Cluster(PoolExecutor):
             return
         self._polled_at = now
         try:
-            self._count_workers()
+            # Whatever their number of threads, each evaluates one genome at a time.
+            self._count = len(self._client.nthreads())
         except Exception:
             raise self._make_lost_error() from None
+        self.processes = max(1, self._count)
         if self._count:
             self._seen_at, self._has_printed = now, False
         # A dead worker is replaced within a few seconds.
         elif now - self._seen_at > CONNECT_TIMEOUT_S and not self._has_printed:
-            self._print_join_command()
+            self._has_printed = True
+            join = f"dask worker {self._address} --nthreads 1"
+            print(f"{self._address} has no worker; waiting for one: {join}", file=sys.stderr, flush=True)
 
     def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
         """Call functions in processes on this machine, because the workers of the cluster may be on others."""
@@ -164,46 +103,43 @@ class Cluster(PoolExecutor):
             return processes.call(functions)
 
     def close(self) -> None:
-        """Leave the cluster; one that was started here ends."""
-        # The workers of a local cluster hold nothing to save, and would finish their flight first if asked to stop.
-        for nanny in self._local.workers.values() if self._local is not None else ():
-            nanny.close_gracefully()
-            if nanny.pid is not None:
-                with suppress(ProcessLookupError):
-                    os.kill(nanny.pid, signal.SIGTERM if sys.platform == "win32" else signal.SIGKILL)
+        """Leave the cluster."""
         if self._client.status == "running":
             with suppress(Exception):
                 self._tasks.shutdown(wait=False)
-        for end in (self._client, self._local):
-            if end is not None:
-                with suppress(Exception):
-                    end.close(timeout=POLL_S)
+        with suppress(Exception):
+            self._client.close(timeout=POLL_S)
 
     def _make_lost_error(self) -> WorkersLostError:
-        return WorkersLostError(f"{self._where}: the connection to the scheduler is lost")
-
-    def _print_join_command(self) -> None:
-        self._has_printed = True
-        print(
-            f"{self._where} has no worker; waiting for one: dask worker {self._where} --nthreads 1",
-            file=sys.stderr,
-            flush=True,
-        )
+        return WorkersLostError(f"{self._address}: the connection to the scheduler is lost")
 
 
-def _import_distributed(option: str) -> Any:
+def _connect(address: str) -> Any:
+    """Return a client of the scheduler at an address. Raises InputError if there is none, or no Dask here."""
     try:
         import distributed
     except ImportError as error:
-        raise _make_missing_error(option, error) from None
+        raise InputError(
+            f"--scheduler needs Dask ({error}): uv sync --extra dask, or pip install 'driftform[dask]'"
+        ) from None
     for name in list(logging.root.manager.loggerDict):
         if name.partition(".")[0] in NOISY_LOGGERS:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
-    return distributed
-
-
-def _make_missing_error(option: str, error: ImportError) -> InputError:
-    return InputError(f"{option} needs Dask ({error}): uv sync --extra dask, or pip install 'driftform[dask]'")
+    try:
+        # Asked first, because a client waits forever for a listener that is not a scheduler.
+        kind = asyncio.run(asyncio.wait_for(_identify(distributed, address), CONNECT_TIMEOUT_S))
+        if kind != "Scheduler":
+            raise InputError(f"it is a {kind.lower()}")
+        with hold_back_interrupts():
+            return distributed.Client(address, timeout=CONNECT_TIMEOUT_S, set_as_default=False)  # type: ignore[no-untyped-call]
+    except Exception as error:
+        # A refused connection and a timeout give one message: which of them occurs depends on the load.
+        silent = isinstance(_find_cause(error), TimeoutError | ConnectionRefusedError)
+        why = "" if silent else f" ({describe_error(_find_cause(error))})"
+        raise InputError(
+            f"--scheduler {address}: no Dask scheduler answers there{why}; "
+            "start one with 'dask scheduler', which prints its address"
+        ) from None
 
 
 async def _identify(distributed: Any, address: str) -> str:
@@ -230,7 +166,7 @@ def _find_cause(error: BaseException) -> BaseException:
 _one_at_a_time = threading.Lock()
 """A worker may have many threads, and flies one genome at a time nevertheless."""
 
-_processes: dict[bytes, LocalProcess] = {}
+_processes: dict[bytes, Worker] = {}
 """The process that evaluates, by the study that it has loaded: one at a time."""
 
 
@@ -243,7 +179,7 @@ def _call(study: bytes, expected: Mapping[str, str], function: Callable[[], T]) 
         return _processes[study].start(function).result()
 
 
-def _open_process(document: Mapping[str, Any], expected: Mapping[str, str]) -> LocalProcess:
+def _open_process(document: Mapping[str, Any], expected: Mapping[str, str]) -> Worker:
     """Return a process that evaluates as the coordinator would.
 
     Raises InputError if this worker has not what the study needs, or has it in other versions.
@@ -261,4 +197,4 @@ def _open_process(document: Mapping[str, Any], expected: Mapping[str, str]) -> L
             )
     # Python lets a daemonic process, such as a worker under a nanny, start no other; ours ends with it in any case.
     multiprocessing.current_process().daemon = False
-    return LocalProcess(document)
+    return Worker(document)

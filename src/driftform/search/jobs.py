@@ -145,14 +145,14 @@ def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
     ]
 
 
-def rehearse(pipeline: Pipeline) -> None:
+def rehearse(pipeline: Pipeline, flies: bool = True) -> None:
     """Fly a random genome under a disturbed condition, if a run with this scenario has any, and forget the flight.
 
-    Disturbed flights need kernels of their own, and a run asks for them only after its undisturbed flights. One process
-    that rehearses compiles them while another compiles those of the undisturbed flights.
+    Disturbed flights need kernels of their own, and a run asks for them only after its undisturbed flights. The one process
+    that ``flies`` compiles them while another compiles those of the undisturbed flights.
     """
     robustness, calibration = pipeline.scenario.robustness, pipeline.scenario.calibration
-    if robustness.conditions:
+    if flies and robustness.conditions:
         genome = pipeline.grammar.random(np.random.default_rng(0))
         pipeline.evaluate([genome], conditions=draw_conditions(robustness, 1, (0,), calibration))
 

@@ -6,13 +6,12 @@ limit no task's time, and leave their processes behind when the coordinator is k
 
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future
-from contextlib import suppress
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from functools import partial
-from queue import Empty, SimpleQueue
 from typing import Any
 
+from driftform.pipeline import Pipeline
 from driftform.search.jobs import (
     ATTEMPTS,
     KILLS,
@@ -23,9 +22,10 @@ from driftform.search.jobs import (
     T,
     WorkerDiedError,
     WorkersLostError,
+    evaluate_batch,
     task_size,
 )
-from driftform.search.worker import compute, work
+from driftform.search.worker import use_pipeline
 from driftform.types import Evaluation
 
 TASKS_PER_PROCESS = 2
@@ -75,7 +75,6 @@ class PoolExecutor:
         self._calls: list[_Call] = []
         self._repeated: deque[_Task] = deque()
         self._running: dict[Future[list[Outcome]], _Task] = {}
-        self._ended = SimpleQueue[Future[list[Outcome]]]()
         self._failed_starts = 0
         self._seconds: float | None = None
 
@@ -101,9 +100,7 @@ class PoolExecutor:
         try:
             while call.waiting or call.running or call.arrived:
                 while len(self._running) < TASKS_PER_PROCESS * self.processes and (task := self._next_task()):
-                    future = self._submit(partial(work, task.jobs))
-                    self._running[future] = task
-                    future.add_done_callback(self._ended.put)
+                    self._running[self._submit(partial(use_pipeline, evaluate_batch, task.jobs))] = task
                 if not call.arrived:
                     self._collect()
                 if call.arrived:
@@ -114,17 +111,21 @@ class PoolExecutor:
             self._calls.remove(call)
 
     def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
-        """Begin a call in a worker; see :meth:`driftform.search.jobs.Executor.begin`. It is repeated where a process dies."""
-        call = partial(compute, function, args)
-        futures = [self._submit(call)]
+        """Begin a call in a worker; see :meth:`driftform.search.jobs.Executor.begin`."""
+        return self._begin(partial(use_pipeline, _compute, function, args), KILLS)
+
+    def _begin(self, function: Callable[[], T], most: int) -> Callable[[], T]:
+        """Begin a call in a worker, and return what waits for its result; it is repeated until its process died ``most`` times."""
+        futures, deaths = [self._submit(function)], 0
 
         def wait_for_result() -> T:
-            error = self._find_error(futures[-1])
-            while isinstance(error, WorkerDiedError) and len(futures) < KILLS:
-                futures.append(self._submit(call))
-                error = self._find_error(futures[-1])
-            if error is not None:
-                raise error
+            nonlocal deaths
+            while (error := self._find_error(futures[-1])) is not None:
+                # A call that was waiting in the process of another did not begin.
+                deaths += isinstance(error, WorkerDiedError) and error.cause is not Cause.NONE
+                if deaths == most or not isinstance(error, WorkerDiedError):
+                    raise error
+                futures.append(self._submit(function))
             return futures[-1].result()
 
         return wait_for_result
@@ -142,18 +143,16 @@ class PoolExecutor:
     def _collect(self) -> None:
         """Wait until a task ends, and keep the outcomes for the calls whose jobs they are of; raise errors of tasks."""
         self._poll()
-        with suppress(Empty):
-            timeout = POLL_S
-            while True:
-                future, timeout = self._ended.get(timeout=timeout), 0.0
-                task, error = self._running.pop(future), self._find_error(future)
-                if error is None:
-                    self._failed_starts = 0
-                    self._finish(task, future.result())
-                elif isinstance(error, WorkerDiedError):
-                    self._repeat(task, error)
-                else:
-                    raise error
+        wait(self._running, POLL_S, FIRST_COMPLETED)
+        for future in [future for future in self._running if future.done()]:
+            task, error = self._running.pop(future), self._find_error(future)
+            if error is None:
+                self._failed_starts = 0
+                self._finish(task, future.result())
+            elif isinstance(error, WorkerDiedError):
+                self._repeat(task, error)
+            else:
+                raise error
 
     def _finish(self, task: _Task, outcomes: Sequence[Outcome]) -> None:
         task.call.running -= len(task.jobs)
@@ -187,3 +186,8 @@ class PoolExecutor:
             return
         [job] = task.jobs
         self._finish(task, [(job.index, Evaluation.failed(job.genome, self._targets, failure))])
+
+
+def _compute(pipeline: Pipeline, function: Callable[..., T], args: Sequence[Any]) -> T:
+    """Call a function with the grammar and the builder of the study, and arguments."""
+    return function(pipeline.grammar, pipeline.builder, *args)

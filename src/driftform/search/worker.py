@@ -13,18 +13,19 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from functools import cache
 from multiprocessing.connection import wait as wait_for_any
+from multiprocessing.process import BaseProcess
 from multiprocessing.reduction import ForkingPickler
 from typing import TYPE_CHECKING, Any
 
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.pipeline import Pipeline
 from driftform.plugins import faults
-from driftform.search.jobs import Cause, Job, Outcome, T, WorkerDiedError, WorkersLostError, evaluate_batch, rehearse
+from driftform.search.jobs import Cause, T, WorkerDiedError, WorkersLostError
 from driftform.study import Document, load_study
 from driftform.util.files import keep_directory
 from driftform.util.preparation import observe_preparation
@@ -52,47 +53,28 @@ OUTSIDE_SIGNALS = frozenset(
 
 
 class Worker:
-    """A worker process for the study of a document; it ends when it is closed, or when this process ends."""
+    """A worker process for the study of a document, which starts with its first task, and again after it died.
+
+    It ends when it is closed, or when this process ends.
+    """
 
     def __init__(self, document: Mapping[str, Any]) -> None:
-        self._timeout = float(document["run"]["evaluation_timeout"])
-        self._tasks: deque[Future[Any]] = deque()
+        self._document, self._timeout = dict(document), float(document["run"]["evaluation_timeout"])
         self._lock = threading.Lock()
-        self._is_over = False
-        # Spawned, not forked: the libraries of simulators keep threads and global state.
-        context = multiprocessing.get_context("spawn")
-        self._connection, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs,))
-        try:
-            with hold_back_interrupts(), leave_out_script():
-                self._process.start()
-        except OSError as error:
-            raise WorkersLostError(f"workers cannot start here: {error}") from None
-        except KeyboardInterrupt:
-            if self._process.pid is not None:
-                self._process.kill()
-            raise
-        finally:
-            # Otherwise the pipe would not end with the worker.
-            theirs.close()
-        _log.info("worker process %s started", self._process.pid)
-        self._send(dict(document))
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-        # A script that never closes its executor ends nevertheless.
-        atexit.register(self.close)
+        self._process: BaseProcess | None = None
+        self._tasks: deque[Future[Any]] = deque()
 
     @property
-    def tasks(self) -> int:
-        """Number of functions that are not answered yet."""
-        return len(self._tasks)
+    def tasks(self) -> int | None:
+        """Number of functions that are not answered yet, ``None`` without a process."""
+        return None if self._process is None else len(self._tasks)
 
-    def submit(self, function: Callable[[], T]) -> "Future[T] | None":
-        """Call a function in the process; return ``None`` if the process has ended."""
+    def start(self, function: Callable[[], T]) -> "Future[T]":
+        """Call a function in the process, which is started if there is none."""
         future: Future[T] = Future()
         with self._lock:
-            if self._is_over:
-                return None
+            if self._process is None:
+                self._open()
             self._tasks.append(future)
         self._send(function)
         return future
@@ -100,41 +82,60 @@ class Worker:
     def close(self) -> None:
         """End the process at once; its tasks are lost."""
         atexit.unregister(self.close)
-        self._kill()
-        self._reader.join(END_S)
+        if (process := self._process) is not None:
+            _kill(process)
+            self._reader.join(END_S)
 
-    def _kill(self) -> None:
-        """End the process, and those that a plugin started in it."""
-        if hasattr(os, "killpg") and self._process.pid is not None:
-            with suppress(OSError):
-                os.killpg(self._process.pid, signal.SIGKILL)
-        self._process.kill()
+    def _open(self) -> None:
+        # Spawned, not forked: the libraries of simulators keep threads and global state.
+        context = multiprocessing.get_context("spawn")
+        self._connection, theirs = context.Pipe()
+        process = context.Process(target=_serve, args=(theirs,))
+        try:
+            with hold_back_interrupts(), leave_out_script():
+                process.start()
+        except OSError as error:
+            raise WorkersLostError(f"workers cannot start here: {error}") from None
+        except KeyboardInterrupt:
+            if process.pid is not None:
+                process.kill()
+            raise
+        finally:
+            # Otherwise the pipe would not end with the worker.
+            theirs.close()
+        _log.info("worker process %s started", process.pid)
+        self._process, self._tasks = process, deque()
+        self._send(self._document)
+        self._reader = threading.Thread(target=self._read, args=(process, self._connection, self._tasks), daemon=True)
+        self._reader.start()
+        # A script that never closes its executor ends nevertheless.
+        atexit.register(self.close)
 
     def _send(self, message: object) -> None:
         # If the process has ended, the reader finds out, and answers for its tasks.
         with suppress(OSError):
             self._connection.send(message)
 
-    def _read(self) -> None:
+    def _read(self, process: BaseProcess, connection: "Connection[Any, Any]", tasks: deque[Future[Any]]) -> None:
         """Pass results on until the process ends or takes too long; runs in a thread of its own."""
         tick = min(TICK_S, self._timeout / 10)
         # Time that the first task may still take, s, without preparations; None before it evaluates anything.
         left: float | None = None
-        pauses, since, spent = 0, time.monotonic(), self._measure_processor()
+        pauses, since, spent = 0, time.monotonic(), _measure_processor(process)
         while left is None or left > 0:
             try:
-                has_arrived = self._connection.poll(tick)
-                now, used = time.monotonic(), self._measure_processor()
+                has_arrived = connection.poll(tick)
+                now, used = time.monotonic(), _measure_processor(process)
                 if left is not None and not pauses:
                     # Time in which this process was stopped does not count.
                     left -= min(now - since, 2 * tick, max(used - spent, (now - since) / PATIENCE))
                 since, spent = now, used
                 if not has_arrived:
                     # A process that the worker started may keep the pipe open.
-                    if self._process.exitcode is None or self._connection.poll(0):
+                    if process.exitcode is None or connection.poll(0):
                         continue
                     break
-                kind, value = self._connection.recv()
+                kind, value = connection.recv()
             except (EOFError, OSError):
                 break
             except Exception as error:
@@ -144,64 +145,49 @@ class Worker:
                     left, pauses = self._timeout, 0
                 case "preparing":
                     pauses += 1 if value else -1
+                case "result":
+                    left = None
+                    tasks.popleft().set_result(value)
                 case _:
                     left = None
-                    with self._lock:
-                        future = self._tasks.popleft()
-                    if kind == "result":
-                        future.set_result(value)
-                    else:
-                        future.set_exception(value)
-        self._end(left)
+                    tasks.popleft().set_exception(value)
+        self._end(process, connection, tasks, left)
 
-    def _measure_processor(self) -> float:
-        """Return the processor time of the worker, s; or wall time where the system does not give it."""
-        with suppress(AttributeError, OSError, TypeError):
-            # The clock of a process of Linux by its number, as clock_getcpuclockid(3) makes it.
-            return time.clock_gettime((~self._process.pid << 3) | 2)  # type: ignore[operator]
-        return time.monotonic()
-
-    def _end(self, left: float | None) -> None:
+    def _end(
+        self, process: BaseProcess, connection: "Connection[Any, Any]", tasks: deque[Future[Any]], left: float | None
+    ) -> None:
         """End the process, and report its death to all that wait for its tasks."""
         cause = Cause.START if left is None else Cause.TIMEOUT if left <= 0 else Cause.CRASH
         if cause is not Cause.TIMEOUT:
-            self._process.join(TICK_S)
-        self._kill()
-        self._process.join(END_S)
-        self._connection.close()
-        code = self._process.exitcode
+            process.join(TICK_S)
+        _kill(process)
+        process.join(END_S)
+        connection.close()
+        code = process.exitcode
         if cause is Cause.CRASH and code in OUTSIDE_SIGNALS:
             cause = Cause.KILL
         with self._lock:
-            self._is_over = True
-            tasks, self._tasks = self._tasks, deque()
+            # No task can be added any more: the next one starts another process.
+            self._process = None
         for number, future in enumerate(tasks):
             # The second task was only waiting in the pipe.
             future.set_exception(WorkerDiedError(Cause.NONE if number else cause, _describe_exit(code)))
 
 
-class LocalProcess:
-    """A worker process that starts with its first task, and again after it died; ``worker`` is ``None`` before and between."""
+def _kill(process: BaseProcess) -> None:
+    """End a process, and those that a plugin started in it."""
+    if hasattr(os, "killpg") and process.pid is not None:
+        with suppress(OSError):
+            os.killpg(process.pid, signal.SIGKILL)
+    process.kill()
 
-    def __init__(self, document: Mapping[str, Any]) -> None:
-        self._document = document
-        self.worker: Worker | None = None
 
-    def start(self, function: Callable[[], T]) -> "Future[T]":
-        """Call a function in the process, which is started if necessary."""
-        future = None if self.worker is None else self.worker.submit(function)
-        while future is None:
-            # There is no process, or it died while it waited for work.
-            self.close()
-            self.worker = Worker(self._document)
-            future = self.worker.submit(function)
-        return future
-
-    def close(self) -> None:
-        """End the process at once; its tasks are lost."""
-        if self.worker is not None:
-            self.worker.close()
-            self.worker = None
+def _measure_processor(process: BaseProcess) -> float:
+    """Return the processor time of a process, s; or wall time where the system does not give it."""
+    with suppress(AttributeError, OSError, TypeError):
+        # The clock of a process of Linux by its number, as clock_getcpuclockid(3) makes it.
+        return time.clock_gettime((~process.pid << 3) | 2)  # type: ignore[operator]
+    return time.monotonic()
 
 
 def _describe_exit(code: int | None) -> str:
@@ -318,24 +304,9 @@ def _load_pipeline() -> Pipeline:
     return load_study(Document("the study", _document)).make_pipeline()
 
 
-def prepare(*, rehearses: bool) -> None:
-    """Load what the first evaluation needs, in a worker process, and rehearse a disturbed flight if asked."""
-    pipeline = _load_pipeline()
-    if rehearses:
-        _report("begun")
-        rehearse(pipeline)
-
-
-def work(batch: Sequence[Job]) -> list[Outcome]:
-    """Evaluate the genomes of one task, in a worker process."""
+def use_pipeline(function: Callable[..., T], *args: Any) -> T:
+    """Call a function with the pipeline of the study, and arguments, in a worker process."""
     # Loaded by a task: an exception is then the error of that task, and not a dead process.
     pipeline = _load_pipeline()
     _report("begun")
-    return evaluate_batch(pipeline, batch)
-
-
-def compute(function: Callable[..., T], args: Sequence[Any]) -> T:
-    """Call a function with the grammar and the builder of the study, and arguments, in a worker process."""
-    pipeline = _load_pipeline()
-    _report("begun")
-    return function(pipeline.grammar, pipeline.builder, *args)
+    return function(pipeline, *args)

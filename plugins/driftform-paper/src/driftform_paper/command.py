@@ -14,7 +14,6 @@ def reproduce(
     ] = 10,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the first repeat.")] = 1,
     workers: options.Workers = None,
-    executor: options.ExecutorName = None,
     scheduler: options.Scheduler = None,
     simulator: options.Simulator = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Directory for runs, tables and figures.")] = Path(
@@ -45,7 +44,7 @@ def reproduce(
     files.make_directory(out)
     runs = {key: out / "runs" / f"{key[0]}-{key[1]}" for key in studies}
     searches = [{runs[key]: study for key, study in studies.items() if key[0] == s} for s in STRATEGIES]
-    search_repeats(searches, executor, scheduler, workers, f"driftform reproduce --out {out}")
+    search_repeats(searches, scheduler, workers, f"driftform reproduce --out {out}")
     found = {s: read_results(s, [(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
     again = resimulate(first, found["paper"])
     figures = write_figures(out / "figures", first, found, again, page)
