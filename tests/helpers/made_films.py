@@ -15,7 +15,7 @@ from driftform.water import Factors
 from driftform_calibration.bench import Bench, Path, ReleaseError
 from driftform_calibration.camera import VIEWS, Camera, see_points
 from driftform_calibration.problem import RELEASE_ANGLE, RELEASE_RISE, RELEASE_SPEED, Filmed
-from driftform_calibration.tracks import Marker, Track, check_track
+from driftform_calibration.tracks import Track, check_track
 
 SURFACE = -0.02
 """Height of the core's centre at which a film of a rising agent ends; the surface is at 0, m."""
@@ -91,7 +91,7 @@ def film_flight(
         rng.normal(0.0, how.tilt),
         offset=(rng.normal(0.0, 0.3), rng.normal(0.0, 0.3)),
     )
-    blank = Track(name, t, (Marker(0.0, np.zeros((len(t), 2))),))
+    blank = Track(name, t, np.zeros((1, len(t), 2)))
     [seen] = see_points(_look_down(path, how, rng) if how.look_down else path, blank, VIEWS["side"], camera)
     if how.barrel:
         seen = _bend(seen, how.barrel, rng)
@@ -99,7 +99,7 @@ def film_flight(
     if how.lost:
         kept = _keep_frames(len(t), how.lost, rng)
         noisy, blank = noisy[kept], replace(blank, t=t[: len(kept)])
-    return Filmed(bench, check_track(name, replace(blank, markers=(Marker(0.0, noisy),))))
+    return Filmed(bench, check_track(name, replace(blank, points=noisy[None])))
 
 
 def _look_down(path: Path, how: Filming, rng: np.random.Generator) -> Path:

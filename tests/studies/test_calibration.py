@@ -162,9 +162,8 @@ def test_heights_of_a_sphere_alone_show_its_drag_within_the_interval() -> None:
         rng = np.random.default_rng((SEED, 3000 + number))
         world = Factors(cross_drag=float(rng.uniform(0.7, 1.3)))
         film = film_flight(place_drop(pipeline, sphere, 0.0, 2.0), world, rng, Filming(noise=5e-4))
-        [marker] = film.track.markers
-        heights = replace(marker, points=np.column_stack([np.full(len(film.track.t), np.nan), marker.points[:, 1]]))
-        found = fit_factors([replace(film, track=replace(film.track, markers=(heights,)))], ["cross_drag"])
+        heights = replace(film.track, points=film.track.points * [np.nan, 1.0])
+        found = fit_factors([replace(film, track=heights)], ["cross_drag"])
         estimate = found.estimates["cross_drag"]
         if estimate.low is not None and estimate.high is not None:
             held.append(estimate.low <= world.cross_drag <= estimate.high)

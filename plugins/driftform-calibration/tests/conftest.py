@@ -43,7 +43,7 @@ def write_track() -> Callable[[Path, Filmed], Path]:
     """Write the track of a film as plain CSV."""
 
     def write(path: Path, film: Filmed) -> Path:
-        rows = zip(film.track.t.tolist(), film.track.markers[0].points.tolist(), strict=True)
+        rows = zip(film.track.t.tolist(), film.track.points[0].tolist(), strict=True)
         lines = ["t,x,y", *(f"{t:.6f},{x:.6f},{y:.6f}" for t, (x, y) in rows)]
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
         return path

@@ -6,7 +6,7 @@ import pytest
 from driftform.types import FloatArray
 from driftform_calibration.bench import Path
 from driftform_calibration.camera import VIEWS, Camera, bend_points, see_points
-from driftform_calibration.tracks import Marker, Track
+from driftform_calibration.tracks import Track
 
 T = np.linspace(0.0, 1.0, 31)
 
@@ -20,7 +20,7 @@ def fall() -> Path:
 
 
 def see(camera: Camera) -> FloatArray:
-    blank = Track("film", T, (Marker(0.0, np.zeros((len(T), 2))),))
+    blank = Track("film", T, np.zeros((1, len(T), 2)))
     [points] = see_points(fall(), blank, VIEWS["side"], camera)
     return points
 

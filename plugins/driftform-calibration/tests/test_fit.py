@@ -105,10 +105,9 @@ def test_the_noise_is_that_of_the_film_and_the_residual_is_noise(fit: Fit) -> No
 def test_wrong_points_count_little(noisy: list[Filmed], fit: Fit) -> None:
     spoilt = []
     for film in noisy:
-        [marker] = film.track.markers
-        points = marker.points.copy()
-        points[5::12] += 0.05
-        spoilt.append(replace(film, track=replace(film.track, markers=(replace(marker, points=points),))))
+        points = film.track.points.copy()
+        points[:, 5::12] += 0.05
+        spoilt.append(replace(film, track=replace(film.track, points=points)))
     found = fit_factors(spoilt)
     for name in FALLING:
         plain, other = fit.estimates[name], found.estimates[name]
@@ -119,9 +118,7 @@ def test_wrong_points_count_little(noisy: list[Filmed], fit: Fit) -> None:
 
 def test_heights_alone_do_not_show_how_an_agent_turns(film: Film) -> None:
     [level] = film(replace(Factors(), cross_drag=1.3), EXACT, (0.0,), 2.0)
-    [marker] = level.track.markers
-    points = np.column_stack([np.full(len(level.track.t), np.nan), marker.points[:, 1]])
-    heights = replace(level, track=replace(level.track, markers=(replace(marker, points=points),)))
+    heights = replace(level, track=replace(level.track, points=level.track.points * [np.nan, 1.0]))
     found = fit_factors([heights], ["cross_drag"])
     assert found.known == ()
     assert found.estimates["cross_drag"].reason.startswith("1.csv needs both coordinates")
@@ -131,8 +128,7 @@ def test_heights_alone_do_not_show_how_an_agent_turns(film: Film) -> None:
 def lose_frames(film: Filmed, frames: list[int]) -> Filmed:
     """Return a film without some frames, whose others are numbered without a gap."""
     kept = np.delete(np.arange(len(film.track.t)), frames)
-    marker = replace(film.track.markers[0], points=film.track.markers[0].points[kept])
-    short = replace(film.track, t=film.track.t[: len(kept)], markers=(marker,))
+    short = replace(film.track, t=film.track.t[: len(kept)], points=film.track.points[:, kept])
     return replace(film, track=check_track("1.csv", short))
 
 

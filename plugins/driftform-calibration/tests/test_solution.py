@@ -17,6 +17,7 @@ from driftform_calibration.solution import (
     estimate_covariance,
     merge_solutions,
 )
+from driftform_calibration.tracks import Track
 
 
 class Lines:
@@ -39,10 +40,8 @@ class Lines:
         self.prior_rows = np.zeros((0, 2)) if prior_rows is None else prior_rows
         times = [np.linspace(-1, 1, len(u)) if t is None else t for u in seen]
         self.designs = [np.column_stack([np.ones_like(time), time]) for time in times]
-        self.films = [
-            SimpleNamespace(observed=u[None, :, None], track=SimpleNamespace(t=time))
-            for u, time in zip(seen, times, strict=True)
-        ]
+        tracks = [Track("", time, u[None, :, None]) for u, time in zip(seen, times, strict=True)]
+        self.films = [SimpleNamespace(track=track) for track in tracks]
         self.counts = [int(np.isfinite(u).sum()) for u in seen]
         self.parameters = [Parameter(-1, name, 0.0, -9.0, 9.0, np.inf) for name in "ab"]
 
@@ -140,7 +139,7 @@ def test_the_correlation_time_of_an_autoregression_is_its_closed_form(rho: float
 def test_two_coordinates_share_one_correlation_time() -> None:
     rng = np.random.default_rng(5)
     a, b = draw_series(rng, 5000, 0.8), draw_series(rng, 5000, 0.0)
-    film = SimpleNamespace(observed=np.stack([a, b], axis=1)[None], track=SimpleNamespace(t=np.arange(5000.0)))
+    film = SimpleNamespace(track=Track("", np.arange(5000.0), np.stack([a, b], axis=1)[None]))
     zero: Any = SimpleNamespace(films=[film], see=lambda *_: np.zeros((1, 5000, 2)), paths=lambda _: [None])
     # Both have the variance 1, so that the correlations are means of 0.8^k and 0.
     assert correlation_time(zero, np.zeros(2), 0) == pytest.approx(1 + 0.8 / 0.2, rel=0.15)

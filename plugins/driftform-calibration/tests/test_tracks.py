@@ -5,7 +5,7 @@ import pytest
 
 from driftform.errors import InputError
 from driftform.testing.bodies import cylinder_body
-from driftform_calibration.tracks import Marker, Reading, Track, check_track, read_track
+from driftform_calibration.tracks import Reading, Track, check_track, read_track
 
 BODY = cylinder_body(0.2, 0.02)
 
@@ -17,7 +17,7 @@ def fall(n=40, fps=60.0):
 
 
 def track_of(t, points):
-    return Track("film.csv", t, (Marker(0.0, points),))
+    return Track("film.csv", t, points[None])
 
 
 def write_csv(path, t, points, names="t,x,y"):
@@ -52,7 +52,7 @@ T, POINTS = fall()
 def test_what_can_be_mended_is_mended_and_said(t, points, kept, notes):
     found = check_track("film.csv", track_of(t, points))
     assert found.notes == notes
-    assert np.array_equal(found.t, T[kept]) and np.array_equal(found.markers[0].points, POINTS[kept])
+    assert np.array_equal(found.t, T[kept]) and np.array_equal(found.points[0], POINTS[kept])
 
 
 @pytest.mark.parametrize(("period", "lost"), [(5, 1), (10, 1), (9, 2)])
@@ -126,11 +126,11 @@ def test_lengths_are_read_in_the_unit_that_is_named(tmp_path):
     t, points = fall()
     path = write_csv(tmp_path / "film.csv", t, 1000 * points)
     in_mm = read_track(path, BODY, Reading(unit="mm"))
-    assert in_mm.markers[0].points == pytest.approx(points)
+    assert in_mm.points[0] == pytest.approx(points)
     with pytest.raises(InputError, match="unit 'inch' is not known"):
         read_track(path, BODY, Reading(unit="inch"))
     named = write_csv(tmp_path / "named.csv", t, 100 * points, "t,x (cm),y (cm)")
-    assert read_track(named, BODY, Reading()).markers[0].points == pytest.approx(points)
+    assert read_track(named, BODY, Reading()).points[0] == pytest.approx(points)
 
 
 def test_pixels_need_a_scale_and_point_down(tmp_path):
@@ -139,10 +139,10 @@ def test_pixels_need_a_scale_and_point_down(tmp_path):
     with pytest.raises(InputError, match="give --scale, the metres per pixel"):
         read_track(path, BODY, Reading())
     found = read_track(path, BODY, Reading(scale=0.002))
-    assert found.markers[0].points == pytest.approx(points)
+    assert found.points[0] == pytest.approx(points)
     assert "y is taken to point down" in found.notes[0]
     up = read_track(path, BODY, Reading(scale=0.002, y_down=False))
-    assert up.markers[0].points[:, 1] == pytest.approx(-points[:, 1]) and up.notes == ()
+    assert up.points[0][:, 1] == pytest.approx(-points[:, 1]) and up.notes == ()
 
 
 def test_frames_need_their_rate(tmp_path):
@@ -167,9 +167,9 @@ def test_the_ends_of_the_body_are_known_and_other_points_must_be_placed(tmp_path
     rows = [f"{a},{x},{y},{x},{y}" for a, (x, y) in zip(t, points, strict=True)]
     path = tmp_path / "film.csv"
     path.write_text("\n".join(["t,nose_x,nose_y,tail_x,tail_y", *rows]), encoding="utf-8")
-    assert [marker.x for marker in read_track(path, BODY, Reading()).markers] == [0.1, -0.1]
+    assert read_track(path, BODY, Reading()).places == (0.1, -0.1)
     placed = read_track(path, BODY, Reading(points={"nose": 0.03}))
-    assert [marker.x for marker in placed.markers] == [0.03, -0.1]
+    assert placed.places == (0.03, -0.1)
     path.write_text("\n".join(["t,dot_x,dot_y,ring_x,ring_y", *rows]), encoding="utf-8")
     with pytest.raises(InputError, match=r"has the points dot, ring; .* --point dot="):
         read_track(path, BODY, Reading())

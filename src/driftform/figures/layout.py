@@ -226,12 +226,12 @@ _DIRECTIONS = ((1, 0), (0, -1), (0, 1), (-1, 0), (0.8, -0.9), (0.8, 0.9), (-0.8,
 
 
 def resample_polyline(points: FloatArray, spacing: float) -> FloatArray:
-    """Return points along a polyline, (n, 2), about ``spacing`` apart, both ends included."""
+    """Return points along a polyline, (n, d), about ``spacing`` apart, both ends included."""
     if len(points) < 2:
         return points
     s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     at = np.linspace(0, s[-1], max(2, int(s[-1] / spacing) + 1))
-    return np.column_stack([np.interp(at, s, points[:, 0]), np.interp(at, s, points[:, 1])])
+    return np.column_stack([np.interp(at, s, column) for column in points.T])
 
 
 def floor_to_nice_number(value: float) -> float:

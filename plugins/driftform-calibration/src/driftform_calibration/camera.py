@@ -52,7 +52,7 @@ def see_points(path: Path, track: Track, view: FloatArray, camera: Camera) -> Fl
         c, s = np.cos(camera.tilt), np.sin(camera.tilt)
         turn = np.array([[c, -s], [s, c]]) @ turn
     start = path.position[0]
-    seen = np.array([(core + marker.x * axis - start) for marker in track.markers])
+    seen = np.array([core + place * axis - start for place in track.places])
     seen = seen / (1 - camera.keystone * (seen @ view[1]))[..., None]
     points = bend_points((start + seen) @ turn.T, camera.barrel)
     return np.asarray(np.exp(camera.scale) * points + np.array(camera.offset))

@@ -21,7 +21,7 @@ from driftform_calibration.bench import Bench, Path, ReleaseError
 from driftform_calibration.fit import CONTACT, find_max_width, list_reasons
 from driftform_calibration.problem import Filmed, Problem, factor_of
 from driftform_calibration.protocol import CAMERA, Drop, DropPlan, Tank
-from driftform_calibration.tracks import Marker, Track
+from driftform_calibration.tracks import Track
 
 FLOOR_RADIUS = 100.0
 """Radius of the tube whose lowest line is the floor of a tank, m: flat to half a millimetre within 0.3 m."""
@@ -170,7 +170,7 @@ def _inform(bench: Bench, names: Sequence[str], noise: float, distance: float, t
 
 def _blank(t: FloatArray) -> Track:
     """Return a track of the core at times ``t`` (s), whose points do not matter."""
-    return Track("", t, (Marker(0.0, np.zeros((len(t), 2))),))
+    return Track("", t, np.zeros((1, len(t), 2)))
 
 
 def _find_end(body: Body, path: Path, tank: Tank) -> tuple[float, str]:

@@ -160,19 +160,10 @@ def intervals_svg(
     def x_of(value: float) -> float:
         return float(left + (value - low) / (high - low) * (right - left))
 
-    rows = [
-        {
-            "name": name.replace("_", " "),
-            "y": top + ROW * (number + 0.5),
-            "interval": [x_of(value) for value in intervals[name]] if name in intervals else None,
-            "value": f"{intervals[name][0]:.3g}" if name in intervals else "",
-        }
-        for number, name in enumerate([*intervals, *unknown])
-    ]
-    values = layout.tick_values(low, high, layout.floor_to_nice_number((high - low) / 4))
-    ticks = [(x_of(value), f"{value:g}") for value in values]
-    sides = {"left": left, "bottom": top + ROW * count, "one": x_of(1), "edge": width - layout.MARGIN}
-    svg.draw_template(root, __package__, "intervals", rows=rows, ticks=ticks, **sides)
+    ticks = layout.tick_values(low, high, layout.floor_to_nice_number((high - low) / 4))
+    sides = {"left": left, "top": top, "bottom": top + ROW * count, "edge": width - layout.MARGIN}
+    rows = {"intervals": intervals, "names": [*intervals, *unknown], "row": ROW}
+    svg.draw_template(root, __package__, "intervals", **rows, ticks=ticks.tolist(), **sides, x_of=x_of)
     return svg.render(root)
 
 
@@ -208,12 +199,7 @@ def drop_svg(
 
 def ruler_svg(length_mm: int = 150) -> str:
     """Return a ruler as SVG whose natural size is its length: to print, and to hang where the agent falls."""
-    width, height = length_mm + 20.0, 26.0
     px = svg.PX_PER_MM
-    root = svg.start_document(width * px, height * px, "Ruler", f"A ruler of {length_mm} mm.", "mm")
-    ticks = [
-        ((10 + mm) * px, (10 if mm % 50 == 0 else 6 if mm % 10 == 0 else 3) * px, "" if mm % 50 else f"{mm}")
-        for mm in range(0, length_mm + 1, 5)
-    ]
-    svg.draw_template(root, __package__, "ruler", ticks=ticks, top=4 * px, length=length_mm)
+    root = svg.start_document((length_mm + 20) * px, 26 * px, "Ruler", f"A ruler of {length_mm} mm.", "mm")
+    svg.draw_template(root, __package__, "ruler", px=px, length=length_mm)
     return svg.render(root)

@@ -105,8 +105,7 @@ def _check_likeness(label: str, film: Filmed) -> Filmed:
 
     apart = {slower: measure(replace(track, t=track.t / slower)) for slower in SLOW_MOTION}
     if up.any():
-        turned = tuple(replace(marker, points=marker.points * (1 - 2 * up)) for marker in track.markers)
-        apart[-1] = measure(replace(track, markers=turned))
+        apart[-1] = measure(replace(track, points=track.points * (1 - 2 * up)))
     best = min(apart, key=lambda kind: apart[kind])
     if apart[1] < CLEARLY * apart[best]:
         return film

@@ -83,19 +83,14 @@ class Filmed:
         return np.eye(3) if self.track.is_spatial else VIEWS[self.view]
 
     @cached_property
-    def observed(self) -> FloatArray:
-        """Points of the markers, (markers, n, d), m, NaN where not seen."""
-        return np.array([marker.points for marker in self.track.markers])
-
-    @cached_property
     def times(self) -> FloatArray:
         """Time of each residual: of the coordinates of the points that were seen, s."""
-        return np.asarray(self.track.t[np.nonzero(~np.isnan(self.observed))[1]])
+        return np.asarray(self.track.t[np.nonzero(~np.isnan(self.track.points))[1]])
 
     @cached_property
     def seen_axes(self) -> FloatArray:
         """True for each coordinate that the track has, (d,)."""
-        return np.asarray(~np.isnan(self.observed).all(axis=(0, 1)))
+        return np.asarray(~np.isnan(self.track.points).all(axis=(0, 1)))
 
 
 @dataclass(frozen=True)
@@ -246,7 +241,7 @@ class Problem:
 
     def _weigh(self, number: int, points: FloatArray) -> FloatArray:
         """Return the differences of one track over their noise, of what was seen only."""
-        observed = self.films[number].observed
+        observed = self.films[number].track.points
         return np.asarray((points - observed)[~np.isnan(observed)] / self.noise[number])
 
     def list_new(self, number: int) -> npt.NDArray[np.bool_]:
@@ -257,13 +252,13 @@ class Problem:
     @cached_property
     def counts(self) -> list[int]:
         """Number of residuals of each track."""
-        return [int((~np.isnan(film.observed)).sum()) for film in self.films]
+        return [int((~np.isnan(film.track.points)).sum()) for film in self.films]
 
     def distances(self, x: FloatArray) -> list[FloatArray]:
         """Return the distances (m) of the markers from where the model has them, of each track, (markers, n)."""
         found = []
         for number, film in enumerate(self.films):
-            off = self.see(x, number, self._state(x.tobytes())[number][0]) - film.observed
+            off = self.see(x, number, self._state(x.tobytes())[number][0]) - film.track.points
             found.append(np.where(np.isnan(off).all(axis=2), np.nan, np.sqrt(np.nansum(off**2, axis=2))))
         return found
 

@@ -155,7 +155,7 @@ class CalibrationResult:
             track = problem.films[number].track
             delay = problem.camera(fit.x, number).delay
             t = np.linspace(track.t[0], track.t[-1], STATIONS)
-            seen, off = _flatten(track.markers[0].points), (before[0], after[0])
+            seen, off = _flatten(track.points[0]), (before[0], after[0])
             paths = (self._trace_path(fit.x_before, number, t), self._trace_path(fit.x, number, t))
             panels.append(TrackPanel(track.name, track.t - delay, seen, t - delay, *paths, *off))
         before_after = f"{1000 * fit.before:.1f} mm before, {1000 * fit.residual:.1f} mm after"

@@ -185,7 +185,7 @@ def place_releases(
             for delay in candidates:
                 trial = early.copy()
                 trial[j] = delay
-                off = film.observed - problem.see(trial, number, path)
+                off = film.track.points - problem.see(trial, number, path)
                 # Squares: an agent that lies on the floor for most of the film must not decide.
                 means = (np.nanmean(off[..., k]) if seen else 0.0 for k, seen in enumerate(film.seen_axes))
                 shift = np.array(list(means))
@@ -285,7 +285,7 @@ def estimate_covariance(problem: Problem, x: FloatArray) -> FloatArray:
 def correlation_time(problem: Problem, x: FloatArray, number: int) -> float:
     """Return the integrated autocorrelation time of a track's residuals, in points, at least 1."""
     film = problem.films[number]
-    return measure_correlation(problem.see(x, number, problem.paths(x)[number]) - film.observed)
+    return measure_correlation(problem.see(x, number, problem.paths(x)[number]) - film.track.points)
 
 
 def measure_correlation(off: FloatArray) -> float:
@@ -345,7 +345,7 @@ def find_lost_frames(solution: Solution) -> tuple[str, float] | None:
         best = int(np.argmax(frames * np.sqrt(energy)))
         left = rest[rows] - frames[best] * shifts[rows, best]
         # Residuals of points in the shape of the points.
-        off, seen = np.full(film.observed.shape, np.nan), ~np.isnan(film.observed)
+        off, seen = np.full(film.track.points.shape, np.nan), ~np.isnan(film.track.points)
         off[seen] = left[: int(seen.sum())]
         deviation = np.sqrt(np.mean(left**2) * measure_correlation(off))
         if frames[best] > 0.5 and frames[best] * np.sqrt(energy[best]) > CLEAR * deviation:

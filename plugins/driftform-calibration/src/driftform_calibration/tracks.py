@@ -41,32 +41,21 @@ AXIS_NAMES = {
 
 
 @dataclass(frozen=True, eq=False)
-class Marker:
-    """A point of the agent's axis that was followed.
-
-    Attributes:
-        x: where it is on the axis, from the core's centre, m.
-        points: where it was seen, m, NaN where it was not: to the right and up in the picture, (n, 2), or in space,
-            (n, 3).
-    """
-
-    x: float
-    points: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
 class Track:
     """One filmed flight.
 
     Attributes:
         t: times of the frames, s, increasing, (n,).
-        markers: the points that were followed.
+        points: where markers on the agent's axis were seen, m, NaN where they were not: to the right and up in the
+            picture, (markers, n, 2), or in space, (markers, n, 3).
+        places: where each marker is on the axis, from the core's centre, m.
         notes: repairs, one line each.
     """
 
     name: str
     t: FloatArray
-    markers: tuple[Marker, ...]
+    points: FloatArray
+    places: tuple[float, ...] = (0.0,)
     notes: tuple[str, ...] = ()
 
     def cut(self, end: float) -> "Track":
@@ -76,12 +65,12 @@ class Track:
     @property
     def is_spatial(self) -> bool:
         """True if its points are in space."""
-        return bool(self.markers[0].points.shape[1] == 3)
+        return bool(self.points.shape[2] == 3)
 
     @property
     def span(self) -> float:
         """Greatest extent of its first marker in any direction, m."""
-        points = self.markers[0].points
+        points = self.points[0]
         seen = ~np.isnan(points).all(axis=0)
         return float(np.max(np.nanmax(points[:, seen], axis=0) - np.nanmin(points[:, seen], axis=0)))
 
@@ -130,8 +119,9 @@ def read_track(path: Path, body: Body, reading: Reading) -> Track:
         if name in points and (doubtful := likely < LIKELY).any():
             points[name][doubtful] = np.nan
             notes.append(f"{int(doubtful.sum())} points of '{name}' less likely than {LIKELY:g} left out")
-    track = Track(path.name, t, tuple(Marker(x, points[name]) for name, x in markers.items()), tuple(notes))
-    return check_track(str(path), track)
+    return check_track(
+        str(path), Track(path.name, t, np.array(list(points.values())), tuple(markers.values()), tuple(notes))
+    )
 
 
 def check_track(label: str, track: Track) -> Track:
@@ -140,8 +130,7 @@ def check_track(label: str, track: Track) -> Track:
     Raises InputError if it is too short, does not move, or follows two objects.
     """
     notes = list(track.notes)
-    seen = np.array([~np.isnan(marker.points).all(axis=1) for marker in track.markers]).any(axis=0)
-    keep = seen & np.isfinite(track.t)
+    keep = ~np.isnan(track.points).all(axis=(0, 2)) & np.isfinite(track.t)
     if (lost := int((~keep).sum())) and keep.any():
         notes.append(f"{lost} of {len(keep)} rows without a time or a point left out")
     track = _pick_rows(track, np.flatnonzero(keep))
@@ -195,8 +184,7 @@ def _name_markers(path: Path, table: TrackTable, body: Body, reading: Reading) -
 
 
 def _pick_rows(track: Track, rows: npt.NDArray[np.intp]) -> Track:
-    markers = tuple(replace(marker, points=marker.points[rows]) for marker in track.markers)
-    return replace(track, t=track.t[rows], markers=markers)
+    return replace(track, t=track.t[rows], points=track.points[:, rows])
 
 
 def _merge_doubles(label: str, track: Track, notes: list[str]) -> Track:
@@ -204,7 +192,7 @@ def _merge_doubles(label: str, track: Track, notes: list[str]) -> Track:
     double = np.flatnonzero(np.diff(track.t) <= 0)
     if not len(double):
         return track
-    points = track.markers[0].points
+    points = track.points[0]
     apart = np.nanmax(np.abs(points[double + 1] - points[double]), axis=1, initial=0.0)
     if (apart > 1e-9).sum() > 0.2 * len(track.t):
         raise InputError(
@@ -227,7 +215,7 @@ def _mend_lost_frames(track: Track, notes: list[str]) -> Track:
     their smoothed length (a moving parabola, Savitzky and Golay 1964), are averaged at each phase of each rhythm.
     """
     half, steps = 10, np.diff(track.t)
-    points = track.markers[0].points[:, np.isfinite(track.markers[0].points).all(axis=0)]
+    points = track.points[0][:, np.isfinite(track.points[0]).all(axis=0)]
     if len(steps) < 4 * half or not points.size or not has_even_times(track):
         return track
     kernel = np.linalg.pinv(np.vander(np.arange(-half, half + 1), 3))[-1]
@@ -273,9 +261,9 @@ def _check_jumps(label: str, track: Track, notes: list[str]) -> None:
         raise InputError(
             f"{label}: its points scatter by {noise:.2g} m in {span:.2g} m, as if it followed two objects; keep one"
         )
-    for marker in track.markers:
-        known = np.flatnonzero(~np.isnan(marker.points).all(axis=1))
-        points, t = np.nan_to_num(marker.points[known]), track.t[known]
+    for seen in track.points:
+        known = np.flatnonzero(~np.isnan(seen).all(axis=1))
+        points, t = np.nan_to_num(seen[known]), track.t[known]
         if len(t) < 2 * MIN_POINTS:
             continue
         speed = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(t)
@@ -301,18 +289,17 @@ def estimate_noise(track: Track) -> float:
     smaller; single points that are far off do not matter (median absolute deviation).
     """
     spreads = []
-    for marker in track.markers:
-        for values in marker.points.T:
-            known = np.isfinite(values)
-            t, v = track.t[known], values[known]
-            if len(t) < 8:
-                continue
-            offsets = np.column_stack([t[i : len(t) - 4 + i] for i in range(5)])
-            nodes, middle = offsets[:, [0, 1, 3, 4]], offsets[:, 2]
-            # Lagrange's polynomials of the neighbours, at the point between them.
-            others = np.array([np.delete(nodes, j, axis=1) for j in range(4)])
-            weights = np.prod((middle[:, None] - others) / (nodes.T[:, :, None] - others), axis=2).T
-            seen = np.column_stack([v[i : len(v) - 4 + i] for i in (0, 1, 3, 4)])
-            off = (v[2:-2] - (weights * seen).sum(axis=1)) / np.sqrt(1 + (weights**2).sum(axis=1))
-            spreads.append(1.4826 * float(np.median(np.abs(off))))
+    for values in np.moveaxis(track.points, 2, 1).reshape(-1, len(track.t)):
+        known = np.isfinite(values)
+        t, v = track.t[known], values[known]
+        if len(t) < 8:
+            continue
+        offsets = np.column_stack([t[i : len(t) - 4 + i] for i in range(5)])
+        nodes, middle = offsets[:, [0, 1, 3, 4]], offsets[:, 2]
+        # Lagrange's polynomials of the neighbours, at the point between them.
+        others = np.array([np.delete(nodes, j, axis=1) for j in range(4)])
+        weights = np.prod((middle[:, None] - others) / (nodes.T[:, :, None] - others), axis=2).T
+        seen = np.column_stack([v[i : len(v) - 4 + i] for i in (0, 1, 3, 4)])
+        off = (v[2:-2] - (weights * seen).sum(axis=1)) / np.sqrt(1 + (weights**2).sum(axis=1))
+        spreads.append(1.4826 * float(np.median(np.abs(off))))
     return max(spreads, default=0.0)

@@ -8,7 +8,7 @@ import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Renderer, Table, option
-from driftform.types import Agent, FloatArray, Trajectory, WrittenFile
+from driftform.types import Agent, Trajectory, WrittenFile
 from driftform.util import files
 from driftform.water import Scenario
 from driftform_exudyn.encoder import SUFFIXES, encode, find_ffmpeg, png_bytes
@@ -56,11 +56,12 @@ class ExudynRenderer(Renderer[FilmOptions]):
         self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, progress: Callable[[int, int], None]
     ) -> WrittenFile:
         """Write the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
+        from driftform.motion.path import even_times
         from driftform_exudyn.scene import Scene
 
         self.check(path)
         size, fps = self._size, self.options.fps
-        t = _even_times(float(trajectory.t[-1]), self.options.speed / fps)
+        t = even_times(float(trajectory.t[-1]), self.options.speed / fps)
         scene = Scene(agent, trajectory, scenario, t, self._letter_height)
 
         def render_all() -> "Iterator[Image]":
@@ -73,10 +74,11 @@ class ExudynRenderer(Renderer[FilmOptions]):
 
     def still(self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float) -> WrittenFile:
         """Write the still; the side view also shows the agent at equal intervals. Facts: ``t``, ``size_px``."""
+        from driftform.motion.path import even_times
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)
-        t = np.union1d(_even_times(float(trajectory.t[-1]), PATH_STEP), at)
+        t = np.union1d(even_times(float(trajectory.t[-1]), PATH_STEP), at)
         moment = int(np.searchsorted(t, at))
         scene = Scene(agent, trajectory, scenario, t, self._letter_height, moment)
         picture = png_bytes(self._make_view(scene)(moment))
@@ -106,12 +108,6 @@ class ExudynRenderer(Renderer[FilmOptions]):
         above = FollowView(scene, (width, height - low), rays)
         below = SideView(scene, (width, low), rays, captioned=False)
         return lambda frame: np.concatenate([above.render(frame), below.render(frame)])
-
-
-def _even_times(duration: float, step: float) -> FloatArray:
-    """Return times from 0 to ``duration`` every ``step``, (n,), all in s; the last interval may be shorter."""
-    # A remainder of less than a thousandth of a step is rounding of the duration, not another step.
-    return np.append(np.arange(np.ceil(duration / step - 1e-3)) * step, duration)
 
 
 def _save(path: Path, write: Callable[[Path], object]) -> None:

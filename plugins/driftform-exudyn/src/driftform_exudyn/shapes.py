@@ -36,21 +36,13 @@ def rgba(colour: str, opacity: float = 1.0) -> list[float]:
 
 
 def make_line(points: npt.ArrayLike, colour: str) -> Shape:
-    """Return a line of constant width through points (n, 3), at least one."""
-    corners = np.asarray(points, dtype=np.float64)
-    # The last point twice: Exudyn cannot draw a line with a single point.
-    return {"type": "Line", "color": rgba(colour), "data": np.vstack([corners, corners[-1:]]).ravel()}
-
-
-def thin(points: FloatArray, gap: float) -> FloatArray:
-    """Return points of a polyline (n, 3) about ``gap`` (m) apart, with the first and the last.
+    """Return a line of constant width through points (n, 3), at least one.
 
     The ray tracer drops segments shorter than a pixel.
     """
-    gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    kept = np.diff(np.floor(gone / gap), prepend=-1.0) > 0
-    kept[-1] = True
-    return points[kept]
+    corners = np.asarray(points, dtype=np.float64)
+    # The last point twice: Exudyn cannot draw a line with a single point.
+    return {"type": "Line", "color": rgba(colour), "data": np.vstack([corners, corners[-1:]]).ravel()}
 
 
 def make_text(point: FloatArray, words: str, colour: str, size: float) -> Shape:

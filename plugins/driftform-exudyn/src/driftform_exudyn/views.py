@@ -6,7 +6,7 @@ import numpy.typing as npt
 from driftform.figures import layout, style
 from driftform.types import FloatArray
 from driftform_exudyn.scene import PER_FRAME, Scene, interpolate_poses
-from driftform_exudyn.shapes import Shape, make_hull, make_line, make_text, thin, turn
+from driftform_exudyn.shapes import Shape, make_hull, make_line, make_text, turn
 from driftform_exudyn.stage import Camera, Image, Stage
 from driftform_exudyn.surroundings import THICKNESS, make_lattice
 
@@ -81,7 +81,7 @@ class FollowView:
         away = np.flatnonzero(np.linalg.norm(flown - focus, axis=1) > near)
         first = away[away < here].max(initial=-1) + 1
         close = flown[first : away[away > here].min(initial=len(flown))]
-        return [*shapes, make_line(thin(close, 3 / camera.px_per_m), style.BLUE)]
+        return [*shapes, make_line(layout.resample_polyline(close, 3 / camera.px_per_m), style.BLUE)]
 
 
 MIN_LENGTH = 0.05
@@ -116,7 +116,8 @@ class SideView:
     def render(self, frame: int) -> Image:
         """Return a frame."""
         scene = self._scene
-        shapes = [*self._still, make_line(thin(scene.path_until(frame), 3 / self._px_per_m), style.BLUE)]
+        path = layout.resample_polyline(scene.path_until(frame), 3 / self._px_per_m)
+        shapes = [*self._still, make_line(path, style.BLUE)]
         if self._captioned:
             shapes.append(make_caption(scene, frame, self._size, self._centre, self._camera))
         width, height = map(int, self._size)

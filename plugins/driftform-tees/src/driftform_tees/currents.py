@@ -121,21 +121,14 @@ def _fill_grid(grid: grid_files.VelocityGrid, scenario: Scenario) -> grid_files.
 def write_current(path: Path, grid: grid_files.VelocityGrid) -> int:
     """Write a grid as CSV with :data:`COLUMNS`, without its nodes that have no velocity; return the number of rows."""
     known = np.asarray(np.isfinite(grid.velocity).all(axis=3))
-    # The same text for the same coordinate: Gazebo compares all digits.
-    axes = [
-        [f"{v:.9g}" for v in (o + s * np.arange(n)).tolist()]
-        for o, s, n in zip(grid.origin, grid.spacing, grid.shape, strict=True)
-    ]
 
     def write(part: Path) -> None:
         with part.open("w", encoding="utf-8", newline="") as file:
             file.write(",".join(COLUMNS) + "\n")
-            for i in range(grid.shape[0]):
-                places = np.argwhere(known[i])
-                file.writelines(
-                    f"0,{axes[0][i]},{axes[1][j]},{axes[2][k]},{u:.7g},{v:.7g},{w:.7g}\n"
-                    for (j, k), (u, v, w) in zip(places.tolist(), grid.velocity[i][known[i]].tolist(), strict=True)
-                )
+            for kept, places, speeds in zip(known, grid.nodes(), grid.velocity, strict=True):
+                # The same text for the same coordinate: Gazebo compares all digits.
+                rows = np.concatenate([places, speeds], axis=2)[kept]
+                np.savetxt(file, rows, "0,%.9g,%.9g,%.9g,%.7g,%.7g,%.7g")
 
     files.write_whole(path, write)
     return int(known.sum())

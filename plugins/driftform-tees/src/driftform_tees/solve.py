@@ -70,36 +70,16 @@ def _solve_tee(junction: tee_wall.Junction, show: ShowShare) -> tee_store.TeePot
         np.stack([outlet - inlet, end - inlet], axis=1),
         lambda share: show(ASSEMBLY + (1 - ASSEMBLY) * share),
     )
-    flows = [
-        [np.asarray(P @ x).reshape(level.active.shape) for level, P in zip(levels, maps, strict=True)] for x in found.T
-    ]
-    packed = []
-    for level, *values in zip(levels, *flows, strict=True):
-        # Functions that touch only cells with y < 0 are left out.
+    rows, flows, place = [], [], tee_store.HEAD + tee_store.LEVEL_SIZE * len(levels)
+    for level, P in zip(levels, maps, strict=True):
+        # Functions that touch only cells with y < 0 are left out; others that no cell of the region needs have none.
         first = -int(level.low[1])
-        touched = level.touched()[:, first:]
-        through, branch = (np.where(touched, value[:, first:], np.nan) for value in values)
-        packed.append((level.width, (int(level.low[0]), 0, int(level.low[2])), through, branch))
-    return _pack_levels(packed)
-
-
-def _pack_levels(levels: Sequence[tuple[float, Sequence[int], FloatArray, FloatArray]]) -> tee_store.TeePotentials:
-    """Return the potentials of a hierarchical spline.
-
-    Args:
-        levels: of each level, the coarsest first: width of a cell, the cell with which its box begins along x, y and
-            z (0 along y), and the coefficients of the two flows, (nx, ny, nz), NaN where no cell of the region needs
-            them.
-    """
-    head = np.zeros(tee_store.HEAD + tee_store.LEVEL_SIZE * len(levels))
-    head[0], place = len(levels), len(head)
-    for row, (width, low, values, _) in zip(
-        head[tee_store.HEAD :].reshape(-1, tee_store.LEVEL_SIZE), levels, strict=True
-    ):
-        row[:] = width, *low, *values.shape, place
-        place += values.size
-    through = np.concatenate([values.ravel() for _, _, values, _ in levels])
-    branch = np.concatenate([values.ravel() for _, _, _, values in levels])
+        values = np.asarray(P @ found).reshape(*level.active.shape, 2)[:, first:]
+        flows.append(np.where(level.touched()[:, first:, :, None], values, np.nan).reshape(-1, 2))
+        rows += [level.width, level.low[0], 0, level.low[2], *values.shape[:3], place]
+        place += len(flows[-1])
+    head = np.array([len(levels), *[0] * (tee_store.HEAD - 1), *rows], dtype=np.float64)
+    through, branch = np.concatenate(flows).T.copy()
     return tee_store.TeePotentials(head, through - np.nanmean(through), branch - np.nanmean(branch))
 
 
