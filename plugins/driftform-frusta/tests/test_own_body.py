@@ -1,6 +1,7 @@
 """Your own bodies: read from profiles and meshes of other programs, they are agents like any other."""
 
 import json
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from driftform_frusta.own.builder import ProfileBuilder, ProfileOptions, place_p
 from driftform_frusta.own.profile import read_profile
 from driftform_panels.solve import PanelMethod, PanelOptions
 
+BODIES = Path(__file__).parents[3] / "docs" / "bodies"
 SLOPED = Rotation.from_euler("xyz", [37, -52, 11], degrees=True).as_matrix()
 
 
@@ -239,3 +241,95 @@ def test_the_agent_is_one_for_other_commands(call, tmp_path):
     assert json.loads(call("export", "capsule.json", "--format", "stl,svg,scad", "--json").stdout)
     turned = call("body", "capsule.csv", "--mass", 0.02, "--cog", 0.028, "--flip", "--out", "back.json", "--json")
     assert json.loads(turned.stdout)["added_mass"] == pytest.approx(facts["added_mass"], rel=1e-3)
+
+
+LAUV = ("body", BODIES / "lauv.csv", "--mass", 18, "--cog", 0.546, "--scenario", BODIES / "open-sea.toml")
+
+
+def test_published_coefficients_of_lauv_replace_those_of_its_hull(call):
+    """With fins, about the centre of gravity; what has no number in the paper is that of a body of revolution."""
+    done = call(*LAUV, "--coefficients", BODIES / "lauv.toml", "--out", "lauv.json", "--json")
+    assert done.exit_code == 0, done.stderr
+    assert json.loads(done.stdout)["measured"] == ["added_mass", "linear_damping", "quadratic_damping"]
+    design = open_agent("lauv.json")
+    found, mass = design.coefficients, design.mass
+    assert np.diag(added_mass_at(found, mass.cog)) == pytest.approx([1, 16, 16, 0.005, 1.3, 1.3])
+    assert np.diag(found.linear_damping) == pytest.approx([2.4, 23, 23, 0.3, 9.7, 9.7])
+    assert np.diag(found.quadratic_damping) == pytest.approx([2.4, 80, 80, 0.0006, 9.1, 9.1])
+    # The paper has Z_q = -11.5 and M_w = 3.1, which the file leaves out: a quarter of a turn from Y_r and N_v.
+    couplings = [found.linear_damping[place] for place in ((1, 5), (5, 1), (2, 4), (4, 2))]
+    assert couplings == pytest.approx((-11.5, 3.1, 11.5, -3.1))
+    assert found.origin == pytest.approx(mass.cog) and found.drag is None
+    along, across = (design.inspect()["terminal_speeds"][name] for name in ("along", "across"))
+    force = abs(design.net_buoyancy)
+    assert 2.4 * along + 2.4 * along**2 == pytest.approx(force) == 23 * across + 80 * across**2
+    # Twice as dense water has twice the added mass and twice the quadratic damping.
+    denser = design.under("fluid.density=2060").coefficients
+    assert denser.added_mass == pytest.approx(2 * found.added_mass, abs=1e-9)
+    assert denser.quadratic_damping == pytest.approx(2 * found.quadratic_damping)
+    assert denser.linear_damping == pytest.approx(found.linear_damping)
+    assert design.compare_added_mass().keys() == {"matrices", "panels", "striptheory"}
+
+
+def test_coefficients_of_an_export_are_read_back(call):
+    assert call(*LAUV, "--coefficients", BODIES / "lauv.toml", "--out", "lauv.json").exit_code == 0
+    block = call("inspect", "lauv.json", "--block", "fossen").stdout
+    Path("again.toml").write_text(block[block.index("added_mass") : block.index("# Largest")], encoding="utf-8")
+    assert call(*LAUV, "--coefficients", "again.toml", "--out", "again.json").exit_code == 0
+    first, again = (open_agent(name).coefficients for name in ("lauv.json", "again.json"))
+    for name in ("added_mass", "linear_damping", "quadratic_damping"):
+        assert getattr(again, name) == pytest.approx(getattr(first, name), abs=1e-9)
+
+
+def test_the_hull_keeps_what_the_file_leaves_out(call):
+    Path("some.toml").write_text("origin = 0.6\nX_u = -3\nY_v = -9\nN_r = -4\n", encoding="utf-8")
+    assert call(*LAUV, "--coefficients", "some.toml", "--out", "some.json").exit_code == 0
+    assert call(*LAUV, "--out", "hull.json").exit_code == 0
+    some, hull = open_agent("some.json"), open_agent("hull.json")
+    cog = hull.mass.cog
+    assert added_mass_at(some.coefficients, cog) == pytest.approx(added_mass_at(hull.coefficients, cog), abs=1e-9)
+    assert float(hull.agent.body.outer[-1, 0] - some.coefficients.origin[0]) == pytest.approx(0.6)
+    assert np.diag(some.coefficients.linear_damping) == pytest.approx([3, 9, 9, 0, 4, 4])
+    assert hull.compare_added_mass().keys() == {"panels", "striptheory"}
+    # Of its drag, as docs/robotics.md has it.
+    block = tomllib.loads(call("inspect", "hull.json", "--block", "fossen").stdout)
+    assert np.diag(block["quadratic_damping"])[[2, 4]] == pytest.approx([63, 2.2], rel=0.02)
+    assert hull.coefficients.drag is not None and some.coefficients.drag is None
+
+
+def test_a_mesh_with_fins_is_taken_with_coefficients_and_a_warning_of_what_is_missing(call, refused):
+    hull, span, thick = trimesh.creation.cylinder(radius=75, height=1000, sections=96), 250, 6
+    fins = [trimesh.creation.box((*size, 100)) for size in ((span, thick), (thick, span))]
+    for fin in fins:
+        fin.apply_translation((0, 0, -400))
+    trimesh.boolean.union([hull, *fins]).export("finned.stl")
+    given = ("body", "finned.stl", "--mass", 17, "--cog", 0.5)
+    assert "for fins, give --coefficients" in refused(*given)
+    Path("some.toml").write_text("X_udot = -1\nY_vdot = -16\nM_qdot = -1.3\n", encoding="utf-8")
+    done = call(*given, "--coefficients", "some.toml", "--json")
+    assert done.exit_code == 0, done.stderr
+    # From the circle that has the area of the section there.
+    radius = np.sqrt(75**2 + 4 * 50 * thick / np.pi)
+    assert json.loads(done.stdout)["deviation"] == pytest.approx((span / 2 - radius) / (2 * radius), rel=0.01)
+    warning = (
+        "is left out of contact; lift; linear damping, which some.toml lacks; quadratic damping, which some.toml lacks"
+    )
+    assert done.stderr.strip().endswith(warning)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("X_udot = -1\nY_vdot = -9\nN_rdot = -1\nN_vdot = 4\n", "added_mass is not positive"),
+        ("X_udot = -1\n", "added_mass is not positive: it needs at least X_udot, Y_vdot and M_qdot"),
+        ("X_udot = -1\nY_vdot = -9\nN_rdot = -9\nN_vdot = 1\nY_rdot = 2\n", "added_mass is not symmetric"),
+        ("X_uu = -1\nY_vv = 1\n", "quadratic_damping drives a motion"),
+        ("Y_v = -1\nN_r = -1\nN_v = 3\n", "linear_damping drives a motion"),
+        ("X_uw = -1\n", "'X_uw': expected a name such as Y_vdot"),
+        ("X_u = nan\n", "'X_u': Input should be a finite number"),
+        ("linear_damping = [[1, 2], [3, 4]]\n", "'linear_damping.0.2': Field required"),
+    ],
+)
+def test_coefficients_that_no_body_has_are_refused_in_one_line(text, message, refused):
+    Path("odd.toml").write_text(text, encoding="utf-8")
+    assert f"error: odd.toml: {message}" in refused(*LAUV, "--coefficients", "odd.toml", "--out", "odd.json")

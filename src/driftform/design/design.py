@@ -161,7 +161,7 @@ class Design(ByContent):
         return found | {"warnings": [*found["warnings"], *self.list_departures()]}
 
     def compare_added_mass(self) -> dict[str, Any]:
-        """Return the added mass, (6, 6), about the centre of buoyancy by each hydrodynamics model installed."""
+        """Return the added mass, (6, 6), about the centre of buoyancy by each hydrodynamics model that needs no options."""
         return compare_added_mass(self.pipeline, self.agent, self.name)
 
     @say_in_python

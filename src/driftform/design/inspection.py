@@ -115,7 +115,7 @@ def describe_calibration(calibration: Calibration) -> dict[str, dict[str, float 
 
 
 def compare_added_mass(pipeline: Pipeline, agent: Agent, name: str) -> dict[str, FloatArray]:
-    """Return the added mass about the centre of buoyancy, (6, 6), by every hydrodynamics model that is installed.
+    """Return the added mass about the centre of buoyancy, (6, 6), by the models that need no options, and its own.
 
     The pipeline's own model has its options, the others have their defaults.
 
@@ -123,7 +123,8 @@ def compare_added_mass(pipeline: Pipeline, agent: Agent, name: str) -> dict[str,
     """
     own, found = pipeline.hydrodynamics, {}
     for row in registry().seam("hydrodynamics"):
-        if row.available:
+        needs_options = row.cls is None or any(field.is_required() for field in row.cls.Options.model_fields.values())
+        if row.name == own.name or not needs_options:
             model = own if row.name == own.name else registry().create("hydrodynamics", row.name, {})
             try:
                 coefficients = model.coefficients(agent.body, pipeline.scenario.fluid)
@@ -140,10 +141,14 @@ def _righting_moment(agent: Agent, fluid: Fluid) -> float:
 
 
 def _terminal_speeds(agent: Agent, fluid: Fluid, net: float, pitch: float) -> dict[str, float]:
-    """Speeds (m/s) at which drag by strips carries the net weight, whether the agent flies with that drag or not."""
+    """Speeds (m/s) at which damping, or drag by strips, with which the agent may not fly, carries the net weight."""
     fore_first = (net > 0) == (pitch < 0)
-    drag = agent.coefficients.drag
+    drag, damping = agent.coefficients.drag, (agent.coefficients.linear_damping, agent.coefficients.quadratic_damping)
     if drag is None:
+        linear, quadratic = (np.diag(matrix)[[0, 2]] for matrix in damping)
+        if (linear + quadratic > 0).all():
+            along, across = 2 * abs(net) / (linear + np.sqrt(linear**2 + 4 * quadratic * abs(net)))
+            return {"along": float(along), "across": float(across)}
         factor = wake_factor(agent.coefficients, fluid.density * agent.mass.volume)
         drag = estimate_drag(agent.body, fluid.viscosity, factor)
     along, across = terminal_speeds(drag, net, fore_first, fluid.density, fluid.viscosity)

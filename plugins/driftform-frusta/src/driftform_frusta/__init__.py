@@ -8,7 +8,7 @@ from driftform import hookimpl
 if TYPE_CHECKING:
     import typer
 
-    from driftform.interfaces import Exporter, Grammar, PhenotypeBuilder, ReportJob
+    from driftform.interfaces import Exporter, Grammar, Hydrodynamics, PhenotypeBuilder, ReportJob
 
 
 @hookimpl
@@ -26,6 +26,14 @@ def driftform_grammar() -> "type[Grammar[Any]]":
     from driftform_frusta.own.builder import FixedGrammar
 
     return FixedGrammar
+
+
+@hookimpl
+def driftform_hydrodynamics() -> "type[Hydrodynamics[Any]]":
+    """The coefficients of a body, as they were measured or computed elsewhere."""
+    from driftform_frusta.own.coefficients import MatrixModel
+
+    return MatrixModel
 
 
 @hookimpl

@@ -1,5 +1,6 @@
 """``driftform body``."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -26,6 +27,14 @@ def body(
             help="Moments of inertia about the centre of gravity, kg m2; by default those of even density.",
         ),
     ] = None,
+    coefficients: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="TOML with added mass and damping by Fossen's names, such as Y_vdot and Y_vv: each matrix replaces the "
+            "hull's, whose mesh may then have fins.",
+        ),
+    ] = None,
     unit: Annotated[
         str | None, typer.Option(metavar="UNIT", help="Unit of a mesh: mm, cm, m or in; by default mm, and m for GLB.")
     ] = None,
@@ -42,14 +51,28 @@ def body(
     from driftform.cli import output
     from driftform.types import Genome
     from driftform.util import files
-    from driftform_frusta.own.profile import read_profile
+    from driftform_frusta.own.coefficients import KINDS, measure_model
+    from driftform_frusta.own.profile import MAX_DEVIATION, MAX_FINS, read_profile
 
-    file, shape = out or Path(f"{profile.stem}.json"), read_profile(profile, unit, flip)
+    limit = MAX_DEVIATION if coefficients is None else MAX_FINS
+    file, shape = out or Path(f"{profile.stem}.json"), read_profile(profile, unit, flip, limit)
     made = {"use": "profile", "profile": shape.points.round(9).tolist(), "mass": mass, "cog": cog}
     made |= {"inertia": list(inertia)} if inertia else {}
     water = load_study(scenario, settings or ()).environment()
     stored = StoredAgent(file.stem, Genome("fixed", ()), {**water, "grammar": {"use": "fixed"}, "builder": made}, {})
     design = Design.build(stored, str(file)).under()
+    measured: list[str] = []
+    if coefficients is not None:
+        model, measured = measure_model(coefficients, design)
+        stored = replace(stored, environment={**stored.environment, "hydrodynamics": model})
+        design = Design.build(stored, str(file)).under()
+    if shape.deviation > MAX_DEVIATION:
+        lacking = [f"{kind.replace('_', ' ')}, which {coefficients} lacks" for kind in KINDS if kind not in measured]
+        typer.echo(
+            f"warning: {profile}: what deviates by {100 * shape.deviation:.1f} % of the diameter from a solid of revolution, such as "
+            f"fins, is left out of {'; '.join(['contact', 'lift', *lacking])}",
+            err=True,
+        )
     files.make_directory(file.parent, "--out")
     design.stored.write(file)
     added = design.coefficients.added_mass
@@ -68,6 +91,7 @@ def body(
         "cob": cob,
         "added_mass": [float(added[i, i]) for i in (0, 1, 4)],
         "hydrodynamics": design.pipeline.hydrodynamics.name,
+        "measured": measured,
     }
     if json:
         output.print_json(facts)
@@ -81,4 +105,6 @@ def body(
     print(
         f"added:     {added[0, 0]:.4g} kg along the axis, {added[1, 1]:.4g} kg across it, by {facts['hydrodynamics']}"
     )
+    if measured:
+        print(f"measured:  {', '.join(measured).replace('_', ' ')}")
     print(f"agent:     {file}; driftform inspect {file}")

@@ -19,6 +19,9 @@ UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
 MAX_DEVIATION = 0.02
 """Greatest distance from a solid of revolution that is accepted, over the diameter."""
 
+MAX_FINS = 0.75
+"""The same for a body with fins, whose coefficients are known."""
+
 MIN_LENGTH, MAX_LENGTH = 5e-3, 20.0
 """Bounds of a body's length or diameter, the greater of both, m."""
 
@@ -42,12 +45,13 @@ class Profile:
         return float(self.points[-1, 0])
 
 
-def read_profile(path: Path, unit: str | None = None, flip: bool = False) -> Profile:
+def read_profile(path: Path, unit: str | None = None, flip: bool = False, limit: float = MAX_DEVIATION) -> Profile:
     """Read the profile of a body of revolution.
 
     ``path`` is that of a CSV file with the columns ``x_mm,r_mm`` or ``x_m,r_m``, x from the nose, or of a closed mesh or
-    STEP; ``unit`` is one of :data:`UNITS`, for a mesh: by default mm, and m for GLB; ``flip`` exchanges nose and tail. An
-    :class:`~driftform.errors.InputError` names the file, and what is wrong.
+    STEP; ``unit`` is one of :data:`UNITS`, for a mesh: by default mm, and m for GLB; ``flip`` exchanges nose and tail;
+    ``limit`` is the greatest deviation that is accepted. An :class:`~driftform.errors.InputError` names the file, and what
+    is wrong.
     """
     suffix, limits = path.suffix.lower(), {"seconds": 120, "memory": 1 << 32}
     if unit is not None and unit not in UNITS:
@@ -65,7 +69,7 @@ def read_profile(path: Path, unit: str | None = None, flip: bool = False) -> Pro
         else:
             unit = unit or ("m" if suffix == ".glb" else "mm")
             triangles = UNITS[unit] * foreign.call_apart(read_triangles, path, **limits)
-            profile = Profile(*find_profile(triangles, MAX_DEVIATION))
+            profile = Profile(*find_profile(triangles, limit))
     except (ValueError, csv.Error) as error:
         raise InputError(f"{path}: {error}") from None
     largest = max(profile.length, 2 * float(profile.points[:, 1].max()))

@@ -58,7 +58,7 @@ def find_profile(triangles: FloatArray, limit: float) -> tuple[FloatArray, float
         raise ValueError(
             f"is not a solid of revolution: its surface deviates by {100 * deviation:.1f} % of the diameter from one about "
             f"the axis ({', '.join(f'{c:.3f}' for c in frame[2])}), and {100 * limit:g} % are accepted; a body must be "
-            "round, without fins, and closed where it is hollow"
+            "round, and closed where it is hollow; for fins, give --coefficients"
         )
     profile = contour[::-1] * [-1.0, 1.0]
     profile[:, 0] -= profile[0, 0]
