@@ -148,14 +148,16 @@ def test_without_a_directory_to_write_to_kernels_are_compiled_without_a_cache(tm
     run_kernel(tmp_path / "file" / "cache")
 
 
-def test_a_cache_that_was_cut_short_is_begun_anew(cache):
+def test_a_damaged_cache_is_begun_anew_with_one_line(cache):
     run_kernel(cache)
-    files = [*cache.rglob("buoyancy.*.nbi"), *cache.rglob("buoyancy.*.nbc")]
-    assert len(files) >= 2
-    for file in files:
-        os.truncate(file, 7)
-    run_kernel(cache)
-    assert all(file.stat().st_size > 7 for file in cache.rglob("buoyancy.*.nbi"))
+    [index], [code] = (list(cache.rglob(f"buoyancy.*.{end}")) for end in ("nbi", "nbc"))
+    sound = code.read_bytes()
+    altered = sound[:2000] + bytes([sound[2000] ^ 1]) + sound[2001:]
+    for file, data in ((index, index.read_bytes()[:7]), (index, b"text"), (code, sound[:7]), (code, altered)):
+        file.write_bytes(data)
+        said = run_kernel(cache)
+        assert said.startswith(f"{index} is damaged (") and said.count("\n") == 1
+        assert run_kernel(cache) == ""
 
 
 def test_processes_compile_one_kernel_for_different_types_at_the_same_time(cache):

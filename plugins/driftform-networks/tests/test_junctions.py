@@ -169,12 +169,19 @@ def test_a_steered_body_sees_the_main_and_one_branch_of_a_fork_and_two_see_all(f
     assert bound_steering([[snapshot]], [source], reachable, 2) == pytest.approx(1)
 
 
-def test_a_network_from_the_cache_is_the_one_that_was_computed(fork_file: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_damaged", [False, True])
+def test_a_network_from_the_cache_is_the_one_that_was_computed(
+    fork_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], is_damaged: bool
+) -> None:
     computed = open_network(fork_file, tmp_path)
     copy = tmp_path / "other.inp"
     copy.write_bytes(fork_file.read_bytes())
+    [file] = tmp_path.glob("*.npz")
+    if is_damaged:
+        file.write_bytes(file.read_bytes()[:-9])
     kept = open_network(copy, tmp_path)
-    assert len(list(tmp_path.glob("*.npz"))) == 1
+    assert list(tmp_path.glob("*.npz")) == [file]
+    assert capsys.readouterr().err.count(f"{file} is damaged (") == is_damaged
     assert (computed.name, kept.name) == ("fork", "other")
     for one, two in ((computed, replace(kept, name="fork")), (computed.hydraulics, kept.hydraulics)):
         for name, value in vars(one).items():

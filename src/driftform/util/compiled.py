@@ -44,10 +44,10 @@ def _is_plain() -> bool:
     tested = (here / f"{name}.py" for name in ("compiler", "compiler_check", "kernel_cache"))
     result = BASE / f"kernels-{hash_sources(tested)}.tested"
     with suppress(OSError):
-        return result.read_text() == "fails"
+        return result.read_bytes() == b"fails"
     with preparing(), lock(result.with_suffix(".lock")):
         with suppress(OSError):
-            return result.read_text() == "fails"
+            return result.read_bytes() == b"fails"
         fault = _test_compiler()
         with suppress(OSError):
             result.write_text("fails" if fault else "works")

@@ -15,7 +15,9 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from copy import copy
 from functools import cache, cached_property
 from pathlib import Path
+from pickle import loads
 from typing import Any, ParamSpec, TypeVar, cast
+from zlib import crc32
 
 import numpy as np
 from llvmlite.binding import Linkage, add_symbol, create_pass_builder, create_pipeline_tuning_options, parse_assembly
@@ -28,11 +30,13 @@ from numba.core.cpu import CPUContext
 from numba.core.pythonapi import PythonAPI
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime._nrt_python import c_helpers
+from numba.core.serialize import dumps
 from numba.core.types import Dispatcher, intp, unliteral
 from numba.extending import intrinsic
 from numba.np.numpy_support import from_dtype
 
 from driftform.types import FloatArray
+from driftform.util.files import read_cached
 from driftform.util.kernel_cache import announce, find_folder, hash_sources, lock
 from driftform.util.preparation import preparing
 
@@ -277,7 +281,14 @@ class _Contents(CompileResultCacheImpl):
     def reduce(self, result: Any) -> Any:
         """Return what is written of a compiled kernel."""
         *parts, environments = super().reduce(result)
-        return *parts, tuple(e for e in environments if e.consts or not _is_of_numba(e))
+        content = dumps((*parts, tuple(e for e in environments if e.consts or not _is_of_numba(e))))
+        return crc32(content), content
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        """Return a compiled kernel; a processor would run machine code that a disk altered."""
+        if crc32(payload[1]) != payload[0]:
+            raise ValueError("another checksum")
+        return super().rebuild(target_context, loads(payload[1]))
 
 
 def _is_of_numba(environment: Any) -> bool:
@@ -291,13 +302,16 @@ class _Cache(FunctionCache):
 
     def load_overload(self, sig: Any, context: Any) -> Any:
         """Load machine code, if there is any; numba's own method also prepares the compiler, for 0.8 s."""
-        found = None
-        try:
-            found = self._load_overload(sig, context)
-        except Exception:
-            # A cache that cannot be read, such as one cut short by a power failure, is begun anew.
-            with suppress(Exception):
-                self.flush()
+
+        def load(_: Path) -> Any:
+            try:
+                return self._load_overload(sig, context)
+            except Exception:
+                with suppress(Exception):
+                    self.flush()
+                raise
+
+        found = read_cached(Path(self._cache_file._index_path), load)
         if found is None:
             announce(COMPILATION_S)
         return found

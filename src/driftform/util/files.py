@@ -11,8 +11,11 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
+from typing import TypeVar
 
-from driftform.errors import InputError
+from driftform.errors import InputError, describe_error
+
+T = TypeVar("T")
 
 _log = logging.getLogger(__name__)
 
@@ -34,6 +37,17 @@ def cache_folder() -> Path:
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "driftform" / "cache"
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "driftform"
+
+
+def read_cached(path: Path, read: Callable[[Path], T]) -> T | None:
+    """Return what reads a file of a cache; ``None`` without the file, and, with a line, where it is damaged."""
+    try:
+        return read(path)
+    except FileNotFoundError:
+        return None
+    except Exception as error:
+        print(f"{path} is damaged ({describe_error(error)}) and is made again", file=sys.stderr, flush=True)
+        return None
 
 
 def identify_file(path: Path) -> tuple[int, int] | None:

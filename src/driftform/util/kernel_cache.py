@@ -113,19 +113,19 @@ def announce(seconds: int) -> None:
     own. Flights in space, near fittings or in another simulator need other machine code: each kind is compiled once.
     """
     marker, often = BASE / "kernels.announced", "; later runs load the result"
-    session = str(os.getsid(0)) if hasattr(os, "getsid") else ""
+    session = str(os.getsid(0)).encode() if hasattr(os, "getsid") else b""
     with suppress(OSError):
         BASE.mkdir(parents=True, exist_ok=True)
     if not os.access(BASE, os.W_OK):
         often = f", at each start: {BASE} cannot be written to; set NUMBA_CACHE_DIR to a directory that can"
         marker = Path(gettempdir()) / f"driftform-{getattr(os, 'getuid', os.getpid)()}.announced"
     with suppress(OSError):
-        if abs(time.time() - marker.stat().st_mtime) < ANNOUNCED_S and marker.read_text() == session:
+        if abs(time.time() - marker.stat().st_mtime) < ANNOUNCED_S and marker.read_bytes() == session:
             return
     with suppress(OSError):
         # In a folder for all, another user may have put a link there.
         number = os.open(marker, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_NOFOLLOW", 0), 0o600)
-        os.write(number, session.encode())
+        os.write(number, session)
         os.close(number)
     is_worker = multiprocessing.parent_process() is not None
     if not (is_worker and sys.stdout.isatty() and sys.stderr.isatty()):

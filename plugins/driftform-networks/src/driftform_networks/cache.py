@@ -33,21 +33,25 @@ def keep_result(path: Path, kind: Callable[..., T], make: Callable[[], T]) -> T:
 
     The process that makes it writes the file, so that what is finished is not lost with other work.
     """
-    if (arrays := load_arrays(path)) is not None:
-        return kind(**{name: array if array.ndim else array.item() for name, array in arrays.items()})
+
+    def read(path: Path) -> T:
+        return kind(**{name: array if array.ndim else array.item() for name, array in _load(path).items()})
+
+    if (kept := files.read_cached(path, read)) is not None:
+        return kept
     made = make()
     save_arrays(path, {name: np.asarray(value) for name, value in vars(made).items()})
     return made
 
 
 def load_arrays(path: Path) -> Arrays | None:
-    """Return the arrays of a file, ``None`` if there is no such file or it is damaged."""
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    except Exception:
-        # A file that cannot be read is made again.
-        return None
+    """Return the arrays of a file; ``None`` if there is no such file, and, with a line, if it is damaged."""
+    return files.read_cached(path, _load)
+
+
+def _load(path: Path) -> Arrays:
+    with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+        return {name: file[name] for name in file.files}
 
 
 def save_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 from filelock import FileLock
 
-from driftform.errors import InputError, describe_error
+from driftform.errors import InputError
 from driftform.types import FloatArray
-from driftform.util.files import cache_folder, write_whole
+from driftform.util.files import cache_folder, read_cached, write_whole
 from driftform.util.preparation import preparing
 from driftform.water.parts.tee_spline import HEAD, LEVEL_SIZE
 from driftform.water.parts.tee_wall import Junction
@@ -69,22 +69,11 @@ def load_tee(junction: Junction) -> TeePotentials:
             folder.mkdir(parents=True, exist_ok=True)
             # Of several processes that need the same tee, one computes it.
             with FileLock(folder / f"{name}.lock"):
-                if (found := _read_cached(folder / name)) is None:
+                if (found := read_cached(folder / name, _read)) is None:
                     save_tee(junction, folder / name)
                     found = _read(folder / name)
                 return found
         return _compute(junction)
-
-
-def _read_cached(path: Path) -> TeePotentials | None:
-    """Return what the user's cache holds; ``None`` without a file, and, with a line, for a damaged one."""
-    try:
-        return _read(path)
-    except FileNotFoundError:
-        return None
-    except Exception as error:
-        print(f"{path} is damaged ({describe_error(error)}) and is made again", file=sys.stderr, flush=True)
-        return None
 
 
 def save_tee(junction: Junction, path: Path) -> None:
