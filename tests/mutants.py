@@ -81,7 +81,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("tuning.py", "min(max(at, 0.02), 0.98)", "at", ("test_tuning.py",)),
     ("tuned.py", "(height - aim.drop) / root", "height / root", ("test_tuned.py",)),
     ("tuned.py", "elite.root * sqrt(shape.size / elite.shape.size)", "elite.root", ("test_tuned.py",)),
-    ("evolution.py", "(change.undo(), -moved)", "(change.undo(), moved)", ("test_evolution.py",)),
+    ("evolution.py", ".undo(): (-moved, size)", ".undo(): (moved, size)", ("test_evolution.py",)),
     # Films.
     ("bench.py", "position + late * self.velocity[-1]", "position", ("test_camera.py",)),
     ("fit.py", "sum(problem.counts) - len(problem.parameters)", "sum(problem.counts)", (FILMS,)),

@@ -27,6 +27,7 @@ from driftform.types import (
     Trajectory,
     Verdict,
     WrittenFile,
+    freeze,
 )
 from driftform.util.options import Table, option
 from driftform.water import Fluid, Scenario
@@ -35,7 +36,7 @@ from driftform.water.pipe import Vector
 __all__ = [
     "Checker", "ExportJob", "Exporter", "Fitness", "Flown", "Grammar", "Hydrodynamics",
     "HydrodynamicsOptions", "Measure", "PhenotypeBuilder", "PrintJob", "Printer", "Recorder",
-    "Renderer", "ReportJob", "SearchSpace", "Simulator", "Strategy", "Table", "option",
+    "Renderer", "ReportJob", "Result", "SearchSpace", "Simulator", "Strategy", "Table", "option",
 ]  # fmt: skip
 
 T = TypeVar("T")
@@ -309,6 +310,36 @@ class SearchSpace:
         return lambda: result
 
 
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A table that a strategy found, such as an archive or a front. The run keeps it, and the report draws it.
+
+    Attributes:
+        meaning: what it is, in one sentence.
+        columns: finite numbers by the names of their columns, (rows,) each; ``evaluation`` is the index in the run.
+        axes: names of the two columns along which the report draws it; empty for a table that is not drawn.
+        grid: least value, greatest value and number of cells along each axis, for a map of cells; empty for points.
+        colour: name of the column whose greatest value in a cell colours the cell.
+    """
+
+    meaning: str
+    columns: Mapping[str, FloatArray]
+    axes: Sequence[str] = ()
+    grid: Sequence[tuple[float, float, int]] = ()
+    colour: str = ""
+
+    def __post_init__(self) -> None:
+        found = {str(name): freeze(values, (None,), f"column '{name}'") for name, values in self.columns.items()}
+        object.__setattr__(self, "columns", found)
+        if len({len(values) for values in found.values()}) != 1 or not np.isfinite([*found.values()]).all():
+            raise ValueError("the columns of a result are finite numbers, as many in each")
+        named = {*self.axes, *([self.colour] if self.grid else [])}
+        if len(self.axes) not in (0, 2) or not named <= set(found) or len(self.grid) not in (0, len(self.axes)):
+            raise ValueError(f"a result has two axes, a grid of both and a colour, or none, of {', '.join(found)}")
+        if not all(0 < count <= 1000 and -np.inf < low < high < np.inf for low, high, count in self.grid):
+            raise ValueError("the grid of a result has 1 to 1000 cells between two finite bounds along each axis")
+
+
 class Strategy(Plugin[OptionsT_co]):
     """Decides which genomes to evaluate next.
 
@@ -349,6 +380,13 @@ class Strategy(Plugin[OptionsT_co]):
         :meth:`ask` and :meth:`tell`, and the answer must follow from these calls. The default is False.
         """
         return False
+
+    def collect_results(self) -> Mapping[str, Result]:
+        """Return what was found besides the best agents, by names of files; called once, after the last :meth:`tell`.
+
+        The run writes it as CSV and JSON into its folder ``strategy``.
+        """
+        return {}
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@ What a seam does not allow becomes one line that names seam, plugin and method, 
 """
 
 import math
+import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from driftform.errors import InputError, WorkFailedError, describe_error
-from driftform.interfaces import Fitness, Grammar, Plugin
+from driftform.interfaces import Fitness, Grammar, Plugin, Result
 from driftform.plugins.faults import name_plugin, report_faults
 from driftform.types import (
     Body,
@@ -108,6 +109,13 @@ def require_candidates(
             what = f"a candidate with threshold {_show(threshold)}"
             raise _refuse(plugin, "ask", what, f"None or {_count_numbers(len(targets))}")
     return candidates
+
+
+def require_results(results: object, plugin: Plugin[Any]) -> Mapping[str, Result]:
+    """Return what a strategy found. Raises WorkFailedError unless these are results by names that files can have."""
+    if not isinstance(results, Mapping) or not all(re.fullmatch(r"[a-z0-9_-]{1,40}", str(name)) for name in results):
+        raise _refuse(plugin, "collect_results", _show(results), "results by names of small letters, digits, - and _")
+    return {str(name): require(result, Result, plugin, "collect_results") for name, result in results.items()}
 
 
 def require_genome(genome: object, grammar: Grammar[Any], method: str) -> Genome:

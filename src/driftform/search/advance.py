@@ -7,6 +7,7 @@ from typing import Any
 
 from driftform.errors import DriftformError, InputError
 from driftform.runs.agent_file import StoredAgent
+from driftform.runs.found import FOUND, write_found
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Record, Store
 from driftform.runs.versions import find_versions
@@ -133,7 +134,8 @@ def _search(run: StoredRun, store: Store, executor: Executor, observer: Observer
                 observer.warn(text)
 
     with observer.open_search(store.count()):
-        run_search(run.study, store, executor, record, observer.end_batch)
+        found = run_search(run.study, store, executor, record, observer.end_batch)
+    write_found(run.path / FOUND, found)
 
 
 def find_best(run: StoredRun, target: str) -> StoredAgent | None:

@@ -2,7 +2,7 @@
 
 import logging
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, repeat
 from typing import Any
@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import InputError
-from driftform.interfaces import Strategy
+from driftform.interfaces import Result, Strategy
 from driftform.plugins.faults import report_faults
-from driftform.plugins.seams import require_candidates
+from driftform.plugins.seams import require_candidates, require_results
 from driftform.runs.store import Record, Store
 from driftform.search.jobs import Executor, Job
 from driftform.search.journal import Journal
@@ -45,11 +45,12 @@ def run_search(
     executor: Executor,
     on_record: Callable[[Record], None] = lambda _: None,
     on_batch: Callable[[int, Sequence[Evaluation]], None] = lambda _, __: None,
-) -> None:
-    """Ask, evaluate, tell, until the budget is spent; a strategy that can is asked for a batch while another is flown.
+) -> Mapping[str, Result]:
+    """Ask, evaluate, tell, until the budget is spent; return what the strategy found.
 
-    A strategy is a function of the seed and of the outcomes it received, so an interrupted run is resumed by running it
-    again: what is stored already is not flown a second time. Which flights are checked follows from the same outcomes.
+    A strategy that can is asked for a batch while another is flown. It is a function of the seed and of the outcomes it
+    received, so an interrupted run is resumed by running it again: what is stored already is not flown a second time. Which
+    flights are checked follows from the same outcomes.
 
     Args:
         on_record: called with each evaluation, stored or new.
@@ -105,6 +106,8 @@ def run_search(
             best.add(ordered)
             told += len(batch.candidates)
             _log.debug("%d of %d evaluations", told, study.evaluations)
+    with keep_directory():
+        return require_results(strategy.collect_results(), strategy)
 
 
 def _ask(study: Study, strategy: Strategy[Any], asked: int) -> _Batch:

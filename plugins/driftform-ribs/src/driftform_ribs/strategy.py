@@ -1,6 +1,6 @@
 """MAP-Elites with an archive of pyribs, over heights at stations of the pipe or over any measures."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy.typing as npt
 from pydantic import Field, field_validator
 
 from driftform.errors import InputError
-from driftform.interfaces import SearchSpace, Strategy, Table, option
+from driftform.interfaces import Result, SearchSpace, Strategy, Table, option
 from driftform.search import PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Genome, Trajectory
 
@@ -83,8 +83,9 @@ class RibsStrategy(Strategy[RibsOptions]):
         length, height = self._cells.size[:2] * self._cells.shape
         self._stations = length * np.array(options.stations)
         heights = [(-float(height) / 2, float(height) / 2)] * len(options.stations)
-        ranges = list(options.measures.values()) or heights
-        self._archive = make_archive(options, ranges, int(space.rng.integers(2**31)))
+        self._ranges = list(options.measures.values()) or heights
+        self._names = [*options.measures] or [f"height_{station:g}" for station in options.stations]
+        self._archive = make_archive(options, self._ranges, int(space.rng.integers(2**31)))
         self._evaluated = 0
         self._generation = 0
 
@@ -108,21 +109,35 @@ class RibsStrategy(Strategy[RibsOptions]):
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Add the flights to the archive."""
-        sound = [
-            (index, evaluation, evaluation.trajectory)
+        measured = [
+            (index, evaluation, self._measure(evaluation, evaluation.trajectory))
             for index, evaluation in enumerate(evaluations, first)
             if evaluation.failure is None and evaluation.trajectory is not None
         ]
+        # What never happens in a flight, such as a contact, has no place in the archive.
+        sound = [row for row in measured if np.isfinite(row[2]).all()]
         if sound:
             score = np.max if self.options.objective == "best" else np.mean
             self._archive.add(
                 as_objects([evaluation.genome for _, evaluation, _ in sound]),
                 np.array([score(evaluation.fitness) for _, evaluation, _ in sound]),
-                np.array([self._measure(evaluation, flight) for _, evaluation, flight in sound]),
+                np.array([measures for _, _, measures in sound]),
                 evaluation=np.array([index for index, _, _ in sound]),
             )
         self._evaluated += len(evaluations)
         self._generation += 1
+
+    def collect_results(self) -> Mapping[str, Result]:
+        """Return the archive: the evaluation, the fitness and the measures of each elite."""
+        data = self._archive.data(["evaluation", "objective", "measures"])
+        columns = {"evaluation": data["evaluation"], "fitness": data["objective"]}
+        columns |= dict(zip(self._names, data["measures"].T, strict=True))
+        meaning = "The fittest of flights with similar measures."
+        if len(self._names) < 2:
+            return {"archive": Result(meaning, columns)}
+        side = find_side(self.options, len(self._names))
+        grid = [(low, high, side) for low, high in self._ranges[:2]]
+        return {"archive": Result(meaning, columns, self._names[:2], grid, "fitness")}
 
     def _measure(self, evaluation: Evaluation, flight: Trajectory) -> FloatArray:
         """Return the place of a flight in the archive."""
@@ -142,6 +157,12 @@ def as_objects(genomes: Sequence[Genome]) -> npt.NDArray[np.object_]:
     return solutions
 
 
+def find_side(options: RibsOptions, measures: int) -> int:
+    """Return the number of cells of a grid along each measure; for cells around centroids, that of a map of two measures."""
+    # The small term absorbs rounding: the cube root of 1000 is 9.999...
+    return max(2, int(options.cells ** (1 / (measures if options.archive == "grid" else 2)) + 1e-9))
+
+
 def make_archive(options: RibsOptions, ranges: Sequence[tuple[float, float]], seed: int) -> "ArchiveBase":
     """Return an empty archive of genomes over measures with these ranges."""
     # Imported here: every command lists the names of all strategies, and importing pyribs takes 2 s.
@@ -158,9 +179,7 @@ def make_archive(options: RibsOptions, ranges: Sequence[tuple[float, float]], se
         "seed": seed,
     }
     if options.archive == "grid":
-        # The small term absorbs rounding: the cube root of 1000 is 9.999...
-        side = max(2, int(options.cells ** (1 / len(ranges)) + 1e-9))
-        return GridArchive(dims=[side] * len(ranges), **common)
+        return GridArchive(dims=[find_side(options, len(ranges))] * len(ranges), **common)
     # The order of k-means' sums depends on the number of threads: one thread gives the same cells everywhere.
     with threadpool_limits(1):
         return CVTArchive(centroids=options.cells, samples=max(_SAMPLES, 10 * options.cells), **common)

@@ -74,28 +74,15 @@ class Change(NamedTuple):
 class _FlightRecord:
     """A flight: the index of its evaluation, its genome, its family, its early position (m), and changes that lead nowhere.
 
-    The latter, by their numbers, cannot be made to its genome, or make a known one. A search would find that out again in
-    every batch.
+    The family are the latest flights of descendants of one random genome, oldest first. Changes that lead nowhere cannot be
+    made to its genome, or make a known one: a search would find that out again in every batch.
     """
 
     index: int
     genome: Genome
-    family: "_Family"
+    family: "deque[_FlightRecord]"
     early: FloatArray | None
-    useless: set[int] = field(default_factory=set)
-
-
-class _Family:
-    """The latest flights of descendants of one random genome, oldest first, and their early positions, m, (n, 3), as one array."""
-
-    def __init__(self) -> None:
-        self.members: deque[_FlightRecord] = deque(maxlen=FAMILY_SIZE)
-        self.early = np.empty((0, 3))
-
-    def add(self, member: _FlightRecord, early: FloatArray) -> None:
-        """Take a flight with its early position (m, (3,)), in place of the oldest one if there are enough."""
-        self.members.append(member)
-        self.early = np.concatenate([self.early[1 - FAMILY_SIZE :], [early]])
+    useless: set[Change] = field(default_factory=set)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,44 +93,6 @@ class _Request:
     body: int | None
     parent: _FlightRecord | None = None
     change: Change | None = None
-
-
-class _Displacements:
-    """How far each change last moved an early path, m. They are kept as one array, because a long search knows thousands.
-
-    Attributes:
-        changes: by their numbers.
-    """
-
-    def __init__(self) -> None:
-        self.changes: list[Change] = []
-        self._numbers: dict[Change, int] = {}
-        self._moved = np.empty((64, 3))
-        self._size = np.empty(64)
-
-    def __len__(self) -> int:
-        return len(self.changes)
-
-    def __contains__(self, change: object) -> bool:
-        return change in self._numbers
-
-    def put(self, change: Change, moved: FloatArray) -> None:
-        """Keep the displacement (3,) by a change, and the opposite by the opposite change, in place of earlier ones."""
-        size = np.sqrt(moved @ moved)
-        for way, by in ((change, moved), (change.undo(), -moved)):
-            number = self._numbers.setdefault(way, len(self.changes))
-            if number == len(self.changes):
-                self.changes.append(way)
-            if number == len(self._moved):
-                self._moved = np.concatenate([self._moved, np.empty_like(self._moved)])
-                self._size = np.concatenate([self._size, np.empty_like(self._size)])
-            self._moved[number] = by
-            self._size[number] = size
-
-    def find_smallest(self, count: int) -> tuple[list[int], FloatArray, FloatArray]:
-        """Return the numbers of the changes with the smallest displacements, those (m, (n, 3)), and their lengths (m, (n,))."""
-        first = smallest_indices(self._size[: len(self)], count)
-        return first.tolist(), self._moved[first], self._size[first]
 
 
 class EvolutionStrategy(Strategy[EvolutionOptions]):
@@ -163,15 +112,16 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
     def __init__(self, options: EvolutionOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
         self._elites: list[list[tuple[float, _FlightRecord]]] = [[] for _ in space.targets]
-        self._moved = _Displacements()
+        # How far each change last moved an early path, m, (3,), and the length of that, m.
+        self._moved: dict[Change, tuple[FloatArray, float]] = {}
         self._time: float | None = None
         self._known: dict[int, None] = {}
         self._generation = 0
         self._threshold: tuple[float, ...] = ()
         self._requests: deque[list[_Request]] = deque()
         self._requested_bodies: set[int] = set()
-        self._guesses: dict[int, Iterator[tuple[_FlightRecord, int]]] = {}
-        self._small: tuple[list[int], FloatArray, FloatArray] | None = None
+        self._guesses: dict[int, Iterator[tuple[_FlightRecord, Change]]] = {}
+        self._small: tuple[list[Change], FloatArray, FloatArray] | None = None
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return random genomes until one of them has a fitness above zero, and children after that."""
@@ -207,12 +157,14 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
     def _learn(self, index: int, request: _Request, evaluation: Evaluation) -> None:
         parent, trajectory = request.parent, evaluation.trajectory
         early = position_at(trajectory, self._time) if trajectory is not None and self._time is not None else None
-        family = parent.family if parent else _Family()
+        family = parent.family if parent else deque(maxlen=FAMILY_SIZE)
         record = _FlightRecord(index, request.candidate.genome, family, early)
         if early is not None:
-            family.add(record, early)
+            family.append(record)
             if parent and parent.early is not None and request.change:
-                self._moved.put(request.change, early - parent.early)
+                moved = early - parent.early
+                size = float(np.sqrt(moved @ moved))
+                self._moved |= {request.change: (moved, size), request.change.undo(): (-moved, size)}
         for elites, fitness, least in zip(
             self._elites, evaluation.fitness.tolist(), self._find_threshold(), strict=True
         ):
@@ -259,34 +211,37 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         """Return the member of the family and the change that should come nearest to the elite's early path, or ``None``."""
         if elite.index not in self._guesses:
             self._guesses[elite.index] = self._rank_guesses(elite)
-        for parent, number in self._guesses[elite.index]:
-            if number in parent.useless:
+        for parent, change in self._guesses[elite.index]:
+            if change in parent.useless:
                 continue
-            change = self._moved.changes[number]
             symbols = change.apply(parent.genome.symbols)
             if symbols is None or hash(symbols) in self._known:
-                parent.useless.add(number)
+                parent.useless.add(change)
                 continue
             genome = Genome(parent.genome.grammar, symbols)
             if (body := self._hash_new_body(genome)) is not None:
                 return _Request(self._make_candidate(genome, target, parent), body, parent, change)
         return None
 
-    def _rank_guesses(self, elite: _FlightRecord) -> Iterator[tuple[_FlightRecord, int]]:
-        """Return members of the elite's family with numbers of changes, in the order of their expected distance from its path."""
+    def _rank_guesses(self, elite: _FlightRecord) -> Iterator[tuple[_FlightRecord, Change]]:
+        """Return members of the elite's family with changes, in the order of their expected distance from its path."""
         if elite.early is None or not self._moved:
             return iter(())
         if self._small is None:
-            self._small = self._moved.find_smallest(COMBINED)
-        numbers, moved, size = self._small
-        away = elite.family.early - elite.early
+            # The changes that moved least.
+            known, sizes = list(self._moved), np.array([size for _, size in self._moved.values()])
+            least = smallest_indices(sizes, COMBINED)
+            changes = list(map(known.__getitem__, least.tolist()))
+            self._small = changes, np.array([self._moved[change][0] for change in changes]), sizes[least]
+        changes, moved, size = self._small
+        away = np.array([member.early for member in elite.family]) - elite.early
         near = smallest_indices(np.einsum("ij,ij->i", away, away), COMBINED)
         # Coordinate by coordinate: loops over three numbers would take twice the time.
         squares = [np.add.outer(here, there) ** 2 for here, there in zip(away[near].T, moved.T, strict=True)]
         miss = np.sqrt(squares[0] + squares[1] + squares[2]) + self.options.doubt * size
-        rows, columns = np.divmod(smallest_indices(miss.ravel(), MAX_GUESSES), len(numbers))
-        nearest = list(map(elite.family.members.__getitem__, near.tolist()))
-        return zip(map(nearest.__getitem__, rows.tolist()), map(numbers.__getitem__, columns.tolist()), strict=True)
+        rows, columns = np.divmod(smallest_indices(miss.ravel(), MAX_GUESSES), len(changes))
+        nearest = list(map(elite.family.__getitem__, near.tolist()))
+        return zip(map(nearest.__getitem__, rows.tolist()), map(changes.__getitem__, columns.tolist()), strict=True)
 
     def _draw_random(self) -> _Request:
         for _ in range(MAX_DRAWS):

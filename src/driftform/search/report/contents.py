@@ -8,6 +8,7 @@ import numpy as np
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.figures.dependence import dependence_svg
 from driftform.figures.reach import reach_svg
+from driftform.figures.result import result_svg
 from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.style import SCREEN, Page
 from driftform.figures.trend import Curve, choose_points, trend_svg
@@ -16,8 +17,10 @@ from driftform.motion.path.targets import approach_targets
 from driftform.plugins.discovery import find_modules
 from driftform.plugins.genome_text import write_genome
 from driftform.runs.agent_file import StoredAgent
+from driftform.runs.found import FOUND, read_found
 from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
+from driftform.runs.table_files import evaluation_columns
 from driftform.search.results import draw_overview, map_run, read_best
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
@@ -112,6 +115,12 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
             count = study.scenario.robustness.checks
             subtitle = f"{count} flights of each best agent under disturbed conditions that the choice never saw."
             figures["Robustness"] = strip_svg(strips, "Misses under disturbed conditions", subtitle, page)
+        columns = evaluation_columns(targets, study.make_plugin("fitness").measures)
+        units = {"fitness": "%"} | {column.name: column.unit for column in columns}
+        for name, kept in read_found(run.path / FOUND).items():
+            if kept.axes:
+                title = f"{name.replace('_', ' ').capitalize()} of {strategy}"
+                figures[title] = result_svg(kept, title, units, page)
         return Contents(
             run.name,
             study,
