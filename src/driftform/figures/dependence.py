@@ -23,17 +23,9 @@ def dependence_svg(effects: Sequence[Effect], title: str, page: Page = SCREEN) -
     if not page.is_paper:
         write_title(root, MARGIN, 22, title, 14, width - 2 * MARGIN)
     write(root, MARGIN, 40, "standard deviation of the closest approach by each cause", 11, MUTED)
-    bars = [
-        {
-            "name": effect.name,
-            "y": TOP + ROW * (number + 0.5),
-            "length": (effect.deviation / longest if longest else 0.0) * (width - LEFT - RIGHT),
-            "value": _format_length(effect.deviation),
-            "is_rest": effect.name == REST,
-        }
-        for number, effect in enumerate(effects)
-    ]
-    svg.draw_template(root, __package__, "dependence", bars=bars, left=LEFT)
+    px_per_m = (width - LEFT - RIGHT) / (longest or 1.0)
+    drawn = {"effects": effects, "rest": REST, "top": TOP, "row": ROW, "format_length": _format_length}
+    svg.draw_template(root, __package__, "dependence", **drawn, left=LEFT, px_per_m=px_per_m)
     return svg.render(root)
 
 

@@ -47,22 +47,11 @@ def strip_svg(strips: Sequence[Strip], title: str, subtitle: str, page: Page = S
         share = (np.log10(max(miss, SMALLEST)) - low) / (high - low)
         return float(LEFT + share * (page.width - LEFT - RIGHT))
 
-    rows = []
-    for number, strip in enumerate(strips):
-        is_promised = np.isfinite(strip.promised)
-        rows.append(
-            {
-                "name": shorten(strip.name, 12, LEFT - 30, bold=True),
-                "y": TOP + ROW * (number + 0.5),
-                "misses": [x_of(miss) for miss in strip.misses[np.isfinite(strip.misses)].tolist()],
-                "promised": x_of(strip.promised) if is_promised else None,
-                "nominal": x_of(strip.nominal),
-                "text": f"{1000 * strip.promised:.0f} mm" if is_promised else "unknown",
-            }
-        )
+    rows = {"strips": strips, "row": ROW, "x_of": x_of, "is_finite": np.isfinite}
+    names = [shorten(strip.name, 12, LEFT - 30, bold=True) for strip in strips]
     ticks = [(x_of(10.0**power), f"{1000 * 10.0**power:g}") for power in np.arange(low, high + 1)]
     sides = {"left": LEFT, "right": page.width - RIGHT, "top": TOP, "bottom": bottom}
     edges = {"margin": MARGIN, "edge": page.width - MARGIN}
     spots = (0, 150, 300) if page.width > 500 else (0, 80, 170)
-    svg.draw_template(root, __package__, "strip", rows=rows, ticks=ticks, spots=spots, **sides, **edges)
+    svg.draw_template(root, __package__, "strip", **rows, names=names, ticks=ticks, spots=spots, **sides, **edges)
     return svg.render(root)

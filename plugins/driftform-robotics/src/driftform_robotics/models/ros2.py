@@ -8,11 +8,6 @@ from typing import Any
 
 from driftform_robotics.models.text import render
 
-_SCHEMA = (
-    '<?xml-model href="http://download.ros.org/schema/package_format3.xsd" '
-    'schematypens="http://www.w3.org/2001/XMLSchema"?>\n'
-)
-
 
 def make_package(
     package: str,
@@ -42,11 +37,9 @@ def make_package(
     programs = sorted(path for path in paths if path.endswith(".sh"))
     single = sorted(path for path in paths if "/" not in path and path not in programs)
     folders = sorted({path.partition("/")[0] for path in paths if "/" in path})
-    manifest = render("ros2/package.xml", name=package, description=description, depends=depends)
-    declaration, _, rest = manifest.partition("\n")
     build = render("ros2/CMakeLists.txt", name=package, programs=programs, single=single, folders=folders)
     return {
-        "package.xml": f"{declaration}\n{_SCHEMA}{rest}",
+        "package.xml": render("ros2/package.xml.in", name=package, description=description, depends=depends),
         "CMakeLists.txt": build,
         **made,
         "README.md": render(f"{folder}/README.md", **values),

@@ -4,6 +4,7 @@ Gazebo's equations are in its sources: gz-sim, ``src/systems/hydrodynamics`` and
 ``dartsim/src/AddedMassFeatures.cc``. Format: http://sdformat.org/spec.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
@@ -11,7 +12,6 @@ import numpy as np
 
 from driftform.agent import slice_solid
 from driftform.interfaces import Table, option
-from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models.exporter import HULL, PIPE, Model, ModelExporter, ModelOptions
 from driftform_robotics.models.fitting import fit_products
@@ -24,7 +24,8 @@ from driftform_robotics.models.text import list_lines, render
 WORLD = "driftform"
 """Name of the world in Gazebo."""
 
-PUSH, PUSH_DRIFT = "push.sh", "push_drift.sh"
+PUSH = {"world.sdf": "push.sh", "drift.sdf": "push_drift.sh"}
+"""Script that releases the agent in each world."""
 
 _MAX_SPHERES = 40
 
@@ -95,9 +96,7 @@ class SdfExporter(ModelExporter[SdfOptions]):
         """Return the worlds, the model, the mesh of the pipe and the scripts of the release, and the warnings."""
         scenario, volume = model.job.scenario, model.link.volume
         water = self.list_values(model)
-        gazebo, model, products = water["gazebo"], water["model"], water["products"]
-        gap = _measure_gap(model, gazebo, products, "world.sdf", self.options.step)
-        warnings = [gap.describe(), *_list_warnings(model, gazebo, PUSH, scenario)]
+        gazebo, model = water["gazebo"], water["model"]
         body, slices = model.job.agent.body, list[tuple[float, float]]()
         if scenario.fluid.water_level is not None:
             # x (m) and volume (m3) of slices of the hull, which spheres replace.
@@ -107,30 +106,43 @@ class SdfExporter(ModelExporter[SdfOptions]):
             # It carries the weight of the added mass that is in the mass.
             slices = [(float(model.job.agent.mass.cog[0]), model.link.volume - volume)]
         spheres = [(x, float(np.cbrt(0.75 * part / np.pi))) for x, part in slices]
-        values = {**water, "world": WORLD, "spheres": spheres}
+        worlds = {"world.sdf": model}
+        # Nothing moves evenly with the water through a bend.
+        if scenario.current().any() and (scenario.pipe.is_open or scenario.pipe.straight is not None):
+            worlds["drift.sdf"] = _move_to_water_frame(model)
+        values = {**water, "world": WORLD, "spheres": spheres, "flown": scenario, "worlds": worlds}
+        made, found = dict[str, str](), dict[str, list[str]]()
+        for name, here in worlds.items():
+            gap = _measure_gap(here, water, name, self.options.step)
+            own = {**values, "model": here, "file": name, "push": PUSH[name], "step": gap.step}
+            own["passing"] = None if here is model else -scenario.current()
+            found[name] = [gap.describe(), *list_lines("gazebo/warnings.txt", **own)]
+            made[name] = render("gazebo/world.sdf", **own, warnings=found[name])
+            if here.link.velocity.any():
+                made[PUSH[name]] = render("gazebo/push.sh", **own)
         files = {
-            "world.sdf": render("gazebo/world.sdf", **values, step=gap.step, warnings=warnings, passing=None),
-            "model.sdf": render("gazebo/model.sdf", **values, warnings=warnings),
+            "world.sdf": made["world.sdf"],
+            "model.sdf": render("gazebo/model.sdf", **values, warnings=found["world.sdf"]),
             "model.config": render("gazebo/model.config", **values),
             **({} if model.wall is None else {PIPE: obj_text(model.wall)}),
+            **made,
         }
-        if model.link.velocity.any():
-            files[PUSH] = render("gazebo/push.sh", **values, step=gap.step)
-        # Nothing moves evenly with the water through a bend.
-        if scenario.current().any() and _is_straight(scenario):
-            drifting = _move_to_water_frame(model)
-            gap = _measure_gap(drifting, gazebo, products, "drift.sdf", self.options.step)
-            warnings.insert(0, gap.describe())
-            adrift = [gap.describe(), *_list_warnings(drifting, gazebo, PUSH_DRIFT, scenario)]
-            values = {**values, "model": drifting, "passing": -scenario.current(), "step": gap.step}
-            files["drift.sdf"] = render("gazebo/world.sdf", **values, warnings=adrift)
-            if drifting.link.velocity.any():
-                files[PUSH_DRIFT] = render("gazebo/push.sh", **values)
-        return files | _make_package(model, gazebo, files, warnings), warnings
-
-
-def _is_straight(scenario: Scenario) -> bool:
-    return scenario.pipe.is_open or scenario.pipe.straight is not None
+        *_, first = worlds
+        warnings = [*(found[name][0] for name in worlds if name != "world.sdf"), *found["world.sdf"]]
+        package = make_package(
+            f"{model.title}_gazebo",
+            f"The agent {model.job.name} of driftform in its pipe, for Gazebo",
+            [*files, HULL],
+            "gazebo/start.launch.py.in",
+            ("launch", "launch_ros", "ros_gz_bridge", "ros_gz_sim"),
+            {"config/bridge.yaml": render("gazebo/bridge.yaml", **values)},
+            model=model,
+            gazebo=gazebo,
+            first=first,
+            push=PUSH[first],
+            warnings=warnings,
+        )
+        return files | package, warnings
 
 
 def _move_to_water_frame(model: Model) -> Model:
@@ -146,40 +158,12 @@ def _move_to_water_frame(model: Model) -> Model:
     return replace(model, job=job, link=replace(model.link, velocity=velocity))
 
 
-def _measure_gap(model: Model, gazebo: _Gazebo, products: FloatArray, world: str, step: float | None) -> Gap:
-    link, scenario = model.link, model.job.scenario
+def _measure_gap(model: Model, water: Mapping[str, Any], world: str, step: float | None) -> Gap:
+    link, scenario, products = model.link, model.job.scenario, water["products"]
     reader = Reader(f"Gazebo in {world}", link.added_mass, link.linear_damping, products, scenario.fluid.density)
-    if gazebo.solves_added_mass:
+    if water["gazebo"].solves_added_mass:
         whole = np.stack((products[0], products[1] + coriolis_products(link.added_mass)))
         reader = replace(reader, products=whole, turning=scenario.current())
     else:
         reader = replace(reader, smoothing=1.0)
     return measure_gap(reader, model.job, link, step)
-
-
-def _list_warnings(model: Model, gazebo: _Gazebo, push: str, flown: Scenario) -> list[str]:
-    """Return warnings about a model, which is that of a scenario or adrift in its current."""
-    world = {PUSH: "world.sdf", PUSH_DRIFT: "drift.sdf"}[push]
-    values = {"model": model, "gazebo": gazebo, "push": push, "world": world, "flown": flown}
-    return list_lines("gazebo/warnings.txt", **values, is_straight=_is_straight(flown))
-
-
-def _make_package(model: Model, gazebo: _Gazebo, files: dict[str, str], warnings: list[str]) -> dict[str, str]:
-    """Return the files that make the folder a ROS 2 package: a launch file, and a bridge of Gazebo's topics to ROS."""
-    first = "drift.sdf" if "drift.sdf" in files else "world.sdf"
-    push = {"drift.sdf": PUSH_DRIFT, "world.sdf": PUSH}[first]
-    values = {"model": model, "gazebo": gazebo}
-    return make_package(
-        f"{model.title}_gazebo",
-        f"The agent {model.job.name} of driftform in its pipe, for Gazebo",
-        [*files, HULL],
-        "gazebo/start.launch.py.in",
-        ("launch", "launch_ros", "ros_gz_bridge", "ros_gz_sim"),
-        {"config/bridge.yaml": render("gazebo/bridge.yaml", **values, world=WORLD)},
-        **values,
-        first=first,
-        push=push,
-        is_pushed=push in files,
-        current=" ".join(f"{u:g}" for u in model.job.scenario.current().tolist()),
-        warnings=warnings,
-    )

@@ -12,7 +12,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from driftform.interfaces import Table, option
-from driftform.types import FloatArray
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions, WaterOptions
 from driftform_robotics.models.gap import measure_gap, read_link
 from driftform_robotics.models.link import LAGS, find_limit
@@ -65,10 +64,16 @@ class UuvExporter(ModelExporter[UuvOptions]):
         scenario, link = model.job.scenario, model.link
         level = scenario.fluid.water_level
         offset = np.array([0.0, 0.0, -self.options.depth if level is None else -level])
-        diagonal = replace(link, quadratic_damping=np.diag(np.diag(link.quadratic_damping)))
-        reader = replace(read_link("the UUV simulator", diagonal, scenario.fluid.density), smoothing=SMOOTHING)
-        gap = measure_gap(reader, model.job, link, self.options.step)
-        warnings = [gap.describe(), *_list_warnings(model, offset)]
+        damping, diagonal = link.quadratic_damping, np.diag(np.diag(link.quadratic_damping))
+        read = read_link("the UUV simulator", replace(link, quadratic_damping=diagonal), scenario.fluid.density)
+        gap = measure_gap(replace(read, smoothing=SMOOTHING), model.job, link, self.options.step)
+        axes = [axis for placed in scenario.pipe.layout.parts for axis in placed.part.list_axes(placed.part.length)]
+        told = {
+            "top": max((float((axis.points[:, 2] + axis.radii).max()) for axis in axes), default=-np.inf) + offset[2],
+            "limit": find_limit(SMOOTHING),
+            "is_diagonal": np.abs(damping - diagonal).max() <= 1e-12 * np.abs(damping).max(),
+        }
+        warnings = [gap.describe(), *list_lines("uuv/warnings.txt", model=model, **told)]
         x, y, z = scenario.current().tolist()
         speed = float(np.linalg.norm((x, y, z)))
         values = {
@@ -86,15 +91,3 @@ class UuvExporter(ModelExporter[UuvOptions]):
             ],
         }
         return {path: render(f"uuv/{path.rpartition('/')[2]}", **values) for path in _FILES}, warnings
-
-
-def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
-    axes = [
-        axis for placed in model.job.scenario.pipe.layout.parts for axis in placed.part.list_axes(placed.part.length)
-    ]
-    top = max((float((axis.points[:, 2] + axis.radii).max()) for axis in axes), default=-np.inf) + offset[2]
-    damping = model.link.quadratic_damping
-    across = np.abs(damping - np.diag(np.diag(damping))).max()
-    is_diagonal = across <= 1e-12 * np.abs(damping).max()
-    limit = find_limit(SMOOTHING)
-    return list_lines("uuv/warnings.txt", model=model, top=top, limit=limit, is_diagonal=is_diagonal)

@@ -1,9 +1,9 @@
 """Flights for Foxglove and RViz, as one MCAP file or as a bag of ROS 2 or ROS 1."""
 
 import json
-import shutil
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Literal
 
 from driftform.interfaces import ExportJob, Recorder
@@ -28,13 +28,10 @@ class McapRecorder(Recorder[Ros2Options]):
 
         def write(part: Path) -> dict[str, object]:
             # A bag with this storage is a folder with one MCAP file, which contains the name of the folder.
-            scratch = part.with_name(f"{part.name}.bag")
-            bag = scratch / path.stem
-            try:
+            with TemporaryDirectory(dir=part.parent, ignore_cleanup_errors=True) as scratch:
+                bag = Path(scratch) / path.stem
                 facts = _write_bag(bag, job, trajectory, self.options, "mcap")
                 (bag / f"{bag.name}.mcap").replace(part)
-            finally:
-                shutil.rmtree(scratch, ignore_errors=True)
             return facts
 
         return _write_file(self.name, path, write)
