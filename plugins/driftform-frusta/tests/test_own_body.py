@@ -17,6 +17,7 @@ from driftform.errors import InputError
 from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Morphology
+from driftform.util import foreign
 from driftform.water import Fluid
 from driftform_frusta.exporters.meshes import StlExporter
 from driftform_frusta.exporters.step import StepExporter
@@ -203,6 +204,17 @@ BAD_FILES = {
 def test_a_profile_that_is_wrong_is_refused_in_one_line(text, refused, tmp_path):
     Path("p.csv").write_text(text)
     assert f"error: p.csv: {BAD_FILES[text]}" in refused("body", "p.csv", "--mass", 1, "--cog", 0.1)
+
+
+@pytest.mark.parametrize(("size", "seconds"), [(220_000, 8), (100, 5), (50_000_000, 120)])
+def test_a_damaged_file_takes_its_reader_no_longer_than_its_size_deserves(monkeypatch, tmp_path, size, seconds):
+    def read(function, path, seconds, memory):
+        raise ValueError(f"cannot be read within {seconds:g} s")
+
+    monkeypatch.setattr(foreign, "call_apart", read)
+    (tmp_path / "part.step").write_bytes(bytes(size))
+    with pytest.raises(InputError, match=rf"part\.step: cannot be read within {seconds} s"):
+        read_profile(tmp_path / "part.step")
 
 
 def test_wrong_options_and_files_are_refused_in_one_line(refused):
