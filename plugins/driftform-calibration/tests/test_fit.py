@@ -97,7 +97,7 @@ def test_noisy_films_show_them_within_their_intervals(fit: Fit, name: str) -> No
 
 
 def test_the_noise_is_that_of_the_film_and_the_residual_is_noise(fit: Fit) -> None:
-    assert fit.noise == pytest.approx([0.002] * 3, rel=0.2)
+    assert fit.problem.noise == pytest.approx([0.002] * 3, rel=0.2)
     # Two coordinates of each point. After a bounce, what the fit leaves of its error grows.
     assert 0.8 < fit.residual / (0.002 * np.sqrt(2)) < 1.5
 

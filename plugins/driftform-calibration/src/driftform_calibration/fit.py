@@ -98,7 +98,6 @@ class Fit:
         net_weight: the same for the net weight of the agent, of which its hull's density is the cause.
         residual: root mean square distance of the tracks from the calibrated flights, m.
         before: the same from the flights of the model as it was, with releases and cameras that fit best.
-        noise: standard deviation of the error of each track, m, (tracks,).
         correlations: between the factors that are known.
         problem, x, x_before: the problem, and its unknowns with the calibrated model and with the model as it was.
         notes: findings of the fit, one line each.
@@ -108,7 +107,6 @@ class Fit:
     net_weight: FactorEstimate
     residual: float
     before: float
-    noise: tuple[float, ...]
     correlations: tuple[tuple[str, str, float], ...]
     problem: Problem
     x: FloatArray
@@ -453,7 +451,6 @@ def _finish(free: Solution, last: Solution, reasons: dict[str, str], notes: Sequ
         _weigh_net(estimates["hull_density"], bench.net_weight, bench.hull_weight),
         measure_distance(problem.distances(calibrated)),
         measure_distance(problem.distances(plain)),
-        problem.noise,
         (*_correlate(free, estimates), *_correlate(last, {name: estimates[name] for name in touched})),
         problem,
         calibrated,

@@ -108,7 +108,7 @@ class CalibrationResult:
                     "residual_before": measure_distance(before[number : number + 1]),
                 }
                 for number, (film, noise, scenario) in enumerate(
-                    zip(problem.films, self.fit.noise, self.scenarios, strict=True)
+                    zip(problem.films, problem.noise, self.scenarios, strict=True)
                 )
             ],
             "calibration": self.table(),

@@ -112,8 +112,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
     def _check(self, genome: Genome) -> None:
         if genome.grammar != self.name:
             raise ValueError(f"the genome is one of grammar {genome.grammar!r}, not of {self.name!r}")
-        fault = lines.find_fault(genome.symbols)
-        if fault is not None:
+        if fault := lines.find_fault(genome.symbols):
             raise ValueError(fault)
 
 

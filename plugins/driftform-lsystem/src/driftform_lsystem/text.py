@@ -65,8 +65,7 @@ def find_fault(symbols: tuple[str, ...]) -> str | None:
             f"and a developed word starts with {CORE!r}"
         )
     for rule, start in zip(RULES, range(0, GENOTYPE_LENGTH, RULE_LENGTH), strict=True):
-        found = find_rule_fault(rule, symbols[start : start + RULE_LENGTH])
-        if found is not None:
+        if found := find_rule_fault(rule, symbols[start : start + RULE_LENGTH]):
             return found
     return None
 
@@ -94,15 +93,12 @@ def read(text: str) -> tuple[str, ...]:
     """
     if not text.strip():
         raise InputError(f"the genome is empty; {_EXPECTED}")
-    return _read_genotype(text) if "|" in text or ":" in text else _read_word(text)
-
-
-def _read_word(text: str) -> tuple[str, ...]:
+    if "|" in text or ":" in text:
+        return _read_genotype(text)
     symbols = _split(text)
     if symbols[0] == CORE:
         del symbols[0]
-    fault = find_quintuple_fault(symbols)
-    if fault is not None:
+    if fault := find_quintuple_fault(symbols):
         raise InputError(fault)
     return (CORE, *symbols)
 
@@ -127,8 +123,7 @@ def _read_genotype(text: str) -> tuple[str, ...]:
             f"missing: {', '.join(missing)}"
         )
     for rule in RULES:
-        fault = find_rule_fault(rule, rules[rule])
-        if fault is not None:
+        if fault := find_rule_fault(rule, rules[rule]):
             raise InputError(fault)
     return tuple(symbol for rule in RULES for symbol in rules[rule])
 

@@ -1,6 +1,5 @@
 """The matrices of Fossen's model in one file, for your own programs and for MATLAB."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -34,13 +33,6 @@ class FossenExporter(Exporter[WaterOptions]):
         """Return the text of the file."""
         link = make_link(job, self.options.drag_speed)
         notes = describe_link(job.name, link, "y to starboard, z down")
-        signs = np.outer(TO_NED, TO_NED)
-        turned = replace(
-            link,
-            inertia=link.inertia * signs[3:, 3:],
-            buoyancy=link.buoyancy * TO_NED[:3],
-            added_mass=link.added_mass * signs,
-            linear_damping=link.linear_damping * signs,
-            quadratic_damping=link.quadratic_damping * signs,
-        )
-        return render("fossen.toml", link=turned, fluid=job.scenario.fluid, notes=notes)
+        turned = np.outer(TO_NED, TO_NED)
+        signs = {"signs": turned, "turning": turned[3:, 3:], "ahead": TO_NED[:3]}
+        return render("fossen.toml", link=link, fluid=job.scenario.fluid, notes=notes, **signs)

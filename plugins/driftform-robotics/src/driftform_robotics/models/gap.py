@@ -18,6 +18,7 @@ from driftform.interfaces import ExportJob
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform_robotics.models.link import Link
+from driftform_robotics.models.text import list_lines
 
 TIMES = (1.0, 3.0, 5.0)
 """Times after the release at which paths are compared, s."""
@@ -85,15 +86,9 @@ class Gap:
 
     def describe(self) -> str:
         """Describe in a sentence how far the paths are apart."""
-        near = [f"{d:.3g} m after {t:g} s" for t, d in self.distances.items() if np.isfinite(d)]
-        source = "" if self.is_checked else " This follows from the program's law, and is not checked by the program."
-        if not near:
-            return f"The path by {self.name} diverges, with steps of {self.step:g} s.{source}"
-        end = ", and then diverges" if len(near) < len(self.distances) else ""
-        return (
-            f"The path by {self.name} is apart from driftform's in open water by {', '.join(near)}{end}, with steps of "
-            f"{self.step:g} s.{source}"
-        )
+        near = {t: d for t, d in self.distances.items() if np.isfinite(d)}
+        [sentence] = list_lines("gap.txt", gap=self, near=near)
+        return sentence
 
 
 def read_link(name: str, link: Link, density: float) -> Reader:

@@ -64,7 +64,12 @@ def _make_environment() -> "Environment":
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.globals |= {"pose": format_pose, "zero": np.zeros(3)}
+    environment.globals |= {
+        "pose": format_pose,
+        "zero": np.zeros(3),
+        # The indices of the upper triangle of a symmetric matrix, row by row.
+        "pairs": lambda size: combinations_with_replacement(range(size), 2),
+    }
     environment.filters |= {
         "comment": comment,
         # The indices of the entries that are not zero to rounding.
@@ -75,7 +80,6 @@ def _make_environment() -> "Environment":
         ),
         "numbers": format_numbers,
         "stem": lambda path: PurePath(path).stem,
-        "symmetric": _list_symmetric,
     }
     return environment
 
@@ -88,12 +92,6 @@ def format_number(value: float) -> str:
 def format_numbers(values: npt.ArrayLike) -> str:
     """Return the numbers of an array in one line, row by row."""
     return " ".join(format_number(value) for value in np.ravel(values).tolist())
-
-
-def _list_symmetric(matrix: FloatArray, axes: str, prefix: str = "") -> list[tuple[str, str]]:
-    """Return names such as ``ixy`` and values of the upper triangle of a symmetric matrix."""
-    pairs = combinations_with_replacement(range(len(axes)), 2)
-    return [(f"{prefix}{axes[i]}{axes[j]}", format_number(matrix[i, j])) for i, j in pairs]
 
 
 def roll_pitch_yaw(rotation: FloatArray) -> FloatArray:
