@@ -196,7 +196,7 @@ def test_what_users_are_told_to_import_is_in_the_reference(
 ) -> None:
     used = {pair: f"imported by {b}" for b in blocks if b.language == "python" for pair in imports(b.text)}
     for seam in SEAMS:
-        for path, text in list_files([make_names("driftform-try", seam)]).items():
+        for path, text in list_files(make_names("driftform-try", seam)).items():
             if path.endswith(".py"):
                 used |= dict.fromkeys(imports(text), f"imported by the {path} of a {seam}")
     homes = {module: find_homes(module) for module in MODULES}

@@ -10,7 +10,8 @@ import pytest
 from driftform.builtin.fitness import ClosestApproach
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import SEAMS
-from driftform.plugins.registry import GROUP, Contribution, Registry, registry
+from driftform.plugins.discovery import GROUP
+from driftform.plugins.registry import Contribution, Registry, registry
 from driftform.study import load_study
 
 Install = Callable[..., Registry]

@@ -30,7 +30,7 @@ FLYING = {"simulator": "::test_all_integrators_give_the_same_flight"}
 
 def write(folder: Path, seam: str) -> Path:
     """Write the scaffold of a seam."""
-    for path, text in list_files([make_names(f"driftform-try-{seam}", seam)]).items():
+    for path, text in list_files(make_names(f"driftform-try-{seam}", seam)).items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text)
     return folder
@@ -164,29 +164,6 @@ def test_the_next_steps_are_those_of_the_installer(
     document = json.loads(call("plugins", "new", "driftform-dwell", "--seam", "fitness", "--json").stdout)
     show = "uv run driftform" if steps[1].startswith("uv run") else "driftform"
     assert document["next"][1:4] == [*steps, f"{show} plugins show dwell"]
-
-
-def test_one_distribution_brings_plugins_of_several_seams(call: Call, tmp_path: Path, monkeypatch: Any) -> None:
-    seams = ("grammar", "fitness", "strategy")
-    options = [word for seam in seams for word in ("--seam", seam)]
-    document = json.loads(call("plugins", "new", "driftform-try", *options, "--json").stdout)
-    folder = tmp_path / "driftform-try"
-    assert document["seams"] == list(seams)
-    study = tomllib.loads((folder / "study.toml").read_text())
-    assert study.pop("base") == "pipe-inspection"
-    assert {seam: table["use"] for seam, table in study.items()} == dict.fromkeys(seams, "try")
-    project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
-    assert project["entry-points"]["driftform"] == {"try": "driftform_try"}
-    assert len(set(project["dependencies"])) == len(project["dependencies"]) == 2
-    monkeypatch.syspath_prepend(folder / "src")
-    module = importlib.import_module("driftform_try")
-    found = {seam: getattr(module, f"driftform_{seam}")() for seam in seams}
-    assert all(issubclass(cls, SEAMS[seam]) and cls.name == "try" for seam, cls in found.items())
-    for path in document["files"]:
-        text = (tmp_path / path).read_text()
-        assert "$" not in text.replace("\n$ ", "\n"), path
-    for name in [name for name in sys.modules if name.startswith("driftform_try")]:
-        monkeypatch.delitem(sys.modules, name)
 
 
 @pytest.mark.peers

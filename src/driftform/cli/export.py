@@ -32,7 +32,7 @@ def export(
 ) -> None:
     """Write the hull of an agent as files for printers and other programs; older files of the same name are replaced."""
     from driftform.cli.formats import open_exported, parse_formats
-    from driftform.cli.output import print_json
+    from driftform.cli.output import print_files, print_json
     from driftform.errors import InputError
     from driftform.util.files import make_directory
 
@@ -53,17 +53,12 @@ def export(
     if json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})
         return
-    tables = []
-    for w in written:
-        plain = {key: value for key, value in w.facts.items() if not isinstance(value, dict)}
-        facts = ", ".join(f"{key} {_short(value)}" for key, value in plain.items())
-        tables += [(key, value) for key, value in w.facts.items() if isinstance(value, dict)]
-        # Of a folder with dozens of files, only the one to open is listed.
-        if facts or Path(w.path).parent == out:
-            print(f"{w.path}: {facts}" if facts else w.path)
+    # Of a folder with dozens of files, only the one to open is listed.
+    print_files(written, out)
     for path in paths.values():
         if path.is_dir():
             print(f"{path}: {sum(path in Path(w.path).parents for w in written)} files")
+    tables = [(key, fact) for file in written for key, fact in file.facts.items() if isinstance(fact, dict)]
     # All files of a kit have its facts.
     for place, (key, table) in enumerate(tables):
         if (key, table) not in tables[:place]:
@@ -72,6 +67,8 @@ def export(
 
 def _print_table(title: str, table: dict[str, Any]) -> None:
     """Facts of a file that take more than a line: single ones, and rows that have the same facts each."""
+    from driftform.cli.output import shorten
+
     print(f"\n{title}")
     for key, value in table.items():
         if value in ([], (), "", None):
@@ -79,22 +76,13 @@ def _print_table(title: str, table: dict[str, Any]) -> None:
         if isinstance(value, dict) and {"kind", "x_mm", "why"} <= value.keys():
             print(f"  {key}: {value['kind']} at x {value['x_mm']:+.4g} mm: {value['why']}")
         elif isinstance(value, dict):
-            print(f"  {key}: {', '.join(f'{k} {_short(v)}' for k, v in value.items())}")
+            print(f"  {key}: {', '.join(f'{k} {shorten(v)}' for k, v in value.items())}")
         elif isinstance(value, list) and value and isinstance(value[0], dict):
-            rows = [list(value[0]), *([_short(row[k]) for k in value[0]] for row in value)]
+            rows = [list(value[0]), *([shorten(row[k]) for k in value[0]] for row in value)]
             widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
             print(f"  {key}")
             for row in rows:
                 cells = (f"{cell:{'<' if not i else '>'}{widths[i]}}" for i, cell in enumerate(row))
                 print(f"    {'  '.join(cells)}".rstrip())
         else:
-            print(f"  {key}: {_short(value)}")
-
-
-def _short(value: object) -> str:
-    if isinstance(value, list | tuple):
-        names = any(isinstance(item, str) for item in value)
-        return (", " if names else " x ").join(_short(item) for item in value)
-    if value is None:
-        return "-"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+            print(f"  {key}: {shorten(value)}")

@@ -35,7 +35,7 @@ def export_flight(
     Older files of the same name are replaced.
     """
     from driftform.cli.formats import parse_formats
-    from driftform.cli.output import print_json
+    from driftform.cli.output import print_files, print_json
     from driftform.design.opening import open_agent
     from driftform.errors import WorkFailedError
     from driftform.motion.path.thinning import check_rate
@@ -73,12 +73,6 @@ def export_flight(
             }
         )
     else:
-        for w in written:
-            facts = ", ".join(
-                f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}"
-                for key, value in w.facts.items()
-                if not isinstance(value, dict)
-            )
-            print(f"{w.path}: {facts}" if facts else w.path)
+        print_files(written, folder)
     if trajectory.failure is not None:
         raise WorkFailedError(f"{design.name}: {trajectory.failure}; the files hold the flight until then")

@@ -5,11 +5,15 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
-from typing import Any, TextIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
 
 from driftform.errors import escape_controls
 
-__all__ = ["escape_controls", "print_json", "print_table", "print_text", "reserve_stdout"]
+if TYPE_CHECKING:
+    from driftform.types import WrittenFile
+
+__all__ = ["escape_controls", "print_files", "print_json", "print_table", "print_text", "reserve_stdout", "shorten"]
 
 _reserved: list[TextIO] = []
 
@@ -73,6 +77,24 @@ def _draw_table(header: Sequence[str], rows: Sequence[Sequence[str]], right: Seq
     for row in rows:
         table.add_row(*map(Text, row))
     Console(highlight=False).print(table)
+
+
+def print_files(files: "Iterable[WrittenFile]", folder: Path) -> None:
+    """Print a line for each file with its plain facts; of files in folders of ``folder`` only those that have facts."""
+    for file in files:
+        facts = ", ".join(f"{key} {shorten(fact)}" for key, fact in file.facts.items() if not isinstance(fact, dict))
+        if facts or Path(file.path).parent == folder:
+            print(f"{file.path}: {facts}" if facts else file.path)
+
+
+def shorten(value: object) -> str:
+    """Return a fact in few characters."""
+    if isinstance(value, list | tuple):
+        names = any(isinstance(item, str) for item in value)
+        return (", " if names else " x ").join(map(shorten, value))
+    if value is None:
+        return "-"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def print_text(text: str) -> None:

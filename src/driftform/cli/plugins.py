@@ -77,7 +77,7 @@ def show(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plu
 @app.command("new", cls=Command)
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the distribution, such as driftform-dwell.")],
-    seam: Annotated[list[str], make_option("SEAM", f"Seam to implement: {KINDS}; repeatable.")],
+    seam: Annotated[str, make_option("SEAM", f"Seam to implement: {KINDS}.")],
     out: Annotated[Path | None, make_option("DIR", "Directory for the files; by default NAME.")] = None,
     json: Json = False,
 ) -> None:
@@ -88,17 +88,16 @@ def new(
     from driftform.plugins.scaffold import list_files, list_installation, list_uses, make_names
     from driftform.util.files import check_new_directory, write_folder, write_text
 
-    parts = [make_names(name, one) for one in dict.fromkeys(seam)]
-    names = parts[0]
+    names = make_names(name, seam)
     folder = out if out is not None else Path(names.distribution)
     check_new_directory(folder)
-    files = list_files(parts)
+    files = list_files(names)
     with write_folder(folder) as part:
         for path, text in files.items():
             write_text(part / path, text)
     install, test = list_installation()
     run = "uv run " if install.startswith("uv add ") else ""
-    uses = (f"driftform plugins show {names.plugin}", "driftform scenarios check study.toml", *list_uses(parts))
+    uses = (f"driftform plugins show {names.plugin}", "driftform scenarios check study.toml", *list_uses(names))
     following = [f"cd {shlex.quote(str(folder))}", install, test, *(run + line for line in uses)]
     if json:
         print_json(
@@ -106,15 +105,14 @@ def new(
                 "distribution": names.distribution,
                 "package": names.package,
                 "plugin": names.plugin,
-                "seams": [part.seam for part in parts],
+                "seams": [seam],
                 "folder": str(folder),
                 "files": [str(folder / path) for path in files],
                 "next": following,
             }
         )
         return
-    seams = ", ".join(part.seam for part in parts)
-    print(f"{names.distribution}: {seams} '{names.plugin}', to be changed")
+    print(f"{names.distribution}: {seam} '{names.plugin}', to be changed")
     for path in files:
         print(f"  {folder / path}")
     print("next:")

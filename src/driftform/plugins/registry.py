@@ -9,13 +9,12 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-import pluggy
 from pydantic import ValidationError
 
 from driftform.errors import InputError, WorkFailedError, describe_error, did_you_mean
 from driftform.interfaces import SEAMS, Plugin
 from driftform.plugins import hookspecs
-from driftform.plugins.discovery import GROUP, PluginModule, find_modules
+from driftform.plugins.discovery import PluginModule, find_modules
 from driftform.plugins.faults import report_faults
 from driftform.util.options import Table, check_defaults
 
@@ -49,49 +48,25 @@ class Registry:
     """The installed plugins."""
 
     def __init__(self) -> None:
-        self._manager = pluggy.PluginManager(GROUP)
-        self._manager.add_hookspecs(hookspecs)
-        self._origin: dict[str, PluginModule] = {}
+        self._modules: list[PluginModule] = []
         self._broken: list[Contribution] = []
         self._seams: dict[str, list[Contribution]] = {}
         for found in find_modules():
-            key, problem = f"{found.distribution}:{found.name}", found.problem
-            self._origin[key] = found
-            if not problem:
-                try:
-                    self._check_hooks(found.module, found.place)
-                    self._manager.register(found.module, name=key)
-                except (Exception, SystemExit) as error:
-                    problem = f"unavailable: {describe_error(error)}"
-            if problem:
+            if problem := found.problem or _find_wrong_hooks(found):
                 self._broken.append(Contribution("", found.name, found.distribution, found.version, problem))
-
-    def _check_hooks(self, module: object, place: str) -> None:
-        hooks = [name for name in vars(hookspecs) if name.startswith("driftform_")]
-        # pluggy silently ignores an implementation of a hook that does not exist.
-        found = [name for name in dir(module) if self._manager.parse_hookimpl_opts(module, name) is not None]
-        for name in found:
-            if name not in hooks:
-                raise AttributeError(f"unknown hook {name}{did_you_mean(name, hooks)}")
-        if not found:
-            unmarked = [name for name in dir(module) if name in hooks]
-            remedy = (
-                f"write @hookimpl above {unmarked[0]}()"
-                if unmarked
-                else "it needs a function such as driftform_fitness() with @hookimpl above it"
-            )
-            raise InputError(f"registers nothing: {place} has no hook; {remedy}")
+            else:
+                self._modules.append(found)
 
     def seam(self, seam: str) -> list[Contribution]:
         """Return the contributions to one seam, by name; imports the implementations."""
         if seam not in self._seams:
-            hook = getattr(self._manager.hook, f"driftform_{seam}")
             rows: list[Contribution] = []
-            for implementation in hook.get_hookimpls():
-                origin = self._origin[implementation.plugin_name]
+            for origin in self._modules:
+                if (hook := origin.find_hook(f"driftform_{seam}")) is None:
+                    continue
                 where = origin.distribution, origin.version
                 try:
-                    classes = _check_classes(implementation.function(), SEAMS[seam])
+                    classes = _check_classes(hook(), SEAMS[seam])
                 except (Exception, SystemExit) as error:
                     state = f"unavailable: {describe_error(error)}"
                     rows.append(Contribution(seam, origin.name, *where, state))
@@ -171,6 +146,21 @@ class Registry:
 def registry() -> Registry:
     """Return the registry of this process, which is created once."""
     return Registry()
+
+
+def _find_wrong_hooks(plugin: PluginModule) -> str:
+    """Return why the module of a plugin is unavailable: by a hook that does not exist, or without any; ``""`` if it is not."""
+    hooks = [name for name in vars(hookspecs) if name.startswith("driftform_")]
+    found = [name for name in dir(plugin.module) if plugin.find_hook(name) is not None]
+    if unknown := [name for name in found if name not in hooks]:
+        return f"unavailable: AttributeError: unknown hook {unknown[0]}{did_you_mean(unknown[0], hooks)}"
+    if found:
+        return ""
+    unmarked = [name for name in dir(plugin.module) if name in hooks]
+    remedy = "it needs a function such as driftform_fitness() with @hookimpl above it"
+    if unmarked:
+        remedy = f"write @hookimpl above {unmarked[0]}()"
+    return f"unavailable: registers nothing: {plugin.place} has no hook; {remedy}"
 
 
 def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plugin[Any]]]:

@@ -4,7 +4,7 @@ Both have the column ``evaluation``, by which they are joined. SI units; frames 
 """
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from math import isnan, nan
@@ -34,7 +34,7 @@ from driftform.runs.table_files import (
 from driftform.study import Study
 from driftform.types import Genome
 from driftform.util.files import check_new_directory, write_together
-from driftform.util.progress import count_progress
+from driftform.util.progress import track_progress
 from driftform.water import Fluid
 
 FOLDER = "data"
@@ -91,38 +91,24 @@ def _write(part: Path, study: Study, store: Store, format: str, trajectories: bo
     """Write the tables and the meaning of their columns into a directory; return how many rows each has."""
     targets = study.scenario.target_names
     tables: dict[str, Sequence[Column]] = {"evaluations": evaluation_columns(targets, _list_measures(study))}
-    write, rows, seen = FORMATS[format], {}, set[int]()
-    with count_progress("evaluations") as progress:
-        records = _count(_read_in_chunks(store, targets), progress, store.count(), seen)
-        path = part / f"evaluations.{format}"
-        rows["evaluations"] = write(path, tables["evaluations"], evaluation_batches(study, records))
+    write, rows = FORMATS[format], {}
+    # What is stored from now on has no row in any table.
+    stored = {brief.index for brief in store.read_summaries(())}
+    records = track_progress(_read_in_chunks(store, targets, stored), len(stored), "evaluations")
+    path = part / f"evaluations.{format}"
+    rows["evaluations"] = write(path, tables["evaluations"], evaluation_batches(study, records))
     if trajectories:
         tables["trajectories"] = SAMPLE_COLUMNS
-        with count_progress("flights") as progress:
-            # What has been stored since has no row among the evaluations.
-            known = (record for record in _read_in_chunks(store, targets) if record.index in seen)
-            path = part / f"trajectories.{format}"
-            batches = sample_batches(_count(known, progress, len(seen), set()))
-            rows["trajectories"] = write(path, SAMPLE_COLUMNS, batches)
+        records = track_progress(_read_in_chunks(store, targets, stored), len(stored), "flights")
+        rows["trajectories"] = write(part / f"trajectories.{format}", SAMPLE_COLUMNS, sample_batches(records))
     facts = {"driftform": __version__, "seed": study.seed}
     (part / COLUMNS).write_text(describe_tables(tables, facts), encoding="utf-8")
     return rows
 
 
-def _read_in_chunks(store: Store, targets: tuple[str, ...]) -> Iterator[Record]:
-    for first in range(0, store.last_index() + 1, CHUNK):
-        yield from list(store.read_records(targets, first, CHUNK))
-
-
-def _count(
-    records: Iterable[Record], progress: Callable[[int, int], None], total: int, seen: set[int]
-) -> Iterator[Record]:
-    """Yield records, show how many, and keep their indices in ``seen``."""
-    for number, record in enumerate(records, start=1):
-        seen.add(record.index)
-        yield record
-        # More may have been stored meanwhile.
-        progress(number, max(number, total))
+def _read_in_chunks(store: Store, targets: tuple[str, ...], indices: Collection[int]) -> Iterator[Record]:
+    for first in range(0, max(indices, default=-1) + 1, CHUNK):
+        yield from [record for record in store.read_records(targets, first, CHUNK) if record.index in indices]
 
 
 def evaluation_batches(study: Study, records: Iterable[Record]) -> Iterator[Batch]:

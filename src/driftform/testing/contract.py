@@ -5,15 +5,14 @@ import inspect
 import pickle
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import fields, is_dataclass
 from multiprocessing import get_context
 from typing import Any, Generic, TypeAlias, TypeVar, cast
 
-import numpy as np
 import pytest
 
 from driftform.errors import DriftformError
 from driftform.interfaces import Plugin
+from driftform.types import same_content
 
 PluginT_co = TypeVar("PluginT_co", covariant=True)
 
@@ -88,7 +87,7 @@ class AnsweringContract(SeamContract[PluginT_co]):
 
     def _compare(self, questions: Sequence[Question], answers: list[Any], others: list[Any], where: str) -> None:
         for (method, *_), answer, other in zip(questions, answers, others, strict=True):
-            assert _is_same(answer, other), f"{method}() answers differently {where}"
+            assert same_content(answer, other), f"{method}() answers differently {where}"
 
 
 def _answer(plugin: object, questions: Sequence[Question]) -> list[Any]:
@@ -98,16 +97,3 @@ def _answer(plugin: object, questions: Sequence[Question]) -> list[Any]:
         method, *arguments = pickle.loads(pickle.dumps(question))
         answers.append(getattr(plugin, method)(*arguments))
     return answers
-
-
-def _is_same(one: Any, other: Any) -> bool:
-    """Whether two values have the same content, to the last bit; NaN is the same as NaN."""
-    if is_dataclass(one):
-        return type(one) is type(other) and all(
-            _is_same(getattr(one, f.name), getattr(other, f.name)) for f in fields(one)
-        )
-    if isinstance(one, list | tuple):
-        return len(one) == len(other) and all(map(_is_same, one, other))
-    if isinstance(one, np.ndarray):
-        return np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
-    return bool(one == other) or repr(one) == repr(other)

@@ -1,4 +1,4 @@
-"""Creates new plugins for any seams: a small distribution that installs and passes its tests, to be edited.
+"""Creates new plugins for any seam: a small distribution that installs and passes its tests, to be edited.
 
 Each seam has a folder of templates, in which ``string.Template`` fills in names, and ``about.toml`` with the data of
 the seam; ``common`` contains the templates that all seams share. The commands that install the result are those of pip or uv.
@@ -10,7 +10,7 @@ import re
 import shlex
 import sys
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib import metadata, resources, util
 from pathlib import Path
@@ -89,72 +89,40 @@ def make_names(name: str, seam: str) -> Names:
     return names
 
 
-def list_files(parts: Sequence[Names]) -> dict[str, str]:
-    """Return the text of each file of a new distribution with a plugin of each seam, by its path inside the folder."""
-    first = parts[0]
-    package, seams = f"src/{first.package}", _enumerate([part.seam for part in parts])
-    dependencies = dict.fromkeys(line for part in parts for line in _read_about(part.seam)["dependencies"])
-    summary = _read_about(first.seam)["summary"] if len(parts) == 1 else seams.capitalize()
-    words = [
-        {
-            **asdict(part),
-            "summary": _read_about(part.seam)["summary"],
-            "table": f"{part.seam}.{part.plugin}" if part.seam in NAMED else part.seam,
-            "word": WORD,
-        }
-        for part in parts
-    ]
-    shared = {
-        **words[0],
-        "summary": summary,
-        "about": f"{summary}: the {seams}" if len(parts) == 1 else f"The {seams}",
-        "interfaces": _enumerate([f"`{_name_interface(part.seam)}`" for part in parts]),
-        "dependencies": ", ".join(f'"{line}"' for line in (f"driftform>={__version__}", *dependencies)),
-        "hooks": "".join(_fill(_find_hook(line["seam"]), "hook.py.txt", line) for line in words),
-        "use": "\n".join(f"$ {line}" for line in list_uses(parts)),
-        "study": _merge_studies(
-            [_fill(part.seam, "study.toml.txt", line) for part, line in zip(parts, words, strict=True)]
-        ),
+def list_files(names: Names) -> dict[str, str]:
+    """Return the text of each file of a new distribution, by its path inside the folder."""
+    seam, package, about = names.seam, f"src/{names.package}", _read_about(names.seam)
+    dependencies = [f"driftform>={__version__}", *about["dependencies"]]
+    words = {
+        **asdict(names),
+        "summary": about["summary"],
+        "interface": SEAMS[seam].__name__ if seam in SEAMS else f"driftform_{seam}",
+        "dependencies": ", ".join(f'"{line}"' for line in dependencies),
+        "table": f"{seam}.{names.plugin}" if seam in NAMED else seam,
+        "use": "\n".join(f"$ {line}" for line in list_uses(names)),
+        "word": WORD,
     }
-    files = {
-        "pyproject.toml": _fill("common", "pyproject.toml.txt", shared),
-        "README.md": _fill("common", "README.md.txt", shared),
-        f"{package}/__init__.py": _fill("common", "__init__.py.txt", shared),
+    # Some kinds have a hook of their own.
+    has_hook = (resources.files(__name__) / seam / "hook.py.txt").is_file()
+    words["hook"] = _fill(seam if has_hook else "common", "hook.py.txt", words)
+    words["study"] = _fill(seam, "study.toml.txt", words)
+    return {
+        "pyproject.toml": _fill("common", "pyproject.toml.txt", words),
+        "README.md": _fill("common", "README.md.txt", words),
+        f"{package}/__init__.py": _fill("common", "__init__.py.txt", words),
+        f"{package}/{_substitute(about.get('file', '$seam.py'), words)}": _fill(seam, "implementation.py.txt", words),
+        f"tests/test_{seam}.py": _fill(seam, "test.py.txt", words),
+        "study.toml": words["study"],
     }
-    for part, line in zip(parts, words, strict=True):
-        place = Template(_read_about(part.seam).get("file", "$seam.py")).substitute(line)
-        files[f"{package}/{place}"] = _fill(part.seam, "implementation.py.txt", line)
-        files[f"tests/test_{part.seam}.py"] = _fill(part.seam, "test.py.txt", line)
-    return {**files, "study.toml": shared["study"]}
 
 
-def list_uses(parts: Sequence[Names]) -> list[str]:
-    """Return commands that use the new plugins, to be run in the distribution's folder."""
-    lines: Iterable[str] = dict.fromkeys(
-        Template(line).substitute(plugin=part.plugin, word=WORD)
-        for part in parts
-        for line in _read_about(part.seam)["use"]
-    )
-    return list(lines)
+def list_uses(names: Names) -> list[str]:
+    """Return commands that use the new plugin, to be run in the distribution's folder."""
+    return [_substitute(line, {"plugin": names.plugin, "word": WORD}) for line in _read_about(names.seam)["use"]]
 
 
-def _merge_studies(texts: Sequence[str]) -> str:
-    """Return one study with the tables of all; each begins with its base, which they share."""
-    head = texts[0].partition("\n\n")[0]
-    return "\n\n".join([head, *(text.partition("\n\n")[2].rstrip() for text in texts)]) + "\n"
-
-
-def _name_interface(kind: str) -> str:
-    return SEAMS[kind].__name__ if kind in SEAMS else f"driftform_{kind}"
-
-
-def _find_hook(kind: str) -> str:
-    """Return the folder of the template of a hook: that of the kind, if it has one of its own."""
-    return kind if (resources.files(__name__) / kind / "hook.py.txt").is_file() else "common"
-
-
-def _enumerate(words: Sequence[str]) -> str:
-    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+def _substitute(text: str, words: Mapping[str, str]) -> str:
+    return Template(text).substitute(words)
 
 
 def _read_about(seam: str) -> dict[str, Any]:
@@ -162,8 +130,7 @@ def _read_about(seam: str) -> dict[str, Any]:
 
 
 def _fill(folder: str, name: str, words: Mapping[str, str]) -> str:
-    text = (resources.files(__name__) / folder / name).read_text(encoding="utf-8")
-    return Template(text).substitute(words)
+    return _substitute((resources.files(__name__) / folder / name).read_text(encoding="utf-8"), words)
 
 
 def list_installation() -> list[str]:
