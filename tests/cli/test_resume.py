@@ -129,7 +129,7 @@ def test_a_crash_between_database_and_resolved_study_is_made_good(
         raise OSError("the power went")
 
     with monkeypatch.context() as patch:
-        patch.setattr(owner, "write_resolved", crashing)
+        patch.setattr(owner, "write_inputs", crashing)
         assert call("resume", "run", "--evaluations", 61, "--workers", 1).exit_code == 1
     assert budgets(copy) == (61, 60)
     result = call("resume", "run", "--workers", 1, "--json")

@@ -28,11 +28,8 @@ from driftform.util.files import NO_LOCKS, is_locked, name_owner, write_text
 DATABASE = "run.db"
 """Name of the file with all that a run has found."""
 
-RESOLVED = "resolved.toml"
-"""Name of the file with the study as it is carried out."""
-
-INPUTS = ("study.toml", RESOLVED, "environment.json")
-"""Names of the files with what a run was started with."""
+INPUTS = ("study.toml", "resolved.toml", "environment.json")
+"""Names of the files with what a run was started with: the study as it was given and as it is carried out, and versions."""
 
 _LOCK = ".lock"
 LOCK_TIMEOUT_S = 0.2
@@ -86,7 +83,7 @@ def is_worked_on(directory: Path) -> bool:
 def check_new(directory: Path) -> None:
     """Refuse a directory that holds a run, or anything else that a run could spoil.
 
-    A directory with no more than the inputs of a run that never began, such as one killed in its first moment, is new.
+    A directory of a run that never began, such as one killed in its first moment, is new.
 
     Raises InputError with the next step.
     """
@@ -96,60 +93,61 @@ def check_new(directory: Path) -> None:
         )
     if directory.exists() and not directory.is_dir():
         raise InputError(f"{directory} is a file; choose another --out")
-    names = {entry.name for entry in directory.iterdir()} if directory.is_dir() else set()
-    never_began = _LOCK in names and all(_is_own(name) for name in names)
-    if names - {_LOCK} and not never_began:
+    if directory.is_dir() and any(directory.iterdir()) and not _is_stopped(directory):
         raise InputError(f"{directory} is not empty; choose another --out")
 
 
-def _is_own(name: str) -> bool:
-    """Return whether a run writes such a file before its first evaluation, in part or as a whole."""
-    beginnings = tuple(f".{whole}." for whole in (DATABASE, *INPUTS))
-    return name in (_LOCK, name_owner(Path(_LOCK)).name, *INPUTS) or (name.startswith(beginnings) and ".part" in name)
+def _is_part(name: str) -> bool:
+    """Return whether a file is what a process that was killed left of one that a run begins with."""
+    return name.startswith(tuple(f".{whole}." for whole in (DATABASE, *INPUTS))) and ".part" in name
 
 
-def remove_leftovers(directory: Path) -> None:
-    """Remove what a process left in part that was killed before its run began."""
-    for entry in list(directory.iterdir()):
-        if _is_own(entry.name) and entry.name not in (_LOCK, *INPUTS):
-            entry.unlink(missing_ok=True)
+def _is_stopped(directory: Path) -> bool:
+    """Return whether a directory is that of a run that was stopped, or has not come so far, before it began."""
+    names = {entry.name for entry in directory.iterdir()}
+    return _LOCK in names and all(name in (_LOCK, name_owner(Path(_LOCK)).name) or _is_part(name) for name in names)
 
 
-def check_run(directory: Path, *, begun: bool = True) -> Path:
-    """Return the database of a run directory; without ``begun`` it need not be there yet.
-
-    Raises InputError if the directory is not a run.
-    """
+def check_run(directory: Path) -> Path:
+    """Return the database of a run directory. Raises InputError if the directory is not a run."""
     if not directory.is_dir():
         where = "is a file, expected a run directory" if directory.exists() else "no such run directory"
         raise InputError(f"{directory}: {where}")
     if (directory / DATABASE).is_file():
         return directory / DATABASE
-    never_began = not (directory / DATABASE).exists() and (directory / _LOCK).exists()
-    if never_began and all(_is_own(entry.name) for entry in directory.iterdir()):
-        if not begun:
-            return directory / DATABASE
-        if is_worked_on(directory):
-            raise InputError(f"{directory}: its run is about to begin; try again in a second")
-        raise InputError(
-            f"{directory}: its run was stopped before it began; begin it with: {resume_command(directory)}"
-        )
-    raise InputError(f"{directory} holds no {DATABASE}: it is not a run directory")
+    if not _is_stopped(directory):
+        raise InputError(f"{directory} holds no {DATABASE}: it is not a run directory")
+    if is_worked_on(directory):
+        raise InputError(f"{directory}: its run is about to begin; try again in a second")
+    raise InputError(
+        f"{directory}: its run was stopped before it began; start it again with the same 'driftform evolve' and "
+        f"--out {quote(str(directory))}"
+    )
 
 
-def write_inputs(directory: Path, study: Study) -> None:
-    """Write what the run was started with: the study as resolved and as given, versions, plugins and seed."""
-    # First, because a run that is stopped before its database is there is begun again from this file.
-    write_resolved(directory, study.document)
-    given = directory / "study.toml"
-    if study.given or not given.is_file():
-        write_text(given, study.given or tomli_w.dumps(dict(study.document)))
+def write_inputs(directory: Path, study: Study, document: Mapping[str, Any]) -> None:
+    """Write what the run was started with, where it is missing: the study as resolved and as given, versions, plugins and seed.
+
+    Args:
+        document: of the study as its database has it.
+    """
+    for entry in list(directory.iterdir()):
+        if _is_part(entry.name):
+            entry.unlink(missing_ok=True)
+    given, resolved, environment = (directory / name for name in INPUTS)
+    text = tomli_w.dumps(dict(document))
+    if not resolved.is_file() or resolved.read_text(encoding="utf-8") != text:
+        write_text(resolved, text)
+    if not given.is_file():
+        write_text(given, study.given or text)
+    if environment.is_file():
+        return
     plugins = [
         {"seam": row.seam, "name": row.name, "distribution": row.distribution, "version": row.version}
         for row in registry().contributions()
         if row.available
     ]
-    environment = {
+    facts = {
         "driftform": __version__,
         "python": sys.version.split()[0],
         "platform": platform.platform(),
@@ -161,11 +159,4 @@ def write_inputs(directory: Path, study: Study) -> None:
             name: digest for name, digest in find_versions(study.document).items() if name.startswith("sources")
         },
     }
-    write_text(directory / "environment.json", json.dumps(environment, indent=1) + "\n")
-
-
-def write_resolved(directory: Path, document: Mapping[str, Any]) -> None:
-    """Write the study's document for people, where the file does not say the same already."""
-    path, text = directory / RESOLVED, tomli_w.dumps(dict(document))
-    if not path.is_file() or path.read_text(encoding="utf-8") != text:
-        write_text(path, text)
+    write_text(environment, json.dumps(facts, indent=1) + "\n")

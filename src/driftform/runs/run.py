@@ -1,24 +1,19 @@
 """A run: the one owner of its directory, its store and its lock."""
 
-import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from shlex import quote
 from typing import Any, Self
 
 from driftform.errors import InputError
 from driftform.runs.directory import (
     DATABASE,
-    RESOLVED,
     check_new,
     check_run,
     is_worked_on,
     lock_run,
-    remove_leftovers,
     resume_command,
     write_inputs,
-    write_resolved,
 )
 from driftform.runs.monitor import RunMonitor, read_aims
 from driftform.runs.store import Store
@@ -74,15 +69,13 @@ class StoredRun:
     def resume(cls, directory: Path, evaluations: int | None = None) -> Iterator[Self]:
         """Open a run to continue it, with a larger budget if ``evaluations`` is given, and hold its lock.
 
-        Nothing is written before the run advances, except the database of a run that was stopped before it had one.
+        Nothing is written before the run advances.
 
         Raises InputError if the directory is not a run, another process works on it, or it holds more evaluations
         already.
         """
-        check_run(directory, begun=False)
+        check_run(directory)
         with lock_run(directory):
-            if not (directory / DATABASE).exists():
-                cls._begin_again(directory)
             run = cls.open(directory, evaluations)
             run.study.check_formats()
             if evaluations is not None:
@@ -108,25 +101,10 @@ class StoredRun:
             yield run
 
     @classmethod
-    def _begin_again(cls, directory: Path) -> None:
-        """Begin a run that was stopped after its study was written, and before its database was."""
-        path = directory / RESOLVED
-        if not path.is_file():
-            raise InputError(
-                f"{directory}: its run was stopped before it wrote what it is to do; start it again with the same "
-                f"'driftform evolve' and --out {quote(str(directory))}"
-            )
-        try:
-            document = tomllib.loads(path.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise InputError(f"{path}: is not TOML: {error}") from None
-        cls._begin(directory, load_study(Document(str(path), document)))
-
-    @classmethod
     def _begin(cls, directory: Path, study: Study) -> Self:
-        remove_leftovers(directory)
-        write_inputs(directory, study)
+        # First, and all at once: whatever stops a run after this line, it can be resumed.
         Store.create(directory / DATABASE, dict(study.document)).close()
+        write_inputs(directory, study, study.document)
         return cls(directory, study)
 
     def _check_budget(self, evaluations: int) -> None:
@@ -200,7 +178,7 @@ class StoredRun:
                 document = {**document, "run": {**table, "evaluations": self.study.evaluations}}
                 store.replace_study(document)
             # The database decides: an interruption before this line is repaired by the next call.
-            write_resolved(self.path, document)
+            write_inputs(self.path, self.study, document)
             yield store
 
     def count(self) -> tuple[int, int]:
