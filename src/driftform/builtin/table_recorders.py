@@ -1,13 +1,12 @@
 """Flights as tables for pandas, polars and spreadsheets: one row per sample."""
 
-from abc import abstractmethod
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from driftform.interfaces import ExportJob, Recorder
-from driftform.runs.table_files import SAMPLE_COLUMNS, Batch, Column, check_format, write_csv, write_parquet
+from driftform.runs.table_files import FORMATS, SAMPLE_COLUMNS, Batch, Column, check_format
 from driftform.types import Trajectory, WrittenFile
 from driftform.util.files import write_whole
 from driftform.util.options import Table
@@ -42,13 +41,9 @@ class TableRecorder(Recorder[Table]):
         parts = (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, wrench)
         names = [column.name for column in COLUMNS]
         batch: Batch = dict(zip(names, np.column_stack(parts).T, strict=True))
-        write_whole(path, lambda part: self.write_table(part, batch))
+        write_whole(path, lambda part: FORMATS[self.name](part, COLUMNS, [batch]))
         facts = {"samples": len(trajectory.t), "duration": float(trajectory.t[-1]), "columns": len(COLUMNS)}
         return (WrittenFile(self.name, str(path), facts),)
-
-    @abstractmethod
-    def write_table(self, path: Path, rows: Batch) -> None:
-        """Write the table of :data:`COLUMNS`."""
 
 
 class CsvRecorder(TableRecorder):
@@ -57,17 +52,9 @@ class CsvRecorder(TableRecorder):
     name = "csv"
     suffix = ".csv"
 
-    def write_table(self, path: Path, rows: Batch) -> None:
-        """Write the rows as CSV."""
-        write_csv(path, COLUMNS, [rows])
-
 
 class ParquetRecorder(TableRecorder):
     """A flight as Parquet, with the unit and the meaning of each column; needs the extra ``parquet``."""
 
     name = "parquet"
     suffix = ".parquet"
-
-    def write_table(self, path: Path, rows: Batch) -> None:
-        """Write the rows as Parquet."""
-        write_parquet(path, COLUMNS, [rows])

@@ -13,7 +13,7 @@ from driftform.errors import escape_controls
 if TYPE_CHECKING:
     from driftform.types import WrittenFile
 
-__all__ = ["escape_controls", "print_files", "print_json", "print_table", "print_text", "reserve_stdout", "shorten"]
+__all__ = ["escape_controls", "print_json", "print_table", "print_text", "reserve_stdout"]
 
 _reserved: list[TextIO] = []
 

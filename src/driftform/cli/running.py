@@ -22,13 +22,13 @@ def advance_run(run: "StoredRun", executor: "Executor", json: bool, warnings: Se
     try:
         # The run is there already: an interruption of these imports names the line that resumes it, too.
         from driftform.cli.progress import Progress
-        from driftform.search.advance import finish_run
+        from driftform.search import advance
         from driftform.search.jobs import WorkersLostError
 
         progress = Progress(run)
         try:
             with stop_at_signals():
-                results = finish_run(run, executor, progress)
+                results = advance.advance_run(run, executor, progress)
         except WorkersLostError as error:
             raise WorkersLostError(f"{error}; {_describe_stop(run)}") from None
     except KeyboardInterrupt as stop:

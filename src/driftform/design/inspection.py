@@ -90,7 +90,8 @@ def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | Non
             "slowest_period": rest.slowest_period,
             "eigenvalues": [[value.real, value.imag] for value in rest.eigenvalues.tolist()],
         },
-        "righting_moment": _righting_moment(agent, fluid),
+        # Of weight and buoyancy about the COG: that of the level body is the largest.
+        "righting_moment": float(fluid.density * mass.volume * fluid.gravity * abs(mass.cob[0] - mass.cog[0])),
         "terminal_speeds": _terminal_speeds(agent, fluid, net, rest.pitch),
         "lambda_max": lambda_max,
         "strength": pipeline.builder.describe_strength(body, fluid),
@@ -132,12 +133,6 @@ def compare_added_mass(pipeline: Pipeline, agent: Agent, name: str) -> dict[str,
                 raise WorkFailedError(f"{name}: no added mass by '{row.name}': {describe_error(error)}") from None
             found[row.name] = added_mass_at(coefficients, agent.mass.cob)
     return found
-
-
-def _righting_moment(agent: Agent, fluid: Fluid) -> float:
-    """Largest moment (N m) of weight and buoyancy about the COG: that of the level body."""
-    mass = agent.mass
-    return float(fluid.density * mass.volume * fluid.gravity * abs(mass.cob[0] - mass.cog[0]))
 
 
 def _terminal_speeds(agent: Agent, fluid: Fluid, net: float, pitch: float) -> dict[str, float]:

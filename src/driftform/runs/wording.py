@@ -83,19 +83,15 @@ def summarise(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
         subject = f"{reached} of {count} targets are"
         if count == 1:
             subject = "The target is" if reached else "The target is not"
-        return f"{subject} reached: {fitness.goal}; {describe_worst(fitness, results)}"
+        worst = min(results, key=lambda target: results[target]["fitness"])
+        measure = f"{fitness.heading} at worst {fitness.measure(results[worst]['fitness']):.2f} ({worst})"
+        return f"{subject} reached: {fitness.goal}; {measure}"
     weighed = sum(is_kept(promise["weighed"]) for promise in promises)
     printed, baseline = sum(map(is_kept, promises)), sum(is_kept(promise.get("baseline", {})) for promise in promises)
     targets = "target is" if count == 1 else "targets are"
     return (
         f"{weighed} of {count} {targets} kept if the print is weighed, {printed} as printed, {baseline} by the baseline"
     )
-
-
-def describe_worst(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
-    """Return the target with the least fitness, and its measure."""
-    worst = min(results, key=lambda target: results[target]["fitness"])
-    return f"{fitness.heading} at worst {fitness.measure(results[worst]['fitness']):.2f} ({worst})"
 
 
 def describe_worth(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:

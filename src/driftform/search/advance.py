@@ -57,16 +57,15 @@ def search_run(run: StoredRun, executor: Executor, observer: Observer | None = N
 def advance_run(run: StoredRun, executor: Executor, observer: Observer | None = None) -> list[Best]:
     """Search to the end of the budget, fly the finalists, and write best agents and maps; requires the lock of the run.
 
+    A run that has ended, and was not changed since, is left as it is.
+
     Raises:
         InputError: if the stored evaluations are not those that the study asks for.
         WorkFailedError: if every evaluation failed.
     """
-    ended = find_ended(run)
-    return finish_run(run, executor, observer or Observer()) if ended is None else ended
-
-
-def finish_run(run: StoredRun, executor: Executor, observer: Observer) -> list[Best]:
-    """Advance a run as :func:`advance_run` does, without looking whether it has ended."""
+    if (ended := find_ended(run)) is not None:
+        return ended
+    observer = observer or Observer()
     _log.info("%s: search, %d evaluations in all", run.path, run.study.evaluations)
     with run.write() as store:
         _search(run, store, executor, observer)
