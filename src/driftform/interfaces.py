@@ -225,12 +225,15 @@ class Measure:
 
 
 class Fitness(Plugin[OptionsT_co]):
-    """Trajectory -> one fitness for each target of the scenario, in percent: 100 is best, 0 is worst.
+    """Trajectory -> one fitness for each target of the scenario, in percent: 100 is ``best``, 0 is ``worst``.
 
     The search knows only this number. People read what :meth:`measure` makes of it, and what :meth:`judge` says of the
     target. Unless a subclass has better words, that is the fitness itself, and 99 % or more is reached.
     """
 
+    worst: ClassVar[float] = 0.0
+    best: ClassVar[float] = 100.0
+    """The bounds of what :meth:`score` returns, any numbers; ``best`` is the lesser one where less is better."""
     heading: ClassVar[str] = "fitness %"
     """What :meth:`measure` returns, with its unit: the heading of a column."""
     unit: ClassVar[str] = "%"
@@ -246,7 +249,7 @@ class Fitness(Plugin[OptionsT_co]):
 
     @abstractmethod
     def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
-        """Return the fitness for each target, %, in the order of the scenario, (targets,).
+        """Return a number from ``worst`` to ``best`` for each target, in the order of the scenario, (targets,).
 
         ``agent`` is what flew, for a fitness that also depends on mass or size.
         """
@@ -256,8 +259,8 @@ class Fitness(Plugin[OptionsT_co]):
         return {}
 
     def measure(self, fitness: float) -> float:
-        """Return what people read of a fitness (%), in ``unit``."""
-        return fitness
+        """Return what people read of a fitness (%), in ``unit``: by default what was scored."""
+        return self.worst + fitness * ((self.best - self.worst) / 100)
 
     def judge(self, fitness: float) -> Verdict:
         """Return whether the target of a fitness (%) is reached; a larger fitness never has a worse verdict."""

@@ -117,6 +117,8 @@ def test_once_is_a_table_and_nothing_in_the_run_has_changed(run_copy: Path, call
     assert result.exit_code == 0, result.stderr
     assert [line.split()[0] for line in result.stdout.splitlines()[3:5]] == ["TP1", "TP7"]
     assert "20 of 20 evaluations" in result.stdout
+    measures = json.loads(call("watch", run_copy, "--json").stdout)["targets"]["TP1"]["measures"]
+    assert f"TP1: mass {measures['mass']:.4g}, length {measures['length']:.4g}, " in result.stdout
     assert {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in run_copy.rglob("*")} == before
 
 

@@ -259,6 +259,9 @@ def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
     for group, agent in zip(contents.agents, viewer_data(contents)["agents"], strict=True):
         entry = group[0]
         assert agent["targets"] == [shared.target for shared in group]
+        assert entry.measures.startswith(
+            f"mass {entry.agent.mass.mass:.4g} kg, length {entry.agent.body.length:.4g} m, "
+        )
         t, position = np.array(agent["flight"]["t"]), np.array(agent["flight"]["position"])
         straight = np.column_stack([np.interp(entry.trajectory.t, t, p) for p in position.T])
         # Between 240 moments a flight at 1 m/s goes 4 cm: drawn straight, it cuts a corner at a wall by a quarter.

@@ -35,6 +35,9 @@ def watch(
 
         # Off a terminal the width is unknown, so nothing is cut.
         Console(highlight=False, width=None if sys.stdout.isatty() else 200).print(_view(monitor, fits=False))
+        for target in monitor.status.targets:
+            if measured := monitor.read_measures(target):
+                print(f"{target}: {', '.join(f'{name} {value:.4g}' for name, value in measured.items())}")
         if monitor.is_over:
             print(monitor.describe_end())
     else:

@@ -180,15 +180,16 @@ def require_coefficients(coefficients: object, body: Body, model: Plugin[Any]) -
 
 
 def require_scores(scores: object, targets: int, fitness: Fitness[Any]) -> FloatArray:
-    """Return what a fitness scored, (targets,).
+    """Return what a fitness scored as fitness, %, (targets,).
 
-    Raises WorkFailedError if it is not one real number from 0 to 100 for each target.
+    Raises WorkFailedError if it is not one real number within its bounds for each target.
     """
-    if not _are_numbers(scores, targets, 0, 100):
+    low, high = sorted((fitness.worst, fitness.best))
+    if not _are_numbers(scores, targets, low, high):
         what = _show(scores.tolist() if isinstance(scores, np.ndarray) else scores)
-        expected = f"an array of {_count_numbers(targets)} from 0 to 100, one for each target"
+        expected = f"an array of {_count_numbers(targets)} from {low:g} to {high:g}, one for each target"
         raise _refuse(fitness, "score", "nothing" if scores is None else what, expected)
-    return np.asarray(scores, dtype=np.float64)
+    return (np.asarray(scores, dtype=np.float64) - fitness.worst) * (100 / (fitness.best - fitness.worst))
 
 
 def require_measures(found: object, fitness: Fitness[Any]) -> dict[str, float]:
@@ -342,6 +343,9 @@ def check_wording(fitness: Fitness[Any]) -> None:
     for attribute in ("heading", "unit", "goal", "share"):
         if not isinstance(value := getattr(fitness, attribute), str):
             raise WorkFailedError(f"{name_plugin(fitness)} has {attribute} = {_show(value)}, expected text")
+    bounds = f"worst = {_show(fitness.worst)} and best = {_show(fitness.best)}"
+    if not _are_numbers([fitness.worst, fitness.best], 2, -1e300, 1e300) or fitness.worst == fitness.best:
+        raise WorkFailedError(f"{name_plugin(fitness)} has {bounds}, expected two finite numbers that differ")
     with report_faults():
         for value in (0.0, 50.0, 99.0, 100.0):
             measured = fitness.measure(value)

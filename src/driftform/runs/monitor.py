@@ -1,5 +1,6 @@
 """A run watched from another process: what is new of it, read-only, and whether anyone works on it."""
 
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +73,13 @@ class RunMonitor:
             f"stopped after {status.done} of {status.budget} evaluations; resume with: {resume_command(self.directory)}"
         )
 
+    def read_measures(self, target: str) -> dict[str, float]:
+        """Return what was measured of the best evaluation for a target, by name; nothing before there is one."""
+        index, names = self.status.targets[target].index, list(self.status.targets)
+        with Store.open(self._database, read_only=True, check=False) as store:
+            records = store.read_records(names, index, 1) if index >= 0 else ()
+            return {name: v for record in records for name, v in record.evaluation.measures.items() if isfinite(v)}
+
     def document(self) -> dict[str, Any]:
         """Return the state in numbers, as ``driftform watch --json`` prints it."""
         reason, count = self.status.commonest_failure
@@ -90,6 +98,7 @@ class RunMonitor:
                     "generation": target.generation if target.generation >= 0 else None,
                     "mean_fitness": target.mean,
                     "failed": target.failed,
+                    "measures": self.read_measures(name),
                 }
                 for name, target in self.status.targets.items()
             },

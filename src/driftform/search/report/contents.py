@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
@@ -31,7 +32,7 @@ from driftform.water import Scenario
 class Entry:
     """The best agent for one target.
 
-    ``index`` is that of its evaluation, ``distance`` (m, at ``t``, s) its closest approach, and ``genome`` its genome as text.
+    ``index`` is that of its evaluation, ``distance`` (m, at ``t``, s) its closest approach; ``genome`` and ``measures`` are text.
     """
 
     target: str
@@ -43,6 +44,7 @@ class Entry:
     genome: str
     agent: Agent
     trajectory: Trajectory
+    measures: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +91,8 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
     study, scenario = run.study, run.study.scenario
     grammar, targets = study.make_plugin("grammar"), scenario.target_names
     strategy = str(study.document.get("strategy", {}).get("use", "search"))
+    columns = evaluation_columns(targets, study.make_plugin("fitness").measures)
+    units = {"fitness": "%"} | {column.name: column.unit for column in columns}
     with run.read() as store:
         if not store.count_sound():
             raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
@@ -99,7 +103,9 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
             stored, result = one.stored, one.stored.result
             genome = write_genome(grammar, stored.genome)
             found = result["evaluation"], result["fitness"]
-            entries.append(Entry(target, *found, *closest, stored, genome, one.agent, one.trajectory))
+            measured = store.read_record(found[0], targets).evaluation.measures
+            measures = ", ".join(f"{n} {v:.4g} {units.get(n, '')}".strip() for n, v in measured.items() if isfinite(v))
+            entries.append(Entry(target, *found, *closest, stored, genome, one.agent, one.trajectory, measures))
         promises = {target: one.misses for target, one in zip(targets, best, strict=True) if one.misses is not None}
         figures = {
             "Flights and bodies": draw_overview(study, best, page),
@@ -115,8 +121,6 @@ def collect_contents(run: StoredRun, page: Page = SCREEN) -> Contents:
             count = study.scenario.robustness.checks
             subtitle = f"{count} flights of each best agent under disturbed conditions that the choice never saw."
             figures["Robustness"] = strip_svg(strips, "Misses under disturbed conditions", subtitle, page)
-        columns = evaluation_columns(targets, study.make_plugin("fitness").measures)
-        units = {"fitness": "%"} | {column.name: column.unit for column in columns}
         for name, kept in read_found(run.path / FOUND).items():
             if kept.axes:
                 title = f"{name.replace('_', ' ').capitalize()} of {strategy}"

@@ -27,14 +27,12 @@ from driftform.runs.wording import (
 )
 from driftform.search.report.contents import Contents, collect_contents
 from driftform.search.report.kinds import count_kinds, name_kind
+from driftform.study import SELECTED
 from driftform.util.files import make_directory, write_text
 from driftform.water.regime import warn_of_regime
 
 STYLES = {"kept": "good", "kept if weighed": "fair", "reached": "good", "near": "fair", "missed": "poor"}
 """The style class of each verdict."""
-
-SEAMS = ("grammar", "builder", "hydrodynamics", "simulator", "fitness", "strategy")
-"""Tables of a study whose plugins the page lists."""
 
 BODIES, PROMISE = ("as printed", "weighed in water", "baseline"), ("hits (%)", "90 % miss (mm)")
 """Titles of the groups of columns of a promise, and the headings in each."""
@@ -111,7 +109,7 @@ def page_html(contents: Contents) -> str:
         cells={name: list_cells(fitness, result, promised) for name, result in results.items()},
         verdicts={name: result["verdict"] for name, result in results.items()},
         styles={name: STYLES[result["verdict"]] for name, result in results.items()},
-        plugins={seam: study[seam]["use"] for seam in SEAMS if seam in study},
+        plugins={seam: study[seam]["use"] for seam in SELECTED if seam in study},
         study=tomli_w.dumps(dict(study)),
         sections=[
             section_svg(group[0].agent, ", ".join(entry.target for entry in group), contents.scenario)
@@ -157,7 +155,5 @@ def _read(name: str) -> str:
     return files("driftform.search.report").joinpath(name).read_text(encoding="utf-8")
 
 
-def _format_length(metres: float | None) -> str:
-    if metres is None:
-        return "unknown"
+def _format_length(metres: float) -> str:
     return f"{1000 * metres:.0f} mm" if metres < 1 else f"{metres:.2f} m"
