@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 
 from driftform.util.compiled import compiled
 from driftform.water.parts.tee_flow import tee_field, tee_motion
-from driftform.water.parts.tee_store import JUNCTIONS
+from driftform.water.parts.tee_store import JUNCTIONS, PACKAGED, file_name
 from driftform.water.parts.tee_wall import Junction, wall_level
 from driftform_tees.region import distance_beyond_ends
 
+SHAPES = (*JUNCTIONS, Junction(0.7, math.radians(45), 0.14))
 SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
 
 LEG = 2.0
@@ -107,14 +108,14 @@ def branch_share(junction: Junction, share: float, lines: int = 24) -> float:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("junction", JUNCTIONS)
+@pytest.mark.parametrize("junction", SHAPES)
 @pytest.mark.parametrize("share", SHARES)
 def test_tracers_enter_the_branch_in_the_ratio_of_the_fluxes(junction: Junction, share: float) -> None:
     off = 0.2 if junction.branch >= 0.5 else 0.35
     assert 100 * branch_share(junction, share) == pytest.approx(100 * share, abs=off)
 
 
-@pytest.mark.parametrize("junction", JUNCTIONS)
+@pytest.mark.parametrize("junction", SHAPES)
 @pytest.mark.parametrize("share", (0.0, *SHARES))
 def test_the_wall_leaks_less_than_two_thousandths_of_the_mean_speed(junction: Junction, share: float) -> None:
     # The root mean square over the walls of both legs, relative to the mean speed at the inlet; of narrower branches than half of
@@ -146,7 +147,7 @@ def test_the_wall_leaks_less_than_two_thousandths_of_the_mean_speed(junction: Ju
     assert math.sqrt(np.mean(squares)) < 0.02
 
 
-@pytest.mark.parametrize("junction", JUNCTIONS)
+@pytest.mark.parametrize("junction", SHAPES)
 @pytest.mark.parametrize("share", (0.0, 0.3, 1.0))
 def test_the_flux_is_that_of_each_leg_at_every_section(junction: Junction, share: float) -> None:
     field, (disc, weight) = make_field(junction, share), draw_disc(24)
@@ -170,7 +171,7 @@ def test_the_flux_is_that_of_each_leg_at_every_section(junction: Junction, share
         assert flux / np.pi == pytest.approx(share, abs=off)
 
 
-@pytest.mark.parametrize("junction", JUNCTIONS)
+@pytest.mark.parametrize("junction", SHAPES)
 def test_the_velocity_at_the_centre_of_a_sphere_is_its_mean_over_the_sphere(junction: Junction) -> None:
     field, wall = make_field(junction, 0.4), junction.array()
     rng = np.random.default_rng(0)
@@ -185,7 +186,7 @@ def test_the_velocity_at_the_centre_of_a_sphere_is_its_mean_over_the_sphere(junc
         assert 0.6 * at_corners + 0.4 * at_faces == pytest.approx(np.array(centre), abs=4e-3)
 
 
-@pytest.mark.parametrize("junction", JUNCTIONS)
+@pytest.mark.parametrize("junction", SHAPES)
 def test_the_gradient_is_that_of_the_velocity_symmetric_and_almost_without_trace(junction: Junction) -> None:
     field, h = make_field(junction, 0.4), 1e-5
     traces, sizes = [], []
@@ -204,7 +205,7 @@ def test_the_gradient_is_that_of_the_velocity_symmetric_and_almost_without_trace
     assert np.sqrt(np.mean(np.square(traces))) < 0.05 * np.sqrt(np.mean(np.square(sizes)))
 
 
-@pytest.mark.parametrize("junction", JUNCTIONS)
+@pytest.mark.parametrize("junction", SHAPES)
 def test_the_flow_decays_to_plug_flow_as_the_slowest_mode_of_a_pipe(junction: Junction) -> None:
     # J_1'(1.8412) = 0 and J_2'(3.0542) = 0: Abramowitz and Stegun, table 9.5. Near the tee the second mode takes part.
     field, (disc, _) = make_field(junction, 0.4), draw_disc(6)
@@ -234,6 +235,10 @@ def test_the_velocity_is_finite_and_continuous_in_the_wall_and_beyond_the_ends(
     if wall_level(*point, JUNCTIONS[number].array())[0] < 0.01:
         beside = tee_motion(tuple(point + 1e-7), field)[0]
         assert np.abs(np.subtract(beside, velocity)).max() < 1e-4
+
+
+def test_the_flows_of_usual_shapes_come_with_driftform() -> None:
+    assert all((PACKAGED / file_name(shape)).is_file() for shape in SHAPES)
 
 
 def test_a_branch_that_points_upstream_is_the_mirror_image_of_a_reversed_flow() -> None:
