@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -98,35 +99,8 @@ def test_simulate_and_export_flight_say_how_much_of_a_bore_a_body_fills_if_this_
         assert all(f"warning: {line}" in text for line in found for text in told)
 
 
-JUNCTION = """
-base = "t-junction"
-
-[pipe]
-segments = []
-radius = 0.1
-parts = [
-    { length = 0.2 },
-    { kind = "tee", branch_radius = 0.05, share = 0.3, branch = [{ length = 0.1, outlet = "up" }] },
-    { length = 0.1, outlet = "on" },
-]
-
-[release]
-position = [0.1, 0.0, 0.0]
-
-[flow]
-speed = 1.0
-
-[flight]
-horizon = 3.0
-
-[targets]
-branch = "up"
-main = "on"
-"""
-
-
 def test_disturbed_flights_through_a_junction_are_counted_by_outlet(call: Call) -> None:
-    Path("junction.toml").write_text(JUNCTION, encoding="utf-8")
+    shutil.copy(Path(__file__).with_name("junction.toml"), "junction.toml")
     arguments = ("simulate", FIGURE_2, "--scenario", "junction.toml", "--robust", 3)
     told = json.loads(call(*arguments, "--json").stdout)
     shares = told["disturbed_outlets"]

@@ -31,6 +31,12 @@ def start_chromium(profile: Path, *arguments: str, **preferences: str) -> Any:
     return webdriver.Chrome(options=options, service=service)
 
 
+def measure_pixels(browser: Any, view: str) -> tuple[float, int]:
+    """Return the share of a canvas that something is drawn on, and a number that any change of it changes."""
+    share, digest = browser.execute_script(Path(__file__).with_name("pixels.js").read_text(encoding="utf-8"), view)
+    return share, digest
+
+
 @pytest.fixture(scope="session")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """Headless Chromium without a network."""

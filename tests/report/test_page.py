@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from accessibility import find_barriers, look
+from chromium import measure_pixels
 
 from driftform.runs.run import StoredRun
 from driftform.search.report.contents import collect_contents
@@ -16,20 +17,6 @@ from driftform.search.report.page import page_html, viewer_data
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.util.validity import RANGES
 from driftform.water.flow import PowerLawFlow
-
-PIXELS = """
-const view = document.getElementById(arguments[0]);
-const copy = document.createElement("canvas");
-copy.width = view.width; copy.height = view.height;
-const context = copy.getContext("2d");
-context.drawImage(view, 0, 0);
-const { data } = context.getImageData(0, 0, view.width, view.height);
-let shown = 0, sum = 0;
-for (let i = 0; i < data.length; i += 4) {
-  if (data[i + 3] > 0) { shown++; sum = (sum * 31 + data[i] + 7 * data[i + 1] + 13 * data[i + 2] + i) % 1000000007; }
-}
-return [shown / (data.length / 4), sum];
-"""
 
 
 @pytest.fixture
@@ -39,12 +26,6 @@ def page(browser, run_with_page):
     browser.get_log("browser")
     browser.get((run_with_page / "report.html").as_uri())
     return browser
-
-
-def pixels(page, view):
-    """Share of a canvas that something is drawn on, and a number that any change of it changes."""
-    share, digest = page.execute_script(PIXELS, view)
-    return share, digest
 
 
 def test_the_page_opens_without_a_network_and_without_a_console_message(page):
@@ -61,19 +42,19 @@ def test_the_page_opens_without_a_network_and_without_a_console_message(page):
 
 @pytest.mark.parametrize("view", ["agent-view", "flight-view"])
 def test_something_is_drawn_and_no_more_than_there_is_room_for(page, view):
-    share, _ = pixels(page, view)
+    share, _ = measure_pixels(page, view)
     assert 0.005 < share < 0.6
 
 
 def test_scrubbing_moves_the_agent_by_the_keyboard_too(page):
     from selenium.webdriver import Keys
 
-    before = pixels(page, "flight-view")
+    before = measure_pixels(page, "flight-view")
     shown = page.find_element("id", "moment").text
     page.execute_script(
         "const t = document.getElementById('time'); t.value = 900; t.dispatchEvent(new Event('input'));"
     )
-    assert pixels(page, "flight-view") != before
+    assert measure_pixels(page, "flight-view") != before
     assert page.find_element("id", "moment").text != shown
 
     slider = page.find_element("id", "time")
@@ -98,20 +79,20 @@ def test_the_closest_approach_on_the_page_is_that_of_the_run(page, run_with_page
 def test_cutting_open_turning_and_choosing_change_the_picture(page):
     from selenium.webdriver import Keys
 
-    seen = [pixels(page, "agent-view")]
+    seen = [measure_pixels(page, "agent-view")]
     page.find_element("id", "cut").click()
-    seen.append(pixels(page, "agent-view"))
+    seen.append(measure_pixels(page, "agent-view"))
     page.find_element("id", "agent-view").send_keys(Keys.ARROW_LEFT)
-    seen.append(pixels(page, "agent-view"))
+    seen.append(measure_pixels(page, "agent-view"))
     page.find_element("id", "agent-in").click()
-    seen.append(pixels(page, "agent-view"))
+    seen.append(measure_pixels(page, "agent-view"))
     page.find_elements("css selector", "[data-agent]")[2].click()
-    seen.append(pixels(page, "agent-view"))
+    seen.append(measure_pixels(page, "agent-view"))
     assert len({digest for _, digest in seen}) == len(seen)
     page.find_element("id", "agent-home").click()
     page.find_elements("css selector", "[data-agent]")[0].click()
     page.find_element("id", "cut").click()
-    assert pixels(page, "agent-view") == seen[0]
+    assert measure_pixels(page, "agent-view") == seen[0]
     assert page.get_log("browser") == []
 
 

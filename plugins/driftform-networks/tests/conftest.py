@@ -20,29 +20,7 @@ from driftform_networks.hydraulics.network import Network
 # How tables get into docs/networks.md; with the import mode "importlib" a conftest is not importable from another folder.
 publish = run_path(str(Path(__file__).parents[3] / "tests" / "conftest.py"))["publish"]
 
-FORK = """
-[JUNCTIONS]
- fork 10 0
- ahead 10 20
- branch 10 10
-[RESERVOIRS]
- source 60
-[PIPES]
- main source fork 200 300 100 0 Open
- on fork ahead 200 300 100 0 Open
- side fork branch 200 300 100 0 Open
-[OPTIONS]
- Units LPS
- Headloss H-W
-[TIMES]
- Duration 0
-[COORDINATES]
- source 0 0
- fork 200 0
- ahead 400 0
- branch 200 -100
-[END]
-"""
+FORK = Path(__file__).with_name("fork.inp").read_text()
 """A main that divides: two thirds of the water go on, and a third into a branch of the same bore."""
 
 GPM, FOOT = 6.30901964e-05, 0.3048

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
-from runpy import run_path
 from typing import Any
 
 import numpy as np
@@ -16,51 +15,13 @@ from driftform_networks.hydraulics.network import Network
 from driftform_networks.passages.passage import find_reachable
 from driftform_networks.planning.following import route, trace
 
-FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]
+FORK = Path(__file__).with_name("fork.inp").read_text()
 UNITS = FORK.replace(" Units LPS\n", "")
 
-IN_A_ROW = """
-[JUNCTIONS]
- a 0 2
- b 0 2
-[RESERVOIRS]
- high 60
- middle 50
- low 40
-[PIPES]
- one high a 500 300 100 0 Open
- two a middle 500 300 100 0 Open
- three middle b 500 300 100 0 Open
- four b low 500 300 100 0 Open
-[OPTIONS]
- Units LPS
- Headloss H-W
-[TIMES]
- Duration 0
-[END]
-"""
+IN_A_ROW = Path(__file__).with_name("in_a_row.inp").read_text()
 """Reservoirs in a row: water of the first reaches the second, and no pipe beyond it."""
 
-PUMPED = """
-[JUNCTIONS]
- before 0 0
- behind 0 0
- tap 0 5
-[RESERVOIRS]
- well 10
-[PIPES]
- suction well before 500 300 100 0 Open
-[PUMPS]
- lift before behind POWER 20
-[VALVES]
- reducer behind tap 300 PRV 30 0
-[OPTIONS]
- Units LPS
- Headloss H-W
-[TIMES]
- Start ClockTime 6 AM
-[END]
-"""
+PUMPED = Path(__file__).with_name("pumped.inp").read_text()
 
 
 def write(folder: Path, text: str, encoding: str = "utf-8") -> Path:

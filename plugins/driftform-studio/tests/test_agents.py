@@ -69,16 +69,16 @@ def test_files_are_those_of_the_command_line(finished, finished_folder, tmp_path
 
 
 def test_the_agent_file_flies_as_the_agent_does(finished, tmp_path):
-    status, headers, body = finished.send("GET", f"/{finished.token}/take/small/agents/far/agent.json")
-    assert status == 200 and "small-far.json" in headers["content-disposition"]
-    (tmp_path / "far.json").write_bytes(body)
+    shown = finished.perform("api/runs/small/agents/far", {})
+    body = shown["file"]
+    assert shown["name"] == "small-far"
+    (tmp_path / "far.json").write_text(body)
     flight = open_agent(str(tmp_path / "far.json")).simulate()
     assert flight.fitness["far"] == pytest.approx(json.loads(body)["result"]["fitness"], abs=0.02)
 
 
 def test_the_study_file_and_the_section_can_be_taken(finished, finished_folder):
-    status, _, body = finished.send("GET", f"/{finished.token}/take/small/study.toml")
-    assert status == 200 and body == (finished_folder / "small" / "study.toml").read_bytes()
+    assert finished.ask("api/runs/small")["text"] == (finished_folder / "small" / "study.toml").read_text()
     status, headers, body = finished.send("GET", f"/{finished.token}/take/small/agents/near/section.svg")
     assert status == 200 and headers["content-type"].startswith("image/svg+xml") and b"<svg" in body
 

@@ -112,8 +112,8 @@ def test_no_path_leads_out_of_the_folder(finished, finished_folder, name):
     for path in (
         f"api/runs/{name}",
         f"api/runs/{name}/status",
-        f"take/{name}/study.toml",
-        f"take/small/agents/{name}/agent.json",
+        f"take/{name}/report.html",
+        f"take/small/agents/{name}/section.svg",
         f"{name}",
     ):
         status, _, body = finished.send("GET", f"/{finished.token}/{path}")
@@ -154,15 +154,7 @@ def test_a_draft_cannot_read_files_by_its_base_nor_set_tables_that_name_files_or
 
 
 def test_every_answer_forbids_what_the_page_does_not_need(finished):
-    for path in (
-        "",
-        "studio.js",
-        "studio.css",
-        "api/runs",
-        "take/small/study.toml",
-        "nothing",
-        "take/small/agents/near/section.svg",
-    ):
+    for path in ("", "studio.js", "studio.css", "api/runs", "nothing", "take/small/agents/near/section.svg"):
         _, headers, _ = finished.send("GET", f"/{finished.token}/{path}")
         policy = headers["content-security-policy"]
         assert "default-src 'none'" in policy and "unsafe" not in policy
@@ -329,3 +321,13 @@ def test_a_link_that_is_laid_while_a_run_is_open_is_not_followed(serve, folder, 
         [line] = server.ask(f"api/runs/small/{path}".rstrip("/"), document, status=422)["errors"]
         assert "leads out of the run" in line
     assert not list((tmp_path / "outside").iterdir())
+
+
+def test_a_file_that_is_opened_leads_to_no_other_file(serve, finished_folder):
+    server = serve()
+    agent = json.loads((finished_folder / "small" / "best" / "near" / "agent.json").read_text())
+    agent["environment"]["flow"] = {"kind": "grid", "file": "/etc/passwd"}
+    for name, text in (("a.toml", 'base = "/etc/passwd"'), ("a.json", json.dumps(agent))):
+        errors = server.ask("api/designs", {"name": name, "text": text}, 422)["errors"]
+        assert errors and "root:" not in str(errors), text
+    assert server.ask("api/runs")["runs"] == []

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from accessibility import find_barriers, look
+from chromium import measure_pixels
 
 from driftform import open_agent
 from driftform.agent import hull_mass
@@ -26,50 +27,7 @@ UPDATE = os.environ.get("UPDATE_DOCS") == "1"
 DOWN = r"net::ERR_(CONNECTION_\w+|EMPTY_RESPONSE|SOCKET_NOT_CONNECTED)"
 """What the console says of a server that does not listen, or that ended before it answered."""
 
-CONTRASTS = """
-const channel = (v) => (v /= 255, v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
-const light = ([r, g, b]) => 0.2126 * channel(r) + 0.7152 * channel(g) + 0.0722 * channel(b);
-const parse = (text) => (text.match(/[\\d.]+/g) ?? [0, 0, 0, 0]).map(Number);
-const ratio = (a, b) => { const [x, y] = [light(a), light(b)].sort((p, q) => q - p); return (x + 0.05) / (y + 0.05); };
-const behind = (e) => {
-  for (; e; e = e.parentElement) {
-    const [r, g, b, a = 1] = parse(getComputedStyle(e).backgroundColor);
-    if (a > 0.5) return [r, g, b];
-  }
-  return [255, 255, 255];
-};
-const found = [];
-const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-for (let node = walker.nextNode(); node; node = walker.nextNode()) {
-  const e = node.parentElement, style = getComputedStyle(e);
-  if (!node.textContent.trim() || !e.getClientRects().length || style.visibility === "hidden" || e.closest("script, style, defs")) continue;
-  const size = parseFloat(style.fontSize), large = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
-  const inSvg = e.namespaceURI.endsWith("svg");
-  const bore = document.querySelector("#side .bore");
-  const backs = inSvg ? [behind(e.closest("svg").parentElement), ...(bore ? [parse(getComputedStyle(bore).fill)] : [])] : [behind(e)];
-  const value = Math.min(...backs.map((back) => ratio(parse(inSvg ? style.fill : style.color), back)));
-  if (value < (large ? 3 : 4.5)) found.push(`${value.toFixed(2)} ${e.tagName} ${e.id || e.className.baseVal || e.className} '${node.textContent.trim().slice(0, 30)}'`);
-}
-for (const input of document.querySelectorAll("input:not([type=range]):not([type=checkbox]), select")) {
-  if (!input.getClientRects().length) continue;
-  const style = getComputedStyle(input), edge = ratio(parse(style.borderTopColor), behind(input.parentElement));
-  if (ratio(parse(style.color), parse(style.backgroundColor)) < 4.5) found.push(`text of ${input.outerHTML}`);
-  if (edge < 3) found.push(`edge of ${input.outerHTML}: ${edge.toFixed(2)}`);
-}
-return [...new Set(found)];
-"""
-
-PIXELS = """
-const view = document.getElementById(arguments[0]), copy = document.createElement("canvas");
-copy.width = view.width; copy.height = view.height;
-const context = copy.getContext("2d");
-context.drawImage(view, 0, 0);
-const { data } = context.getImageData(0, 0, view.width, view.height);
-let shown = 0, sum = 0;
-for (let i = 0; i < data.length; i += 4)
-  if (data[i + 3] > 0) { shown++; sum = (sum * 31 + data[i] + 7 * data[i + 1] + 13 * data[i + 2] + i) % 1000000007; }
-return [shown / (data.length / 4), sum];
-"""
+CONTRASTS = Path(__file__).with_name("contrasts.js").read_text(encoding="utf-8")
 
 
 class Page:
@@ -178,7 +136,7 @@ class Page:
         return json.loads(self.run("return sessionStorage.getItem('driftform-design')"))
 
     def pixels(self, view):
-        return tuple(self.run(PIXELS, view))
+        return measure_pixels(self.browser, view)
 
     def messages(self):
         """Return what the console says of errors; a server that is down is told to the user, not here."""
@@ -243,8 +201,8 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     # The pipe.
     page.set("Profile", "log_law")
     page.set("Mean speed", "0.8")
-    page.set("Wall roughness", "0.0003")
-    page.set("Kind", "Fresh, 15 °C")
+    page.set("Wall roughness", "0.3")
+    page.set("Kind", "fresh")
     # The targets: two clicks, and one that is dragged to the wall.
     page.click(3.0, -0.4)
     page.click(6.0, 0.3)
@@ -311,7 +269,16 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     [kit] = page.wait_for(lambda: [p for p in browser.downloads.iterdir() if p.suffix in (".3mf", ".zip")])
     with zipfile.ZipFile(kit) as archive:
         names = archive.namelist()
-    assert "3D/3dmodel.model" in names or any(name.endswith(".3mf") for name in names)
+        assert any(name.endswith(".3mf") for name in names)
+        assert {name for name in names if "assembly" in name and name.endswith(".pdf")} == {
+            f"pump-house-1-leak-assembly-{number}.pdf" for number in (1, 2)
+        }
+        sheet = archive.read("pump-house-1-leak-assembly-2.svg").decode()
+    # The sheet speaks of the page, and of the agent by its name.
+    written = " ".join(re.sub(r"<[^>]*>", " ", sheet).split())
+    assert "pump-house-1-leak in the studio" in written and "Weigh and trim" in written
+    assert not re.search(r"driftform (trim|export)|AGENT|--\w+", written)
+    page.wait_for(lambda: "as SVG and PDF" in page.text("take-wait"))
     for kind, ending in (("stl", ".stl"), ("agent", ".json"), ("study", ".toml")):
         page.press(f"[data-kind={kind}]")
         page.wait_for(lambda ending=ending: [p for p in browser.downloads.iterdir() if p.suffix == ending])
@@ -615,11 +582,11 @@ def test_an_error_of_the_core_is_shown_at_its_field(page, finished):
     assert line == "At most 100 m/s."
     # The roughness that a wide pipe may have is too much for this one: only the core knows.
     page.set("Mean speed", "1")
-    page.set("Wall roughness", "0.15")
+    page.set("Wall roughness", "150")
     field = page.field("Wall roughness")
     page.wait_for(lambda: field.get_attribute("aria-invalid") == "true")
     assert "too large for the logarithmic law" in field.find_element("xpath", "..").text
-    page.set("Wall roughness", "0.0003")
+    page.set("Wall roughness", "0.3")
     field = page.field("Mean speed")
     page.set("Mean speed", "1")
     page.wait_for(lambda: page.find("#start").is_enabled())
@@ -642,11 +609,7 @@ TYPED = {"0.5": 0.5, "-3": -3.0, "": None, "1e9": 1e9, "0,25": 0.25, "1,000": No
 NOT_OF_A_PAGE = r"\[\w+\]|\b\w+\.\w+ = |\bstudy\.toml|\bdriftform \w+|--\w+|\b[a-z]+_[a-z_]+\b"
 """Tables, keys and files of studies, commands and options."""
 
-WATCH = """
-window.states = [];
-document.addEventListener("input", () => setTimeout(() => window.states.push(
-  [sessionStorage.getItem("driftform-design"), /NaN|null|undefined/.test(document.getElementById("side").innerHTML)])));
-"""
+WATCH = Path(__file__).with_name("watch.js").read_text(encoding="utf-8")
 
 
 def open_all(page):
@@ -662,7 +625,7 @@ def test_every_field_forgives_what_is_typed_and_can_be_undone(page, finished, br
     page.set("Core", "custom")
     page.set("Material", "custom")
     page.set("Printer", "Own")
-    page.set("Kind", "Other")
+    page.set("Kind", "other")
     page.press("#add-target")
     page.wait_for(lambda: page.find("#start").is_enabled())
     page.until("document.querySelectorAll('#release-fields input').length > 0")
@@ -714,6 +677,87 @@ def add_part(page, kind, to="pipe"):
     lists, count = f"[aria-label='Add a part to the {to}']", len(page.find_all(".part"))
     page.wait_for(lambda: Select(page.find_all(lists)[-1]).select_by_value(kind) is None)
     page.wait_for(lambda: len(page.find_all(".part")) > count)
+
+
+def test_a_browser_that_prefers_german_has_all_of_the_page_in_german(page, finished, browser):
+    asked = {"userAgent": page.run("return navigator.userAgent"), "acceptLanguage": "de-DE,de,en"}
+    browser.execute_cdp_cmd("Emulation.setUserAgentOverride", asked)
+    page.open(finished.address)
+    assert page.run("return document.documentElement.lang") == "de"
+    assert "Strömung" in page.find("#move-pipe").text and "weder Motor noch Ruder" in page.text("intro")
+    page.set("Mittlere Geschwindigkeit", "500")
+    page.wait_for(lambda: "Höchstens 100 m/s" in page.find("#flow-fields").text)
+    page.open_agent(finished, "small", "near")
+    assert page.text("h-agent") == "Agent für near" and page.state() == "Beendet"
+    for width in (1280, 390):
+        page.look(width)
+        assert find_barriers(browser) == [] and page.run("return document.documentElement.scrollWidth") <= width
+    assert page.messages() == []
+
+
+def test_study_files_and_agents_are_opened_and_saved_on_the_page(page, serve, finished_folder, tmp_path, browser):
+    study = tmp_path / "elbow.toml"
+    study.write_text('title = "Elbow"\nbase = "t-junction"\n[flow]\nspeed = 0.4\n[run]\nevaluations = 7\n')
+    page.open(serve().address)
+    page.find("#file").send_keys(str(study))
+    page.wait_for(lambda: "Opened: elbow.toml" in page.text("hint"))
+    page.wait_for(lambda: "speed = 0.4" in page.text("study") and page.field("Flights").get_attribute("value") == "7")
+    page.press("#terminal summary")
+    before = set(browser.downloads.iterdir())
+    page.press("#save-study")
+    [saved] = page.wait_for(lambda: [p for p in set(browser.downloads.iterdir()) - before if p.suffix == ".toml"])
+    assert saved.stem == "elbow" and saved.read_text() == page.text("study")
+    page.find("#file").send_keys(str(finished_folder / "small" / "resolved.toml"))
+    page.wait_for(lambda: set(page.targets()) == {"near", "far"})
+    study.write_text("base = 7")
+    page.find("#file").send_keys(str(study))
+    page.wait_for(lambda: "ase = 7 is not a built-in scenario" in page.text("hint"))
+    agent = finished_folder / "small" / "best" / "near" / "agent.json"
+    page.find("#file").send_keys(str(agent))
+    page.until("!document.getElementById('agent-shown').hidden")
+    assert page.find_all("[data-pick]") and page.find("#resume").is_displayed()
+    nominal = json.loads(agent.read_text())["result"]["nominal"]
+    shown = page.find("#agent-promise dd").text.split()
+    assert float(shown[0]) / {"mm": 1000, "m": 1}[shown[1]] == pytest.approx(nominal, rel=0.1, abs=1e-3)
+
+
+def test_enter_on_the_pipe_adds_a_target_in_the_middle_and_says_so(page, finished, browser):
+    from selenium.webdriver import ActionChains, Keys
+
+    page.open(finished.address)
+    page.find("#zoom-fit").send_keys(Keys.TAB)
+    page.wait_for(lambda: page.run("return document.activeElement.id") == "side")
+    assert "Press Enter" in page.text("hint")
+    ActionChains(browser).send_keys(Keys.ENTER).perform()
+    page.wait_for(lambda: "T1" in page.targets())
+    assert page.targets()["T1"] == pytest.approx([4.5, 0.0, 0.0], abs=0.3)
+
+
+def test_a_wall_is_chosen_by_its_material_and_an_own_printer_is_kept(page, finished, browser):
+    from selenium.webdriver.support.ui import Select
+
+    page.open(finished.address)
+    page.set("Wall of the pipe", "0.0015")
+    page.wait_for(lambda: "roughness = 0.0015" in page.text("study"))
+    assert page.field("Wall roughness").get_attribute("value") == "1.5"
+    page.set("Wall roughness", "0.26")
+    page.wait_for(lambda: Select(page.field("Wall of the pipe")).first_selected_option.text == "New cast iron")
+    page.set("Ballast", "tungsten-putty")
+    page.wait_for(lambda: 'material = "tungsten-putty"' in page.text("study"))
+    page.set("Printer", "Own")
+    for side, size in (("Width", "300"), ("Depth", "310"), ("Height", "400")):
+        page.set(f"{side} of the bed", size)
+    page.press(".keeper button")
+    page.wait_for(lambda: "Give the printer a name" in page.find(".keeper").text)
+    page.set("Name of the printer", "Workshop")
+    page.press(".keeper button")
+    page.wait_for(lambda: not page.find_all(".keeper"))
+    page.press("#new")
+    page.set("Printer", "Workshop")
+    page.wait_for(lambda: re.search(r"bed = \[\s*0.3,\s*0.31,\s*0.4", page.text("study")))
+    page.press("#add-target")
+    page.wait_for(lambda: page.find("#expect").is_displayed() and "processors" in page.text("expect"))
+    page.run("localStorage.clear()")
 
 
 def test_the_command_and_the_study_file_can_be_copied(page, finished, browser):

@@ -47,14 +47,14 @@ def test_a_run_that_the_command_line_made_is_shown_with_its_promise(finished):
 def test_a_search_that_the_command_line_began_can_be_watched_but_not_paused(serve, terminal_search, wait_for):
     server = serve()
     first = wait_for(lambda: (s := server.ask("api/runs/mine/status"))["done"] > 3 and s)
-    assert first["state"] == "running" and not first["canPause"] and not first["canResume"]
+    assert first["state"] == "running" and not first["canPause"]
     [line] = server.ask("api/runs/mine/pause", {}, status=422)["errors"]
     assert "Ctrl-C" in line
     [line] = server.ask("api/runs/mine/resume", {}, status=422)["errors"]
     assert "works on this run already" in line
     wait_for(lambda: server.ask("api/runs/mine/status")["done"] > first["done"])
     terminal_search.kill()
-    assert server.wait_until("mine", "paused")["canResume"]
+    server.wait_until("mine", "paused")
 
 
 def test_a_search_outlives_its_server_and_the_next_server_can_pause_and_continue_it(
@@ -72,7 +72,7 @@ def test_a_search_outlives_its_server_and_the_next_server_can_pause_and_continue
     second.ask(f"api/runs/{name}/pause", {})
     paused = second.wait_until(name, "paused")
     assert paused["done"] >= status["done"] and paused["failure"] == ""
-    assert paused["canResume"] and not paused["canPause"] and not is_worked_on(folder / name)
+    assert not paused["canPause"] and not is_worked_on(folder / name)
     second.ask(f"api/runs/{name}/resume", {})
     wait_for(lambda: second.ask(f"api/runs/{name}/status")["done"] > paused["done"])
 
@@ -84,7 +84,7 @@ def test_two_searches_of_one_name_are_two_runs(serve, draft):
     assert names == ["mine-_b-1", "mine-_b-2"]
     for name in names:
         server.wait_until(name, "finished")
-    seeds = {server.ask(f"api/runs/{name}")["seed"] for name in names}
+    seeds = {server.ask(f"api/runs/{name}")["document"]["run"]["seed"] for name in names}
     assert len(seeds) == 2
     assert all(f"seed = {seed}" in "".join(server.ask(f"api/runs/{name}")["text"] for name in names) for seed in seeds)
 

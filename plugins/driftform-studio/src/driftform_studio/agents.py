@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -20,6 +20,7 @@ from driftform.types import FloatArray
 from driftform.util import progress
 from driftform.water import Pipe
 from driftform_frusta.strength import describe_strength
+from driftform_kit.ballast import MATERIALS as BALLAST
 from driftform_kit.hang import describe_hanging, trim_in_water
 from driftform_kit.trim import trim_design
 from driftform_studio.live import LiveRun
@@ -34,7 +35,7 @@ def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any
     """Return an agent for the page: its body, flight, facts and promise."""
     run, design = live.run, live.find_agent(key)
     scenario, agent, result = run.study.scenario, design.agent, design.result
-    flight = run.read_flight(result["evaluation"])
+    flight = run.read_flight(result["evaluation"])  # -1 of an agent that came as a file
     if flight is None or flight.error is None:
         # An unchecked flight is flown again.
         flight = design.trace()
@@ -54,8 +55,9 @@ def describe_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any
         "evaluation": result["evaluation"],
         **scene.agent_data(agent, flight, [float(t)], colour),
         "longest": round(agent.body.length, 4),
-        "end": str(flight.end),
         **found,
+        "file": design.stored.to_text(),
+        "name": design.name,
         "limits": design.list_limits(),
         "facts": {
             "length": design.length,
@@ -83,16 +85,17 @@ def disturb_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]
 
 
 def trim_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
-    """Plan the ballast of a kit that weighs ``grams`` with its core; ``misses`` are those of the agent's target, m."""
+    """Plan ``ballast`` (by name) of a kit that weighs ``grams`` with its core; ``misses`` are those of the agent's target, m."""
     grams = document.get("grams")
     if not isinstance(grams, int | float) or grams <= 0:
         raise InputError("weigh the print with its core, and enter the grams")
     design, number = _aim(key, live.find_agent(key))
-    facts = trim_design(design, grams / 1000, kit=True, format="3mf")
+    density = BALLAST.get(str(document.get("ballast")))
+    facts = trim_design(design, grams / 1000, kit=True, format="3mf", ballast_density=density)
     target = design.scenario.target_names[number]
-    kept = ("simulated_mass", "printed_mass", "ballast_mass", "pieces", "held", "unheld", "buoyancy", "aft_end")
+    kept = ("simulated_mass", "printed_mass", "ballast_mass", "ballast_density", "pieces", "held", "unheld", "aft_end")
     misses = {case: found[target] for case, found in facts["misses"].items()}
-    return {name: facts[name] for name in kept} | {"misses": misses}
+    return {name: facts[name] for name in kept} | {"misses": misses, "buoyancy": facts["buoyancy"]}
 
 
 def hang_agent(live: LiveRun, key: str, document: Document) -> dict[str, Any]:
@@ -118,7 +121,7 @@ def _aim(key: str, design: Design) -> tuple[Design, int]:
 def export_agent(design: Design, kind: str, folder: Path, ballast: Any = None) -> Path:
     """Write an agent for a printer into a folder, and return the file: an archive, if there are several.
 
-    A kit has the options that it was simulated with, and seats for the ``ballast`` if some is given, (x, diameter) in m.
+    A kit has the options that it was simulated with, but for those of its ``ballast``, if some is given. Its sheet speaks of the page.
     Raises InputError if there is no such kind. Raises WorkFailedError if the agent cannot be written so.
     """
     if kind not in FORMATS:
@@ -126,9 +129,9 @@ def export_agent(design: Design, kind: str, folder: Path, ballast: Any = None) -
     format, kit = FORMATS[kind]
     if kit:
         given = design.study.document.get("builder", {}).get("kit") or {}
-        options = {**given, **({"ballast": ballast} if ballast else {}), "kit": True}
+        options = {**given, **(ballast or {}), "kit": True}
         settings = [f"exporter.{format}.{name}={json.dumps(value)}" for name, value in options.items()]
-        design = Design.build(design.stored, design.name, settings=settings)
+        design = replace(Design.build(design.stored, design.name, settings=settings), opened_as="")
     path = folder / f"{design.name}{design.study.make_exporter(format).suffix}"
     written = sorted(set(design.export(format, path)))
     if len(written) == 1:

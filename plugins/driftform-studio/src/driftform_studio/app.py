@@ -11,7 +11,6 @@ from secrets import token_hex
 from tempfile import TemporaryDirectory
 from threading import Lock, Thread
 from typing import Any
-from urllib.parse import quote
 
 import numpy as np
 import tomli_w
@@ -29,7 +28,8 @@ from driftform.water.parts import shapes
 from driftform_frusta.cores import CORES, CUSTOM
 from driftform_frusta.materials import MATERIALS
 from driftform_frusta.own.profile import read_profile
-from driftform_studio.draft import check_draft, load_draft, locate_errors
+from driftform_kit.ballast import MATERIALS as BALLAST
+from driftform_studio.draft import check_draft, load_draft, locate_errors, read_agent, read_draft
 from driftform_studio.folder import DATABASE, RunsFolder
 from driftform_studio.guard import check_values
 from driftform_studio.searches import Searches
@@ -105,6 +105,7 @@ class Studio:
             "parts": {kind: _list_fields(rows) for kind, rows in Pipe.describe_parts().items()},
             "tables": {name: _list_fields(rows) for name, rows in Scenario.describe_tables().items()},
             "materials": {name: material.density for name, material in MATERIALS.items()},
+            "ballast": BALLAST,
             "cores": [{"name": name, "radius": c.radius, "mass": c.mass} for name, c in CORES.items()],
         }
 
@@ -123,14 +124,32 @@ class Studio:
     def _load(self, document: Any) -> tuple[dict[str, Any], str]:
         """Return a draft and its text; it may name only files that were given to designs."""
         draft = check_draft(document)
-        flow = draft.get("flow")
+        self._check_files(draft)
+        return draft, tomli_w.dumps(draft)
+
+    def _check_files(self, study: Mapping[str, Any]) -> None:
+        flow = study.get("flow")
         if isinstance(flow, dict) and "file" in flow:
             self.folder.check_file(flow["file"])
-        builder = draft.get("builder")
+        builder = study.get("builder")
         core = builder.get("core", CUSTOM) if isinstance(builder, dict) else CUSTOM
         if core not in (CUSTOM, *CORES):
             self.folder.check_file(core)
-        return draft, tomli_w.dumps(draft)
+
+    def open_design(self, parameters: Parameters, document: Any) -> Any:
+        """Return the draft that a study file holds; of an agent's file make a run with this agent, and return the name of both."""
+        if not isinstance(document, dict) or not isinstance(text := document.get("text"), str):
+            raise InputError("the request has no text")
+        name = str(document.get("name"))
+        if not name.lower().endswith(".json"):
+            return {"draft": read_draft(text, name)}
+        stored, study = read_agent(text, self._check_files)
+        directory = self.folder.make_run_directory(stored.name)
+        with Run.create(directory, study):
+            # The name of the run is none of a target, as that of the agent may be.
+            (picked := directory / "picks" / directory.name).mkdir(parents=True)
+            stored.write(picked / "agent.json")
+        return {"run": directory.name}
 
     def check(self, parameters: Parameters, document: Any) -> Any:
         """Check a draft: its study file, its outline, and its errors at the keys that caused them."""
@@ -205,10 +224,10 @@ class Studio:
             "title": run.study.title,
             "document": run.study.document,
             "text": self.folder.read_text(live.directory, "study.toml"),
-            "seed": run.study.seed,
             "outline": _outline(scenario),
             "scene": _scene(scenario, paths),
             "conditions": scenario.robustness.conditions,
+            "picks": sorted(path.parent.name for path in live.directory.glob("picks/*/agent.json")),
         }
 
     def pause(self, parameters: Parameters, document: Any) -> Any:
@@ -239,7 +258,8 @@ class Studio:
             folder = Path(self._made.name) / token_hex(8)
             folder.mkdir()
             file = export_agent(live.find_agent(key), parameters["kind"], folder, document.get("ballast"))
-            return {"made": folder.name, "file": file.name}
+            sheets = {path.suffix[1:] for path in folder.glob("*-assembly-1.*")}
+            return {"made": folder.name, "file": file.name, "sheet": "pdf" if "pdf" in sheets else "".join(sheets)}
 
         return {"task": self.tasks.start(make if name == "make" else lambda: WORK[name](live, key, document))}
 
@@ -261,16 +281,6 @@ class Studio:
         headers = {"content-security-policy": REPORT_POLICY}
         return FileResponse(path, media_type="text/html", headers=headers)
 
-    def take_study(self, parameters: Parameters, document: Any) -> Response:
-        """Answer with the study file of a run."""
-        live = self.find(parameters)
-        return _attach(self.folder.read_text(live.directory, "study.toml"), f"{live.directory.name}.toml")
-
-    def take_agent(self, parameters: Parameters, document: Any) -> Response:
-        """Answer with the ``agent.json`` of an agent."""
-        design = self.find(parameters).find_agent(parameters["agent"])
-        return _attach(design.stored.to_text(), f"{design.name}.json")
-
     def take_section(self, parameters: Parameters, document: Any) -> Response:
         """Answer with the drawing of an agent's section."""
         design = self.find(parameters).find_agent(parameters["agent"])
@@ -285,6 +295,7 @@ def make_app(studio: Studio) -> Starlette:
         ("POST", "/api/check", studio.check),
         ("POST", "/api/examine", studio.examine),
         ("POST", "/api/files", studio.keep_file),
+        ("POST", "/api/designs", studio.open_design),
         ("GET", "/api/runs", studio.list_runs),
         ("POST", "/api/runs", studio.create),
         ("GET", run, studio.show_run),
@@ -303,8 +314,6 @@ def make_app(studio: Studio) -> Starlette:
         ("GET", "/api/tasks/{task}", lambda given, _: studio.tasks.find(given["task"])),
         ("GET", "/take/made/{made}/{file}", studio.take_made),
         ("GET", "/take/{run}/report.html", studio.take_report),
-        ("GET", "/take/{run}/study.toml", studio.take_study),
-        ("GET", "/take/{run}/agents/{agent}/agent.json", studio.take_agent),
         ("GET", "/take/{run}/agents/{agent}/section.svg", studio.take_section),
     ]
     folder = files("driftform_studio").joinpath("page")
@@ -343,11 +352,6 @@ def _answer(function: Callable[[Parameters, Any], Any]) -> Callable[[Request], A
 
 def _refuse(status: int, *lines: object) -> JSONResponse:
     return JSONResponse({"errors": [str(line) for line in lines]}, status)
-
-
-def _attach(text: str, name: str) -> Response:
-    headers = {"content-disposition": f"attachment; filename*=utf-8''{quote(name)}"}
-    return Response(text, media_type="application/octet-stream", headers=headers)
 
 
 def _outline(scenario: Any) -> dict[str, Any]:

@@ -1,17 +1,25 @@
 """The draft that the page edits, as a study file and as a study."""
 
 import re
+import tomllib
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from driftform import Study, load_study
+import tomli_w
+
+from driftform import StoredAgent, Study, load_study
 from driftform.errors import InputError, did_you_mean
 from driftform.water import Scenario
 
 _SEAMS = ("run", "strategy", "simulator", "hydrodynamics", "builder", "grammar", "fitness")
 TABLES = (*Scenario.model_fields, *_SEAMS)
 """Tables that the page may set: none that names files or programs."""
+
+WRITERS = ("exporter", "recorder", "renderer", "checker")
+"""Tables of a study file for what is written of an agent; the page leaves them out."""
 
 FILE = "study.toml"
 """Name of the study in errors."""
@@ -31,6 +39,35 @@ def check_draft(draft: Any) -> dict[str, Any]:
         if key not in ("base", "title", "description", *TABLES):
             raise InputError(f"{FILE}: the page cannot set '{key}'; save the study, and edit the file")
     return {key: _drop_nothing(draft[key]) for key in ("title", "description", "base", *TABLES) if key in draft}
+
+
+def read_draft(text: str, name: str) -> dict[str, Any]:
+    """Return the draft that the text of a study file holds, without what writes files; ``name`` is that of the file.
+
+    Raises InputError if it is not TOML, or sets what the page cannot.
+    """
+    try:
+        given = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{name}: is not a study file, which is TOML: {error}") from None
+    return check_draft({"base": load_study().name, **{key: given[key] for key in given if key not in WRITERS}})
+
+
+def read_agent(text: str, check: Callable[[dict[str, Any]], None]) -> tuple[StoredAgent, Study]:
+    """Return the agent of a file's text as one that a run has picked, and the study of that run, by the usual strategy.
+
+    ``check`` is called with its tables before any is read. Raises InputError if it is not the file of an agent.
+    """
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "agent.json"
+        path.write_text(text, encoding="utf-8")
+        stored = StoredAgent.read(path)
+    environment = {key: stored.environment[key] for key in TABLES if key in stored.environment}
+    check(environment)
+    study = load_draft(tomli_w.dumps(_drop_nothing({"strategy": load_study().document["strategy"], **environment})))
+    points = study.scenario.target_points()
+    point = stored.result.get("point") or points.get(str(stored.result.get("target"))) or next(iter(points.values()))
+    return replace(stored, environment=environment, result={**stored.result, "point": point, "evaluation": -1}), study
 
 
 def load_draft(text: str) -> Study:

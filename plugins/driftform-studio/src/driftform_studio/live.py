@@ -69,9 +69,7 @@ class LiveRun:
             return {
                 "state": state,
                 "canPause": state in (STARTING, RUNNING, WRITING) and searches.can_pause(self.directory),
-                "canResume": state in (PAUSED, FAILED, FINISHED),
                 "done": status.done,
-                "extent": status.done,
                 "budget": status.budget,
                 "failed": status.failed,
                 "commonestFailure": (run.describe_failures() or {}).get("reason") if status.failed else None,
@@ -80,7 +78,6 @@ class LiveRun:
                 "rate": throughput.measure(status.done) if state == RUNNING else None,
                 "targets": targets,
                 "failure": failure,
-                "command": run.resume_command if state in (PAUSED, FAILED) else "",
             }
 
     def _name_state(self, run: Run, searches: Searches, failure: str, targets: list[dict[str, Any]]) -> str:

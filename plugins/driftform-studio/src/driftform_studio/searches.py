@@ -78,10 +78,13 @@ class Searches:
         return "\n".join(errors or lines[-5:]) or f"the search ended with exit code {process.returncode}"
 
     def read_compilation(self, directory: Path) -> list[float]:
-        """Return the time since a search began to compile kernels, and its estimate, s; empty if it compiles none."""
+        """Return the time since a search began to compile kernels, its estimate, s, and whether it is once; empty if it compiles none."""
         try:
-            said = re.findall(r"^compiling .* about (\d+) s", (directory / LOG).read_text(errors="replace"), re.M)
-            return [time.time() - (directory / LOG).stat().st_mtime, float(said[-1])] if said else []
+            said = re.findall(
+                r"^compiling .* about (\d+) s(; later)?", (directory / LOG).read_text(errors="replace"), re.M
+            )
+            since = time.time() - (directory / LOG).stat().st_mtime
+            return [since, float(said[-1][0]), float(bool(said[-1][1]))] if said else []
         except OSError:
             return []
 

@@ -228,6 +228,7 @@ def _write_texts(
         rings=Counter((joint.cord, round(size, 1)) for joint, size in grooves.items()),
         flooded=measure_flooding(kit, body, job.scenario.fluid.density),
         readings=list_readings(job.agent, job.scenario.fluid),
+        title=job.name,
         opened=job.opened_as,
         arguments=f"{job.opened_as} {list_arguments([format], options)}",
     )

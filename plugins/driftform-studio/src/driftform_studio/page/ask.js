@@ -1,5 +1,6 @@
 // Questions to the server. Addresses are relative to that of the page, whose first part is the token.
 
+import { speak } from "./messages.js";
 import { find } from "./parts.js";
 
 export class Refused extends Error {
@@ -25,7 +26,7 @@ export async function ask(address, document) {
       method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(document),
     });
     answer = response.headers.get("content-type") === "application/json" ? await response.json() : { errors: [await response.text()] };
-  } catch { throw new Offline("the server does not answer"); } finally {
+  } catch { throw new Offline(speak("server.offline")); } finally {
     clearTimeout(timer);
     if (isSlow) find("busy").hidden = --waiting === 0;
   }
@@ -38,7 +39,7 @@ export async function give(file, key) {
   const content = await new Promise((resolve, reject) => {
     const reader = new FileReader();
     reader.onload = () => resolve(reader.result.split(",")[1] ?? "");
-    reader.onerror = () => reject(new Refused([`${file.name} cannot be read`]));
+    reader.onerror = () => reject(new Refused([speak("file.unreadable", { file: file.name })]));
     reader.readAsDataURL(file);
   });
   return ask("api/files", { name: file.name, content, key });
@@ -52,6 +53,6 @@ export async function perform(address, document, show) {
     const { what, done, total, is_over: isOver, errors, result } = await ask(`api/tasks/${task}`);
     if (errors.length) throw new Refused(errors);
     if (isOver) return result;
-    if (total) show(`${done} of ${total} ${what}`);
+    if (total) show(speak("task.progress", { done, total, what }));
   }
 }

@@ -1,4 +1,5 @@
 // The fields of the forms. A field holds its text until that is a valid value; only then is anything changed by it.
+import { speak } from "./messages.js";
 import { find, make } from "./parts.js";
 import { readBounds, readNumber } from "./numbers.js";
 
@@ -98,7 +99,7 @@ export function makeSelect(label, choices, value, act, { keys, ...options }) {
 }
 
 // Fields that few need.
-export const makeMore = (fields, id, title = "More") => (fields.length ? [make("details", { class: "wide", id }, make("summary", {}, title), make("div", { class: "fields" }, ...fields))] : []);
+export const makeMore = (fields, id, title = speak("more")) => (fields.length ? [make("details", { class: "wide", id }, make("summary", {}, title), make("div", { class: "fields" }, ...fields))] : []);
 
 // How many fields hold what is no value.
 export const countHeld = () => document.querySelectorAll("form [data-held]").length;

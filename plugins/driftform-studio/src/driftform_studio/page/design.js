@@ -1,7 +1,9 @@
 // The design in the making: a built-in scenario, and what of it was changed. It lives in its tab, and nowhere else.
+import { has, speak } from "./messages.js";
 import { round } from "./parts.js";
 
 const KEPT = "driftform-design";
+const PATIENCE = 15; // s of processor time, ten times what a flight among parts takes
 const TABLES = ["pipe", "flow", "gusts", "fluid", "release", "contact", "flight", "robustness", "targets", "strategy", "simulator", "hydrodynamics", "builder", "grammar", "fitness"];
 export const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 export const copy = (value) => JSON.parse(JSON.stringify(value));
@@ -10,7 +12,7 @@ export class Design {
   constructor(presets, kept = null) {
     this.presets = presets;
     this.base = kept?.base ?? presets[0].name;
-    this.title = kept?.title ?? "My pipe";
+    this.title = kept?.title ?? speak("design.title");
     this.changes = kept?.changes ?? { targets: {} };
     if (!kept) this.promise();
     // What it was, step by step. Changes of one gesture, such as the letters that are typed into a field, are one step.
@@ -116,8 +118,12 @@ export class Design {
     this.gesture = gesture;
   }
 
-  // What the server makes a study file of.
-  document() { return { title: this.title, base: this.base, ...this.changes }; }
+  // What the server makes a study file of. Where bends and junctions are, some flights come to rest in a corner, where they take
+  // a minute of processor time: they are given up earlier.
+  document() {
+    const run = { ...(this.parts.length ? { evaluation_timeout: PATIENCE } : {}), ...this.changes.run };
+    return { title: this.title, base: this.base, ...this.changes, ...(Object.keys(run).length ? { run } : {}) };
+  }
 
   get segment() { return this.value("pipe", "segments")?.[0] ?? null; }
 
@@ -222,22 +228,21 @@ export function newPart(kind, radius) {
   }
 }
 
-export const KINDS = {
-  uniform: "Uniform (no wall friction)", power_law: "Power law", developed: "Developed (laminar or logarithmic)", log_law: "Logarithmic law (real pipe)", developing: "Developing from the inlet", turbulent: "Logarithmic law with gusts", grid: "Computed, from a file",
-};
-export const WATERS = { "Fresh, 15 °C": [999.1, 1.14e-6], "Sea, 20 °C": [1024, 1.05e-6] };
+export const nameFlow = (kind) => (has(`flow.${kind}`) ? speak(`flow.${kind}`) : kind);
+export const WATERS = { fresh: [999.1, 1.14e-6], sea: [1024, 1.05e-6] };
 
 // A study in a few words: what a run was made of.
 export function describe(document) {
   const { pipe, flow, fluid, targets, run, simulator, strategy } = document;
   const [first] = pipe.segments ?? [];
-  const wide = (radius) => `${Number((2 * radius).toPrecision(4))} m wide`;
+  const width = (radius) => Number((2 * radius).toPrecision(4));
   const size = (s) => Number(Math.hypot(...s.end.map((v, i) => v - s.start[i])).toPrecision(4));
-  const water = Object.entries(WATERS).find(([, pair]) => same(pair, [fluid.density, fluid.viscosity]))?.[0] ?? `${fluid.density} kg/m³`;
+  const known = Object.keys(WATERS).find((name) => same(WATERS[name], [fluid.density, fluid.viscosity]));
+  const shape = first ? speak("fact.straight", { length: size(first), width: width(first.radius) }) : pipe.parts?.length ? speak("fact.parted", { count: pipe.parts.length, width: width(pipe.radius) }) : speak("fact.open");
   return [
-    ["pipe", first ? `${size(first)} m long, ${wide(first.radius)}` : pipe.parts?.length ? `${pipe.parts.length} parts, ${wide(pipe.radius)}` : "open water"],
-    ["current", `${flow.speed} m/s, ${(KINDS[flow.kind] ?? flow.kind).toLowerCase().replace(/ \(.*/, "")}`],
-    ["water", water], ["targets", `${Object.keys(targets).length}`],
-    ["search", `${strategy?.use ?? ""}, ${simulator.use}`], ["seed", `${run.seed}`],
+    [speak("fact.pipe"), shape],
+    [speak("fact.current"), `${flow.speed} m/s, ${nameFlow(flow.kind).replace(/ \(.*/, "")}`],
+    [speak("fact.water"), known ? speak(`water.${known}`) : `${fluid.density} kg/m³`], [speak("fact.targets"), `${Object.keys(targets).length}`],
+    [speak("fact.search"), `${strategy?.use ?? ""}, ${simulator.use}`], [speak("fact.seed"), `${run.seed}`],
   ];
 }

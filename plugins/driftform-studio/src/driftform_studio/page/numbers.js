@@ -1,4 +1,5 @@
 // Numbers as people type them: with a point or a comma, and with the unit of the field or another one of its kind.
+import { speak } from "./messages.js";
 
 const LENGTHS = { m: 1, cm: 0.01, mm: 0.001, km: 1000, um: 1e-6, "µm": 1e-6 };
 const MASSES = { kg: 1, g: 0.001 };
@@ -7,19 +8,19 @@ const scaleOf = (unit, given) => [LENGTHS, MASSES].filter((kind) => unit in kind
 // Returns {value}, or {fault} in words; `value` is null for an empty field that has a default.
 export function readNumber(text, { unit = "", bounds = {}, whole = false, optional = false } = {}) {
   const typed = text.trim().replaceAll("−", "-");
-  if (!typed) return optional ? { value: null } : { fault: "Enter a number" };
+  if (!typed) return optional ? { value: null } : { fault: speak("number.enter") };
   const [, digits, given] = typed.match(/^([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[+-]?\d+)?)\s*([^\d\s,.]*)$/i) ?? [];
-  if (digits === undefined) return { fault: "This is not a number; write it as 0.5" };
-  if (/^[+-]?[1-9]\d{0,2},\d{3}$/.test(digits)) return { fault: `Is it ${digits.replace(",", "")} or ${digits.replace(",", ".")}? Write it without the comma` };
+  if (digits === undefined) return { fault: speak("number.not") };
+  if (/^[+-]?[1-9]\d{0,2},\d{3}$/.test(digits)) return { fault: speak("number.comma", { one: digits.replace(",", ""), other: digits.replace(",", ".") }) };
   const factor = !given || given === unit ? 1 : scaleOf(unit, given);
-  if (!factor) return { fault: unit ? `The field is in ${unit}, not in ${given}` : "Enter a number without a unit" };
+  if (!factor) return { fault: unit ? speak("number.unit", { unit, given }) : speak("number.unitless") };
   const value = Number((Number(digits.replace(",", ".")) * factor).toPrecision(12));
   const { low, above, high, below } = bounds;
-  const say = (limit) => `${limit}${unit && unit !== "°" ? " " : ""}${unit}`;
-  if (whole && !Number.isInteger(value)) return { fault: "Enter a whole number" };
-  if (value < low) return { fault: `At least ${say(low)}` };
-  if (value <= above) return { fault: `More than ${say(above)}` };
-  if (value > high || value >= below || !Number.isFinite(value)) return { fault: value > high || high !== undefined ? `At most ${say(high)}` : `Less than ${say(below ?? "infinity")}` };
+  const say = (key, limit) => ({ fault: speak(key, { limit: `${limit}${unit && unit !== "°" ? " " : ""}${unit}` }) });
+  if (whole && !Number.isInteger(value)) return { fault: speak("number.whole") };
+  if (value < low) return say("number.least", low);
+  if (value <= above) return say("number.more", above);
+  if (value > high || value >= below || !Number.isFinite(value)) return high !== undefined ? say("number.most", high) : say("number.less", below ?? speak("number.infinity"));
   return { value };
 }
 

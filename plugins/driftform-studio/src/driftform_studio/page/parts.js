@@ -1,4 +1,5 @@
 // Small helpers of the page: elements, numbers and lengths in words.
+import { speak } from "./messages.js";
 
 export const find = (id) => document.getElementById(id);
 
@@ -28,7 +29,7 @@ export const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 
 // A length as people say it.
 export function length(metres) {
-  if (metres === null || metres === undefined) return "unknown";
+  if (metres === null || metres === undefined) return speak("length.unknown");
   if (metres < 0.0095) return `${(1000 * metres).toFixed(1)} mm`;
   return metres < 1 ? `${(1000 * metres).toFixed(0)} mm` : `${metres.toFixed(2)} m`;
 }
@@ -38,6 +39,13 @@ export const grams = (kilograms) => `${(1000 * kilograms).toFixed(1)} g`;
 export function duration(seconds) {
   if (seconds < 90) return `${Math.max(1, Math.round(seconds))} s`;
   return seconds < 5400 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`;
+}
+
+// Gives a text to be kept as a file.
+export function save(name, text) {
+  const link = make("a", { href: URL.createObjectURL(new Blob([text], { type: "application/octet-stream" })), download: name });
+  link.click();
+  URL.revokeObjectURL(link.href);
 }
 
 // The colour of the target of a number; those of pictures of the core, readable on dark too.

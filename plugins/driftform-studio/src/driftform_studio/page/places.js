@@ -1,4 +1,5 @@
 // Places in the pipe by name: so far into a part, in the direction of an hour, so far off the wall.
+import { has, speak } from "./messages.js";
 import { length, round } from "./parts.js";
 
 const sub = (a, b) => a.map((v, i) => v - b[i]);
@@ -71,11 +72,9 @@ export function placeOfPoint(axes, point) {
   return place;
 }
 
-const WALLS = { 12: "the crown", 6: "the floor", 3: "the wall on the right", 9: "the wall on the left", 0: "the crown" };
-
 export function describePlace({ part, at = 0, clock = 12, off_wall: offWall, branch = false }) {
-  const way = `${Number(at.toFixed(3))} m into ${branch ? "the branch of " : ""}${part}`;
-  if (offWall === undefined) return `${way}, on the axis`;
-  const wall = WALLS[clock] ?? `the wall at ${Number(clock.toFixed(1))} o’clock`;
-  return offWall < 2e-3 ? `${way}, at ${wall}` : `${way}, ${length(offWall)} off ${wall}`;
+  const way = speak(branch ? "place.branch" : "place.way", { way: Number(at.toFixed(3)), part });
+  if (offWall === undefined) return speak("place.axis", { way });
+  const wall = has(`wall.${clock}`) ? speak(`wall.${clock}`) : speak("wall.other", { hour: Number(clock.toFixed(1)) });
+  return offWall < 2e-3 ? speak("place.at", { way, wall }) : speak("place.off", { way, gap: length(offWall), wall });
 }

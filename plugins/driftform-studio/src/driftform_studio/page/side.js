@@ -1,5 +1,6 @@
 // The pipe from the side, to scale: where targets are placed, flights are drawn, and agents are picked.
 /* global poseMatrix, momentOf, moveOffWall */
+import { speak } from "./messages.js";
 import { clamp, colour, draw, length, round } from "./parts.js";
 
 const REACH = 11; // px within which a target snaps
@@ -49,7 +50,7 @@ export class Side {
   turn(fromAbove) {
     if (fromAbove === this.fromAbove) return;
     this.fromAbove = fromAbove;
-    this.svg.setAttribute("aria-label", `The pipe from ${fromAbove ? "above" : "the side"}, to scale`);
+    this.svg.setAttribute("aria-label", speak(fromAbove ? "above.picture" : "side.picture"));
     this.bores = this.outline.axes.map((axis) => this.flatten(axis));
     this.fit();
   }
@@ -270,12 +271,12 @@ export class Side {
   drawInvitation() {
     const [x0, x1, y0, y1] = this.box;
     const [x, y] = this.screen([0.45 * x0 + 0.55 * x1, (y0 + y1) / 2]);
-    return draw("text", { class: "invite", x, y: y - 12, "text-anchor": "middle" }, "Click where the agent should pass");
+    return draw("text", { class: "invite", x, y: y - 12, "text-anchor": "middle" }, speak("side.invite"));
   }
 
   drawRelease() {
     const [cx, cy] = this.screen(this.flat(this.outline.release));
-    return [draw("circle", { class: "release", cx, cy, r: 5 }, draw("title", {}, "Release"))];
+    return [draw("circle", { class: "release", cx, cy, r: 5 }, draw("title", {}, speak("release")))];
   }
 
   drawFlights() {
@@ -309,7 +310,7 @@ export class Side {
     const where = edit ? this.acts.describe(name) : `x ${position[0].toFixed(2)} m, y ${position[1].toFixed(2)} m, z ${position[2].toFixed(2)} m`.replaceAll("-", "−");
     return draw("g", {
       class: "mark", transform: `translate(${x.toFixed(1)} ${y.toFixed(1)})`, tabindex: 0, role: "button", "data-name": name,
-      "aria-label": `Target ${name}, ${where}.${edit ? " Arrow keys move it, Delete removes it." : ""}`,
+      "aria-label": speak("side.target", { name, where }) + (edit ? speak("side.keys") : ""),
     },
       draw("circle", { class: "hit", r: 16 }), draw("circle", { class: "ring", r: 13 }),
       draw("path", { class: "halo", d: cross }), draw("path", { d: cross, stroke: colour(number) }),
@@ -386,11 +387,11 @@ export class Side {
       const off = sub(flat, this.flat(centre));
       return Math.abs(dot(off, this.flat(direction))) < near && Math.hypot(...off) < bore + near;
     });
-    if (gap > radius - near) { gap = wall; words.push("wall"); } else if (gap < near) { gap = 0; words.push("axis"); }
+    if (gap > radius - near) { gap = wall; words.push(speak("snap.wall")); } else if (gap < near) { gap = 0; words.push(speak("snap.axis")); }
     if (outlet && Math.abs(dot(this.flat(outlet.direction), normal)) < 1e-6) {
       const direction = this.flat(outlet.direction);
       foot = plus(foot, direction, dot(sub(this.flat(outlet.centre), foot), direction) / dot(direction, direction));
-      words.push("outlet");
+      words.push(speak("snap.outlet"));
     } else if (level) foot = [clamp(round(foot[0], step), ...this.range(best)), foot[1]];
     let found = plus(foot, normal, side * gap);
     if (level && gap !== wall && gap !== 0) found = [found[0], clamp(round(found[1], step), foot[1] - wall, foot[1] + wall)];
@@ -463,6 +464,8 @@ export class Side {
       event.preventDefault();
       this.zoom(Math.exp(-event.deltaY * 0.0015), where(event));
     }, { passive: false });
+    // Whoever comes by the keyboard is told what the keys do.
+    svg.addEventListener("focus", () => { if (this.mode === "edit" && svg.matches(":focus-visible")) this.acts.say(speak("side.enter")); });
     svg.addEventListener("keydown", (event) => this.press(event));
   }
 
@@ -484,11 +487,12 @@ export class Side {
         const step = event.shiftKey ? 0.1 : 0.01;
         const moved = plus(plus(position, this.right, step * arrow[0]), this.up, step * arrow[1]).map((v) => round(v, 1e-4));
         if (this.contains(moved)) { this.acts.move(name, moved); this.tell(name, { point: moved, words: [] }); }
-        else this.acts.say(`${name}: the wall is here`);
+        else this.acts.say(speak("side.here", { name }));
         return;
       }
     }
     if (mark) return;
+    if (event.key === "Enter") { event.preventDefault(); this.actInMiddle(); return; }
     if (arrow) {
       event.preventDefault();
       this.view.x += (40 * arrow[0]) / this.view.scale;
@@ -497,6 +501,15 @@ export class Side {
     } else if (event.key === "+" || event.key === "=") this.zoom(1.25);
     else if (event.key === "-") this.zoom(0.8);
     else if (event.key === "Home") { event.preventDefault(); this.fit(); }
+  }
+
+  // What a click in the middle of the view does.
+  actInMiddle() {
+    const found = this.mode === "look" ? null : this.snap([this.view.x, this.view.y]);
+    if (this.mode === "look") this.acts.say(speak("side.look"));
+    else if (!found) this.acts.say(speak("side.outside"));
+    else if (this.mode === "edit") this.acts.place(found.point);
+    else this.acts.pick(found.point.map((v) => round(v, 0.01)));
   }
 
   // The middle of the longest axis, where a target may be.
@@ -524,7 +537,7 @@ export class Side {
   // What the map's colours mean.
   legend() {
     const { colours, bounds, flights, reached, cells } = this.reach;
-    const words = colours.map((c, i) => [c, i === 0 ? `below ${length(bounds[0])}` : i < bounds.length ? `to ${length(bounds[i])}` : "farther"]);
-    return { words, text: `${flights} flights cross ${reached} of ${cells} cells` };
+    const words = colours.map((c, i) => [c, i === 0 ? speak("map.below", { length: length(bounds[0]) }) : i < bounds.length ? speak("map.to", { length: length(bounds[i]) }) : speak("map.farther")]);
+    return { words, text: speak("map.cells", { flights, reached, cells }) };
   }
 }

@@ -2,18 +2,21 @@
 // The page: a design, or a run. All that lasts is on the server's disk, so a page that is loaded again shows the same.
 import { ask, Offline, part, perform, Refused } from "./ask.js";
 import { drawCurve } from "./curve.js";
-import { countHeld, goTo, makeNumber } from "./controls.js";
+import { countHeld, goTo, makeNumber, makeSelect } from "./controls.js";
 import { describe, Design } from "./design.js";
+import { expectTime, learnTime } from "./expect.js";
 import { Fields } from "./fields.js";
-import { colour, duration, find, grams, length, make, quote } from "./parts.js";
+import { has, speak, translateDocument, weave } from "./messages.js";
+import { colour, duration, find, grams, length, make, quote, save } from "./parts.js";
 import { Side } from "./side.js";
 import { Space, Turntable } from "./space.js";
 import { describeHanging, describeTrim } from "./trim.js";
 import { sayLine } from "./words.js";
 
-const WORDS = {
-  starting: "Starting", running: "Searching", "writing the best agents": "Flying and writing the best agents", pausing: "Pausing", paused: "Paused", finished: "Finished", failed: "Stopped by an error", damaged: "Damaged",
-};
+translateDocument();
+
+const KEPT = 0.9; // share of hits from which on a target is kept
+const WORTH = 0.9; // of the 90 % miss of the baseline, from which on a shape matters little
 const STYLES = { kept: "good", "kept if weighed": "fair", reached: "good", near: "fair", missed: "poor" };
 
 let begin, fields, design; // what the server offers; the fields; the design that they show
@@ -34,6 +37,8 @@ const side = new Side(find("side"), {
 const space = new Space(find("space"));
 const turntable = new Turntable(find("agent-view"), find("cut"));
 
+const nameState = (state) => (has(`state.${state}`) ? speak(`state.${state}`) : state);
+const nameVerdict = (verdict) => (has(`verdict.${verdict}`) ? speak(`verdict.${verdict}`) : verdict);
 const say = (text) => { find("hint").textContent = text; };
 const isOver = (status) => ["paused", "finished", "failed"].includes(status.state);
 const address = (...parts) => ["api/runs", part(run.name), ...parts].join("/");
@@ -50,7 +55,7 @@ function offline(on) {
   const banner = find("offline");
   if (on === !banner.hidden) return;
   banner.hidden = !on;
-  banner.textContent = on ? `The server does not answer. A search goes on without it, and nothing is lost. Start it again with: driftform studio ${quote(begin?.folder ?? "runs")}` : "";
+  banner.textContent = on ? speak("server.gone", { command: `driftform studio ${quote(begin?.folder ?? "runs")}` }) : "";
 }
 
 function showProblems(lines) {
@@ -98,6 +103,7 @@ const check = latest(async () => {
   showProblems(fields.showErrors(answer.errors).map(({ line }) => ({ line, wrong: true })));
   if (!checked) return;
   fields.flights.querySelector("input").placeholder = answer.evaluations;
+  showExpected();
   examineSoon();
 });
 
@@ -128,7 +134,7 @@ let mayStart = false; // whether the server found nothing wrong with the design
 function showHeld() {
   const held = countHeld();
   find("start").disabled = !mayStart || held > 0;
-  find("held").textContent = held ? `${held === 1 ? "One field holds" : `${held} fields hold`} what cannot be used; correct it, or undo.` : "";
+  find("held").textContent = held ? speak("held", { count: held }) : "";
   find("undo").disabled = !design.canUndo && !held;
   find("redo").disabled = !design.canRedo;
 }
@@ -136,6 +142,16 @@ document.addEventListener("held", () => { if (!run) showHeld(); });
 
 // Whoever begins is told what this is.
 function showIntro() { find("intro").hidden = run !== null || fields.targets.list.length > 0; }
+
+// How long a search of the design takes, told before it begins.
+function showExpected() {
+  const { document: study, evaluations, outline } = checked;
+  const { seconds, needsSolving } = expectTime({ isParted: design.parts.length > 0, evaluations, targets: Object.keys(study.targets ?? design.targets).length, robustness: { ...design.preset.robustness, ...design.changes.robustness }, axes: outline.axes });
+  const cores = navigator.hardwareConcurrency;
+  find("expect").replaceChildren([speak("search.expect", { time: duration(seconds), cores }), speak("search.expect.compile"), ...(needsSolving ? [speak("search.expect.tee")] : [])].join(" "));
+  find("expect").hidden = false;
+  return seconds;
+}
 
 // Takes back what a field holds, or else the latest step.
 function undo(step) {
@@ -172,7 +188,7 @@ function openDesign(next) {
   fields.show(design);
   for (const id of ["undo", "redo"]) find(id).hidden = false;
   showIntro();
-  for (const id of ["pause", "resume", "more", "change", "progress", "promise", "reach-choice", "summary"]) find(id).hidden = true;
+  for (const id of ["pause", "resume", "more", "change", "progress", "promise", "reach-choice", "summary", "expect"]) find(id).hidden = true;
   find("start").hidden = false;
   mayStart = false;
   showHeld();
@@ -198,9 +214,11 @@ find("start").addEventListener("click", async () => {
   const button = find("start");
   button.disabled = true;
   find("start-wait").hidden = false;
+  const begun = { at: Date.now(), seconds: checked && showExpected(), isParted: design.parts.length > 0 };
   try {
     const { run: name } = await ask("api/runs", { draft: design.document(), name: design.title });
     await openRun(name);
+    run.begun = begun;
   } catch (error) {
     report(error);
   }
@@ -221,7 +239,7 @@ async function openRun(name, key = null) {
   closeAgent();
   checked = null;
   document.body.className = "run";
-  for (const id of ["undo", "redo", "intro"]) find(id).hidden = true;
+  for (const id of ["undo", "redo", "intro", "expect"]) find(id).hidden = true;
   find("held").textContent = "";
   find("summary").replaceChildren(...describe(info.document).map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
   find("summary").hidden = false;
@@ -275,12 +293,12 @@ async function showStatus(status) {
   find("pause").hidden = !status.canPause || status.state === "pausing";
   find("resume").hidden = !["paused", "failed"].includes(status.state);
   find("more").hidden = status.state !== "finished";
-  find("more").textContent = `Search on: ${status.budget} more flights`;
+  find("more").textContent = speak("search.on", { count: status.budget });
   showProgress(status);
   showProblems([
     ...status.failure.split("\n").filter(Boolean).map((line) => ({ line, wrong: true })),
-    ...(over || status.canPause || status.state === "starting" || status.state === "pausing" ? [] : [{ line: "A terminal works on this run: Ctrl-C pauses it there." }]),
-    ...(status.failed ? [{ line: `${status.failed} of ${status.done} flights failed, most often: ${status.commonestFailure}` }] : []),
+    ...(over || status.canPause || status.state === "starting" || status.state === "pausing" ? [] : [{ line: speak("search.terminal") }]),
+    ...(status.failed ? [{ line: speak("search.failed", { failed: status.failed, done: status.done, reason: status.commonestFailure }) }] : []),
   ]);
   if (JSON.stringify(status.targets) !== JSON.stringify(before?.targets) || status.state !== before?.state) {
     drawCurve(find("curve"), status);
@@ -288,12 +306,13 @@ async function showStatus(status) {
     await showFlights(status);
   }
   if (before && !isOver(before) && over) {
-    say(status.state === "finished" ? "The search has ended. Choose a target to see its agent." : "");
+    say(status.state === "finished" ? speak("search.ended") : "");
+    if (status.state === "finished" && run.begun?.seconds) learnTime(run.begun.isParted, run.begun.seconds, (Date.now() - run.begun.at) / 1000);
     if (agent) openAgent(agent.key);
   }
 }
 
-function showProgress({ state, done, budget, disturbed, rate, extent, compiling }) {
+function showProgress({ state, done, budget, disturbed, rate, compiling }) {
   find("progress").hidden = false;
   const bar = find("progress-bar");
   const flying = state === "writing the best agents";
@@ -301,40 +320,56 @@ function showProgress({ state, done, budget, disturbed, rate, extent, compiling 
   else if (compiling.length && !isOver({ state })) [bar.max, bar.value] = [compiling[1], Math.min(compiling[0], 0.97 * compiling[1])];
   else if (state === "starting" || flying || !(done || isOver({ state }))) bar.removeAttribute("value");
   else [bar.max, bar.value] = [budget, done];
-  const words = [`${WORDS[state] ?? state}: ${done} of ${budget} flights`];
-  if (flying) words.push(disturbed[1] ? `${disturbed[0]} of ${disturbed[1]} disturbed flights` : `${disturbed[0]} disturbed flights`);
-  else if (compiling.length && !isOver({ state })) words.push(`compiling the equations of motion for this kind of flight, about ${duration(compiling[1])}; later runs load the result`);
-  else if (state === "running" && !done) words.push("the first are under way");
-  else if (rate) words.push(`${rate.toPrecision(2)} per second`, `about ${duration((budget - done) / rate)} left`);
+  const words = [speak("progress.state", { state: nameState(state), done, budget })];
+  if (flying) words.push(disturbed[1] ? speak("progress.disturbed.of", { done: disturbed[0], total: disturbed[1] }) : speak("progress.disturbed", { count: disturbed[0] }));
+  else if (compiling.length && !isOver({ state })) words.push(speak(compiling[2] ? "progress.compiling" : "progress.compiling.each", { time: duration(compiling[1]) }));
+  else if (state === "running" && !done) words.push(speak("progress.first"));
+  else if (rate) words.push(speak("progress.rate", { rate: rate.toPrecision(2) }), speak("progress.left", { time: duration((budget - done) / rate) }));
   find("progress-text").textContent = words.join(", ");
   bar.setAttribute("aria-valuetext", words.join(", "));
-  find("curve").toggleAttribute("hidden", !extent);
+  find("curve").toggleAttribute("hidden", !done);
 }
 
 const metres = (value) => make("td", { class: "wide" }, value == null ? "–" : length(value));
 const share = (value, isDoubtful) => make("td", { class: isDoubtful ? "fair" : "" }, value == null ? "–" : `${Math.round(100 * value)} %`);
 
+// Whether the baseline, a plain body that is tuned in the same way, does as well as the shape.
+const isAsGood = (robust) => robust?.baseline?.p90 != null && robust.weighed?.p90 >= WORTH * robust.baseline.p90;
+
+// What the table says of the baseline beside the verdict on the shape.
+function judgeBaseline(robust) {
+  if (robust?.baseline?.hit == null) return [];
+  const verdict = nameVerdict(robust.baseline.hit >= KEPT ? "kept" : "missed");
+  return [make("small", { class: isAsGood(robust) ? "fair" : "" }, isAsGood(robust) ? speak("promise.baseline.same") : speak("promise.baseline.verdict", { verdict }))];
+}
+
+// The agents of the run that were picked on its map, or came as a file.
+function showPicks() {
+  find("picks").hidden = !run.info.picks.length;
+  find("picks").replaceChildren(make("span", {}, speak("promise.picks")), ...run.info.picks.map((key) => make("button", { type: "button", "data-pick": key, onclick: () => openAgent(key) }, key.replaceAll("_", ", "))));
+}
+
 function showPromises({ state, targets }) {
   find("promise").hidden = !targets.some((t) => t.evaluation !== null);
+  showPicks();
+  find("promise").hidden &&= !run.info.picks.length;
   const promised = targets.some((t) => t.p90 !== undefined && t.p90 !== null);
   find("promise-hint").textContent = promised
-    ? "Hit: the share of fresh disturbed flights that pass near enough; 90 %: the miss that 9 of 10 stay within. Weighed: the same of a print that is weighed and trimmed. Idle: of a neutral sphere in its place; where it hits as often, no shape is needed. A target is kept from 90 % on."
-    : run.info.conditions ? "So far the undisturbed flights. The best agents are flown under disturbed conditions when the search ends."
-      : "The undisturbed flights. This search has no disturbed flights, so it promises nothing of a real agent.";
+    ? speak("promise.hint") : speak(run.info.conditions ? "promise.sofar" : "promise.none");
   const rows = targets.map((t, number) => {
     const dot = make("i", { class: "dot" });
     dot.style.background = colour(number);
     const name = make("td", {}, make("span", { class: "name" }, dot, t.name));
-    if (t.evaluation === null) return make("tr", {}, name, make("td", { colspan: 7 }, "no flight yet"));
+    if (t.evaluation === null) return make("tr", {}, name, make("td", { colspan: 9 }, speak("promise.unflown")));
     const seen = agent?.key === t.name;
     return make("tr", { class: seen ? "chosen" : "" }, name,
-      ...promised ? [share(t.robust?.hit), metres(t.p90), share(t.robust?.weighed?.hit), metres(t.robust?.weighed?.p90), share(t.robust?.baseline?.hit, t.robust?.baseline?.hit >= t.robust?.hit)] : [make("td", {}, t.nominal == null ? "–" : length(t.nominal))],
-      make("td", { class: `at ${STYLES[t.verdict] ?? ""}` }, t.verdict),
-      make("td", {}, make("button", { type: "button", "aria-pressed": String(seen), "aria-label": `Show the agent for ${t.name}`, onclick: () => openAgent(t.name) }, "Agent")));
+      ...promised ? [share(t.robust?.hit), metres(t.p90), share(t.robust?.weighed?.hit), metres(t.robust?.weighed?.p90), share(t.robust?.baseline?.hit, isAsGood(t.robust)), metres(t.robust?.baseline?.p90)] : [make("td", {}, t.nominal == null ? "–" : length(t.nominal))],
+      make("td", { class: `at ${STYLES[t.verdict] ?? ""}` }, nameVerdict(t.verdict), ...judgeBaseline(t.robust)),
+      make("td", {}, make("button", { type: "button", "aria-pressed": String(seen), "aria-label": speak("promise.show", { name: t.name }), onclick: () => openAgent(t.name) }, speak("promise.open"))));
   });
   const focused = document.activeElement?.closest?.("#promises button")?.getAttribute("aria-label");
   find("promises").replaceChildren(
-    make("thead", {}, make("tr", {}, ...["target", ...promised ? ["hit", "90 %", "weighed", "90 %", "baseline"] : ["nominal"]].map((text) => make("th", { scope: "col", class: text === "90 %" ? "wide" : "" }, text)), make("th", { scope: "col", class: "at" }, "verdict"), make("th", { scope: "col" }, make("span", { class: "seen-by-none" }, "agent")))),
+    make("thead", {}, make("tr", {}, ...["target", ...promised ? ["hit", "p90", "weighed", "p90", "baseline", "p90"] : ["nominal"]].map((key) => make("th", { scope: "col", class: key === "p90" ? "wide" : "" }, speak(`promise.${key}`))), make("th", { scope: "col", class: "at" }, speak("promise.verdict")), make("th", { scope: "col" }, make("span", { class: "seen-by-none" }, speak("promise.agent"))))),
     make("tbody", {}, ...rows),
   );
   if (focused) for (const button of find("promises").querySelectorAll("button")) if (button.getAttribute("aria-label") === focused) button.focus();
@@ -375,20 +410,20 @@ find("reach").addEventListener("change", async () => {
   side.mode = "look";
   if (find("reach").checked) {
     const asked = run;
-    say("Mapping what the flights reach …");
+    say(speak("map.mapping"));
     try {
-      const reach = await perform(address("reach"), {}, (text) => say(`Mapping what the flights reach: ${text}`));
+      const reach = await perform(address("reach"), {}, (text) => say(speak("map.progress", { text })));
       if (asked !== run || !find("reach").checked) return;
       side.reach = reach;
       side.mode = "pick";
       const { words, text } = side.legend();
-      find("legend").replaceChildren(make("span", {}, "Closest flight to the middle of each cell:"), ...words.map(([fillColour, word]) => {
+      find("legend").replaceChildren(make("span", {}, speak("map.legend")), ...words.map(([fillColour, word]) => {
         const swatch = make("i");
         swatch.style.background = fillColour;
         return make("span", {}, swatch, word);
-      }), make("span", {}, make("i", { class: "none" }), "no flight crosses it"));
+      }), make("span", {}, make("i", { class: "none" }), speak("map.none")));
       find("legend").hidden = false;
-      say(`${text}. Click any point for the agent that passes there.`);
+      say(speak("map.pick", { text }));
     } catch (error) { say(""); report(error); }
   } else say("");
   side.draw();
@@ -396,10 +431,11 @@ find("reach").addEventListener("change", async () => {
 
 async function pickAgent(point) {
   const where = point.map((v) => v.toFixed(2)).join(", ");
-  say(`Looking for the flight that passes ${where} …`);
+  say(speak("pick.looking", { where }));
   try {
-    const { key, distance, evaluation } = await perform(address("pick"), { point }, (text) => say(`Looking for the flight that passes ${where}: ${text}`));
-    say(`Evaluation ${evaluation} passes ${where} at ${length(distance)}.`);
+    const { key, distance, evaluation } = await perform(address("pick"), { point }, (text) => say(speak("pick.progress", { where, text })));
+    say(speak("pick.found", { evaluation, where, distance: length(distance) }));
+    if (!run.info.picks.includes(key)) run.info.picks = [...run.info.picks, key].sort();
     await openAgent(key);
   } catch (error) { say(""); report(error); }
 }
@@ -423,10 +459,10 @@ async function openAgent(key) {
     find("agent").hidden = false;
     wait.hidden = false;
     wait.className = "wait busy";
-    wait.textContent = "Building the agent …";
-    if (agent?.key !== key) find("h-agent").textContent = `Agent for ${key}`;
+    wait.textContent = speak("agent.building");
+    if (agent?.key !== key) find("h-agent").textContent = speak("agent.for", { name: key });
     try {
-      const data = await perform(address("agents", part(key)), {}, (text) => { wait.textContent = `Building the agent: ${text}`; });
+      const data = await perform(address("agents", part(key)), {}, (text) => { wait.textContent = speak("agent.building.progress", { text }); });
       if (asked !== run) return;
       showAgent(key, data);
       wait.hidden = true;
@@ -445,18 +481,18 @@ function showAgent(key, data) {
   agent = { key, data, number, magnified };
   const dot = make("i", { class: "dot" });
   dot.style.background = colour(number);
-  find("h-agent").replaceChildren(dot, data.target ? `Agent for ${data.target}` : `Agent that passes ${data.point.map((v) => v.toFixed(2)).join(", ")} m`);
+  find("h-agent").replaceChildren(dot, data.target ? speak("agent.for", { name: data.target }) : /^[-\d._e]+$/.test(key) ? speak("agent.passes", { where: data.point.map((v) => v.toFixed(2)).join(", ") }) : speak("agent.named", { name: key }));
   find("agent-shown").hidden = find("transport").hidden = false;
   showPromise(data);
   const { facts } = data;
   const ballast = facts.mass - facts.hull - facts.core - facts.putty;
   find("agent-facts").replaceChildren(...[
     ["length", length(facts.length)], ["diameter", length(facts.diameter)], ["modules", `${facts.modules}`],
-    ["mass", grams(facts.mass)], ["of it printed", grams(facts.hull)], ["core", grams(facts.core)],
-    ...(ballast > 5e-5 ? [["ballast", grams(ballast)]] : []), ["in water", `${facts.buoyancy >= 0 ? "rises" : "sinks"} with ${Math.abs(1000 * facts.buoyancy).toFixed(0)} mN`],
-    ...(facts.trim ? [["putty", grams(facts.putty)], ["trim pockets", facts.trim.map((mass) => `${mass > 0 ? "+" : ""}${(1000 * mass).toFixed(1)} g`).join(" to ")]] : []),
-    ...(facts.pressure ? [["under pressure", facts.pressure]] : []),
-  ].map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
+    ["mass", grams(facts.mass)], ["printed", grams(facts.hull)], ["core", grams(facts.core)],
+    ...(ballast > 5e-5 ? [["ballast", grams(ballast)]] : []), ["water", speak(facts.buoyancy >= 0 ? "facts.rises" : "facts.sinks", { force: Math.abs(1000 * facts.buoyancy).toFixed(0) })],
+    ...(facts.trim ? [["putty", grams(facts.putty)], ["pockets", (([low, high]) => speak("facts.range", { low, high }))(facts.trim.map((mass) => `${mass > 0 ? "+" : ""}${(1000 * mass).toFixed(1)} g`))]] : []),
+    ...(facts.pressure ? [["pressure", facts.pressure]] : []),
+  ].map(([name, value]) => make("div", {}, make("dt", {}, speak(`facts.${name}`)), make("dd", {}, value))));
   showTakes(key);
   if (!again) showWeighing(facts);
   find("drawing").open = false;
@@ -475,33 +511,33 @@ function showAgent(key, data) {
 }
 
 function showPromise({ promise, effects, limits, target }) {
-  const number = (title, value, main) => make("div", { class: main ? "main" : "" }, make("dt", {}, title), make("dd", {}, value));
+  const number = (key, value, main) => make("div", { class: main ? "main" : "" }, make("dt", {}, speak(`miss.${key}`)), make("dd", {}, value));
   const { nominal, p90, flights, failed } = promise;
   const { hit, weighed, baseline } = run.status.targets.find(({ name }) => name === target)?.robust ?? {};
   const percent = (value) => `${Math.round(100 * value)} %`;
   find("agent-promise").replaceChildren(
-    number("nominal miss", length(nominal)),
-    ...(hit === undefined ? [number("median", flights ? length(promise.median) : "–")] : [number("of flights hit", percent(hit))]),
-    number("9 of 10 within", flights ? length(p90) : "–", true),
-    ...(weighed ? [number("if weighed: hit", percent(weighed.hit)), number("if weighed: 9 of 10", length(weighed.p90), true)] : []),
-    ...(baseline ? [number("baseline: hit", percent(baseline.hit))] : []),
+    number("nominal", length(nominal)),
+    ...(hit === undefined ? [number("median", flights ? length(promise.median) : "–")] : [number("hit", percent(hit))]),
+    number("p90", flights ? length(p90) : "–", true),
+    ...(weighed ? [number("weighed.hit", percent(weighed.hit)), number("weighed.p90", length(weighed.p90), true)] : []),
+    ...(baseline ? [number("baseline.hit", percent(baseline.hit)), number("baseline.p90", length(baseline.p90))] : []),
   );
-  find("agent-limits").replaceChildren(...[...limits, ...(failed ? [`${failed} of ${flights} disturbed flights failed`] : [])].map((line) => make("li", {}, line)));
+  find("agent-limits").replaceChildren(...[...limits, ...(failed ? [speak("miss.failed", { failed, flights })] : [])].map((line) => make("li", {}, line)));
   for (const line of find("agent-limits").children) line.replaceChildren(...sayLine(line.textContent));
   const box = find("agent-effects");
   box.replaceChildren();
   if (effects.length) {
     const longest = Math.max(...effects.map((e) => e.deviation)) || 1;
-    box.append(make("h3", {}, "What its miss depends on"), make("dl", { class: "effects" }, ...effects.flatMap(({ name, deviation, advice }, i) => {
+    box.append(make("h3", {}, speak("effects")), make("dl", { class: "effects" }, ...effects.flatMap(({ name, deviation, advice }, i) => {
       const bar = make("i", { title: sayLine(advice).join("") });
       bar.style.width = `${(100 * deviation) / longest}%`;
       return [make("div", {}, make("dt", {}, name), make("dd", { class: i === effects.length - 1 ? "bar rest" : "bar" }, bar), make("dd", {}, length(deviation)))];
     })));
     const first = effects.find((e) => !e.advice.startsWith("nothing"));
-    if (first && first.deviation > 0) box.append(make("p", { class: "hint" }, "Most helpful: ", ...sayLine(first.advice).map((node) => node.replace?.(/^[A-Z](?=[a-z])/, (letter) => letter.toLowerCase()) ?? node), "."));
+    if (first && first.deviation > 0) box.append(make("p", { class: "hint" }, ...weave("effects.advice", { advice: sayLine(first.advice).map((node) => node.replace?.(/^[A-Z](?=[a-z])/, (letter) => letter.toLowerCase()) ?? node) })));
   }
   find("disturb").hidden = flights > 0;
-  find("disturb").textContent = target ? "Fly it under disturbed conditions" : "Fly it under disturbed conditions: what can be promised here?";
+  find("disturb").textContent = speak(target ? "agent.disturb" : "agent.disturb.point");
 }
 
 find("disturb").addEventListener("click", async () => {
@@ -511,9 +547,9 @@ find("disturb").addEventListener("click", async () => {
   button.disabled = true;
   wait.hidden = false;
   wait.className = "wait busy";
-  wait.textContent = "Flying …";
+  wait.textContent = speak("flying.wait");
   try {
-    const found = await perform(address("agents", part(key), "disturb"), {}, (text) => { wait.textContent = `Flying: ${text}`; });
+    const found = await perform(address("agents", part(key), "disturb"), {}, (text) => { wait.textContent = speak("flying.progress", { text }); });
     if (agent?.key === key) {
       data.promise = { nominal: data.promise.nominal, ...found.promise };
       data.effects = found.effects;
@@ -528,14 +564,13 @@ find("disturb").addEventListener("click", async () => {
 });
 
 function showTakes(key) {
-  const from = `take/${part(run.name)}`;
   const made = (kind, label) => make("button", { type: "button", "data-kind": kind, onclick: (event) => takeMade(event.target, kind, label) }, label);
   find("takes").replaceChildren(
-    make("button", { type: "button", class: "primary", "data-kind": "kit", onclick: (event) => takeMade(event.target, "kit", "3MF kit") }, "3MF kit"),
-    made("stl", "STL"), made("3mf", "3MF"),
-    make("a", { class: "button", href: `${from}/agents/${part(key)}/agent.json`, download: true, "data-kind": "agent" }, "Agent"),
-    make("a", { class: "button", href: `${from}/study.toml`, download: true, "data-kind": "study" }, "Study file"),
-    make("button", { type: "button", "data-kind": "report", onclick: (event) => takeReport(event.target) }, "Report"),
+    make("button", { type: "button", class: "primary", "data-kind": "kit", onclick: (event) => takeMade(event.target, "kit", speak("take.kit")) }, speak("take.kit")),
+    made("stl", speak("take.stl")), made("3mf", speak("take.3mf")),
+    make("button", { type: "button", "data-kind": "agent", onclick: () => save(`${agent.data.name}.json`, agent.data.file) }, speak("take.agent")),
+    make("button", { type: "button", "data-kind": "study", onclick: () => save(`${run.name}.toml`, run.info.text) }, speak("take.study")),
+    make("button", { type: "button", "data-kind": "report", onclick: (event) => takeReport(event.target) }, speak("take.report")),
   );
   find("take-wait").textContent = "";
 }
@@ -544,8 +579,8 @@ async function takeWith(button, label, work) {
   const wait = find("take-wait");
   button.disabled = true;
   wait.className = "wait busy";
-  wait.textContent = `Writing: ${label}`;
-  try { wait.replaceChildren(...await work((text) => { wait.textContent = `Writing: ${label}, ${text}`; })); } catch (error) {
+  wait.textContent = speak("take.writing", { label });
+  try { wait.replaceChildren(...await work((text) => { wait.textContent = speak("take.progress", { label, text }); })); } catch (error) {
     wait.replaceChildren(make("span", { class: "error" }, error.message));
     if (error instanceof Offline) offline(true);
   }
@@ -554,41 +589,49 @@ async function takeWith(button, label, work) {
 }
 
 const takeMade = (button, kind, label, ballast) => takeWith(button, label, async (show) => {
-  const { made, file } = await perform(address("agents", part(agent.key), "make", kind), { ballast }, show);
+  const { made, file, sheet } = await perform(address("agents", part(agent.key), "make", kind), { ballast }, show);
   const link = make("a", { href: `take/made/${made}/${part(file)}`, download: file }, file);
   link.click();
-  return [`${label}: `, link];
+  return [speak("take.done", { label }), link, sheet ? speak(sheet === "pdf" ? "take.sheet" : "take.sheet.svg") : ""];
 });
 
-const takeReport = (button) => takeWith(button, "Report", async (show) => {
+const takeReport = (button) => takeWith(button, speak("take.report"), async (show) => {
   const { bytes } = await perform(address("report"), {}, show);
-  const link = make("a", { href: `take/${part(run.name)}/report.html`, target: "_blank", rel: "noopener" }, "open the report");
-  return [`Report (${(bytes / 1e6).toFixed(1)} MB, also in ${run.info.path}/report.html): `, link];
+  const link = make("a", { href: `take/${part(run.name)}/report.html`, target: "_blank", rel: "noopener" }, speak("take.report.open"));
+  return [speak("take.report.done", { size: (bytes / 1e6).toFixed(1), path: `${run.info.path}/report.html` }), link];
 });
 
 // ---- weighing
 
 let weight = null; // of the print, g
-
+let filling = ""; // what the ballast is of; empty for that of the design
 let hung = {};
+
+// The name of a ballast by its density, kg/m³.
+function nameFilling(density) {
+  const name = Object.keys(begin.ballast).find((known) => Math.abs(begin.ballast[known] - density) <= 0.01 * density);
+  return name && has(`filling.${name}`) ? speak(`filling.${name}`) : name ?? `${Math.round(density)} kg/m³`;
+}
 
 function showWeighing({ hull, core }) {
   weight = null;
   find("weigh").hidden = run.info.document.builder?.use !== "frusta";
-  find("weigh-field").replaceChildren(makeNumber("Weight with the core", undefined, (grams) => { weight = grams; }, { unit: "g", keys: "weight", bounds: { above: 0, high: 1e6 }, placeholder: (1000 * (hull + core)).toFixed(1) }));
+  find("weigh-field").replaceChildren(makeNumber(speak("weigh.field"), undefined, (grams) => { weight = grams; }, { unit: "g", keys: "weight", bounds: { above: 0, high: 1e6 }, placeholder: (1000 * (hull + core)).toFixed(1) }));
+  filling = "";
+  find("weigh-ballast").replaceChildren(makeSelect(speak("weigh.ballast"), [["", speak("weigh.usual")], ...Object.entries(begin.ballast).map(([name, density]) => [name, speak("weigh.density", { name: nameFilling(density), density: (density / 1000).toFixed(2) })])], "", (name) => { filling = name; }, { keys: "ballast" }));
   find("trimmed").replaceChildren();
   find("trim-wait").textContent = "";
   hung = { grams: null, celsius: null };
   const usual = run.info.document.fluid?.celsius ?? 20;
-  find("hang-field").replaceChildren(makeNumber("Shown under water", undefined, (grams) => { hung.grams = grams; }, { unit: "g, − if it floats", keys: "hung" }));
-  find("hang-celsius").replaceChildren(makeNumber("Water", undefined, (celsius) => { hung.celsius = celsius; }, { unit: "°C", keys: "celsius", bounds: { low: -10, high: 100 }, placeholder: String(usual) }));
+  find("hang-field").replaceChildren(makeNumber(speak("hang.field"), undefined, (grams) => { hung.grams = grams; }, { unit: speak("hang.unit"), keys: "hung" }));
+  find("hang-celsius").replaceChildren(makeNumber(speak("hang.water"), undefined, (celsius) => { hung.celsius = celsius; }, { unit: "°C", keys: "celsius", bounds: { low: -10, high: 100 }, placeholder: String(usual) }));
   find("hanging").replaceChildren();
   find("hang-wait").textContent = "";
 }
 
 // The core speaks of an option in kg.
-const sayWeight = (error) => [error.message.replace(/^--printed-mass [\d.e-]+: should be more than the core's ([\d.e-]+) kg.*/s, (_, core) => `It weighs more than its core of ${grams(Number(core))}: weigh all parts with the core.`)
-  .replace(/^--printed-mass [\d.e-]+: is in kg.*/s, "This is more than twenty times what was simulated: enter grams.")];
+const sayWeight = (error) => [error.message.replace(/^--printed-mass [\d.e-]+: should be more than the core's ([\d.e-]+) kg.*/s, (_, core) => speak("weigh.light", { core: grams(Number(core)) }))
+  .replace(/^--printed-mass [\d.e-]+: is in kg.*/s, speak("weigh.grams"))];
 
 // A form that asks for work on the agent: its parts by id, and what is asked, shown and said of an error.
 function answer(form, { button, wait, shown, words, ask, show, say }) {
@@ -601,7 +644,7 @@ function answer(form, { button, wait, shown, words, ask, show, say }) {
     line.textContent = words;
     find(shown).replaceChildren();
     try {
-      const found = await perform(address("agents", part(key), button), ask(data), (text) => { line.textContent = `${words}: ${text}`; });
+      const found = await perform(address("agents", part(key), button), ask(data), (text) => { line.textContent = speak("work.progress", { words, text }); });
       if (agent?.key === key) find(shown).replaceChildren(...show(found));
       line.textContent = "";
     } catch (error) {
@@ -614,15 +657,15 @@ function answer(form, { button, wait, shown, words, ask, show, say }) {
 }
 
 answer("weigh", {
-  button: "trim", wait: "trim-wait", shown: "trimmed", words: "Placing ballast, and flying",
+  button: "trim", wait: "trim-wait", shown: "trimmed", words: speak("weigh.placing"),
   // An empty field is a print that weighs what was simulated.
-  ask: ({ facts }) => ({ grams: weight ?? 1000 * (facts.hull + facts.core) }),
-  show: (found) => describeTrim(found, (button, seats) => takeMade(button, "kit", "3MF kit with its seat", seats)),
+  ask: ({ facts }) => ({ grams: weight ?? 1000 * (facts.hull + facts.core), ...(filling ? { ballast: filling } : {}) }),
+  show: (found) => describeTrim(found, nameFilling(found.ballast_density), (button, seats) => takeMade(button, "kit", speak("take.seated"), { ballast: seats, ballast_density: found.ballast_density })),
   say: sayWeight,
 });
 
 answer("weigh-in-water", {
-  button: "hang", wait: "hang-wait", shown: "hanging", words: "Flying",
+  button: "hang", wait: "hang-wait", shown: "hanging", words: speak("flying"),
   ask: () => hung,
   show: describeHanging,
   say: (error) => [error.message.replace(/^--[a-z-]+ [\d.e+-]+: /, "")],
@@ -663,9 +706,9 @@ function showMoment() {
   }
   const { place } = momentOf(data.flight, time);
   const gap = Math.hypot(...place.map((v, i) => v - data.point[i]));
-  const scale = find("follow").checked ? "to scale" : `agent drawn ${magnified} times as large`;
-  const text = `${time.toFixed(2)} s: x ${place[0].toFixed(2)} m, z ${place[2].toFixed(2).replace("-", "−")} m, ${length(gap)} from ${data.target ?? "the point"}`;
-  find("moment").textContent = `${text} (${scale})`;
+  const scale = find("follow").checked ? speak("moment.true") : speak("moment.magnified", { times: magnified });
+  const text = speak("moment", { time: time.toFixed(2), x: place[0].toFixed(2), z: place[2].toFixed(2).replace("-", "−"), gap: length(gap), target: data.target ?? speak("moment.point") });
+  find("moment").textContent = speak("moment.scaled", { text, scale });
   find("time").setAttribute("aria-valuetext", text);
 }
 
@@ -676,7 +719,7 @@ function followSide(time) {
   side.draw();
 }
 
-function stop() { playing = null; find("play").textContent = "Play"; }
+function stop() { playing = null; find("play").textContent = speak("flight.play"); }
 
 function step(now) {
   if (playing === null || !agent) return;
@@ -694,7 +737,7 @@ find("play").addEventListener("click", () => {
   if (Number(slider.value) >= 1000) slider.value = 0;
   slider.dataset.at = slider.value;
   playing = performance.now();
-  find("play").textContent = "Pause";
+  find("play").textContent = speak("flight.pause");
   requestAnimationFrame(step);
 });
 find("time").addEventListener("input", () => { find("time").dataset.at = find("time").value; showMoment(); });
@@ -743,11 +786,11 @@ function showCommands(text) {
     lines = [`driftform resume ${path}`, `driftform watch ${path}`, `driftform report ${path}`];
     if (agent?.data.target) lines.push(`driftform export ${quote(`${run.info.path}:${agent.key}`)} --kit --format 3mf --out parts`);
     else if (agent) lines.push(`driftform pick ${path} ${agent.data.point.join(" ")}`, `driftform export ${quote(`${run.info.path}/picks/${agent.key}/agent.json`)} --kit --format 3mf --out parts`);
-    lines = [`driftform evolve ${quote(`${run.name}.toml`)} --out ${quote(`${run.info.path}-again`)}   # ${run.name}.toml: below`, ...lines];
+    lines = [`driftform evolve ${quote(`${run.name}.toml`)} --out ${quote(`${run.info.path}-again`)}   # ${run.name}.toml: ${speak("terminal.below")}`, ...lines];
     find("study-name").textContent = `${run.name}.toml`;
   } else {
     const stem = design.title.replace(/[^\p{L}\p{N}_-]+/gu, "-").replace(/^-+|-+$/g, "").toLowerCase() || "pipe";
-    lines = [`driftform evolve ${quote(`${stem}.toml`)} --out ${quote(`${folder}/${stem}-1`)}   # ${stem}.toml: below`];
+    lines = [`driftform evolve ${quote(`${stem}.toml`)} --out ${quote(`${folder}/${stem}-1`)}   # ${stem}.toml: ${speak("terminal.below")}`];
     find("study-name").textContent = `${stem}.toml`;
   }
   find("command").textContent = lines.join("\n");
@@ -758,14 +801,40 @@ for (const button of document.querySelectorAll("[data-copy]"))
     const text = find(button.dataset.copy);
     try {
       await navigator.clipboard.writeText(text.textContent);
-      button.textContent = "Copied";
+      button.textContent = speak("copy.done");
     } catch {
       // A browser may forbid it; what is selected can be copied by hand.
       getSelection().selectAllChildren(text);
-      button.textContent = "Selected";
+      button.textContent = speak("copy.selected");
     }
-    setTimeout(() => { button.textContent = "Copy"; }, 1500);
+    setTimeout(() => { button.textContent = speak("copy"); }, 1500);
   });
+
+find("save-study").addEventListener("click", () => save(find("study-name").textContent, find("study").textContent));
+
+// ---- files of designs and agents
+
+find("open-file").addEventListener("click", () => find("file").click());
+find("file").addEventListener("change", async () => {
+  const [file] = find("file").files;
+  find("file").value = "";
+  if (file) await openFile(file);
+});
+
+// Opens a study file as a design, and the file of an agent as a run with this agent.
+async function openFile(file) {
+  try {
+    if (!/\.(toml|json)$/i.test(file.name)) throw new Refused([speak("design.kind", { file: file.name })]);
+    const { draft, run: name } = await ask("api/designs", { name: file.name, text: await file.text() });
+    if (name) { await openRun(name, name); return; }
+    const { base, title, ...changes } = draft;
+    openDesign(new Design(begin.presets, { base, title: title ?? "", changes }));
+    say(speak("design.opened", { file: file.name }));
+  } catch (error) {
+    if (error instanceof Refused) say(sayLine(error.message).join(""));
+    report(error);
+  }
+}
 
 // ---- the runs
 
@@ -776,10 +845,10 @@ find("open-runs").addEventListener("click", async () => {
     find("run-list").replaceChildren(...runs.map((row) => make("li", {}, make("button", {
       type: "button", disabled: row.state === "damaged",
       onclick: () => { find("runs").close(); openRun(row.name).catch(report); },
-    }, make("b", {}, row.name), make("span", { class: row.state === "finished" ? "good" : "" }, (WORDS[row.state] ?? row.state).toLowerCase()),
-      make("small", {}, row.problem ?? [row.title, `${row.targets} target${row.targets === 1 ? "" : "s"}`].filter(Boolean).join(", ")),
-      make("small", {}, row.problem ? "" : `${row.done} of ${row.budget} flights`)))));
-    if (!runs.length) find("run-list").append(make("li", { class: "hint" }, "No run yet."));
+    }, make("b", {}, row.name), make("span", { class: row.state === "finished" ? "good" : "" }, nameState(row.state)),
+      make("small", {}, row.problem ?? [row.title, speak("runs.targets", { count: row.targets })].filter(Boolean).join(", ")),
+      make("small", {}, row.problem ? "" : speak("runs.flights", { done: row.done, budget: row.budget }))))));
+    if (!runs.length) find("run-list").append(make("li", { class: "hint" }, speak("runs.none")));
     find("runs").showModal();
   } catch (error) { report(error); }
 });

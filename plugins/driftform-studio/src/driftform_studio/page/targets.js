@@ -1,6 +1,7 @@
 // The targets of a design, and its release: each a place in the pipe by name, coordinates, or an outlet.
 import { makeNumber, makeSelect, makeText, recall, remember, sayFault } from "./controls.js";
 import { same } from "./design.js";
+import { speak } from "./messages.js";
 import { describePlace, placeOfPoint, pointFromInlet, pointOfPlace } from "./places.js";
 import { find, make, round } from "./parts.js";
 
@@ -33,7 +34,7 @@ export class Targets {
 
   describe(name) {
     const target = this.design.targets[name];
-    if (typeof target === "string") return `outlet ${target}: moves with the pipe`;
+    if (typeof target === "string") return speak("target.outlet", { outlet: target });
     const place = isPlace(target) ? target : placeOfPoint(this.axes, target);
     return place ? describePlace(place) : `x ${target[0]}, y ${target[1]}, z ${target[2]} m`;
   }
@@ -41,7 +42,7 @@ export class Targets {
   // Whether there is a target; asks for one if there is none.
   askForOne() {
     const isEmpty = this.list.length === 0;
-    sayFault(find("targets-error"), "own", ...(isEmpty ? ["Add a target: click in the pipe where the agent should pass."] : []));
+    sayFault(find("targets-error"), "own", ...(isEmpty ? [speak("target.missing")] : []));
     return !isEmpty;
   }
 
@@ -69,19 +70,19 @@ export class Targets {
   makeRow(name, kind, number) {
     const dot = make("i", { class: "dot" });
     dot.style.background = `var(--s${number % 10})`;
-    const title = makeText("Target name", name, (fresh) => this.rename(name, fresh), {
-      keys: `targets.${name}.name`, named: `Name of target ${name}`, largest: 60, late: true,
-      isFaulty: (text) => (!text ? "A target needs a name" : text !== name && text in this.design.targets ? "Another target has this name" : ""),
+    const title = makeText(speak("target.name"), name, (fresh) => this.rename(name, fresh), {
+      keys: `targets.${name}.name`, named: speak("target.name.of", { name }), largest: 60, late: true,
+      isFaulty: (text) => (!text ? speak("target.nameless") : text !== name && text in this.design.targets ? speak("target.taken") : ""),
     });
     title.querySelector("label").className = "seen-by-none";
     const where = make("span", { class: "where" });
     const row = make("div", { class: "target", "data-name": name, "data-kind": kind, "data-errors": `targets.${name}` }, dot, title,
-      make("button", { type: "button", class: "square", "aria-label": `Remove ${name}`, onclick: () => this.remove(name) }, "×"));
+      make("button", { type: "button", class: "square", "aria-label": speak("remove", { name }), onclick: () => this.remove(name) }, "×"));
     if (kind !== "place" && kind !== "point") { row.append(make("p", { class: "note" }, where)); return row; }
     const set = (value) => { this.set({ ...this.design.targets, [name]: value }); this.show(); };
     row.append(make("details", { id: `place-${name}` }, make("summary", {}, where), make("div", { class: kind === "place" ? "fields" : "fields three" }, ...(kind === "place"
       ? this.makePlace(() => this.design.targets[name], set, `targets.${name}`, name)
-      : ["x", "y", "z"].map((axis, i) => this.tag(makeNumber(axis, this.design.targets[name][i], (v) => { const point = [...this.design.targets[name]]; point[i] = v; set(point); }, { unit: "m", keys: `targets.${name}.${axis}`, named: `${axis} of ${name}, m`, bounds: { low: -1e5, high: 1e5 } }), i)))),
+      : ["x", "y", "z"].map((axis, i) => this.tag(makeNumber(axis, this.design.targets[name][i], (v) => { const point = [...this.design.targets[name]]; point[i] = v; set(point); }, { unit: "m", keys: `targets.${name}.${axis}`, named: speak("target.axis.of", { axis, name }), bounds: { low: -1e5, high: 1e5 } }), i)))),
     this.makeTurn(name, kind, set)));
     return row;
   }
@@ -93,7 +94,7 @@ export class Targets {
       const found = kind === "place" ? point : point && placeOfPoint(this.axes, point);
       if (found) set(kind === "place" ? found.map((v) => round(v, 1e-4)) : found);
     };
-    return make("button", { type: "button", class: "link", onclick: turn }, kind === "place" ? "Give coordinates" : "Give the place in a part");
+    return make("button", { type: "button", class: "link", onclick: turn }, speak(kind === "place" ? "target.coordinates" : "target.place"));
   }
 
   tag(field, option) { field.querySelector("input").dataset.option = option; return field; }
@@ -102,19 +103,19 @@ export class Targets {
   makePlace(get, set, key, of) {
     const names = [...new Set(this.axes.map(({ part }) => part))];
     const { part, branch } = get();
-    const choices = [...new Set([...names, part])].flatMap((name) => [[name, name], ...(this.axes.some((a) => a.part === name && a.branch) ? [[`${name}\n`, `${name}, its branch`]] : [])]);
+    const choices = [...new Set([...names, part])].flatMap((name) => [[name, name], ...(this.axes.some((a) => a.part === name && a.branch) ? [[`${name}\n`, speak("place.in.branch", { part: name })]] : [])]);
     const number = (label, option, unit, bounds, more = {}) => this.tag(makeNumber(label, get()[option], (v) => {
       const { [option]: _, ...rest } = get();
       set(v === null ? rest : { ...rest, [option]: v });
-    }, { unit, bounds, keys: `${key}.${option}`, named: `${label} of ${of}`, ...more }), option);
+    }, { unit, bounds, keys: `${key}.${option}`, named: speak("field.of", { label, name: of }), ...more }), option);
     return [
-      makeSelect("Part", choices, branch ? `${part}\n` : part, (word) => {
+      makeSelect(speak("place.part"), choices, branch ? `${part}\n` : part, (word) => {
         const { branch: _, ...rest } = get();
         set({ ...rest, part: word.trim(), ...(word.endsWith("\n") ? { branch: true } : {}) });
-      }, { keys: `${key}.part`, named: `Part of ${of}` }),
-      number("Way into it", "at", "m", { low: 0, high: 1e5 }),
-      number("Hour, 12 is the crown", "clock", "h", { low: 0, high: 12 }, { placeholder: "12" }),
-      number("Off the wall", "off_wall", "m", { low: 0, high: 100 }, { placeholder: "on the axis" }),
+      }, { keys: `${key}.part`, named: speak("field.of", { label: speak("place.part"), name: of }) }),
+      number(speak("place.at.way"), "at", "m", { low: 0, high: 1e5 }),
+      number(speak("place.hour"), "clock", "h", { low: 0, high: 12 }, { placeholder: "12" }),
+      number(speak("place.gap"), "off_wall", "m", { low: 0, high: 100 }, { placeholder: speak("place.onaxis") }),
     ];
   }
 
@@ -129,13 +130,13 @@ export class Targets {
   makeRelease() {
     if (!this.axes.length) return [];
     const set = (place) => { this.design.set("release", "position", place); this.showRelease(); this.fields.changed(); };
-    return [make("p", { class: "hint wide", id: "release-place" }), ...this.makePlace(() => this.releasePlace, set, "release.position", "the release")];
+    return [make("p", { class: "hint wide", id: "release-place" }), ...this.makePlace(() => this.releasePlace, set, "release.position", speak("release.the"))];
   }
 
   showRelease() {
     if (!this.axes.length) return;
     const place = this.releasePlace;
-    if (find("release-place")) find("release-place").textContent = `The agent is released ${describePlace(place)}.`;
+    if (find("release-place")) find("release-place").textContent = speak("release.place", { place: describePlace(place) });
     for (const input of document.querySelectorAll("#release-fields input[data-option]")) input.show(place[input.dataset.option] ?? "");
   }
 
@@ -149,7 +150,7 @@ export class Targets {
     const box = find("outlets");
     if (!same([...box.children].map((button) => button.dataset.outlet), names)) box.replaceChildren(...names.map((name) => make("button", {
       type: "button", "data-outlet": name, onclick: () => this.placeOutlet(name),
-    }, names.length > 1 ? `Add outlet ${name}` : "Add the outlet")));
+    }, names.length > 1 ? speak("target.outlet.add", { name }) : speak("target.outlet.only"))));
     if (isOther) { const state = remember(); this.fields.showRelease(); recall(state); }
     this.showRelease();
     this.show();
@@ -198,6 +199,6 @@ export class Targets {
     const end = line.match(/which is ([\d.e+-]+) m long/)?.[1];
     if (target === undefined || !(nearest || (end && isPlace(target)))) return [];
     const act = () => { if (nearest) this.move(name, nearest); else { this.set({ ...this.design.targets, [name]: { ...target, at: Number(end) } }); this.show(); } };
-    return [" ", make("button", { type: "button", class: "link", onclick: act }, nearest ? "Move it there" : "Move it to the end")];
+    return [" ", make("button", { type: "button", class: "link", onclick: act }, speak(nearest ? "target.move.there" : "target.move.end"))];
   }
 }
