@@ -59,7 +59,7 @@ CHOSEN: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
     ("misses.py", "len(offsets) - 1 - int(used.sum())", "len(offsets)", ("runs/test_misses.py",)),
     ("misses.py", "slopes[rows] ** 2 - rest / len(offsets)", "slopes[rows] ** 2", ("runs/test_misses.py",)),
     ("finalists.py", "len(targets)), 100.0)", "len(targets)), 95.0)", ("test_finalists.py",)),
-    ("finalists.py", "(bound(index, end) >= bars)", "(bound(index, end) > bars)", ("test_finalists.py",)),
+    ("finalists.py", "(bound(index, end) >= bars[index])", "(bound(index, end) > bars[index])", ("test_finalists.py",)),
     ("finalists.py", "2 * len(column) > len(fitness)", "len(column) > 0", ("test_finalists.py",)),
     ("finalists.py", "range(robustness.conditions, len", "range(0, len", ("test_finalists.py",)),
     ("finalists.py", "-undisturbed[i], i))", "undisturbed[i], i))", ("test_finalists.py",)),

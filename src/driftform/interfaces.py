@@ -95,6 +95,10 @@ class Grammar(Plugin[OptionsT_co]):
         Raises InputError if the text is not a genome of this grammar; the message names the symbol and its position.
         """
 
+    def plain(self) -> Genome | None:
+        """Return the genome without modules, of which a builder may make a plain body; ``None``, the default, without one."""
+        return None
+
     def mutate(self, genome: Genome, rng: np.random.Generator, rate: float) -> Genome:
         """Return the genome with each symbol replaced with probability ``rate``."""
         for index in np.flatnonzero(rng.random(len(genome.symbols)) < rate):

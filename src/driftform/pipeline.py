@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from driftform.agent import mass_properties, measure_evaluation, solid_of_revolution
-from driftform.agent.plain import make_plain_body
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.plugins import faults
@@ -44,9 +43,6 @@ of 252 agents of a search that matter, none is missed.
 
 KEPT_BODIES = 128
 """Bodies that are kept for flights under other conditions."""
-
-_make_plain_body = lru_cache(maxsize=KEPT_BODIES)(make_plain_body)
-"""Finding the wall of a plain body takes as long as half a flight, and all flights of a promise have the same one."""
 
 
 def require_success(trajectory: Trajectory, name: str) -> None:
@@ -127,8 +123,6 @@ class Pipeline(ByContent):
 
             volume = solid_of_revolution(body.outer).volume
             return make_sphere((6 * volume / np.pi) ** (1 / 3), disturb_fluid(condition, fluid))
-        if condition is not None and condition.plain is not None:
-            body, morphology, genome = _make_plain_body(condition.plain, body, fluid.density), Morphology(), None
         if condition is not None:
             calibration = disturb_calibration(condition, calibration)
         factors = calibration.factors

@@ -55,7 +55,7 @@ def test_five_hundred_flights_pass_most_points(printed: Callable[[str, str], lis
 @pytest.mark.parametrize(
     ("script", "pattern", "expected"),
     [
-        ("own_grammar", r"fitness ([\d.]+) %", pytest.approx([99], abs=1)),
+        ("own_grammar", r"fitness ([\d.]+) %", pytest.approx([96], abs=2)),
         # The second is neutral, and as likely too light as too heavy: 20 flights scatter by 11 %.
         ("junction", r"(\d+) % by riser", pytest.approx([100, 50, 0], abs=25)),
         ("kit", r"ballast of ([\d.]+) g", [2.0]),

@@ -162,7 +162,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "pick": ["pick", run, "4.5", "0", "-0.3"],
         "sample": ["sample", "--count", "1", "--out", f"{here}/agents"],
         "simulate": ["simulate", f"{run}:TP1", "--out", f"{here}/flight"],
-        "inspect": ["inspect", f"{run}:TP1", "--compare"],
+        "inspect": ["inspect", WORD, "--compare"],
         "export": [
             *("export", f"{run}:TP1", "--format", "stl,scad", "--out", f"{here}/parts"),
             *("--kit", "--option", "drain=0.003"),

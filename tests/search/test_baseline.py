@@ -1,9 +1,8 @@
 """The baseline of a target."""
 
-import numpy as np
 import pytest
 
-from driftform.search.baseline import Aim, tune_baselines
+from driftform.search.baseline import tune_baselines
 from driftform.search.local import InProcess
 from driftform.study import load_study
 
@@ -12,8 +11,11 @@ from driftform.study import load_study
 def test_a_baseline_sinks_or_rises_to_a_target_in_water_at_rest(z, sinks):
     still = ["flow={kind = 'uniform', speed = 0.0}", f"targets={{T = [0.0, 0.0, {z}]}}"]
     study = load_study("pipe-inspection", still, use={"simulator": "native"})
-    pipeline = study.make_pipeline()
-    genome = pipeline.grammar.random(np.random.default_rng(1))
-    aim = Aim(0, genome, pipeline.make_agent(genome).body)
-    plain = tune_baselines(study, InProcess(pipeline), [aim])[0]
+    plain = tune_baselines(study, InProcess(study.make_pipeline()), [0])[0]
     assert plain.net_weight > 0 if sinks else plain.net_weight < 0
+    assert plain.kind == "sphere of 45 mm"
+
+
+def test_there_is_no_baseline_where_no_plain_body_can_be_tuned():
+    study = load_study("pipe-inspection", ["builder.core_mass=3.0", "builder.core=custom"], use={"simulator": "native"})
+    assert tune_baselines(study, InProcess(study.make_pipeline()), [0]) == {}

@@ -296,7 +296,7 @@ class Table:
         for job in jobs:
             row = self.rows.setdefault(job.genome, len(self.rows))
             scores = self.undisturbed[row]
-            if job.condition is not None and job.condition.plain is None:
+            if job.condition is not None and job.condition.specimen is not Specimen.BASELINE:
                 scores = self.disturbed[row, self.conditions.index(job.condition)]
             yield [(job.index, Evaluation(job.genome, scores, offsets=np.ones((2, 3))))]
 
@@ -379,21 +379,21 @@ def test_a_baseline_is_tuned_for_its_target_and_flown_weighed_under_the_conditio
         run_search(study, store, executor)
         fly_finalists(study, store, executor)
         found = {target: find_winner(study, store, target) for target in ("TP2", "TP6")}
-        genomes = {target: store.read_genome(winner.index) for target, winner in found.items() if winner}
         flown = len(store.list_disturbed())
         fly_finalists(study, store, executor)
         assert len(store.list_disturbed()) == flown
     for number, (target, winner) in enumerate(found.items()):
-        assert winner is not None and winner.plain is not None
+        assert winner is not None
+        baseline = winner.baseline
+        assert baseline is not None
         # TP2 lies above the axis, and TP6 too, farther away: both baselines rise.
-        assert winner.plain.net_weight < 0
+        assert baseline.net_weight < 0
         misses = winner.promises[Specimen.BASELINE].misses
         weighed = winner.promises[Specimen.WEIGHED].misses.conditions
-        assert [replace(c, specimen=Specimen.WEIGHED, plain=None) for c in misses.conditions] == list(weighed)
-        calm = replace(CALM, specimen=Specimen.BASELINE, plain=winner.plain)
-        body = pipeline.make_agent(genomes[target], calm)
-        assert body.mass.mass - 999.1 * body.mass.volume == pytest.approx(winner.plain.net_weight, abs=1e-7)
-        [flight] = pipeline.evaluate([genomes[target]], conditions=[calm])
+        assert [replace(c, specimen=Specimen.WEIGHED) for c in misses.conditions] == list(weighed)
+        body = pipeline.make_agent(baseline.genome)
+        assert body.mass.mass - 999.1 * body.mass.volume == pytest.approx(baseline.net_weight, abs=1e-9)
+        [flight] = pipeline.evaluate([baseline.genome])
         near = 0.01 * study.scenario.pipe.farthest_distance(study.scenario.targets[target])
         assert np.linalg.norm(find_offsets(flight, study.scenario)[number]) < near
-    assert found["TP2"].plain.net_weight < found["TP6"].plain.net_weight
+    assert found["TP2"].baseline.net_weight < found["TP6"].baseline.net_weight

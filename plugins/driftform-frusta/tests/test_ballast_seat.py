@@ -28,7 +28,7 @@ def test_ballast_makes_a_buoyant_body_float_freely_with_some_to_spare() -> None:
 def test_a_body_that_sinks_needs_no_ballast() -> None:
     heavy = replace(BUOYANT[0], hull_density=20_000.0)
     assert find_max_ballast(heavy, LEAD) == 0.0
-    assert BUILDER.find_tunings(random_morphology(0, 0)) is None
+    assert BUILDER.find_tunings(random_morphology(0, 4)) is None
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 1.0])

@@ -109,9 +109,11 @@ def describe_worth(fitness: Fitness[Any], results: Mapping[str, Result]) -> str:
     if not unmoved:
         return ""
     does = "does nearly as well" if fitness.share else "keeps nearly the same 90 % miss"
+    plain = [name for name in unmoved if results[name].get("plain")]
+    chosen = f"; it was chosen for {', '.join(plain)}" if plain else ""
     return (
         f"the shape matters little for {', '.join(unmoved)}: a plain body of the right weight {does}, because the "
-        "water carries it there, and gusts decide the rest"
+        f"water carries it there, and gusts decide the rest{chosen}"
     )
 
 

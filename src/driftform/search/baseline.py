@@ -1,20 +1,22 @@
-"""The baseline of each target: the plainest body, printed, weighed and tuned for it in the same way as what a run found.
+"""The baseline of each target: the plain body of the builder, printed, weighed and tuned for it in the same way as what a run found.
 
-What a shape is worth is the difference to it. It is as wide as the port lets in, since what remains of errors in net weight counts
-least in the largest; without a port it has the volume of the winner. Its net weight is that of the best undisturbed flight.
+What a shape is worth is the difference to it. It is an agent as any other: its genome is the one without modules.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from driftform.agent import mass_properties
-from driftform.agent.plain import PlainBody, find_size
+from driftform.pipeline import Pipeline
+from driftform.plugins.faults import CAUGHT
+from driftform.plugins.genome_text import write_genome
 from driftform.runs.store import Store
 from driftform.search.jobs import Executor, Job
 from driftform.study import Study
-from driftform.types import Body, Genome
+from driftform.types import Genome
 from driftform.water.disturbances import Condition, Specimen
 
 SPEEDS = tuple(np.linspace(-0.8, 0.8, 17).tolist())
@@ -29,83 +31,117 @@ STILL = 0.3
 DRAG = 0.4
 """Coefficient by which a terminal speed becomes a net weight; it only spaces the weights that are tried."""
 
-FACTS = "baselines"
+FACTS = "plain bodies"
 """Name by which a store holds them."""
 
 
 @dataclass(frozen=True)
-class Aim:
-    """A target by its number, and the winner for it: its genome and its body."""
+class Baseline:
+    """A plain body that was tuned for a target.
 
-    target: int
+    Attributes:
+        genome: tuned.
+        text: the same, as ``driftform inspect`` and others take it.
+        diameter, length: m.
+        net_weight: in water, kg, positive if it sinks.
+    """
+
     genome: Genome
-    body: Body
+    text: str
+    diameter: float
+    length: float
+    net_weight: float
+
+    @property
+    def kind(self) -> str:
+        """What it is, in words."""
+        if self.length <= 1.001 * self.diameter:
+            return f"sphere of {1000 * self.diameter:.3g} mm"
+        return f"capsule of {1000 * self.diameter:.3g} x {1000 * self.length:.3g} mm"
+
+    def document(self) -> dict[str, Any]:
+        """Return what an agent file and a JSON document hold of it, in SI units."""
+        sizes = {"diameter": self.diameter, "length": self.length, "net_weight": self.net_weight}
+        return {"kind": self.kind, "genome": self.text, **sizes}
 
 
-def tune_baselines(study: Study, executor: Executor, aims: Sequence[Aim]) -> dict[int, PlainBody]:
-    """Return the baseline by the number of the target; without it where no plain body floats the core, or none could fly."""
+def tune_baselines(study: Study, executor: Executor, targets: Sequence[int]) -> dict[int, Baseline]:
+    """Return the baseline by the number of each target; none where no plain body floats the core, or can be tuned."""
     scenario, speed = study.scenario, abs(study.scenario.flow.speed) or STILL
-    density = scenario.fluid.density
-    sizes = {aim: _choose_size(aim.body, density, scenario.release.port) for aim in aims}
+    tune = _find_tuning(study.make_pipeline())
+    if tune is None:
+        return {}
+    calibration = scenario.calibration
+    values = calibration.draw_factors(np.zeros((1, len(calibration.intervals))))[0].tolist()
+    calm = Condition(calibrated=tuple(values), specimen=Specimen.BASELINE)
     found: dict[int, tuple[float, float, float]] = {}
     step = SPEEDS[1] - SPEEDS[0]
     for level in range(1 + HALVINGS):
         tried = [
-            (aim, size, share)
-            for aim, size in sizes.items()
-            if size is not None
-            for share in (SPEEDS if not level else _list_neighbours(found, aim.target, step / 2**level))
+            (target, share)
+            for target in targets
+            for share in (SPEEDS if not level else _list_neighbours(found, target, step / 2**level))
         ]
-        jobs = [
-            Job(
-                number,
-                aim.genome,
-                None,
-                _make_calm(study, _weigh(size, share * speed, density, scenario.fluid.gravity)),
-            )
-            for number, (aim, size, share) in enumerate(tried)
-        ]
+        jobs = [Job(number, tune(share * speed).genome, None, calm) for number, (_, share) in enumerate(tried)]
         for arrived in executor.evaluate(jobs):
             for number, evaluation in arrived:
-                aim, _, share = tried[number]
+                target, share = tried[number]
                 # The order of arrival does not count: of equals it is the slowest.
-                better = (float(evaluation.fitness[aim.target]), -abs(share), share)
-                if evaluation.failure is None and (aim.target not in found or better > found[aim.target]):
-                    found[aim.target] = better
-    return {
-        aim.target: _weigh(size, found[aim.target][2] * speed, density, scenario.fluid.gravity)
-        for aim, size in sizes.items()
-        if size is not None and aim.target in found
-    }
+                better = (float(evaluation.fitness[target]), -abs(share), share)
+                if evaluation.failure is None and (target not in found or better > found[target]):
+                    found[target] = better
+    return {target: tune(share * speed) for target, (_, _, share) in found.items()}
 
 
-def read_baselines(store: Store) -> dict[tuple[int, int], PlainBody]:
-    """Return the baselines of a run, by numbers of target and winner; none before they are tuned, or in a run of an earlier version."""
-    return {(row["target"], row["winner"]): PlainBody(**row["plain"]) for row in store.read_facts(FACTS).get("all", [])}
+def read_baselines(store: Store) -> dict[int, Baseline]:
+    """Return the baselines of a run, by number of target; none before they are tuned, or in a run of an earlier version."""
+    return {row["target"]: _read(row["baseline"]) for row in store.read_facts(FACTS).get("all", [])}
 
 
-def write_baselines(store: Store, baselines: Mapping[tuple[int, int], PlainBody]) -> None:
-    """Store the baselines of a run, by numbers of target and winner."""
-    rows = [{"target": t, "winner": w, "plain": asdict(plain)} for (t, w), plain in baselines.items()]
+def find_baselines(study: Study, store: Store, executor: Executor, targets: Sequence[int]) -> dict[int, Baseline]:
+    """Return the baselines of a run for some targets, by number; those that it lacks are tuned and stored."""
+    baselines = read_baselines(store)
+    missing = [target for target in targets if target not in baselines]
+    baselines |= tune_baselines(study, executor, missing) if missing else {}
+    rows = [{"target": target, "baseline": asdict(baseline)} for target, baseline in baselines.items()]
     store.write_facts(FACTS, {"all": rows})
+    return {target: baselines[target] for target in targets if target in baselines}
 
 
-def _choose_size(like: Body, density: float, port: float) -> PlainBody | None:
-    return find_size(like, density, port or float(np.cbrt(6 * mass_properties(like).volume / np.pi)))
+def _read(row: Mapping[str, Any]) -> Baseline:
+    genome = row["genome"]
+    return Baseline(**{**row, "genome": Genome(genome["grammar"], tuple(genome["symbols"]), genome["tuning"])})
 
 
-def _weigh(size: PlainBody, sinking: float, density: float, gravity: float) -> PlainBody:
-    """Return the body with the net weight (kg) that makes it sink at a speed, m/s: rho C_D A w^2 / 2."""
-    area = np.pi / 4 * size.diameter * (size.diameter + 4 / np.pi * (size.length - size.diameter))
-    return replace(size, net_weight=float(density * DRAG * area * sinking * abs(sinking) / (2 * (gravity or 1.0))))
+def _find_tuning(pipeline: Pipeline) -> Callable[[float], Baseline] | None:
+    """Return the plain body by the speed at which it should sink, m/s: its net weight is rho C_D A w^2 / 2, within what it can have."""
+    density, gravity, genome = (
+        pipeline.scenario.fluid.density,
+        pipeline.scenario.fluid.gravity,
+        pipeline.grammar.plain(),
+    )
+
+    def weigh(genome: Genome) -> Baseline:
+        body = pipeline.build(pipeline.express(genome))
+        mass, text = mass_properties(body), write_genome(pipeline.grammar, genome)
+        return Baseline(genome, text, body.max_diameter, body.length, mass.mass - density * mass.volume)
+
+    try:
+        bounds = None if genome is None else pipeline.builder.find_tunings(pipeline.express(genome))
+        if genome is None or bounds is None:
+            return None
+        light, heavy = (weigh(replace(genome, tuning=at)) for at in bounds)
+    except CAUGHT:
+        return None
+
+    def tune(sinking: float) -> Baseline:
+        area = np.pi / 4 * light.diameter * (light.diameter + 4 / np.pi * (light.length - light.diameter))
+        asked = density * DRAG * area * sinking * abs(sinking) / (2 * (gravity or 1.0))
+        at = np.interp(asked, [light.net_weight, heavy.net_weight], bounds)
+        return weigh(replace(genome, tuning=float(at)))
+
+    return tune
 
 
 def _list_neighbours(found: Mapping[int, Sequence[float]], target: int, step: float) -> tuple[float, ...]:
     return (found[target][2] - step, found[target][2] + step) if target in found else ()
-
-
-def _make_calm(study: Study, plain: PlainBody) -> Condition:
-    """Return the condition of an undisturbed flight of a plain body."""
-    calibration = study.scenario.calibration
-    values = calibration.draw_factors(np.zeros((1, len(calibration.intervals))))[0].tolist()
-    return Condition(calibrated=tuple(values), specimen=Specimen.BASELINE, plain=plain)

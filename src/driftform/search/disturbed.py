@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from driftform.agent.plain import PlainBody
 from driftform.motion.path.targets import find_offsets
 from driftform.runs.store import DisturbedResult
 from driftform.search.jobs import Executor, Job
@@ -36,14 +35,13 @@ def draw_rounds(study: Study) -> tuple[Condition, ...]:
     )
 
 
-def draw_baseline(study: Study, target: int, plain: PlainBody) -> dict[int, Condition]:
+def draw_baseline(study: Study, target: int) -> dict[int, Condition]:
     """Return the conditions of the promise for the baseline of a target, by number; those of all targets follow :func:`draw_rounds`."""
     robustness = study.scenario.robustness
     first = robustness.conditions + (len(FLOWN) + 1 + target) * robustness.checks
     weighed = draw_rounds(study)[robustness.conditions + robustness.checks :][: robustness.checks]
     return {
-        number: replace(condition, specimen=Specimen.BASELINE, plain=plain)
-        for number, condition in enumerate(weighed, start=first)
+        number: replace(condition, specimen=Specimen.BASELINE) for number, condition in enumerate(weighed, start=first)
     }
 
 

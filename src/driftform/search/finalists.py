@@ -5,7 +5,7 @@ conditions show how far it misses.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isnan, nan
 from typing import Any
@@ -13,14 +13,13 @@ from typing import Any
 import numpy as np
 
 from driftform.agent import hull_mass
-from driftform.agent.plain import PlainBody
 from driftform.interfaces import Fitness
 from driftform.motion.path.targets import find_offsets, find_within
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.misses import Misses, finite_or_none
 from driftform.runs.store import Store
 from driftform.runs.wording import describe_result, name_verdict
-from driftform.search.baseline import Aim, read_baselines, tune_baselines, write_baselines
+from driftform.search.baseline import Baseline, find_baselines, read_baselines
 from driftform.search.disturbed import draw_baseline, draw_rounds, fly_disturbed
 from driftform.search.jobs import Executor
 from driftform.search.journal import Journal
@@ -33,8 +32,9 @@ from driftform.water.scenario import Robustness
 ROUND = 5
 """Conditions of the choice between two looks at who can still win."""
 
-EQUAL = 0.05
-"""Scores are equal if what they lack to 100 % differs by a smaller share than this: 20 flights cannot distinguish them."""
+EQUAL, PLAIN = 0.05, 0.1
+"""Scores are equal if what they lack to 100 % differs by a smaller share than this: 20 flights cannot distinguish them. A plain
+body is equal to what is better by twice as much."""
 
 
 def fly_finalists(
@@ -60,7 +60,8 @@ def fly_finalists(
     genomes = {index: store.read_genome(index) for index in finalists}
     with Journal(store, targets) as journal:
         fly = partial(fly_disturbed, study, journal, executor, conditions, genomes)
-        done = _race(study, fly, finalists, scores, lambda count, left: on_flights(count, left + to_come))
+        plain = find_plain(study, genomes)
+        done = _race(study, fly, finalists, scores, plain, lambda count, left: on_flights(count, left + to_come))
         journal.write()
         won = [None if (winner := find_winner(study, store, t)) is None else winner.index for t in targets]
         winners = {index: np.array([index == of for of in won]) for index in won if index is not None}
@@ -68,40 +69,30 @@ def fly_finalists(
         genomes |= {index: store.read_genome(index) for index in winners}
         numbers = range(robustness.conditions, len(conditions))
         checked = [(index, number) for index in sorted(winners) for number in numbers]
-        total = done + len(checked) + robustness.checks * sum(index is not None for index in won)
+        baselines = find_baselines(study, store, executor, [t for t, index in enumerate(won) if index is not None])
+        total = done + len(checked) + robustness.checks * len(baselines)
         fly(checked, lambda count: on_flights(done + count, total), wanted=winners)
         done += len(checked)
-        _fly_baselines(study, store, journal, executor, genomes, won, lambda count: on_flights(done + count, total))
+        _fly_baselines(study, journal, executor, baselines, won, lambda count: on_flights(done + count, total))
 
 
 def _fly_baselines(
     study: Study,
-    store: Store,
     journal: Journal,
     executor: Executor,
-    genomes: Mapping[int, Genome],
+    baselines: Mapping[int, Baseline],
     won: Sequence[int | None],
     on_flights: Callable[[int], None],
 ) -> None:
-    """Tune the baseline of each target, and fly it in place of the winner; on_flights is called with the flights that are done."""
-    targets, baselines, done = study.scenario.target_names, read_baselines(store), 0
-    missing = [(t, index) for t, index in enumerate(won) if index is not None and (t, index) not in baselines]
-    if missing:
-        pipeline = study.make_pipeline()
-        aims = [Aim(target, genomes[index], pipeline.make_agent(genomes[index]).body) for target, index in missing]
-        tuned = tune_baselines(study, executor, aims)
-        baselines |= {(t, index): tuned[t] for t, index in missing if t in tuned}
-        write_baselines(store, baselines)
-    for target, index in enumerate(won):
-        if index is None:
-            continue
-        if (target, index) in baselines:
-            conditions = draw_baseline(study, target, baselines[target, index])
-            flights, for_target = [(index, number) for number in conditions], {index: np.arange(len(targets)) == target}
-            genome = {index: genomes[index]}
+    """Fly the baseline of each target, stored with the winner that it is compared with; on_flights is called with the flights done."""
+    done, targets = 0, np.arange(len(won))
+    for target, baseline in sorted(baselines.items()):
+        if (index := won[target]) is not None:
+            conditions, genome = draw_baseline(study, target), {index: baseline.genome}
+            flights, for_target = [(index, number) for number in conditions], {index: targets == target}
             fly_disturbed(study, journal, executor, conditions, genome, flights, wanted=for_target)
-        done += study.scenario.robustness.checks
-        on_flights(done)
+            done += len(flights)
+            on_flights(done)
 
 
 def _find_reaching(fitness: Fitness[Any], undisturbed: Mapping[int, float]) -> BoolArray:
@@ -129,6 +120,7 @@ def _race(
     fly: Callable[..., Mapping[tuple[int, int], FloatArray]],
     finalists: Mapping[int, BoolArray],
     scores: Mapping[int, FloatArray],
+    plain: set[int],
     on_flights: Callable[[int, int], None],
 ) -> int:
     """Fly the conditions of the choice, and return the number of flights; finalists that can no longer win are dropped.
@@ -139,6 +131,7 @@ def _race(
     Args:
         finalists: for which targets each may be chosen, (targets,).
         scores: fitness of the search, (targets,).
+        plain: which finalists are plain bodies.
         on_flights: called with the number of flights that are done, and an upper bound of their total.
     """
     robustness, targets = study.scenario.robustness, study.scenario.target_names
@@ -162,17 +155,24 @@ def _race(
     ]
     racing = sorted(set(finalists).difference(leaders))
     done = fly_on(sorted(set(leaders)), 0, count, len(racing) * count)
-    bars = lower_bar(np.array([bound(leader, count)[number] for number, leader in enumerate(leaders)]))
+    best = np.array([bound(leader, count)[number] for number, leader in enumerate(leaders)])
     for first in range(0, count, ROUND):
         end = min(first + ROUND, count)
         done = fly_on(racing, first, end, len(racing) * (count - end))
-        racing = [index for index in racing if (bound(index, end) >= bars)[finalists[index]].any()]
+        bars = {index: lower_bar(best, PLAIN if index in plain else EQUAL) for index in racing}
+        racing = [index for index in racing if (bound(index, end) >= bars[index])[finalists[index]].any()]
     return done
 
 
-def lower_bar(best: Any) -> Any:
+def lower_bar(best: Any, share: float = EQUAL) -> Any:
     """Return the least score (%) that is equal to the best, a number or an array."""
-    return best - EQUAL * (100.0 - best)
+    return best - share * (100.0 - best)
+
+
+def find_plain(study: Study, genomes: Mapping[int, Genome]) -> set[int]:
+    """Return which evaluations are those of a plain body."""
+    plain = study.make_plugin("grammar").plain()
+    return {index for index, genome in genomes.items() if plain and replace(genome, tuning=0.0) == plain}
 
 
 def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
@@ -217,13 +217,13 @@ class Winner:
         index: of its evaluation.
         score: by which it was chosen, %.
         promises: of what flies under the conditions of the promise, empty before that.
-        plain: the baseline; ``None`` if no plain body floats the core, or in a run of an earlier version.
+        baseline: the plain body that was tuned for the target; ``None`` without one, or in a run of an earlier version.
     """
 
     index: int
     score: float
     promises: Mapping[Specimen, Promise] = field(default_factory=dict)
-    plain: PlainBody | None = None
+    baseline: Baseline | None = None
 
     def document(self) -> dict[str, Any]:
         """Return what an agent file and a JSON document hold of it: the score, and of each promise its numbers, misses in m."""
@@ -231,8 +231,8 @@ class Winner:
         if not documents:
             return {"score": self.score}
         baseline = {}
-        if self.plain is not None and Specimen.BASELINE in documents:
-            baseline = {"baseline": {**documents[Specimen.BASELINE], "kind": self.plain.kind, **asdict(self.plain)}}
+        if self.baseline is not None and Specimen.BASELINE in documents:
+            baseline = {"baseline": {**documents[Specimen.BASELINE], **self.baseline.document()}}
         return {
             "score": self.score,
             **documents[Specimen.PRINT],
@@ -246,8 +246,8 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     """Return the finalist that was chosen for a target; ``None`` before the choice is complete.
 
     One that reaches the target undisturbed goes before all that do not, and one that comes near it before the others: a body that always passes half a metre above its
-    target can be relied on, and is of no use. Of those with equal scores, by :data:`EQUAL`, it is the one whose print is the lightest;
-    then that with the best score, the best undisturbed flight, and the earliest.
+    target can be relied on, and is of no use. Of those with equal scores, by :data:`EQUAL` and :data:`PLAIN`, it is a plain body; else the one whose
+    print is the lightest; then that with the best score, the best undisturbed flight, and the earliest.
     """
     robustness = study.scenario.robustness
     if not robustness.conditions:
@@ -265,14 +265,16 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     eligible = [index for index, reaches in zip(judged_all, reaching, strict=True) if reaches]
     judged_fitness = np.array([[flown[index][number] for number in judged] for index in eligible])
     scores = dict(zip(eligible, robust_fitness(judged_fitness.T, robustness).tolist(), strict=True))
-    bar = lower_bar(max(scores.values()))
-    equals = sorted((index for index in scores if scores[index] >= bar), key=lambda i: (-scores[i], -undisturbed[i], i))
+    bar, low = (lower_bar(max(scores.values()), share) for share in (EQUAL, PLAIN))
+    equals = sorted((index for index in scores if scores[index] >= low), key=lambda i: (-scores[i], -undisturbed[i], i))
     # What has flown under the conditions of the promise was chosen before.
     decided = [i for i in equals if not all(isnan(flown[i].get(number, nan)) for number in checked)]
     if not decided and len(equals) > 1:
-        pipeline = study.make_pipeline()
-        masses = {i: hull_mass(pipeline.make_agent(store.read_genome(i)).body) for i in equals}
-        equals.sort(key=lambda i: masses[i])
+        genomes = {i: store.read_genome(i) for i in equals}
+        pipeline, plain = study.make_pipeline(), find_plain(study, genomes)
+        equals = [i for i in equals if i in plain or scores[i] >= bar]
+        masses = {i: hull_mass(pipeline.make_agent(genomes[i]).body) for i in equals}
+        equals.sort(key=lambda i: (i not in plain, masses[i]))
     chosen = (decided or equals)[0]
     flights = flown[chosen]
     if not all(number in flights for number in checked):
@@ -281,9 +283,9 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     # A run of an earlier version has no flights in known gusts, and no baseline.
     known = [at for at in range(checked.stop, len(conditions)) if at in flights]
     at_target, numbered = study.scenario.target_names.index(target), dict(enumerate(conditions[: checked.stop]))
-    plain = read_baselines(store).get((at_target, chosen))
-    if plain is not None:
-        numbered |= draw_baseline(study, at_target, plain)
+    baseline = read_baselines(store).get(at_target)
+    if baseline is not None:
+        numbered |= draw_baseline(study, at_target)
     for specimen in (*FLOWN, Specimen.BASELINE):
         fresh = [at for at, condition in numbered.items() if at >= first and condition.specimen is specimen]
         if not fresh or not all(at in flights for at in fresh):
@@ -297,7 +299,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
             if not isnan(flights[at])
         ]
         promises[specimen] = Promise(misses, sum(sound) / len(sound) if sound else None)
-    return Winner(chosen, scores[chosen], promises, plain)
+    return Winner(chosen, scores[chosen], promises, baseline)
 
 
 def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
@@ -330,6 +332,7 @@ def describe_best(study: Study, store: Store, target: str, winner: Winner | None
         "within": float(find_within(study.scenario)[targets.index(target)]),
         "median": promise.get("median"),
         "p90": promise.get("p90"),
+        "plain": index in find_plain(study, {index: record.candidate.genome}),
     }
     if promise:
         result["robust"] = promise

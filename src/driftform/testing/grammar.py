@@ -54,11 +54,17 @@ class GrammarContract(AnsweringContract[Grammar[Any]]):
         """Randomness comes from the generator that is passed."""
         assert len({genome for seed in SEEDS for genome in self.draw(seed)}) > 1
 
+    def test_the_plain_genome_has_no_modules(self) -> None:
+        """A grammar may have a genome of the core alone, and no other is called plain."""
+        plain = self.plugin().plain()
+        assert plain is None or not self.assert_sound(plain, "plain").modules
+
     @pytest.mark.parametrize("seed", SEEDS)
     def test_text_round_trips(self, seed: int) -> None:
         """A genome is written on one line, and reading it back gives an equal genome."""
         grammar = self.plugin()
-        for genome in self.draw(seed, 3):
+        plain = grammar.plain()
+        for genome in (*self.draw(seed, 3), *([plain] if plain else [])):
             text = require(grammar.to_text(genome), str, grammar, "to_text")
             assert len(text.splitlines()) == 1
             assert require_genome(grammar.parse(text), grammar, "parse") == genome

@@ -10,7 +10,6 @@ from enum import StrEnum
 
 import numpy as np
 
-from driftform.agent.plain import PlainBody
 from driftform.types import FloatArray
 from driftform.util.vectors import cross
 from driftform.water import Calibration, Fluid, Scenario
@@ -60,7 +59,7 @@ class Specimen(StrEnum):
     IDLE = "idle"
     """A neutral sphere of the agent's volume, in its place."""
     BASELINE = "baseline"
-    """The plain body of the condition, weighed and trimmed as the print is."""
+    """The plain body that was tuned for the target, weighed and trimmed as the print is."""
 
 
 FLOWN = (Specimen.PRINT, Specimen.WEIGHED, Specimen.IDLE)
@@ -92,7 +91,6 @@ class Condition:
         bubble: volume of air that clings to the body, less that when it was weighed, m3.
         turbulence: factors on strength, memory and crossing of the gusts.
         specimen: the body that flies.
-        plain: the plain body of a baseline.
     """
 
     across: tuple[float, float] = (0.0, 0.0)
@@ -117,7 +115,6 @@ class Condition:
     bubble: float = 0.0
     turbulence: tuple[float, float, float] = KNOWN
     specimen: Specimen = Specimen.PRINT
-    plain: PlainBody | None = None
 
 
 def draw_conditions(

@@ -18,11 +18,11 @@ from driftform.types import Body, Core, Fittings, FloatArray, Module, Morphology
 from driftform.water import Fluid
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM, BallastOptions
 from driftform_frusta.kit_options import KitOptions
-from driftform_frusta.load import LESS, SPARE, Load, find_max_ballast, list_loads, name_ball, place_ballast
+from driftform_frusta.load import LESS, SPARE, WATER, Load, find_max_ballast, list_loads, name_ball, place_ballast
 from driftform_frusta.materials import MATERIALS, find_expansion, find_material
 from driftform_frusta.own.builder import Profile, check_profile
 from driftform_frusta.pockets import PocketOptions, clear_cavity, place_pockets
-from driftform_frusta.section import draw_room, hull_section, lay_chains, open_section
+from driftform_frusta.section import draw_capsule, draw_room, hull_section, lay_chains, open_section
 from driftform_frusta.strength import describe_strength, list_parts, thicken_ends
 
 _PAPERS = Core(radius=0.01, mass=0.05)
@@ -31,6 +31,12 @@ _PAPERS = Core(radius=0.01, mass=0.05)
 
 KEPT_BODIES = 256
 """Bodies that are kept: a search asks for the same shape with many tunings."""
+
+MAX_SLENDERNESS = 20.0
+"""Largest plain body that is tried: its length over its width, or its width over that of the dome over the core."""
+
+MIN_SPARE = 0.02
+"""Share of what it displaces by which a plain body must be lighter: it then has room for any net weight in use."""
 
 _ROUNDING = 1e-9
 """kg: rounding of sums of masses is less than this."""
@@ -242,7 +248,9 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
     """The outline is the union of the chains and of a dome over the core; the cavity is its inward offset by the wall.
 
     The dome has the radius core + clearance + wall, and both chains start tangent to it at the core's equator. Over a capsule
-    it is the offset of its profile by clearance and wall, and the chains start at the ends of the widest part.
+    it is the offset of its profile by clearance and wall, and the chains start at the ends of the widest part. Without modules a
+    body that can be tuned is a plain one: the shortest capsule of the width ``max_radius`` that floats the core, or the smallest
+    such sphere if the width is free.
     """
 
     name = "frusta"
@@ -368,17 +376,40 @@ def _draw(o: FrustaOptions, morphology: Morphology) -> Body:
     """Return a body without what is added to it, and without what its kit has in addition to the wall."""
     _check_modules("fore", morphology.fore)
     _check_modules("aft", morphology.aft)
+    if o.tuning != "none" and not morphology.modules:
+        return _draw_plain(o)
     core, over, shoulders = _place_core(o)
     dome = over if isinstance(over, float) else float(over[:, 1].max())
     chains = lay_chains(
         morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2, shoulders, o.max_radius or math.inf
     )
+    return _draw_hull(o, core, over, chains, chains[:, 0])
+
+
+def _draw_plain(o: FrustaOptions) -> Body:
+    """Return the shortest capsule of the greatest width that floats its core, or the smallest sphere if the width is free."""
+    core, over, _ = _place_core(o)
+    dome = over if isinstance(over, float) else float(over[:, 1].max())
+    for scale in np.arange(1.0, MAX_SLENDERNESS, 0.1).tolist():
+        width, length = (2 * o.max_radius, 2 * o.max_radius * scale) if o.max_radius else (2 * dome * scale,) * 2
+        capsule = draw_capsule(width, max(length, 2 * dome))
+        body = _draw_hull(o, core, over, capsule, capsule[[0, -1], 0])
+        try:
+            found = mass_properties(replace(body, fittings=_measure_fittings(o, body)))
+        except WorkFailedError:
+            continue  # no kit: too short for its joint
+        if found.mass < (1 - MIN_SPARE) * WATER * found.volume:
+            return body
+    raise WorkFailedError(f"no plain body floats the core: at most {MAX_SLENDERNESS:g} times as large as it was tried")
+
+
+def _draw_hull(o: FrustaOptions, core: Core, over: float | FloatArray, chains: FloatArray, joints: FloatArray) -> Body:
     section = hull_section if o.wall_model == "mitred" else open_section
     outer, cavity = section(chains, over, o.wall)
     body = Body(
         outer=outer,
         cavity=cavity,
-        joints=chains[:, 0],
+        joints=joints,
         core=core,
         wall=o.wall,
         hull_density=o.hull_density,

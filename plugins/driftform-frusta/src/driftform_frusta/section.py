@@ -96,6 +96,14 @@ def _place_dome(dome: float | FloatArray, wall: float, thick: float) -> tuple[Fl
     return dome, offset_inward(dome, wall)
 
 
+def draw_capsule(diameter: float, length: float) -> FloatArray:
+    """Return the contour of a capsule about the origin, or of a sphere that is as long as wide, from aft to fore, (n, 2), m."""
+    dome, reach = _make_dome(diameter / 2), (length - diameter) / 2
+    middle = len(dome) // 2
+    shift = np.array([reach, 0.0])
+    return np.vstack([dome[: middle + 1] - shift, dome[middle + (reach <= 0) :] + shift])
+
+
 @lru_cache(maxsize=16)
 def _make_dome(radius: float) -> FloatArray:
     """Return the contour of a sphere around the core, from aft to fore, (n, 2), m; of no radius, a point."""

@@ -8,7 +8,7 @@ import numpy as np
 from driftform.interfaces import Grammar, Table
 from driftform.types import Genome, Morphology
 from driftform_lsystem import text as lines
-from driftform_lsystem.alphabet import GENOTYPE_LENGTH, OTHERS, QUINTUPLE, RULE_LENGTH, RULES
+from driftform_lsystem.alphabet import CORE, GENOTYPE_LENGTH, OTHERS, QUINTUPLE, RULE_LENGTH, RULES
 from driftform_lsystem.growth import LSystemOptions, grow, interpret, split
 
 _CLASSES = QUINTUPLE * (GENOTYPE_LENGTH // len(QUINTUPLE))
@@ -31,6 +31,10 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         """Return a genotype drawn uniformly from all 108^12."""
         drawn = rng.integers(0, _SIZES).tolist()
         return self._genome([symbols[i] for symbols, i in zip(_CLASSES, drawn, strict=True)])
+
+    def plain(self) -> Genome:
+        """Return the core alone, which is a developed word."""
+        return self._genome((CORE,))
 
     def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
         """Return the genome with the symbol at ``index`` changed to another of its class.

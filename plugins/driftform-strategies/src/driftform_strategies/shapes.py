@@ -32,6 +32,7 @@ class Shape:
         name: a number that hardly any other body has.
         points: of each flight the root of its net weight, and its height above each target, m, (targets,).
         tried: targets that it was tuned for.
+        is_plain: whether it has no modules.
     """
 
     genome: Genome
@@ -42,6 +43,7 @@ class Shape:
     name: int = 0
     points: list[tuple[float, FloatArray]] = field(default_factory=list)
     tried: set[int] = field(default_factory=set)
+    is_plain: bool = False
 
     def tune(self, root: float) -> float:
         """Return the tuning that gives a root of the net weight, within the bounds."""
@@ -97,7 +99,14 @@ def draw_random(grammar: Grammar[Any], builder: PhenotypeBuilder[Any], aim: Aim,
     return found
 
 
-def draw_plain(grammar: Grammar[Any], builder: PhenotypeBuilder[Any], aim: Aim, draws: int, seed: int) -> Shape | None:
+def draw_plain(grammar: Grammar[Any], builder: PhenotypeBuilder[Any], aim: Aim) -> Shape | None:
+    """Return the body without modules, if the grammar has it and it can be tuned."""
+    genome = grammar.plain()
+    shape = None if genome is None else _examine(genome, grammar, builder, aim.fluid.density)
+    return None if shape is None else replace(shape, is_plain=True)
+
+
+def draw_even(grammar: Grammar[Any], builder: PhenotypeBuilder[Any], aim: Aim, draws: int, seed: int) -> Shape | None:
     """Return the random shape whose wall is inclined least, of some that may hit if there are any; ``None`` without one."""
     seeds = np.random.default_rng(seed).integers(2**63, size=draws)
     found = [draw_random(grammar, builder, aim, 1, int(one)) for one in seeds]

@@ -13,7 +13,7 @@ from driftform.errors import InputError
 from driftform.interfaces import SearchSpace, Strategy, Table, option
 from driftform.types import Candidate, Evaluation
 from driftform_strategies.evolution import remember
-from driftform_strategies.shapes import Aim, Shape, draw_plain, draw_random, vary
+from driftform_strategies.shapes import Aim, Shape, draw_even, draw_plain, draw_random, vary
 from driftform_strategies.tuning import find_next
 
 Drawn = Callable[[], Shape | None]
@@ -28,8 +28,8 @@ MAX_UNFIT = 10
 MAX_KNOWN = 20
 """Shapes that are drawn at most to find one that was not drawn before."""
 
-PLAIN = 30
-"""Random shapes of which the plainest is taken."""
+EVEN = 30
+"""Random shapes of which the one whose wall is inclined least is taken."""
 
 
 class TunedOptions(Table):
@@ -91,7 +91,8 @@ class TunedStrategy(Strategy[TunedOptions]):
     The tuning, such as the mass of ballast, is found by a secant on the height at which the body passes the target, with
     3 to 6 flights; for an outlet it is drawn until the body leaves there. Bodies that hit race against each other: under few disturbed conditions all of them, under many only
     the best. Where none hits, those that pass nearer than all before race too. New shapes are those of the best bodies with one symbol changed, mixtures of two of them, shapes that are
-    good for another target, and random ones. No body flies twice.
+    good for another target, and random ones. No body flies twice. The first body for each target is the plain one, if the builder
+    makes one that can be tuned: it is not varied.
     """
 
     name = "tuned"
@@ -107,6 +108,7 @@ class TunedStrategy(Strategy[TunedOptions]):
         self._started = [0] * len(space.targets)
         self._nearest = [inf] * len(space.targets)
         self._fresh: list[Shape] = []
+        self._plain: Drawn | None = None
         self._coming: deque[_Start] = deque()
         self._ready: deque[Job] = deque()
         self._asked: deque[list[Job]] = deque()
@@ -165,7 +167,7 @@ class TunedStrategy(Strategy[TunedOptions]):
             hits = flight is not None and path.name_outlet(flight, self.space.scenario) == outlet
             miss = 0.0 if hits else inf
         self._nearest[job.target] = min(miss, self._nearest[job.target])
-        if hits or miss < job.bar:
+        if (hits or miss < job.bar) and not shape.is_plain:
             elites = self._elites[job.target]
             elites.append(_Elite(float(evaluation.fitness[job.target]), index, shape, root))
             elites.sort(key=lambda elite: -elite.fitness)
@@ -203,6 +205,10 @@ class TunedStrategy(Strategy[TunedOptions]):
         """Choose what a body for a target descends from, and let its shape be drawn."""
         rng, options, elites = self.space.rng, self.options, self._elites[target]
         self._started[target] += 1
+        if self._plain is None:
+            self._plain = self.space.begin(draw_plain, self._aims[target])
+        if self._started[target] == 1 and (plain := self._plain()) is not None:
+            return self._take(target, None, plain)
         if elites and (draw := rng.random()) >= options.random:
             others = [one for them in self._elites for one in them if target not in one.shape.tried]
             if others and draw < options.random + options.retune:
@@ -321,4 +327,4 @@ class DirectStrategy(TunedStrategy):
         for shape in self._fresh:
             if target not in shape.tried:
                 return self._take(target, None, shape)
-        return self._let_draw(target, None, draw_plain, PLAIN)
+        return self._let_draw(target, None, draw_even, EVEN)

@@ -1,4 +1,4 @@
-"""What kind of body won: one that rides the crown or rolls on the floor, a saucer, a cylinder, or another slender body."""
+"""What kind of body won: one that rides the crown or rolls on the floor, a plain body, a saucer, a cylinder, or another slender body."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -27,6 +27,8 @@ def name_kind(agent: Agent, trajectory: Trajectory, scenario: Scenario, t: float
         across = off - (off @ axis) * axis
         if np.linalg.norm(across) > pipe.radius - body.max_diameter:
             return "crown rider" if across[2] > 0 else "floor roller"
+    if agent.morphology is not None and not agent.morphology.modules:
+        return "plain body"
     if body.length < FLAT * body.max_diameter:
         return "saucer"
     x = np.linspace(float(body.outer[0, 0]), float(body.outer[-1, 0]), _STATIONS)[5:-5]

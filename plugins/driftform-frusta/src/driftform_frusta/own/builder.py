@@ -126,6 +126,10 @@ class FixedGrammar(Grammar[Table]):
         """Return the only genome."""
         return Genome(self.name, ())
 
+    def plain(self) -> Genome:
+        """Return the only genome."""
+        return Genome(self.name, ())
+
     def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
         """Return the genome: there is nothing to replace."""
         return genome
