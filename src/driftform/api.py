@@ -257,8 +257,10 @@ def evolve(
     study.check_search()
     for warning in study.list_warnings():
         warnings.warn(warning, stacklevel=2)
-    with Run.ensure(Path(directory), study) as run, closing(_make_executor(study, workers)) as executor:
-        problems = run.advance(executor, _Counter(study.evaluations, progress, on_batch))
+    with Run.ensure(Path(directory), study) as run:
+        executor = InProcess(study.make_pipeline()) if workers == 1 else LocalProcesses(study.document, workers)
+        with closing(executor):
+            problems = run.advance(executor, _Counter(study.evaluations, progress, on_batch))
     for problem in problems:
         warnings.warn(problem, stacklevel=2)
     return run
@@ -290,7 +292,3 @@ def open_agent(
     Raises InputError if the agent does not exist.
     """
     return opening.open_agent(os.fspath(text), scenario, settings, use)
-
-
-def _make_executor(study: Study, workers: int) -> InProcess | LocalProcesses:
-    return InProcess(study.make_pipeline()) if workers == 1 else LocalProcesses(study.document, workers)
