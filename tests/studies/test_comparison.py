@@ -15,7 +15,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 DOCS = Path(__file__).parents[2] / "docs"
-STRATEGIES = ("tuned", "random", "evolution", "paper")
+STRATEGIES = ("tuned", "direct", "evolution", "paper", "random")
 SEEDS = 10
 
 
