@@ -235,12 +235,12 @@ class Core:
 
 @dataclass(frozen=True)
 class Fittings:
-    """What a hull has besides the wall of its section, such as the joints and the engraving of a kit.
+    """What a hull has besides the wall of its section, such as the joints of a kit.
 
     Attributes:
         material: volume integrals of the material that is added, less that of material that is removed.
-        displaced: the same for the volume that the body displaces more than its outer contour; negative for an
-            engraving, which fills with water.
+        displaced: the same for the volume that the body displaces more than its outer contour; negative for
+            what fills with water.
     """
 
     material: Moments = Moments()

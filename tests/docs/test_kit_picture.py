@@ -20,7 +20,7 @@ SPAN = 24.0  # mm on either side of the middle
 JOINTS: dict[str, tuple[str, str, dict[str, Any], float]] = {
     "A sleeve beside the core: where one side stays wide": ("uuu", "n", {}, 4.0),
     "A rabbet at the equator: where the core fills the hull": ("nnn", "nnn", {}, 0.0),
-    "A sleeve with a groove for an O-ring, in a cylinder": ("sss", "nnn", {"o_ring": 0.0015, "sleeve": 0.0019}, 4.0),
+    "A sleeve with a groove for an O-ring": ("uss", "nnn", {"o_ring": 0.00178}, 4.0),
     "A further cut at a joint of modules, for the bed": ("sssunnnsss", "n", {"bed": (0.2, 0.2, 0.075)}, 59.0),
 }
 

@@ -9,6 +9,7 @@ import pytest
 from driftform.errors import WorkFailedError
 from driftform_frusta.csg import Difference, Intersection, Named, Revolve, Rotate, Text, Translate, Union
 from driftform_frusta.hull import build_hull
+from driftform_frusta.lettering import STROKE
 from driftform_frusta.scad import write_definitions, write_module
 from driftform_frusta.solid import to_manifold, to_solid
 
@@ -121,3 +122,17 @@ def test_openscad_and_manifold_make_the_same_solid_of_a_tree_of_all_kinds(segmen
 def test_openscad_draws_the_same_letters(render):
     tree = Text("R2-#8", 5.0, 1.5)
     assert render(print_source(tree)).volume == pytest.approx(to_manifold(tree).volume(), rel=1e-4)
+
+
+@pytest.mark.parametrize("letter", "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-._/:+#")
+def test_every_letter_stands_on_the_line_between_its_neighbours(letter):
+    x0, y0, z0, x1, y1, z1 = to_manifold(Text(letter, 6.0, 2.0)).bounding_box()
+    half = 6.0 * STROKE / 2 + 1e-9
+    assert -half <= x0 and x1 <= 4 + half and -half <= y0 and y1 <= 6 + half
+    assert (z0, z1) == (0.0, 2.0)
+
+
+@pytest.mark.parametrize(("text", "why"), [("é", "cannot draw 'é'"), (" ", "a text needs a letter")])
+def test_a_letter_that_is_not_there_is_refused(text, why):
+    with pytest.raises(ValueError, match=why):
+        Text(text, 5.0, 1.0)

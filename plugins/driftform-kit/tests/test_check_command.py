@@ -168,7 +168,7 @@ def exported_kit(call: Call, *options: str) -> Path:
 
 
 def test_a_3mf_of_a_kit_is_checked_with_the_options_and_for_the_printer_that_it_was_made_for(call: Call) -> None:
-    made = ("ballast=[[0.04,0.006]]", "engrave=TP5", "engrave_depth=0.0005", "bed=[0.2,0.2,0.26]", "nozzle=0.0005")
+    made = ("ballast=[[0.04,0.006]]", "lap=0.007", "bed=[0.2,0.2,0.26]", "nozzle=0.0005")
     path = exported_kit(call, *made)
     result = call("check", path, "--no-programs", "--json")
     assert result.exit_code == 0, result.stdout + result.stderr

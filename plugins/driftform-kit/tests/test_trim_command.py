@@ -180,7 +180,7 @@ def test_a_ball_that_was_printed_in_is_taken_off_what_is_weighed(call: Call) -> 
 @pytest.mark.long
 def test_the_commands_to_copy_carry_what_the_user_gave(call: Call) -> None:
     given = (
-        *("--kit", "--format", "3mf,stl", "--bed", "220,200,45", "--option", "engrave='7'"),
+        *("--kit", "--format", "3mf,stl", "--bed", "220,200,45", "--option", "lap=0.007"),
         *("--option", "joint=rabbet", "--ballast-density", "11340"),
     )
     text = call("trim", WORD, *NEUTRAL, *given, "--printed-mass", 0.0292, "--simulator", "native").stdout
@@ -194,7 +194,7 @@ def test_the_commands_to_copy_carry_what_the_user_gave(call: Call) -> None:
     with zipfile.ZipFile(next(file["path"] for file in written if file["format"] == "3mf")) as archive:
         options = json.loads(archive.read("Metadata/kit.json"))
     assert options["bed"] == [0.22, 0.2, 0.045] and options["ballast_density"] == 11340
-    assert (options["engrave"], options["joint"], len(options["ballast"])) == ("7", "rabbet", 1)
+    assert (options["lap"], options["joint"], len(options["ballast"])) == (0.007, "rabbet", 1)
     # The sheet of that kit has the command to trim it, for the format that it was written with.
     sheet = next(Path("kit").glob("*-assembly-2.svg")).read_text(encoding="utf-8")
     again = call(*(word if word != "KG" else "0.0293" for word in trim[1:]))

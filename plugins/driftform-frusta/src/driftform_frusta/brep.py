@@ -3,6 +3,7 @@
 Needs the extra ``step``; Open CASCADE is imported inside functions, because that takes seconds.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any, assert_never
 
@@ -58,7 +59,7 @@ def _measure(shape: Any, what: str) -> float:
 def _interpret(node: Node) -> Any:
     match node:
         case csg.Revolve():
-            shape = _revolve(half_section(node))
+            shape = _revolve(half_section(node), math.radians(node.angle_deg))
         case csg.Text():
             shape = _make_letters(node)
         case csg.Union():
@@ -103,13 +104,13 @@ def _move(node: csg.Translate | csg.Rotate) -> Any:
     return BRepBuilderAPI_Transform(_interpret(node.child), transform, True).Shape()
 
 
-def _revolve(polygons: Sequence[FloatArray]) -> Any:
+def _revolve(polygons: Sequence[FloatArray], angle: float) -> Any:
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeRevol
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt
 
     axis = gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
     face = _make_face([np.column_stack([p[:, 0], np.zeros(len(p)), p[:, 1]]) for p in polygons])
-    return _turn_outside_out(BRepPrimAPI_MakeRevol(face, axis).Shape())
+    return _turn_outside_out(BRepPrimAPI_MakeRevol(face, axis, angle).Shape())
 
 
 def _make_letters(node: csg.Text) -> Any:

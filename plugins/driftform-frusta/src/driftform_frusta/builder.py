@@ -81,8 +81,8 @@ class FrustaOptions(Table):
     )
     made_as: Literal["hull", "kit"] = option(
         "hull",
-        "what is weighed: 'hull', the sealed hull in one piece; 'kit', the parts of a kit, with their joints, seats and "
-        "engraving, as the exporters cut it with the same options",
+        "what is weighed: 'hull', the sealed hull in one piece; 'kit', the parts of a kit, with their joints and "
+        "seats, as the exporters cut it with the same options",
     )
     kit: KitOptions | None = option(None, "options of that kit, the same as those of the exporters")
     tuning: Literal["none", "ballast", "wall"] = option(

@@ -23,7 +23,7 @@ Vector: TypeAlias = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Revolve:
-    """A meridian section revolved about z.
+    """A meridian section revolved about z, all round or from the half-plane of x > 0 by ``angle_deg``.
 
     ``outline`` and each of ``holes`` is a closed polygon of (r, z) points, in either sense of rotation, the
     last joined to the first; the holes are subtracted from the outline before it is revolved. What lies at
@@ -32,6 +32,7 @@ class Revolve:
 
     outline: tuple[Point, ...]
     holes: tuple[tuple[Point, ...], ...] = ()
+    angle_deg: float = 360.0
 
 
 @dataclass(frozen=True)

@@ -1,23 +1,17 @@
 """The options of a kit."""
 
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
 from driftform.interfaces import Printer, Table, option
-from driftform_frusta.lettering import missing_letters
 
 STEEL, LEAD = 7850.0, 11340.0
 """Densities of steel and lead, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
 
-GROOVE_SHARE = 0.8
-"""Room between bore and groove over the cord of an O-ring: a squeeze of 20 %, usual for a seal at rest."""
-
-GROOVE_WIDTH = 1.1
-"""Width of the groove's bottom over the cord: with the sloped side, the ring fills two thirds of the groove."""
-
-GROOVE_MARGIN = 0.001
-"""m of sleeve on either side of a groove."""
+CORD = 0.00178
+"""m: cord of the O-ring of a bayonet, the thinnest section of AS568 that is sold in all sizes."""
 
 MAX_BALLS = 2
 """Balls of ballast: two give every mass and moment that one alone has no room for."""
@@ -36,19 +30,24 @@ class KitOptions(Table):
     clearance: float = option(
         0.0002, "gap between parts that fit into each other, and between seat and core", "m", ge=0.00005, le=0.002
     )
-    joint: Literal["auto", "sleeve", "rabbet"] = option(
+    joint: Literal["auto", "sleeve", "rabbet", "bayonet"] = option(
         "auto",
         "joint of the shells around the core: 'sleeve', a ring inside that slides into the other shell, at "
         "the core's equator or as near to it as the core leaves room; 'rabbet', a step in the thickness of the wall, at "
-        "the equator; 'auto', a sleeve if there is room for one",
+        "the equator; 'auto', a sleeve if there is room for one; 'bayonet', a sleeve that a turn locks and opens again, with an O-ring",
     )
-    sleeve: float = option(0.0012, "thickness of a sleeve", "m", ge=0.0004, le=0.01)
+    sleeve: float = option(0.0012, "thickness of a sleeve; an O-ring makes it thicker", "m", ge=0.0004, le=0.01)
     lap: float = option(
-        0.006, "length of a sleeve within the other part; a rabbet has half of it", "m", ge=0.002, le=0.05
+        0.006,
+        "length of a sleeve within the other part; a rabbet has half of it; an O-ring and a bayonet make it longer",
+        "m",
+        ge=0.002,
+        le=0.05,
     )
     o_ring: float = option(
         0.0,
-        "cord diameter of the O-ring in each sleeve, for which a groove is cut; 0: no O-rings, the joints are glued",
+        "cord diameter of the O-ring in each sleeve, for which a groove is cut, such as 0.00178, 0.00262 or 0.00353; 0: the joints "
+        "are glued, and a bayonet has 0.00178",
         "m",
         ge=0,
         le=0.01,
@@ -71,10 +70,14 @@ class KitOptions(Table):
         ge=0,
         le=0.02,
     )
-    engrave: str = option("", "text to engrave in each part of a kit that has enough room", max_length=40)
-    engrave_side: Literal["outside", "inside"] = option("outside", "side of the wall to engrave")
-    engrave_depth: float = option(0.0004, "depth of the engraving", "m", gt=0, le=0.005)
-    engrave_size: float = option(0.005, "height of its capital letters", "m", ge=0.001, le=0.1)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _drop_what_older_runs_left_out(cls, values: object) -> object:
+        """Options of a text on the parts are stated in runs and files of 0.2.0, most often without one."""
+        if isinstance(values, Mapping) and not values.get("engrave"):
+            return {key: value for key, value in values.items() if not str(key).startswith("engrave")}
+        return values
 
     @field_validator("bed", "ballast", mode="before")
     @classmethod
@@ -91,34 +94,23 @@ class KitOptions(Table):
             )
         return value
 
-    @field_validator("engrave")
-    @classmethod
-    def _can_be_engraved(cls, value: str) -> str:
-        if letters := missing_letters(value):
-            raise ValueError(f"cannot engrave {letters!r}; use digits, A to Z and - . _ / : + #")
-        return value
-
     @property
-    def groove(self) -> float:
-        """Depth of the O-ring's groove, m; 0 without an O-ring."""
-        return max(0.0, GROOVE_SHARE * self.o_ring - self.clearance)
+    def cord(self) -> float:
+        """Cord diameter of the O-ring of the joint at the core, m; 0 without one."""
+        return self.o_ring or (CORD if self.joint == "bayonet" else 0.0)
 
     @model_validator(mode="after")
-    def _sleeve_takes_the_groove(self) -> "KitOptions":
-        if not self.o_ring:
-            return self
-        if self.joint == "rabbet":
+    def _joint_takes_what_is_asked_of_it(self) -> "KitOptions":
+        if self.o_ring and self.joint == "rabbet":
             raise ValueError(
                 "a rabbet has no room for an O-ring: set joint to 'sleeve', or o_ring to 0 and glue the joint"
             )
-        along = GROOVE_WIDTH * self.o_ring + self.groove + 2 * GROOVE_MARGIN
-        for what, given, needed in (("sleeve", self.sleeve, self.groove + self.nozzle), ("lap", self.lap, along)):
-            # A printer cannot resolve a tenth of a micrometre.
-            if given < needed - 1e-7:
-                raise ValueError(
-                    f"the groove for an O-ring of {1e3 * self.o_ring:g} mm needs a {what} of {needed:.4g} m or more, "
-                    f"not {given:g}"
-                )
+        # Of a lug, 0.8 mm high, half must hold.
+        if self.joint == "bayonet" and self.clearance > 0.0004:
+            raise ValueError(
+                f"with a clearance of {self.clearance:g} m the lugs of a bayonet hold too little: set clearance to "
+                "0.0004 or less, or joint to 'auto'"
+            )
         return self
 
 

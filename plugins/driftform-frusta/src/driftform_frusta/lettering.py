@@ -1,4 +1,4 @@
-"""Letters of straight strokes, for engraving: the same on every machine, whatever its fonts.
+"""Letters of straight strokes, for texts on parts: the same on every machine, whatever its fonts.
 
 Each letter is drawn on a grid of 4 by 6 units; small letters are drawn as capitals.
 """

@@ -24,6 +24,12 @@ _AREA_FACTOR = """\
 area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));
 """
 
+_SECTOR = """\
+// Of a part of a turn: how many corners a whole turn would have, and the factor on radii that gives it its area.
+function sector_steps(angle) = 360 / angle * max(3, round($fn * angle / 360));
+function sector_factor(angle) = let (step = 360 / sector_steps(angle)) sqrt(step * PI / 180 / sin(step));
+"""
+
 _LETTERS = """\
 // Strokes of a pen with eight corners, from one end to the other.
 module letters(height, pen, strokes) {
@@ -45,7 +51,11 @@ def fill_source(name: str, **values: object) -> str:
 
 def write_definitions(source: str, segments: int) -> str:
     """Return the definitions that source of :func:`write_module` uses: the number of corners, factors on radii, and modules."""
-    used = [text for call, text in (("area_factor", _AREA_FACTOR), (" letters(", _LETTERS)) if call in source]
+    used = [
+        text
+        for call, text in (("area_factor", _AREA_FACTOR), ("sector_", _SECTOR), (" letters(", _LETTERS))
+        if call in source
+    ]
     return "\n".join([f"$fn = {segments};\n", *used])
 
 
@@ -92,7 +102,11 @@ def _revolve(node: csg.Revolve) -> list[str]:
         )
         section = _block("intersection()", [section, half_plane])
     # Without convexity the preview draws what a concave section hides in front of it.
-    return _put_above(f"rotate_extrude(convexity = {_CONVEXITY})", _put_above("scale([area_factor, 1])", section))
+    if node.angle_deg == 360:
+        return _put_above(f"rotate_extrude(convexity = {_CONVEXITY})", _put_above("scale([area_factor, 1])", section))
+    angle = format_number(node.angle_deg)
+    head = f"rotate_extrude(angle = {angle}, convexity = {_CONVEXITY}, $fn = sector_steps({angle}))"
+    return _put_above(head, _put_above(f"scale([sector_factor({angle}), 1])", section))
 
 
 def _text(node: csg.Text) -> list[str]:

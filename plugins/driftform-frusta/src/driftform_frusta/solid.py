@@ -6,6 +6,7 @@ vertex is where the profile has it to the last bit, and two profiles that share 
 the rest.
 """
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -89,7 +90,7 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
             return to_solid(node.child, segments)
         case csg.Translate():
             return to_solid(node.child, segments).translate(node.offset)
-        case csg.Revolve():
+        case csg.Revolve(angle_deg=360.0):
             return revolve_profiles(half_section(node), segments)
         case _:
             return Solid.from_manifold(to_manifold(node, segments))
@@ -111,7 +112,8 @@ def _interpret(node: Node, segments: int) -> Manifold:
 
     match node:
         case csg.Revolve():
-            solid = revolve_profiles(half_section(node), segments).to_manifold()
+            whole = node.angle_deg == 360
+            solid = to_solid(node, segments).to_manifold() if whole else _revolve_sector(node, segments)
         case csg.Text():
             solid = draw_letters(node.text, node.size).extrude(node.height)
         case csg.Union():
@@ -129,6 +131,14 @@ def _interpret(node: Node, segments: int) -> Manifold:
         case _:
             assert_never(node)
     return solid
+
+
+def _revolve_sector(node: csg.Revolve, segments: int) -> Manifold:
+    """A part of a turn, whose radii are scaled so that it has the area of its sector."""
+    steps = max(3, round(segments * node.angle_deg / 360))
+    step = math.radians(node.angle_deg) / steps
+    section = CrossSection(half_section(node)).scale((math.sqrt(step / math.sin(step)), 1.0))
+    return section.revolve(steps, node.angle_deg)
 
 
 def draw_letters(text: str, size: float) -> CrossSection:

@@ -1,6 +1,6 @@
 """What is known of a kit: its weight with its core, the places of its ballast, and its facts."""
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from driftform_frusta.kit_options import KitOptions, PartOptions
 from driftform_kit.ballast import ball_mass, name_material
 from driftform_kit.cutting.accounting import kit_mass, measure_flooding, piece_mass, weigh_kit
 from driftform_kit.cutting.coupon import describe_coupon
+from driftform_kit.cutting.joint import find_seal
 from driftform_kit.cutting.meridian import MM
 from driftform_kit.cutting.pieces import Kit, make_kit
 
@@ -65,7 +66,7 @@ def report_kit(body: Body, options: KitOptions) -> KitReport:
 def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     """Return the facts of a job's kit, under the key ``kit``.
 
-    ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``parts``: of each its ``name``, ``mass_kg``,
+    ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``seal``: of its O-ring, as :class:`Seal` has it. ``parts``: of each its ``name``, ``mass_kg``,
     ``height_mm`` and ``bed_end``. ``ballast``: of each ball of the options its ``x_mm`` and ``diameter_mm``, the ``part`` that
     holds it, the joint that it goes in by (``mouth_mm``) or the height at which the printer pauses for it (``pause_mm``),
     ``held_by``: ``seat`` or ``wall``, its ``material`` and its ``mass_kg``. ``balance``: mass (kg), x of the centres of
@@ -79,6 +80,7 @@ def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     kit = make_kit(body, options)
     facts: dict[str, Any] = {
         "joint": {"kind": kit.core_joint.kind, "x_mm": kit.core_joint.z, "why": kit.reason},
+        **({"seal": asdict(seal)} if (seal := find_seal(kit.hull, kit.core_joint)) else {}),
         "parts": [
             {
                 "name": piece.name,

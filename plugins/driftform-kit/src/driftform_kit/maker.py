@@ -3,12 +3,13 @@
 from driftform.errors import WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform.types import Body
-from driftform_frusta.csg import MM, Difference, Named, Node, Revolve, Translate
+from driftform_frusta.csg import MM, Named, Revolve, Translate
 from driftform_frusta.hull import refuse_other_volume
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import Part
-from driftform_frusta.solid import Solid, to_manifold, to_solid
+from driftform_frusta.solid import to_solid
 from driftform_kit.cutting.accounting import measure_fittings, place_ballast
+from driftform_kit.cutting.bayonet import add_details
 from driftform_kit.cutting.coupon import make_coupon
 from driftform_kit.cutting.meridian import moments, split_rings
 from driftform_kit.cutting.pieces import Piece, add_brim, make_kit
@@ -33,10 +34,9 @@ def _make_part(piece: Piece, lift: float, options: PartOptions) -> Part:
     shape = Revolve(*split_rings(rings))
     solid = to_solid(shape, segments)
     refuse_other_volume(solid.volume, moments(rings).volume, piece.name)
-    tree: Node = shape
-    if piece.engraved is not None:
-        tree = Difference(shape, (piece.engraved.tool,))
-        solid = Solid.from_manifold(solid.to_manifold() - to_manifold(piece.engraved.tool, segments))
+    tree = add_details(shape, piece.details)
+    if piece.details:
+        solid = to_solid(tree, segments)
     if solid.pieces != 1:
         raise WorkFailedError(f"no kit can be made: its {piece.name} falls into pieces")
     label = f"{piece.name}, as joined; fore end up"

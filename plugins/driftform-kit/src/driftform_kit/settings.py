@@ -2,7 +2,6 @@
 
 import json
 import shlex
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -62,12 +61,5 @@ def list_arguments(names: Iterable[str], options: Table) -> str:
 
 
 def _write_value(value: Any) -> str:
-    """A value as a setting has it: text without quotes, unless it would be read as another value."""
-    written = json.dumps(value, separators=(",", ":"))
-    if not isinstance(value, str) or value != value.strip():
-        return written
-    try:
-        tomllib.loads(f"value = {value}")
-    except ValueError:
-        return value
-    return written
+    """A value as a setting has it: text without quotes."""
+    return value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))

@@ -8,7 +8,6 @@ from driftform.types import Agent, Body, Fittings, MassProperties, Moments
 from driftform_frusta.hull import wall_moments
 from driftform_frusta.kit_options import KitOptions, PartOptions
 from driftform_kit.ballast import NEGLIGIBLE, ball_diameter, ball_mass
-from driftform_kit.cutting.engraving import Engraving
 from driftform_kit.cutting.meridian import MM, moments
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
 
@@ -23,8 +22,7 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     """Return mass properties of the assembled kit with its core.
 
     Ballast, and the putty of trim pockets, are not counted, but seats are. Parts of revolution are integrated in closed form; glue
-    and O-rings weigh nothing here, and holes of ``drain`` are taken to be plugged flush. An engraving is taken out as a point
-    mass on the axis, and outside it fills with water.
+    and O-rings weigh nothing here, and holes of ``drain`` are taken to be plugged flush.
     """
     emptied = tuple(replace(pocket, density=0.0) for pocket in body.pockets)
     fittings = measure_fittings(body, options)
@@ -107,29 +105,22 @@ def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
 
 
 def measure_fittings(body: Body, options: KitOptions) -> Fittings:
-    """Return what a kit has in addition to the wall of a body: joints, seats and fillings, less holes and engravings.
-
-    An engraving on one side moves the centre of gravity off the axis by micrometres, which are left out.
-    """
-    kit = make_kit(body, options)
-    removed = sum((_point_moments(text) for text in kit.engravings), Moments())
-    flooded = removed if options.engrave_side == "outside" else Moments()
-    return Fittings(kit_moments(kit) - wall_moments(body) - removed, Moments() - flooded)
+    """Return what a kit has in addition to the wall of a body: joints, seats and fillings, less holes."""
+    return Fittings(kit_moments(make_kit(body, options)) - wall_moments(body))
 
 
 def kit_moments(kit: Kit) -> Moments:
-    """Return the volume integrals of all parts, without engravings."""
-    return sum((moments(piece.rings) for piece in kit.pieces), Moments())
+    """Return the volume integrals of all parts."""
+    return sum(map(_piece_moments, kit.pieces), Moments())
 
 
-def _point_moments(text: Engraving) -> Moments:
-    x, y, z = text.centroid.tolist()
-    return Moments(text.volume, text.volume * x, text.volume * x**2, text.volume * (y**2 + z**2))
+def _piece_moments(piece: Piece) -> Moments:
+    return sum((detail.moments for detail in piece.details), moments(piece.rings))
 
 
 def piece_mass(piece: Piece, density: float) -> float:
     """Return the mass of a part of a material of ``density`` (kg/m3), kg."""
-    return density * (moments(piece.rings).volume - (piece.engraved.volume if piece.engraved else 0.0))
+    return density * _piece_moments(piece).volume
 
 
 def measure_flooding(kit: Kit, body: Body, water: float) -> float:

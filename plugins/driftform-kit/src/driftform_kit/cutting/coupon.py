@@ -5,17 +5,24 @@ printed to find the clearance of a printer: the least at which the socket slides
 """
 
 import math
+from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
+
+from manifold3d import CrossSection
 
 from driftform.types import Body
 from driftform_frusta.csg import Difference, Named, Node, Revolve, Text, Translate, Union
-from driftform_frusta.kit_options import GROOVE_MARGIN, GROOVE_SHARE, GROOVE_WIDTH, PartOptions
+from driftform_frusta.kit_options import CORD, PartOptions
 from driftform_frusta.lettering import STROKE, text_length
 from driftform_frusta.parts import Part
 from driftform_frusta.solid import to_solid
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import SEAT, Ball, draw_seat
-from driftform_kit.cutting.joint import Joint, draw_joint
+from driftform_kit.cutting.bayonet import Detail, add_details, cut_tracks, draw_lugs
+from driftform_kit.cutting.cut import make_sleeve
+from driftform_kit.cutting.gland import choose_gland
+from driftform_kit.cutting.joint import LIP, draw_joint, seal_bore
 from driftform_kit.cutting.meridian import MM
 
 CLEARANCES = (0.1, 0.15, 0.2, 0.25, 0.3)
@@ -23,9 +30,6 @@ CLEARANCES = (0.1, 0.15, 0.2, 0.25, 0.3)
 
 MAX_LINES = 4
 """Printed lines of its wall: a hull under pressure may have more."""
-
-CORD = 1.5
-"""mm: diameter of the O-ring whose groove is cut if a kit has none."""
 
 _COLUMNS = 3
 _SHARED = 0.5
@@ -43,25 +47,30 @@ def make_coupon(body: Body, options: PartOptions) -> Part:
 
     Raises WorkFailedError if it has no solid.
     """
-    core, cord = MM * body.core.radius, MM * options.o_ring or CORD
-    thick = max(MM * options.sleeve, GROOVE_SHARE * cord - CLEARANCES[0] + MM * options.nozzle)
-    lap = max(MM * options.lap, (GROOVE_WIDTH + GROOVE_SHARE) * cord + 2 * MM * GROOVE_MARGIN)
-    # The sleeve is thinnest at the largest clearance, and a seat ends at the wall, at 45 degrees.
-    bore = core + 2 * CLEARANCES[-1] + thick
-    low, high = -(bore + 2 * SEAT), lap + 1.0
+    core, sealed = MM * body.core.radius, options.model_copy(update={"o_ring": options.cord or CORD})
+    models = [make_sleeve(0.0, -1, sealed.model_copy(update={"clearance": gap / MM}), True) for gap in CLEARANCES]
+    gland, lap = choose_gland(MM * sealed.o_ring), models[0].lap
     # A wall of more lines fits alike, and takes longer to print.
     wall = MM * min(body.wall, MAX_LINES * options.nozzle)
-    hull = meridian.draw_tube(bore, wall, core, low, high)
+    # The sleeve is thinnest at the largest clearance. A ring that is sold fits within a step of the sizes.
+    need = core + 2 * CLEARANCES[-1] + models[0].plug
+    bore = next(r for r in (seal_bore(gland, need + 0.05 * k) for k in range(100)) if r >= need)
+    tube = bore + max(0.0, gland.proud + LIP - wall)
+    # A seat ends at the wall, at 45 degrees.
+    low, high = -(tube + 2 * SEAT), lap + 1.0
+    hull = meridian.draw_tube(tube, wall, core, low, high)
     cells = []
-    for gap in CLEARANCES:
+    for model in models:
         # The core passes the plug with this clearance.
-        joint = Joint(0.0, -1, "sleeve", lap, bore - core - 2 * gap, gap, GROOVE_SHARE * cord - gap, cord)
-        plug = (hull.material ^ meridian.make_slab(low, 0.0)) + draw_joint(hull, joint)[2]
-        seat = draw_seat(hull, Ball(0.0, core), plug, meridian.make_slab(high, high + 1), -1, gap)
+        joint = replace(model, plug=bore - core - 2 * model.gap)
+        pad, pocket, ring = draw_joint(hull, joint)
+        plug = (hull.material ^ meridian.make_slab(low, 0.0)) + ring
+        seat = draw_seat(hull, Ball(0.0, core), plug, meridian.make_slab(high, high + 1), -1, joint.gap)
         assert seat is not None  # A straight tube has room.
-        cells.append(Revolve(*meridian.split_rings(meridian.list_rings(meridian.take_half(plug + seat)))))
-    socket = hull.material ^ meridian.make_slab(low, low + high)
-    cells.append(Revolve(*meridian.split_rings(meridian.list_rings(meridian.take_half(socket)))))
+        cells.append(_make_cell(plug + seat, cut_tracks(joint, bore, plug) if joint.kind == "bayonet" else ()))
+    socket = (hull.material + pad ^ meridian.make_slab(0.0, high)) - pocket
+    ring_cell = _make_cell(socket, [draw_lugs(joint, bore, socket)] if joint.kind == "bayonet" else ())
+    cells.append(Translate((0.0, 0.0, low), ring_cell))
     pitch = 2 * hull.widest - _SHARED
     placed: list[Node] = []
     for place, cell in enumerate(cells):
@@ -75,11 +84,16 @@ def make_coupon(body: Body, options: PartOptions) -> Part:
     return Part("fit coupon", tree, to_solid(tree, options.segments))
 
 
+def _make_cell(section: CrossSection, details: Iterable[Detail]) -> Node:
+    shape = Revolve(*meridian.split_rings(meridian.list_rings(meridian.take_half(section))))
+    return add_details(shape, details)
+
+
 def describe_coupon(body: Body, options: PartOptions) -> dict[str, Any]:
     """Return the ``core_mm`` and the ``o_ring_mm`` of a coupon, and the ``next`` step."""
     return {
         "core_mm": 2 * MM * body.core.radius,
-        "o_ring_mm": MM * options.o_ring or CORD,
+        "o_ring_mm": MM * (options.cord or CORD),
         "next": "print it as you print kits; take the least number (mm) at which the loose ring slides on by hand, with a greased "
         "O-ring too if you use some, and at which the core drops to its seat; then give that clearance, in m, to all kits: "
         "--option clearance=0.00015",

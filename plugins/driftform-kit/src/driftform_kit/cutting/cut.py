@@ -12,7 +12,9 @@ from driftform.agent import distance_from
 from driftform.errors import WorkFailedError
 from driftform_frusta.kit_options import KitOptions
 from driftform_kit.cutting.bay import core_ball
-from driftform_kit.cutting.joint import Joint, Line, plug_bore, radii_along, trace_mouth
+from driftform_kit.cutting.bayonet import LUG, track_length
+from driftform_kit.cutting.gland import choose_gland
+from driftform_kit.cutting.joint import LIP, Joint, Line, plug_bore, radii_along, seal_length, trace_mouth
 from driftform_kit.cutting.meridian import MM, Hull
 
 STEP = 0.25
@@ -37,8 +39,8 @@ _ROUNDING = 0.01
 def choose_core_joint(hull: Hull, options: KitOptions) -> tuple[Joint, str]:
     """Return the joint of the two shells, through which the core is inserted, and the reason for the choice.
 
-    It is a sleeve as near to the core's equator as possible, or a rabbet at the equator. Fails if the requested joint, or any
-    joint, has no room.
+    It is a sleeve, or a bayonet if that is asked for, as near to the core's equator as possible, or a rabbet at the equator. Fails if
+    the requested joint, or any joint, has no room.
     """
     sleeve = None if options.joint == "rabbet" else _find_sleeve(hull, options)
     if sleeve is not None:
@@ -48,11 +50,17 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> tuple[Joint, str]:
             if not away
             else f"{away:g} mm {_name_side(1 if sleeve.z > 0 else -1)} of the core's equator, where the core leaves room inside"
         )
-        return sleeve, f"a sleeve of {sleeve.plug:g} mm {place}"
+        return sleeve, f"a {sleeve.kind} of {sleeve.plug:.4g} mm {place}"
+    tried = make_sleeve(0.0, 1, options, seals=True)
     no_sleeve = (
-        f"no sleeve of {MM * options.sleeve:g} mm fits beside the core: on neither side does the hull stay as wide "
-        f"as the core for the {MM * options.lap:g} mm of its lap and a wall to hold it"
+        f"no {tried.kind} of {tried.plug:.4g} mm fits beside the core: on neither side does the hull stay as wide "
+        f"as the core for the {tried.lap:.4g} mm of its lap and a wall to hold it"
     )
+    if tried.kind == "bayonet":
+        raise WorkFailedError(
+            f"no kit can be made: {no_sleeve}, with a cavity of {2 * (hull.room(tried.gap) + LUG):.1f} mm or more across there. A larger radius of the hull "
+            "would do, a smaller core, or a thinner cord (o_ring); or set joint to 'auto', and glue it"
+        )
     if options.joint == "sleeve":
         raise WorkFailedError(f"{no_sleeve}; set joint to 'rabbet', or lap or sleeve to less")
     if options.o_ring:
@@ -67,7 +75,8 @@ def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
         fitting = [
             joint
             for side in (1, -1)
-            if away in roomy[side] and _takes_core(hull, joint := make_sleeve(side * away, side, options), need)
+            if away in roomy[side]
+            and _takes_core(hull, joint := make_sleeve(side * away, side, options, seals=True), need)
         ]
         if fitting:
             # The wider mouth takes a wider plug.
@@ -77,7 +86,8 @@ def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
 
 def _list_roomy(hull: Hull, side: int, need: float, options: KitOptions) -> set[float]:
     """Distances from the core's equator, mm, at which a plug may leave room for the core, which passes so far."""
-    gap, plug, lap = MM * options.clearance, MM * options.sleeve, MM * options.lap
+    tried = make_sleeve(0.0, side, options, seals=True)
+    gap, plug, lap = tried.gap, tried.plug, tried.lap
     away = np.arange(0.0, 4 * hull.reach, STEP)
     mouth = hull.bore_radius(side * away)
     narrow = np.flatnonzero(mouth < need)
@@ -91,25 +101,30 @@ def _list_roomy(hull: Hull, side: int, need: float, options: KitOptions) -> set[
     return set(away[wide].tolist())
 
 
-def make_sleeve(z: float, side: int, options: KitOptions) -> Joint:
-    """Return a sleeve joint at a height."""
-    return Joint(
-        z=z,
-        side=side,
-        kind="sleeve",
-        lap=MM * options.lap,
-        plug=MM * options.sleeve,
-        gap=MM * options.clearance,
-        groove=MM * options.groove if options.o_ring else 0.0,
-        cord=MM * options.o_ring,
-    )
+def make_sleeve(z: float, side: int, options: KitOptions, seals: bool = False) -> Joint:
+    """Return a sleeve at a height, or, where the core goes in and it ``seals``, the bayonet that is asked for.
+
+    With an O-ring it is thick enough for two printed lines below the groove, and long enough for all that it has.
+    """
+    bayonet = options.joint == "bayonet"
+    cord = MM * (options.cord if seals or not bayonet else 0.0)
+    plug, lap, gap = MM * options.sleeve, MM * options.lap, MM * options.clearance
+    if not cord:
+        return Joint(z, side, "sleeve", lap, plug, gap)
+    gland = choose_gland(cord)
+    plug = max(plug, gland.depth - gap + max(LIP, 2 * MM * options.nozzle))
+    lap = max(lap, seal_length(gland) + (track_length() if bayonet else 0.0))
+    return Joint(z, side, "bayonet" if bayonet else "sleeve", lap, plug, gap, gland)
 
 
 def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
     """Return whether the core passes the socket, whose radius must be ``need`` or more, and leaves room for the plug."""
     line = trace_mouth(hull, joint)
-    if line[-1][1] < need or not _is_rooted(hull, joint, line):
+    if line[-1][1] - (LUG if joint.kind == "bayonet" else 0.0) < need or not _is_rooted(hull, joint, line):
         return False
+    if joint.gland:
+        # Behind the chamfer it is a cylinder.
+        line = [(0.0, line[-1][1]), line[-1]]
     passage = joint.side * joint.z
     s = np.linspace(-joint.lap, 0.0, 2 + math.ceil(joint.lap / STEP))
     inside = radii_along(line, -s) - _slant_factor(line) * (joint.gap + joint.plug)
@@ -172,7 +187,8 @@ def _make_step(hull: Hull, z: float, side: int, options: KitOptions) -> Joint | 
     along = z - side * np.linspace(-plug, lap + gap, 2 * math.ceil(lap / STEP))
     line = np.column_stack((along, np.maximum(hull.bore_radius(along), hull.bore_at(z))))
     wall = float(distance_from(line, hull.skin).min())
-    if options.o_ring or not hull.bore_at(z) or wall < 2 * plug + gap:
+    sealed = options.o_ring and options.joint != "bayonet"
+    if sealed or not hull.bore_at(z) or wall < 2 * plug + gap:
         return None
     return Joint(z, side, "rabbet", lap, min((wall - gap) / 2, MAX_STEP), gap)
 

@@ -16,11 +16,18 @@ import numpy as np
 from manifold3d import CrossSection
 
 from driftform.types import FloatArray
-from driftform_frusta.kit_options import GROOVE_WIDTH
+from driftform_kit.cutting.gland import Gland, Seal
 from driftform_kit.cutting.meridian import FAR, Hull, grow, make_polygons, make_slab
 
 LEAD = 0.3
 """mm: chamfer of a sleeve's tip, which guides it into the socket."""
+
+LIP = 0.82
+"""mm: two printed lines of the usual nozzle, and what facets take: wall that is left at the mouth of a socket with a seal, below
+its groove, and between its features."""
+
+_SLOPE = 3**0.5
+"""Length over depth of the chamfer that squeezes an O-ring as it goes in: 30 degrees."""
 
 Line: TypeAlias = list[tuple[float, float]]
 """The radius of a surface along a socket: (s, r), s from the cut towards the part with the plug."""
@@ -31,18 +38,17 @@ class Joint:
     """The place and the kind of a joint of two parts, whose outer surface is cut at ``z``; lengths in mm.
 
     The plug is on the part at its ``side``: +1 fore of the cut, -1 aft. It is ``lap`` long and ``plug`` thick, with a ``gap``
-    to the socket all round. As a sleeve it lies inside the cavity; in a rabbet both share the thickness of the wall. With a
-    groove in the plug for an O-ring, of that depth, the meeting surface is a cylinder; ``cord`` is the ring's diameter.
+    to the socket all round. As a sleeve or a bayonet it lies inside the cavity; in a rabbet both share the thickness of the wall. With
+    a gland for an O-ring, whose groove is in the plug, the meeting surface is a cylinder behind a chamfer.
     """
 
     z: float
     side: int
-    kind: Literal["sleeve", "rabbet"]
+    kind: Literal["sleeve", "rabbet", "bayonet"]
     lap: float
     plug: float
     gap: float
-    groove: float = 0.0
-    cord: float = 0.0
+    gland: Gland | None = None
 
     @property
     def tip(self) -> float:
@@ -73,8 +79,9 @@ def trace_mouth(hull: Hull, joint: Joint) -> Line:
     end = joint.lap + joint.gap
     depths = [0.0, *_list_depths(hull, joint, end), end]
     radii = [hull.bore_at(joint.z - joint.side * depth) for depth in depths]
-    if joint.groove:
-        return [(0.0, min(radii)), (-end, min(radii))]
+    if joint.gland:
+        bore = seal_bore(joint.gland, min(*radii, radii[0] + hull.wall - joint.gland.proud - LIP))
+        return [(0.0, bore + joint.gland.proud), (-_SLOPE * joint.gland.proud, bore), (-end, bore)]
     least = radii[0]
     line = [(0.0, least)]
     for s, before, r, r_before in zip(depths[1:], depths, radii[1:], radii, strict=False):
@@ -87,6 +94,16 @@ def trace_mouth(hull: Hull, joint: Joint) -> Line:
     if line[-1][0] > -end:
         line.append((-end, least))
     return line
+
+
+def seal_bore(gland: Gland, widest: float) -> float:
+    """Return the largest radius of a bore, up to the ``widest``, in which a ring that is sold fits its groove, mm."""
+    return gland.fit_groove(2 * (widest - gland.depth)) / 2 + gland.depth
+
+
+def seal_length(gland: Gland) -> float:
+    """Return the length of plug that a seal takes up, with the chamfer of its socket, mm."""
+    return _SLOPE * gland.proud + LIP + gland.bottom + gland.depth + LIP
 
 
 def _list_depths(hull: Hull, joint: Joint, end: float) -> list[float]:
@@ -106,13 +123,13 @@ def radii_along(line: Line, depths: FloatArray) -> FloatArray:
 
 def plug_bore(hull: Hull, joint: Joint) -> float:
     """Radius inside the plug at the cut."""
-    mouth = trace_mouth(hull, joint)[0][1] if joint.groove else hull.bore_at(joint.z)
+    mouth = trace_mouth(hull, joint)[-1][1] if joint.gland else hull.bore_at(joint.z)
     return mouth + joint.recess - joint.gap - joint.plug
 
 
-def groove_diameter(hull: Hull, joint: Joint) -> float:
-    """Return the diameter of the bottom of a joint's groove for an O-ring, mm."""
-    return 2 * (_plug_radius(joint, trace_mouth(hull, joint)) - joint.groove)
+def find_seal(hull: Hull, joint: Joint) -> Seal | None:
+    """Return the seal of a joint, ``None`` for one that is glued."""
+    return None if joint.gland is None else joint.gland.fit_ring(trace_mouth(hull, joint)[-1][1], joint.gap, joint.plug)
 
 
 def _plug_radius(joint: Joint, line: Line) -> float:
@@ -159,12 +176,11 @@ def _draw_relief(joint: Joint, line: Line) -> CrossSection:
     outer = surface + beyond
     chamfer = [(low - 1, -joint.lap - 1), (outer, -joint.lap + LEAD + beyond), (outer, -joint.lap - 1)]
     cut = _draw_symmetric(joint, chamfer)
-    if joint.groove:
-        bottom = surface - joint.groove
-        width = GROOVE_WIDTH * joint.cord
-        near = -(joint.lap - width - joint.groove) / 2
-        far = near - width
+    if joint.gland:
+        bottom = surface + joint.gap - joint.gland.depth
+        near = -_SLOPE * joint.gland.proud - LIP
+        far = near - joint.gland.bottom
         # The last side overhangs when the tip is up.
-        ring = [(surface + 1, near), (bottom, near), (bottom, far), (surface + 1, far - joint.groove - 1)]
+        ring = [(surface + 1, near), (bottom, near), (bottom, far), (surface + 1, far - (surface + 1 - bottom))]
         cut += _draw_symmetric(joint, ring)
     return cut

@@ -17,10 +17,10 @@ from driftform_kit.checks.overhangs import TURNS, list_orientations, prints_upsi
 from driftform_kit.checks.slenderness import find_brim
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, place_seats
+from driftform_kit.cutting.bayonet import Detail, cut_tracks, draw_lugs
 from driftform_kit.cutting.cut import choose_bed_joints, choose_core_joint
-from driftform_kit.cutting.engraving import Engraving, engrave, list_occupied
 from driftform_kit.cutting.held_ballast import HeldBall, hold_ballast
-from driftform_kit.cutting.joint import Joint, draw_joint
+from driftform_kit.cutting.joint import Joint, draw_joint, trace_mouth
 from driftform_kit.cutting.meridian import MM, Hull, Ring
 
 _RIM = 1.0
@@ -34,12 +34,13 @@ _MAX_DEPTH = 10.0
 class Piece:
     """One part of a kit, such as ``fore shell``; ``fore shell 2`` is the next one outward.
 
-    ``rings`` is its half section: (r, z) in mm, z from the core's centre towards fore; its text is in the same frame.
+    ``rings`` is its half section: (r, z) in mm, z from the core's centre towards fore; what it has, or lacks, beside its
+    body of revolution are its ``details``.
     """
 
     name: str
     rings: tuple[Ring, ...]
-    engraved: Engraving | None
+    details: tuple[Detail, ...] = ()
 
     @cached_property
     def fore_down(self) -> bool:
@@ -48,13 +49,13 @@ class Piece:
 
     @cached_property
     def upright(self) -> Mesh:
-        """Its mesh with its fore end up, without its text: mm, z as in its rings."""
+        """Its mesh with its fore end up, without its details: mm, z as in its rings."""
         solid = to_solid(Revolve(*meridian.split_rings(self.rings)))
         return Mesh(solid.vertices, solid.triangles, self.name)
 
     @cached_property
     def mesh(self) -> Mesh:
-        """Its mesh as printed, without its text: mm, z up."""
+        """Its mesh as printed, without its details: mm, z up."""
         turn = TURNS["upside down" if self.fore_down else "as placed"]
         return replace(self.upright, vertices=self.upright.vertices @ turn)
 
@@ -111,11 +112,6 @@ class Kit:
         # The top of the ball is below the next layer.
         return -held.side * held.ball.z + held.ball.radius - lowest
 
-    @property
-    def engravings(self) -> tuple[Engraving, ...]:
-        """The engravings of those parts that have one."""
-        return tuple(piece.engraved for piece in self.pieces if piece.engraved is not None)
-
 
 @lru_cache(maxsize=4)
 def make_kit(body: Body, options: KitOptions) -> Kit:
@@ -134,8 +130,8 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
             sections[end] = _add_drain(hull, sections[end], side, MM * options.drain)
     names = [_name_part(index, joints.index(core_joint)) for index in range(len(sections))]
     polygons = [_take_rings(section, name) for section, name in zip(sections, names, strict=True)]
-    engraved = _engrave_parts(hull, joints, found, options)
-    pieces = tuple(map(Piece, names, polygons, engraved))
+    locks = _make_locks(hull, core_joint, joints.index(core_joint), sections)
+    pieces = tuple(map(Piece, names, polygons, locks))
     return replace(bare, pieces=pieces, seats=found, ballast=ballast)
 
 
@@ -150,11 +146,6 @@ def _cut_hull(body: Body, options: KitOptions) -> tuple[Kit, tuple[CrossSection,
         hull_volume(body),
         "hull",
     )
-    if options.engrave and MM * options.engrave_depth > hull.wall / 2:
-        raise WorkFailedError(
-            f"no kit can be made: an engraving of {MM * options.engrave_depth:g} mm goes deeper than half the wall of "
-            f"{hull.wall:g} mm; make engrave_depth smaller"
-        )
     chosen, reason = choose_core_joint(hull, options)
     others = choose_bed_joints(hull, chosen, options)
     joints = tuple(sorted((chosen, *others), key=lambda joint: joint.z))
@@ -177,6 +168,16 @@ def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[Cross
         sections[with_socket] += meridian.subtract_near(pad, core)
         sections[with_socket] -= pocket
     return sections
+
+
+def _make_locks(hull: Hull, joint: Joint, index: int, parts: list[CrossSection]) -> list[tuple[Detail, ...]]:
+    """What each part has of the bayonet of the joint with an index, if it is one."""
+    locks: list[tuple[Detail, ...]] = [()] * len(parts)
+    if joint.kind == "bayonet":
+        bore = trace_mouth(hull, joint)[-1][1]
+        plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
+        locks[plug], locks[socket] = cut_tracks(joint, bore, parts[plug]), (draw_lugs(joint, bore, parts[socket]),)
+    return locks
 
 
 def _add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) -> CrossSection:
@@ -215,20 +216,3 @@ def _take_rings(section: CrossSection, name: str) -> tuple[Ring, ...]:
         raise WorkFailedError(f"no kit can be made: its {name} falls into {len(right.decompose())} pieces")
     # A pocket between a plug and a seat would be sealed: it is filled.
     return tuple(ring for ring in meridian.list_rings(right) if meridian.signed_area(ring) > 0)
-
-
-def _engrave_parts(
-    hull: Hull, joints: tuple[Joint, ...], found: tuple[Seat, ...], options: KitOptions
-) -> list[Engraving | None]:
-    bounds = [float(hull.skin[0, 0]), *(joint.z for joint in joints), float(hull.skin[-1, 0])]
-    if not options.engrave:
-        return [None] * (len(bounds) - 1)
-    seated = [seat.section.bounds() for seat in found]
-    taken = list_occupied(joints, [(box[1], box[3]) for box in seated], options.engrave_side == "inside")
-    cut = [engrave(hull, low, high, taken, options) for low, high in pairwise(bounds)]
-    if all(tool is None for tool in cut):
-        raise WorkFailedError(
-            f"no kit can be made: no part has room for {options.engrave!r} in letters of "
-            f"{MM * options.engrave_size:g} mm; make engrave_size smaller or the text shorter"
-        )
-    return cut

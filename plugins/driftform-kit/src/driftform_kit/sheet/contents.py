@@ -1,7 +1,7 @@
 """Kit -> contents of its assembly sheet: parts in the order of assembly, weights, steps."""
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,8 +14,9 @@ from driftform_frusta.materials import MATERIALS, find_material
 from driftform_frusta.strength import describe_strength
 from driftform_kit.ballast import ball_mass, name_material
 from driftform_kit.cutting.accounting import measure_flooding, piece_mass, weigh_kit
+from driftform_kit.cutting.gland import STRETCH
 from driftform_kit.cutting.held_ballast import HeldBall
-from driftform_kit.cutting.joint import Joint, groove_diameter, takes_core_aft
+from driftform_kit.cutting.joint import Joint, find_seal, takes_core_aft
 from driftform_kit.cutting.meridian import MM, Ring
 from driftform_kit.cutting.pieces import Kit, Piece, make_kit
 from driftform_kit.hang import list_readings
@@ -27,9 +28,6 @@ _MIN_OVERHANG = 10.0
 
 _NBSP = "\u00a0"
 """A space at which no line is broken."""
-
-_STRETCH = 0.01, 0.05
-"""Minimum and maximum stretch of an O-ring round its groove (Apple Rubber, Seal Design Guide, "Dimensional considerations")."""
 
 _NEGLIGIBLE = 5e-6
 """kg: half of the last digit of a weight on the sheet."""
@@ -204,12 +202,12 @@ def _write_texts(
 ) -> list[tuple[str, str]]:
     """Keys and paragraphs of the sheet: the remedy, what to get, and the steps in an order that can be done."""
     body = job.agent.body
-    grooves = {joint: groove_diameter(kit.hull, joint) for joint in kit.joints if joint.groove}
+    seals = {joint: seal for joint in kit.joints if (seal := find_seal(kit.hull, joint))}
     lines = fill_template(
         "steps.txt",
         nbsp=_NBSP,
         negligible=_NEGLIGIBLE,
-        stretch=_STRETCH,
+        stretch=STRETCH,
         body=body,
         target=job.agent.mass,
         options=options,
@@ -224,8 +222,8 @@ def _write_texts(
         material=name_material(options.ballast_density),
         filament=name_filament(body.hull_density),
         note=MATERIALS[name].note if (name := find_material(body.hull_density)) else "",
-        grooves=grooves,
-        rings=Counter((joint.cord, round(size, 1)) for joint, size in grooves.items()),
+        seals=seals,
+        rings=Counter(replace(seal, groove_mm=round(seal.groove_mm, 1)) for seal in seals.values()),
         flooded=measure_flooding(kit, body, job.scenario.fluid.density),
         readings=list_readings(job.agent, job.scenario.fluid),
         title=job.name,

@@ -167,7 +167,7 @@ def _place_part(part: SheetPart, x: float, bed: float, scale: float, width: floa
         "name": name,
         "wide": layout.text_width(name, _TEXT, bold=True),
         "size": f"Ø {part.size[0]:.1f} x {part.size[1]:.1f} mm",
-        "placed": f"{part.piece.bed_end} end down{', engraved' if part.piece.engraved is not None else ''}",
+        "placed": f"{part.piece.bed_end} end down",
     }
 
 

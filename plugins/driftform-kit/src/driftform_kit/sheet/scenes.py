@@ -74,14 +74,15 @@ def _list_shapes(sheet: Sheet, step: str) -> Iterator[Shape]:
         yield from _draw_arrow((away - 1.3 * side * radius, 0.0), (z + 1.3 * side * radius, 0.0))
         (place,) = (_draw_core(hull, z) if kind == "core" else _draw_ball(z, 0.0, radius, "none")).lines
         yield Shape([np.append(place, place[:1], axis=0)], dash="2 2")
-    elif kind == "join":
+    elif kind in ("join", "open"):
         part = parts[int(which) - 1]
         heights = np.concatenate(part.piece.rings)[:, 1]
         shift = (1.0 if part.place > first.place else -1.0) * max(0.3 * float(np.ptp(heights)), hull.core)
         yield from _lay(sheet, parts[: int(which) - 1], core=True)
         yield from _lay(sheet, [part], shift)
         at = float(heights.mean()) + shift
-        yield from _draw_arrow((at, 0.75 * wide), (at - 1.2 * shift, 0.75 * wide))
+        begin, end = (at, at - 1.2 * shift)[:: 1 if kind == "join" else -1]
+        yield from _draw_arrow((begin, 0.75 * wide), (end, 0.75 * wide))
     elif kind == "hang":
         low, high, top = sheet.aft - wide / 2, sheet.aft + length + wide / 2, 2.4 * wide
         water, at = 1.2 * wide, 1e3 * float(sheet.target.cog[0])

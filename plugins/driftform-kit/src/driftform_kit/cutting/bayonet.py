@@ -1,0 +1,115 @@
+"""A bayonet: lugs in a socket that enter slots of the plug, pass a bead in a turn to the right, and stop at the end of a track.
+
+The seal lies between the lugs and the mouth, so that nothing passes it, and lugs and tracks have flanks of 45 degrees, which
+print either way up. All of it repeats three times round the axis: what it weighs is a body of revolution's share.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import astuple, dataclass
+
+from manifold3d import CrossSection
+
+from driftform.types import Moments
+from driftform_frusta.csg import Difference, Node, Revolve, Rotate, Translate, Union
+from driftform_kit.cutting import meridian
+from driftform_kit.cutting.joint import LEAD, LIP, Joint
+
+LUG, CREST = 0.8, 1.0
+"""mm: height of a lug above the bore, and length of its crest along the axis: two printed lines of the usual nozzle, and more."""
+
+_COUNT, _WIDE = 3, 30.0
+"""Lugs, and degrees that one takes up."""
+
+_BEAD, _BITE = 0.5, 0.15
+"""mm: radius of a bead, and how far it stands into the way of a lug, which makes the turn click."""
+
+
+@dataclass(frozen=True, eq=False)
+class Detail:
+    """A solid that a part has beside its body of revolution, mm from the core's centre, or lacks if it is ``removed``.
+
+    ``moments`` are those of the material that it adds, m: negative if it is removed.
+    """
+
+    tool: Node
+    moments: Moments
+    removed: bool
+
+
+def add_details(shape: Node, details: Iterable[Detail]) -> Node:
+    """Return a solid with its details."""
+    for detail in details:
+        shape = Difference(shape, (detail.tool,)) if detail.removed else Union((shape, detail.tool))
+    return shape
+
+
+def track_length() -> float:
+    """Length of plug that the tracks take up, with the land towards the tip, mm."""
+    return 2 * LUG + CREST + LIP + LEAD
+
+
+def draw_lugs(joint: Joint, bore: float, section: CrossSection) -> Detail:
+    """Return the lugs of a socket whose bore has a radius (mm), and whose half section is given."""
+    # They reach into the wall, to merge with it.
+    lug = _draw_flanks(joint, bore, meridian.OVERLAP, 0.0)
+    return Detail(_repeat(lug, 0.0, _WIDE, joint), _share(lug - meridian.take_right(section), _COUNT * _WIDE), False)
+
+
+def cut_tracks(joint: Joint, bore: float, section: CrossSection) -> tuple[Detail, Detail]:
+    """Return the tracks and slots that a plug lacks, and the beads in the tracks."""
+    plug, bottom = meridian.take_right(section), bore - LUG - joint.gap
+    track = _draw_flanks(joint, bore, 1.0, joint.gap)
+    low, high = sorted((joint.z - joint.side * (_depth(joint) - CREST / 2), joint.tip - joint.side))
+    slot = track + CrossSection.square((bore + 1.0 - bottom, high - low)).translate((bottom, low))
+    play = math.degrees(joint.gap / bottom)
+    room = math.degrees(2 * _BEAD / bottom) + play
+    ends = -play, _WIDE + room - play, 2 * _WIDE + room + play
+    tool = Union((_repeat(track, ends[0], ends[1] + 1.0, joint), _repeat(slot, ends[1], ends[2], joint)))
+    lost = _share(track ^ plug, _COUNT * (ends[1] - ends[0])) + _share(slot ^ plug, _COUNT * (ends[2] - ends[1]))
+    return Detail(tool, Moments() - lost, True), _place_beads(joint, bottom, _WIDE + room / 2)
+
+
+def _place_beads(joint: Joint, bottom: float, at: float) -> Detail:
+    top = bottom + joint.gap + _BITE
+    middle, height = top - _BEAD, CREST + 2 * joint.gap
+    low = joint.z - joint.side * _depth(joint) - height / 2
+    pin = Revolve(((0.0, low), (_BEAD, low), (_BEAD, low + height), (0.0, low + height)))
+    beads = [Rotate((0.0, 0.0, angle), Translate((middle, 0.0, 0.0), pin)) for angle in _angles(at, at, joint)]
+    # The part of a bead's circle outside that of the bottom.
+    half = math.acos((_BEAD**2 + middle**2 - bottom**2) / (2 * _BEAD * middle))
+    other = math.acos((bottom**2 + middle**2 - _BEAD**2) / (2 * bottom * middle))
+    shared = half * _BEAD**2 + other * bottom**2 - middle * _BEAD * math.sin(half)
+    volume = _COUNT * (math.pi * _BEAD**2 - shared) * height / meridian.MM**3
+    x, r = (low + height / 2) / meridian.MM, bottom / meridian.MM
+    return Detail(Union(tuple(beads)), Moments(volume, volume * x, volume * x * x, volume * r * r), False)
+
+
+def _depth(joint: Joint) -> float:
+    """Distance of the lugs' middle from the cut."""
+    return joint.lap - track_length() + LUG + CREST / 2
+
+
+def _draw_flanks(joint: Joint, bore: float, beyond: float, gap: float) -> CrossSection:
+    """The section of a lug, which reaches ``beyond`` the bore, or that of its track with a gap all round."""
+    wide = CREST / 2 + LUG + beyond
+    points = [(bore - LUG, -CREST / 2), (bore - LUG, CREST / 2), (bore + beyond, wide), (bore + beyond, -wide)]
+    at = joint.z - joint.side * _depth(joint)
+    return meridian.grow(meridian.make_polygons([[(r, at + z) for r, z in points]]), gap)
+
+
+def _angles(begin: float, end: float, joint: Joint) -> list[float]:
+    # The plug turns to the right, seen from its own end.
+    first = -end if joint.side > 0 else begin
+    return [first + 360.0 * k / _COUNT for k in range(_COUNT)]
+
+
+def _repeat(section: CrossSection, begin: float, end: float, joint: Joint) -> Node:
+    shape = Revolve(*meridian.split_rings(meridian.list_rings(section)), end - begin)
+    return Union(tuple(Rotate((0.0, 0.0, angle), shape) for angle in _angles(begin, end, joint)))
+
+
+def _share(section: CrossSection, degrees: float) -> Moments:
+    """Volume integrals of what a half section sweeps in some degrees, repeated evenly round the axis."""
+    whole = meridian.moments(meridian.list_rings(section))
+    return Moments(*(degrees / 360 * value for value in astuple(whole)))
