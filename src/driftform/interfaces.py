@@ -99,6 +99,24 @@ class Grammar(Plugin[OptionsT_co]):
         """Return the genome without modules, of which a builder may make a plain body; ``None``, the default, without one."""
         return None
 
+    def list_genes(self) -> Sequence[tuple[float, float] | tuple[str, ...]]:
+        """Return bounds of the number, or all texts, that the symbol at each position of a random genome can be.
+
+        Optimisers of vectors or of choices need it. The symbol of a number has six digits, ``f"{value:.6g}"``. Raises
+        InputError, as by default, if lengths vary.
+        """
+        raise InputError(f"grammar '{self.name}' lists no genes: use another strategy, or another grammar")
+
+    def make_genome(self, vector: Sequence[float] | FloatArray) -> Genome:
+        """Return the genome of a point of the unit cube, which has one coordinate for each of :meth:`list_genes`."""
+        symbols = []
+        for gene, share in zip(self.list_genes(), np.clip(vector, 0, 1).tolist(), strict=True):
+            if isinstance(gene[0], str):
+                symbols.append(str(gene[min(int(share * len(gene)), len(gene) - 1)]))
+            else:
+                symbols.append(f"{gene[0] + share * (float(gene[1]) - gene[0]):.6g}")
+        return Genome(self.name, tuple(symbols))
+
     def mutate(self, genome: Genome, rng: np.random.Generator, rate: float) -> Genome:
         """Return the genome with each symbol replaced with probability ``rate``."""
         for index in np.flatnonzero(rng.random(len(genome.symbols)) < rate):

@@ -108,6 +108,23 @@ class GrammarContract(AnsweringContract[Grammar[Any]]):
         rngs = map(np.random.default_rng, SEEDS)
         assert len({(grammar.flip(a, 0, r), *grammar.crossover(a, b, r), grammar.mutate(a, r, 0.5)) for r in rngs}) > 1
 
+    def test_genomes_are_of_the_genes_that_the_grammar_lists(self) -> None:
+        """Symbols of random genomes are among them, and every point of the unit cube is a genome; a grammar may list none."""
+        grammar = self.plugin()
+        try:
+            genes = grammar.list_genes()
+        except InputError:
+            return
+        for genome in self.draw(5, 20):
+            for symbol, gene in zip(genome.symbols, genes, strict=True):
+                is_text = isinstance(gene[0], str)
+                assert symbol in gene if is_text else float(gene[0]) - 1e-5 <= float(symbol) <= float(gene[1]) + 1e-5
+        rng, count = np.random.default_rng(6), len(genes)
+        for vector in ([0.0] * count, [1.0] * count, *rng.random((10, count))):
+            genome = grammar.make_genome(vector)
+            self.assert_sound(genome, "make_genome")
+            assert grammar.parse(grammar.to_text(genome)) == genome
+
     def test_text_that_is_not_a_genome_is_an_input_error_with_a_reason(self) -> None:
         """A mistyped genome gives an InputError with a reason, not a traceback."""
         for text in self.nonsense:

@@ -1,6 +1,6 @@
 """The L-system of the paper as a grammar of driftform."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -35,6 +35,10 @@ class LSystemGrammar(Grammar[LSystemOptions]):
     def plain(self) -> Genome:
         """Return the core alone, which is a developed word."""
         return self._genome((CORE,))
+
+    def list_genes(self) -> Sequence[tuple[str, ...]]:
+        """Return the class of the symbol at each of the 60 places of a genotype."""
+        return _CLASSES
 
     def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
         """Return the genome with the symbol at ``index`` changed to another of its class.
