@@ -3,7 +3,7 @@
 const KEPT = "driftform-pace";
 // Measured on two cores of 2.6 GHz, s of one processor: a flight of the search, one under disturbed conditions, and the
 // processes that begin. Among bends and junctions a flight in ten rests in a corner until its time is up.
-const COSTS = { straight: { flight: 0.16, disturbed: 0.04 }, parted: { flight: 1.8, disturbed: 0.6 } };
+const COSTS = { straight: { flight: 0.16, disturbed: 0.04 }, parted: { flight: 4, disturbed: 0.6 } };
 const START = 12;
 // The junctions whose flow comes with driftform: the branch over the bore, and the angle in degrees.
 const SOLVED = [[0.5, 60], [0.5, 90], [1, 60], [1, 90], [0.25, 90], [0.7, 45], [0.7, 90]];
