@@ -1,4 +1,4 @@
-"""Odd surroundings, in which a command gives the same files as in usual ones.
+"""Odd surroundings, in which a command gives the same files as in usual ones, and a run the same rows.
 
 ``uv run pytest -m slow -s tests/endurance/test_surroundings.py``
 """
@@ -99,3 +99,35 @@ def test_odd_surroundings_change_no_agent(tmp_path: Path, show_row: Callable[...
             fell.append((name, done.returncode, done.stderr[-500:]))
     assert not fell
     show_row("trials", "odd surroundings of `sample`", len(SURROUNDINGS), "the same agents")
+
+
+CUSTOM = {
+    "a clock that runs backward": "import time; t = time.time; b = t(); time.time = lambda: 2 * b - t()",
+    "processes that are forked": "import multiprocessing as m; m.set_start_method('fork')",
+    "processes that are spawned": "import multiprocessing as m; m.set_start_method('spawn')",
+}
+"""What Python runs before the program, by its name in the table."""
+
+USED = ("LC_ALL=C", "LC_ALL=tr_TR.UTF-8", "PYTHONOPTIMIZE=2", "TZ=nonsense", "umask 077", "64 descriptors")
+
+
+def test_odd_surroundings_change_no_run(
+    tmp_path: Path, rows: Callable[[Path], list[Any]], show_row: Callable[..., None]
+) -> None:
+    command = [str(Path(sysconfig.get_path("scripts")) / "driftform"), "evolve", "paper", "--simulator", "native"]
+    command += ["--target", "TP3", "--evaluations", "24", "--workers", "2", "--seed", "3", "--out", "run"]
+    expected, fell = None, []
+    for name, code in {"usual": "", **CUSTOM, **dict.fromkeys(USED, "")}.items():
+        (folder := tmp_path / name).mkdir()
+        (folder / "sitecustomize.py").write_text(code, encoding="utf-8")
+        odd = SURROUNDINGS.get(name, {})
+        environment = os.environ | odd.get("env", {}) | {"PYTHONPATH": str(folder)}
+        done = subprocess.run(
+            command, cwd=folder, env=environment, preexec_fn=odd.get("preexec_fn"), capture_output=True, check=False
+        )
+        found = rows(folder / "run") if done.returncode == 0 else []
+        expected = expected or found
+        if not found or found != expected or b"Traceback" in done.stderr:
+            fell.append((name, done.returncode, done.stderr[-500:]))
+    assert not fell
+    show_row("trials", "odd surroundings of `evolve`", len(CUSTOM) + len(USED), "the same rows")
