@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from driftform_networks.hydraulics.network import Hydraulics, Network, take_snapshot
 from driftform_networks.passages.passage import Passage, find_loops, follow
 from driftform_networks.passages.routing import Routing, RoutingTable, TransferTable, route_tracers
-from driftform_networks.passages.walkers import summarise_walks, walk
+from driftform_networks.passages.walkers import count_ends, summarise_walks, walk
 from driftform_networks.planning.following import route, trace
 
 LENGTH, AREA = 100.0, 0.01
@@ -177,6 +177,13 @@ def test_all_water_of_the_only_source_is_marked(seed: int) -> None:
     assert sum(end.probability for end in passage.ends) == pytest.approx(1)
     drawn = trace(network, "a", walks=200)
     assert sum(end.probability for end in drawn.ends) == pytest.approx(1)
+
+
+def test_bodies_that_go_round_in_a_loop_for_ever_are_counted_as_circling() -> None:
+    network = make_network({"ab": 0.001, "bc": 0.003, "cb": 0.002})
+    routing = route_tracers(take_snapshot(network), retained=True)
+    walks = walk([routing], [0, np.inf], 0, np.zeros(3), np.random.default_rng(1))
+    assert [(end.kind, end.probability) for end in count_ends(walks, [routing])] == [("circling", pytest.approx(1))]
 
 
 @pytest.mark.parametrize("make", [make_loop, lambda: make_network({"ab": 0.002, "bc": 0.001, "bd": 0.001})])

@@ -77,10 +77,12 @@ def tune_baselines(study: Study, executor: Executor, targets: Sequence[int]) -> 
     found: dict[int, tuple[float, float, float]] = {}
     step = SPEEDS[1] - SPEEDS[0]
     for level in range(1 + HALVINGS):
+        near = step / 2**level
         tried = [
             (target, share)
             for target in targets
-            for share in (SPEEDS if not level else _list_neighbours(found, target, step / 2**level))
+            if not level or target in found
+            for share in (SPEEDS if not level else (found[target][2] - near, found[target][2] + near))
         ]
         jobs = [Job(number, tune(share * speed).genome, None, calm) for number, (_, share) in enumerate(tried)]
         for arrived in executor.evaluate(jobs):
@@ -141,7 +143,3 @@ def _find_tuning(pipeline: Pipeline) -> Callable[[float], Baseline] | None:
         return weigh(replace(genome, tuning=float(at)))
 
     return tune
-
-
-def _list_neighbours(found: Mapping[int, Sequence[float]], target: int, step: float) -> tuple[float, ...]:
-    return (found[target][2] - step, found[target][2] + step) if target in found else ()

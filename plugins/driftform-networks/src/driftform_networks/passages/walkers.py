@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import repeat
 
 import numpy as np
 
@@ -10,8 +11,11 @@ from driftform_networks.hydraulics.network import STILL, IntArray, Network
 from driftform_networks.passages.passage import QUANTILES, Ending, Passage, leave, make_passage
 from driftform_networks.passages.routing import Routing
 
-LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY = range(4)
-"""How a walk ends: out of the pipes at a node, at rest in a link or at a node, or not before the simulation ends."""
+LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY, CIRCLING = range(5)
+"""How a walk ends: out of the pipes at a node, at rest in a link or at a node, not before the simulation ends, or in a loop."""
+
+MAX_MOVES = 10_000
+"""Moves after which a body in flows that never change goes round in a loop without an exit."""
 
 _LEAVES, _WAITS = -1, -2
 """In place of a link: out of the pipes, and nowhere as long as no water leaves the node."""
@@ -29,8 +33,7 @@ class Walks:
         low, high: least and greatest share of the link's length that the move reaches, from the link's start,
             (moves,).
         reached: time at the end of each move, s, (moves,).
-        ends: how each walk ends: :data:`LEFT`, :data:`HELD_IN_LINK`, :data:`HELD_AT_NODE` or :data:`UNDER_WAY`,
-            (walks,).
+        ends: how each walk ends, such as :data:`LEFT`, (walks,).
         place: node, or link, where it ends, (walks,).
     """
 
@@ -108,9 +111,12 @@ def walk(
         demand_error: standard deviation of the logarithm of one factor for all flows that a walk meets.
     """
     walkers = _Walkers(routings, np.array(times), release, began, rng, demand_error)
-    while walkers.active.any():
+    for _ in repeat(None, MAX_MOVES) if np.isinf(times[-1]) else repeat(None):
+        if not walkers.active.any():
+            break
         walkers.choose()
         walkers.advance()
+    walkers.ends[walkers.active] = CIRCLING
     moves = [np.concatenate(column) for column in zip(*walkers.moves, strict=True)]
     # In the order of time for each walk.
     order = np.argsort(moves[0], kind="stable")
@@ -313,13 +319,15 @@ def summarise_walks(walks: Walks, routings: Sequence[Routing], unsteady: bool = 
 def count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:
     """Yield how walks end, and where."""
     network = walks.network
-    for how in (LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY):
+    for how in range(CIRCLING + 1):
         places, counts = np.unique(walks.place[walks.ends == how], return_counts=True)
         for place, share in zip(places.tolist(), (counts / walks.count).tolist(), strict=True):
             if how == LEFT:
                 yield leave(network, place, share)
             elif how == UNDER_WAY:
                 yield Ending("under way", "", share, "under way when the time ends")
+            elif how == CIRCLING:
+                yield Ending("circling", "", share, "in a loop without an exit")
             else:
                 name = (network.links if how == HELD_IN_LINK else network.nodes)[place]
                 yield Ending("stuck", name, share, _find_obstacle(routings, how, place))
