@@ -283,6 +283,7 @@ def test_published_coefficients_of_lauv_replace_those_of_its_hull(call):
     assert design.compare_added_mass().keys() == {"matrices", "panels", "striptheory"}
 
 
+@pytest.mark.peers
 def test_coefficients_of_an_export_are_read_back(call):
     assert call(*LAUV, "--coefficients", BODIES / "lauv.toml", "--out", "lauv.json").exit_code == 0
     block = call("inspect", "lauv.json", "--block", "fossen").stdout
@@ -293,6 +294,7 @@ def test_coefficients_of_an_export_are_read_back(call):
         assert getattr(again, name) == pytest.approx(getattr(first, name), abs=1e-9)
 
 
+@pytest.mark.peers
 def test_the_hull_keeps_what_the_file_leaves_out(call):
     Path("some.toml").write_text("origin = 0.6\nX_u = -3\nY_v = -9\nN_r = -4\n", encoding="utf-8")
     assert call(*LAUV, "--coefficients", "some.toml", "--out", "some.json").exit_code == 0

@@ -180,8 +180,7 @@ def test_all_water_of_the_only_source_is_marked(seed: int) -> None:
 
 
 def test_bodies_that_go_round_in_a_loop_for_ever_are_counted_as_circling() -> None:
-    network = make_network({"ab": 0.001, "bc": 0.003, "cb": 0.002})
-    routing = route_tracers(take_snapshot(network), retained=True)
+    routing = route_tracers(take_snapshot(make_network({"ab": 0.001, "bc": 0.003, "cb": 0.002})), retained=True)
     walks = walk([routing], [0, np.inf], 0, np.zeros(3), np.random.default_rng(1))
     assert [(end.kind, end.probability) for end in count_ends(walks, [routing])] == [("circling", pytest.approx(1))]
 

@@ -15,7 +15,6 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from copy import copy
 from functools import cache, cached_property
 from pathlib import Path
-from pickle import loads
 from typing import Any, ParamSpec, TypeVar, cast
 from zlib import crc32
 
@@ -30,7 +29,7 @@ from numba.core.cpu import CPUContext
 from numba.core.pythonapi import PythonAPI
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime._nrt_python import c_helpers
-from numba.core.serialize import dumps
+from numba.core.serialize import dumps, loads
 from numba.core.types import Dispatcher, intp, unliteral
 from numba.extending import intrinsic
 from numba.np.numpy_support import from_dtype

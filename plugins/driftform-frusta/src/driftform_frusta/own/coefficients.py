@@ -3,10 +3,10 @@
 import re
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from driftform.errors import InputError
 from driftform.interfaces import Hydrodynamics, HydrodynamicsOptions, option
@@ -17,7 +17,8 @@ from driftform.water import Fluid
 if TYPE_CHECKING:
     from driftform import Design
 
-_Row = tuple[float, float, float, float, float, float]
+_Entry = Annotated[float, Field(ge=-1e12, le=1e12)]
+_Row = tuple[_Entry, _Entry, _Entry, _Entry, _Entry, _Entry]
 Matrix = tuple[_Row, _Row, _Row, _Row, _Row, _Row]
 
 KINDS = ("added_mass", "linear_damping", "quadratic_damping")
