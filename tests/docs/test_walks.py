@@ -33,8 +33,8 @@ def without_numbers(text: str) -> str:
     text = re.sub(r"the shape matters little for [^\n]*\n", "", text)
     # So does the target for which the doubt about gusts matters most.
     text = re.sub(r"(what is not known of gusts[^\n]*at most) \(.*?\)", r"\1", text)
-    # So does the side to which an agent tends.
-    text = re.sub(r"\(it (floats|sinks)\)", "", text)
+    # So do the side to which an agent tends, and its pockets.
+    text = re.sub(r"\(it (floats|sinks)\)|trim pockets [^\n]*\n", "", text)
     return re.sub(r"[ \n]+", " ", re.sub(r"[+-]?\d+(\.\d+)?(e[+-]\d+)?", "#", text))
 
 

@@ -20,7 +20,7 @@ SEED, DENSITY = 24, 1182.0
 )
 def test_a_flight_through_a_part_is_that_of_the_other_simulator_until_it_touches_the_wall(place, yaw, axis, passed):
     settings = [
-        "flight.horizon=2",
+        *("flight.horizon=2", "builder.pockets.diameter=0"),
         f"fluid.density={DENSITY}",
         f"release.position={list(place)}",
         f"release.yaw_deg={yaw}",

@@ -56,7 +56,7 @@ def test_the_misses_of_flights_in_gusts_are_within_a_centimetre_of_exact_ones(pi
 def test_paths_along_the_wall_differ_with_the_tolerance_and_how_far_nine_of_ten_miss_does_not() -> None:
     # It rides the wall to TP8, wide and thin, with a ball of lead; its flights are those of a run that need the most steps.
     lead = ("builder.tuning='ballast'", "builder.ballast={material='lead', most=1.0}", "builder.pressure=0")
-    settings = (*lead, "builder.max_radius=0", "release.port=0")
+    settings = (*lead, "builder.max_radius=0", "release.port=0", "builder.pockets.diameter=0")
     pipeline = load_study("pipe-inspection", settings, use={"simulator": "native"}).make_pipeline()
     rider = replace(pipeline.grammar.parse(RIDER), tuning=0.5796)
     conditions = draw_conditions(Robustness(), 100, (4,))
