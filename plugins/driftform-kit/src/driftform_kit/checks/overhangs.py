@@ -82,7 +82,7 @@ def choose_orientation(found: tuple[Orientation, ...], bed: FloatArray) -> Orien
 
 
 def prints_upside_down(mesh: Mesh) -> bool:
-    """Return whether a part that stands on the bed, mm, is better turned over; of ways that are equal, the one with more contact."""
+    """Return whether a part that stands on the bed, mm, is better turned over; of two equal ends the bed takes the larger."""
     found = list_orientations(mesh)
     as_placed, turned = ((*_rank(each, found, each.size), -round(each.contact, 1)) for each in found[:2])
     return turned < as_placed

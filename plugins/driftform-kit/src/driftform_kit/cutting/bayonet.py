@@ -22,7 +22,7 @@ _COUNT, _WIDE = 3, 30.0
 """Lugs, and degrees that one takes up."""
 
 _BEAD, _BITE = 0.5, 0.15
-"""mm: radius of a bead, and how far it stands into the way of a lug, which makes the turn click."""
+"""mm: radius of a bead, and by how much a lug is bent when it passes the bead: the turn clicks."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,7 +37,7 @@ class Gland:
 
     @property
     def proud(self) -> float:
-        """How far the ring stands out of the bore before it is squeezed."""
+        """How far the ring exceeds the bore before it is squeezed."""
         return self.cord - self.depth
 
     def fit_groove(self, widest: float) -> float:
