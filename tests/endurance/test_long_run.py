@@ -39,11 +39,12 @@ STUDIES = {
 }
 
 
-def look(process: int) -> tuple[float, int]:
-    """Resident memory (MB) and open descriptors of a process."""
+def look(process: int) -> tuple[float, int, float]:
+    """Resident memory (MB), open descriptors and CPU time (s) of a process."""
     folder = Path(f"/proc/{process}")
-    pages = int((folder / "statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGESIZE") / 1e6, len(list((folder / "fd").iterdir()))
+    pages, times = (folder / "statm").read_text().split()[1], (folder / "stat").read_text().rpartition(")")[2].split()
+    seconds = (int(times[11]) + int(times[12])) / os.sysconf("SC_CLK_TCK")
+    return int(pages) * os.sysconf("SC_PAGESIZE") / 1e6, len(list((folder / "fd").iterdir())), seconds
 
 
 def list_workers(process: int) -> list[int]:
@@ -58,9 +59,9 @@ def count_done(log: Path) -> int:
     return max((int(number) for number in numbers if number.isdigit()), default=0)
 
 
-def follow(process: subprocess.Popen[bytes], log: Path) -> list[list[tuple[float, int]]]:
+def follow(process: subprocess.Popen[bytes], log: Path) -> list[list[tuple[float, int, float]]]:
     """Look at a run's processes from :data:`WARM_UP` on until it ends; return what was seen of each, its own first."""
-    seen: dict[int, list[tuple[float, int]]] = {process.pid: []}
+    seen: dict[int, list[tuple[float, int, float]]] = {process.pid: []}
     while process.poll() is None:
         if count_done(log) >= WARM_UP:
             with suppress(OSError):
@@ -92,7 +93,8 @@ def test_a_run_of_20_000_evaluations_stays_small_and_is_read_quickly(
         process = subprocess.Popen([PROGRAM, *words], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=file)
         coordinator, worker = follow(process, log)
     assert process.returncode == 0, log.read_text()[-2000:]
-    print(f"{strategy}: {count} evaluations in {time.monotonic() - began:.0f} s")
+    each = 1e3 * (coordinator[-1][2] - coordinator[0][2]) / (count - WARM_UP)
+    print(f"{strategy}: {time.monotonic() - began:.0f} s; the coordinator needs {each:.2g} ms for an evaluation")
     size = sum(file.stat().st_size for file in (tmp_path / "run").glob("run.db*")) / 1e6
     times = [measure(tmp_path, *words) for words in (("resume", "run"), ("report", "run"), ("pick", "run", *POINT))]
     parts = [coordinator, worker]

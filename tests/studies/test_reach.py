@@ -3,7 +3,6 @@
 ``FLIGHTS=2000 pytest -m slow -s tests/studies/test_reach.py`` takes fewer than the page tells of.
 """
 
-import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -39,7 +38,6 @@ class Lit:
 
     strategy: str
     seed: int
-    directory: Path
     milestones: dict[int, int]
     reach: CoverageMap
     distances: np.ndarray
@@ -62,13 +60,11 @@ def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
     study = load_study(
         "paper", use={"simulator": "native", "strategy": strategy}, run={"seed": seed, "evaluations": flights}
     )
-    directory = folder / f"{strategy}-{seed}"
-    directory.mkdir()
     executor = LocalProcesses(study.document, 2)
     points = random_points(study.scenario)
     reach, milestones = CoverageMap(PipeGrid.of_scenario(study.scenario)), {}
     distances = np.full(POINTS, np.inf)
-    with Store.create(directory / "run.db", dict(study.document)) as store:
+    with Store.create(folder / f"{strategy}-{seed}.db", dict(study.document)) as store:
         try:
             run_search(study, store, executor)
         finally:
@@ -80,7 +76,7 @@ def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
             reach.add(index, trajectory)
             distances = np.minimum(distances, closest_approach(trajectory, points)[0])
     milestones[flights] = int(np.count_nonzero(reach.reached))
-    return Lit(strategy, seed, directory, milestones, reach, distances)
+    return Lit(strategy, seed, milestones, reach, distances)
 
 
 @pytest.fixture(scope="module")
@@ -136,12 +132,3 @@ def test_ribs_reaches_what_any_strategy_ever_reached_and_points_that_were_no_tar
         if run.strategy == "ribs":
             assert np.count_nonzero(run.reach.reached) >= 0.95 * everything
             assert run.near >= 90
-
-
-def test_pick_finds_the_flight_that_a_search_through_all_of_them_finds(runs: list[Lit], call) -> None:
-    run = runs[0]
-    scenario = load_study("paper", run={"seed": 0}).scenario
-    for (x, y, z), expected in list(zip(random_points(scenario), run.distances, strict=True))[:3]:
-        result = call("pick", run.directory, float(x), float(y), float(z), "--json")
-        assert result.exit_code == 0, result.output
-        assert json.loads(result.stdout)["distance"] == pytest.approx(expected, abs=1e-12)
