@@ -75,10 +75,10 @@ class Case:
     within: float
 
     @property
-    def found(self) -> float:
+    def found(self):
         return self.motion(self.body, self.reynolds * NU / self.body.max_diameter)
 
-    def __str__(self) -> str:
+    def __str__(self):
         return f"{self.name} {self.motion.__name__} at Re {self.reynolds:.0e}"
 
 

@@ -14,8 +14,6 @@ from driftform.motion.solver.dense import quintic_between, quintic_point
 from driftform.motion.solver.error import Accuracy, integrate
 from driftform.testing.agents import DENSITY, GRAVITY, sphere_agent
 from driftform.testing.simulator import water_scenario
-from driftform.types import Trajectory
-from driftform.water import Scenario
 
 BORE, RADIUS, MASS = 0.2, 0.02, 0.1
 DISPLACED = DENSITY * 4 / 3 * math.pi * RADIUS**3
@@ -27,14 +25,14 @@ DEPTHS = np.geomspace(1e-7, 3e-4, 10).tolist()
 """How far (m) the parabola would lead into the ceiling: the sphere would be there for 0.4 to 20 ms."""
 
 
-def thrown(depth: float) -> tuple[Scenario, float]:
+def thrown(depth):
     """A throw whose parabola ends at a depth (m) in the ceiling, and when it reaches the ceiling, s."""
     speed = math.sqrt(2 * FALL * (ROOM + depth))
     scenario = water_scenario(0.6, (0.0, 0.0, speed), position=(1.0, 0.0, 0.0), pipe=(9.0, BORE), restitution=0.7)
     return scenario, (speed - math.sqrt(max(0.0, speed**2 - 2 * FALL * ROOM))) / FALL
 
 
-def fly(scenario: Scenario, accuracy: Accuracy) -> Trajectory:
+def fly(scenario, accuracy):
     model = flight_model(sphere_agent(RADIUS, MASS), scenario)
     horizon = scenario.flight.horizon
     flown = integrate(model, release_state(model, scenario), horizon, accuracy)

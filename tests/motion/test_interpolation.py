@@ -22,13 +22,13 @@ STILL = Scenario(flow=UniformFlow(speed=0.0), release=Release(velocity="rest"))
 
 
 @pytest.fixture
-def agent() -> Agent:
+def agent():
     body = hollow_body()
     return Agent(body, mass_properties(body), Coefficients(np.zeros((6, 6))))
 
 
 @pytest.fixture(scope="module")
-def flown() -> tuple[Agent, Scenario, Trajectory]:
+def flown():
     """A random agent's flight through the paper's pipe, up to its first contact with the wall."""
     study = load_study("paper", use={"simulator": "native"}, run={"seed": 0})
     pipeline = study.make_pipeline()
@@ -45,13 +45,13 @@ def flown() -> tuple[Agent, Scenario, Trajectory]:
     return found, study.scenario, trajectory
 
 
-def test_times_are_a_step_apart_and_the_end_is_one_of_them() -> None:
+def test_times_are_a_step_apart_and_the_end_is_one_of_them():
     assert even_times(1.0, 0.3) == pytest.approx([0, 0.3, 0.6, 0.9, 1.0])
     assert even_times(0.9, 0.3) == pytest.approx([0, 0.3, 0.6, 0.9])
     assert even_times(0.0, 0.3) == pytest.approx([0.0])
 
 
-def test_between_samples_it_turns_steadily_the_short_way_round() -> None:
+def test_between_samples_it_turns_steadily_the_short_way_round():
     trajectory = drifting_trajectory(1.0, turn=1.2)
     coarse = Trajectory(
         trajectory.t[::20],
@@ -66,7 +66,7 @@ def test_between_samples_it_turns_steadily_the_short_way_round() -> None:
     assert np.abs(np.einsum("ij,ij->i", found, wanted)) == pytest.approx(1.0)
 
 
-def test_resampled_flights_lie_on_the_path_and_have_its_slope(flown: tuple[Agent, Scenario, Trajectory]) -> None:
+def test_resampled_flights_lie_on_the_path_and_have_its_slope(flown):
     trajectory = flown[2]
     fine = resample(trajectory, 1000.0)
     assert np.diff(fine.t)[:-1] == pytest.approx(1e-3) and fine.t[-1] == trajectory.t[-1]
@@ -77,13 +77,13 @@ def test_resampled_flights_lie_on_the_path_and_have_its_slope(flown: tuple[Agent
     assert world_velocity(fine)[1:-1] == pytest.approx(slope, abs=1e-6)
 
 
-def test_a_single_sample_stays_one() -> None:
+def test_a_single_sample_stays_one():
     whole = drifting_trajectory()
     single = Trajectory(whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1], whole.end)
     assert resample(single, 100.0) is single
 
 
-def test_accelerations_add_up_to_the_change_of_velocity(flown: tuple[Agent, Scenario, Trajectory]) -> None:
+def test_accelerations_add_up_to_the_change_of_velocity(flown):
     agent, scenario, trajectory = flown
     fine = resample(trajectory, 2000.0)
     found = accelerations_along(fine, agent, scenario)
@@ -93,7 +93,7 @@ def test_accelerations_add_up_to_the_change_of_velocity(flown: tuple[Agent, Scen
     assert gained == pytest.approx(velocity[-1] - velocity[0], abs=2e-4 * size)
 
 
-def test_in_vacuum_the_net_force_is_the_weight_and_the_torque_is_none(agent: Agent) -> None:
+def test_in_vacuum_the_net_force_is_the_weight_and_the_torque_is_none(agent):
     # No study can ask for so thin a fluid, and no bound is checked in a copy.
     vacuum = Scenario(flow=UniformFlow(speed=0.0), fluid=Fluid().model_copy(update={"density": 1e-12}))
     trajectory = drifting_trajectory()
@@ -103,7 +103,7 @@ def test_in_vacuum_the_net_force_is_the_weight_and_the_torque_is_none(agent: Age
     assert wrench[:, 3:] == pytest.approx(np.zeros((len(trajectory.t), 3)), abs=1e-9)
 
 
-def test_a_body_with_the_weight_of_the_water_feels_no_force_at_rest(agent: Agent) -> None:
+def test_a_body_with_the_weight_of_the_water_feels_no_force_at_rest(agent):
     density = agent.mass.mass / agent.mass.volume
     scenario = STILL.model_copy(update={"fluid": Fluid(density=density)})
     whole = drifting_trajectory()
@@ -112,7 +112,7 @@ def test_a_body_with_the_weight_of_the_water_feels_no_force_at_rest(agent: Agent
     assert np.abs(wrench[:, :3]).max() < 1e-9 * agent.mass.mass * 9.81
 
 
-def test_a_point_off_the_axis_of_a_steady_turn_is_pulled_inward(agent: Agent) -> None:
+def test_a_point_off_the_axis_of_a_steady_turn_is_pulled_inward(agent):
     trajectory = drifting_trajectory(turn=1.0)
     rate = trajectory.velocity[0, 4]
     none = np.zeros((len(trajectory.t), 6))
@@ -121,12 +121,12 @@ def test_a_point_off_the_axis_of_a_steady_turn_is_pulled_inward(agent: Agent) ->
     )
 
 
-def test_a_turn_that_grows_faster_is_followed_between_samples() -> None:
+def test_a_turn_that_grows_faster_is_followed_between_samples():
     """About one axis the angle is the cubic of its values and rates, whatever that axis is."""
     axis = np.array([2.0, -1.0, 2.0]) / 3
     t = np.linspace(0, 1, 6)
 
-    def turned(times: np.ndarray) -> np.ndarray:
+    def turned(times):
         half = (times + times**3) / 2
         return np.column_stack([np.cos(half), np.sin(half)[:, None] * axis])
 
@@ -138,10 +138,10 @@ def test_a_turn_that_grows_faster_is_followed_between_samples() -> None:
     assert fine.velocity[:, 3:] == pytest.approx((1 + 3 * fine.t**2)[:, None] * axis, rel=1e-9)
 
 
-def test_a_turn_about_a_wandering_axis_is_followed_to_the_fourth_order() -> None:
+def test_a_turn_about_a_wandering_axis_is_followed_to_the_fourth_order():
     """With twice as many samples the attitude in between is off by a sixteenth of that at most."""
 
-    def sample(times: np.ndarray) -> Trajectory:
+    def sample(times):
         # A body that precesses: R = Rz(2 t) Rx(3 t), so that w = 3 e_x + Rx(3 t)^T (2 e_z).
         first = np.column_stack([np.cos(times), 0 * times, 0 * times, np.sin(times)])
         c, s = np.cos(1.5 * times), np.sin(1.5 * times)

@@ -132,11 +132,6 @@ def test_the_offset_of_a_release_is_across_the_pipe_whichever_way_that_leads(end
     assert there.release_position() - scenario.release_position() == pytest.approx(0.1 * level - 0.2 * up)
 
 
-def test_a_disturbed_swirl_adds_to_that_of_the_flow():
-    there = disturb_scenario(changed(swirl=0.05), pipe(flow={"kind": "turbulent", "speed": 2.0, "swirl": 0.1}))
-    assert there.flow.swirl == pytest.approx(0.15)
-
-
 def test_disturbed_flights_meet_gusts_in_a_flow_that_has_their_mean():
     flow = {"kind": "log_law", "speed": 1.5, "roughness": 0.001}
     steady = pipe(flow=flow, gusts={"strength": 0.3, "memory": 2.0})

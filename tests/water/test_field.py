@@ -15,11 +15,11 @@ from driftform.water.scenario import Release
 R = 0.1
 
 
-def scenario_of(parts, **tables) -> Scenario:
+def scenario_of(parts, **tables):
     return Scenario.model_validate({"pipe": {"radius": R, "parts": parts}, **tables})
 
 
-def straight(**tables) -> Scenario:
+def straight(**tables):
     segment = {"start": (1.0, 0.0, 0.5), "end": (4.0, 0.0, 4.5), "radius": 0.2}
     return Scenario.model_validate({"pipe": {"segments": [segment]}, **tables})
 
@@ -32,16 +32,16 @@ def place(along, off):
     return np.array([1.0, 0.0, 0.5]) + along * AXIS + off * ACROSS
 
 
-def test_the_distance_in_a_straight_pipe_is_the_radius_less_that_from_the_axis() -> None:
+def test_the_distance_in_a_straight_pipe_is_the_radius_less_that_from_the_axis():
     points = [place(1.0, 0.0), place(2.0, 0.15), place(2.5, 0.2), place(3.0, 0.26), place(-0.5, 0.1)]
     assert wall_distance(points, straight()) == pytest.approx([0.2, 0.05, 0.0, -0.06, 0.1], abs=1e-12)
 
 
-def test_open_water_has_no_wall() -> None:
+def test_open_water_has_no_wall():
     assert np.isposinf(wall_distance(np.zeros((3, 3)), Scenario())).all()
 
 
-def test_the_distance_in_a_bend_is_that_in_a_torus() -> None:
+def test_the_distance_in_a_bend_is_that_in_a_torus():
     scenario = scenario_of([{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"length": 0.5}])
     # The pipe turns right, towards -y, about a point beside the bend's entry.
     rng = np.random.default_rng(1)
@@ -52,7 +52,7 @@ def test_the_distance_in_a_bend_is_that_in_a_torus() -> None:
 
 
 @pytest.mark.parametrize("end", [0.06, 0.14])
-def test_the_distance_in_a_reducer_is_that_from_its_arcs(end: float) -> None:
+def test_the_distance_in_a_reducer_is_that_from_its_arcs(end):
     scenario = scenario_of([{"kind": "reducer", "length": 0.4, "radius": end}, {"length": 0.5}])
     # The early arc begins along the axis at the entry, the late one ends along it; the wider half is hollow.
     change = R - end
@@ -67,7 +67,7 @@ def test_the_distance_in_a_reducer_is_that_from_its_arcs(end: float) -> None:
     assert wall_distance(points, scenario) == pytest.approx(expected, abs=1e-12)
 
 
-def test_a_grid_has_the_velocity_of_its_file(tmp_path) -> None:
+def test_a_grid_has_the_velocity_of_its_file(tmp_path):
     file = tmp_path / "shear.csv"
     nodes = np.stack(np.meshgrid(*[np.arange(5.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     rows = [f"{x},{y},{z},{1 + 0.1 * z},{0.2 * x},0" for x, y, z in nodes]
@@ -78,7 +78,7 @@ def test_a_grid_has_the_velocity_of_its_file(tmp_path) -> None:
     assert water_velocity(nodes, 0.0, scenario) == pytest.approx(expected, abs=1e-9)
 
 
-def test_gusts_are_left_out_unless_they_are_asked_for() -> None:
+def test_gusts_are_left_out_unless_they_are_asked_for():
     flow = {"speed": 1.3, "roughness": 2e-4}
     calm = straight(flow={"kind": "log_law", **flow})
     windy = straight(flow={"kind": "turbulent", **flow}, gusts={"seed": 3})

@@ -22,24 +22,24 @@ BENT = Pipe.model_validate(
 ).layout
 
 
-def place(**values: object) -> list[float]:
+def place(**values):
     return list(resolve_place(values, BENT))
 
 
-def test_twelve_is_the_crown_and_six_the_floor_and_three_the_right_seen_downstream() -> None:
+def test_twelve_is_the_crown_and_six_the_floor_and_three_the_right_seen_downstream():
     assert place(part="straight 1", at=0.5, clock=12, off_wall=0.03) == pytest.approx([0.5, 0.0, 0.12])
     assert place(part="straight 1", at=0.5, clock=6, off_wall=0.03) == pytest.approx([0.5, 0.0, -0.12])
     assert place(part="straight 1", at=0.5, clock=3, off_wall=0.0) == pytest.approx([0.5, -0.15, 0.0])
 
 
-def test_behind_a_bend_to_the_right_a_place_turns_with_the_pipe() -> None:
+def test_behind_a_bend_to_the_right_a_place_turns_with_the_pipe():
     assert place(part="straight 2", at=1.2) == pytest.approx([2.5, -0.5 - 1.2, 0.0])
     assert place(part="straight 2", at=1.2, clock=12, off_wall=0.05) == pytest.approx([2.5, -1.7, 0.1])
     # Downstream is -y: the right is -x.
     assert place(part="straight 2", at=1.2, clock=3, off_wall=0.05) == pytest.approx([2.4, -1.7, 0.0])
 
 
-def test_half_way_through_a_bend_a_place_lies_on_its_arc() -> None:
+def test_half_way_through_a_bend_a_place_lies_on_its_arc():
     half = 0.5 * np.sin(np.pi / 4)
     assert place(part="bend 1", at=0.5 * np.pi / 4) == pytest.approx([2 + half, half - 0.5, 0.0], abs=1e-5)
 
@@ -50,7 +50,7 @@ def test_half_way_through_a_bend_a_place_lies_on_its_arc() -> None:
     clock=st.floats(0, 12),
     off_wall=st.floats(0, 0.15),
 )
-def test_a_place_lies_in_its_part_as_far_off_the_wall_as_it_says(part, at, clock, off_wall) -> None:
+def test_a_place_lies_in_its_part_as_far_off_the_wall_as_it_says(part, at, clock, off_wall):
     point = np.array(place(part=part, at=at, clock=clock, off_wall=off_wall))
     centre = np.array(place(part=part, at=at))
     assert np.linalg.norm(point - centre) == pytest.approx(0.15 - off_wall, abs=1e-9)
@@ -66,24 +66,24 @@ def test_a_place_lies_in_its_part_as_far_off_the_wall_as_it_says(part, at, clock
         ({"at": 1.0}, "needs 'part'"),
     ],
 )
-def test_what_is_no_place_is_refused_with_the_value(values: dict[str, object], message: str) -> None:
+def test_what_is_no_place_is_refused_with_the_value(values, message):
     with pytest.raises(ValueError, match=message):
         resolve_place(values, BENT)
 
 
-def test_a_study_may_name_its_targets_by_places() -> None:
+def test_a_study_may_name_its_targets_by_places():
     place = 'targets.TP1={part = "straight 1", at = 4.5, clock = 12, off_wall = 0.4}'
     study = load_study("pipe-inspection", [place], targets=["TP1"], run={"seed": 0})
     assert study.scenario.target_points()["TP1"] == pytest.approx((4.5, 0.0, 0.6))
 
 
-def test_a_target_outside_names_its_distance_and_the_nearest_point_inside() -> None:
+def test_a_target_outside_names_its_distance_and_the_nearest_point_inside():
     with pytest.raises(InputError, match=r"lies outside the pipe, 0\.3 m from it; the nearest point inside is \["):
         load_study("pipe-inspection", ["targets.TP1=[1.0,0.0,-1.3]"], run={"seed": 0})
 
 
 @given(st.floats(-0.2, 0.2), st.floats(0.3, 1.5), st.floats(0, 6.28))
-def test_the_nearest_point_inside_is_on_the_way_to_the_axis(x: float, away: float, turn: float) -> None:
+def test_the_nearest_point_inside_is_on_the_way_to_the_axis(x, away, turn):
     point = np.array([1 + x, away * np.cos(turn), away * np.sin(turn)])
     nearest, distance = find_nearest_inside(point, BENT)
     if np.cos(turn) > 0 and np.hypot(*point[1:]) < 1.0:
@@ -93,7 +93,7 @@ def test_the_nearest_point_inside_is_on_the_way_to_the_axis(x: float, away: floa
 
 @pytest.mark.parametrize("slope", [0.0, 30.0])
 @pytest.mark.parametrize("frame", ["inlet", "world"])
-def test_a_release_may_be_given_as_a_place(frame: str, slope: float) -> None:
+def test_a_release_may_be_given_as_a_place(frame, slope):
     direction = [float(np.cos(np.deg2rad(slope))), 0.0, float(-np.sin(np.deg2rad(slope)))]
     pipe = f"pipe={{segments = [], radius = 0.5, start = [1.0, 2.0, 3.0], direction = {direction}, parts = [{{kind = 'straight', length = 4.0}}]}}"
     spot = "release.position={part = 'straight 1', at = 1.0, clock = 12, off_wall = 0.1}"
@@ -102,7 +102,7 @@ def test_a_release_may_be_given_as_a_place(frame: str, slope: float) -> None:
     assert scenario.release_position() == pytest.approx([1.0, 2.0, 3.0] + np.array(direction) + 0.4 * up)
 
 
-def test_a_release_at_a_place_that_there_is_not_names_its_key() -> None:
+def test_a_release_at_a_place_that_there_is_not_names_its_key():
     spot = "release.position={part = 'straight 2', at = 1.0}"
     with pytest.raises(InputError, match=r"release\.position: no part is called 'straight 2'"):
         load_study("pipe-inspection", [spot])

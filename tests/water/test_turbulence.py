@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from carried import Carrying
 from scipy.integrate import solve_ivp
 from tracers import carry, spread_evenly, straight_pipe
 
 from driftform.motion.forces.model import flight_model
 from driftform.testing.agents import sphere_agent
+from driftform.testing.bodies import spheroid_body
 from driftform.water.gusts import eddy_diffusivity
 from driftform.water.velocity import FRICTION, flow_array, pipe_rows, water_motion
 
@@ -125,6 +127,15 @@ def test_a_body_against_the_wall_meets_no_gust_across_it():
         gust, _, _ = gust_at(place, (1.0, 0.0, 0.0), model.pipe, model.flow, model.gusts, model.eddies)
         outward = (gust[1] * place[1] + gust[2] * place[2]) / 0.08
         assert abs(outward) < 1e-12 < math.hypot(gust[1], gust[2])
+
+
+def test_neutral_balls_do_not_gather_at_the_wall_of_a_narrow_main():
+    """They have inertia, and are no tracers."""
+    count = 80
+    [found] = Carrying(spheroid_body(0.03, 0.03), 0.15, 1.0, (6,)).observe(count)
+    assert found.outer == pytest.approx(0.1, abs=3 * math.sqrt(0.09 / count))
+    assert found.touching <= 0.06
+    assert found.speed == pytest.approx(1.0, abs=0.02)
 
 
 @pytest.mark.slow

@@ -3,9 +3,7 @@
 import json
 import shutil
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +12,6 @@ from made_films import EXACT, film_flight, place_drop
 from driftform.design.opening import open_agent
 from driftform.study import load_study
 from driftform.water import Factors
-from driftform_calibration.problem import Filmed
 
 TRACKS = Path(__file__).parents[3] / "docs" / "tracks"
 FACTORS = {"axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", "friction"}
@@ -27,12 +24,9 @@ release = {pitch_deg = 30.0, position = [0.0, 0.0, -0.1]}
 """
 """The study of a film in a tank of 3 m."""
 
-Call = Callable[..., Any]
-Refused = Callable[..., str]
-
 
 @pytest.fixture
-def track(tmp_path: Path) -> Path:
+def track(tmp_path):
     """The track of a sphere that settles, with the study of its film beside it."""
     for name in ("ten-cate-e4.csv", "ten-cate-e4.toml"):
         shutil.copy(TRACKS / name, tmp_path)
@@ -40,7 +34,7 @@ def track(tmp_path: Path) -> Path:
 
 
 @pytest.mark.long
-def test_the_document_has_factors_residual_and_files(call: Call, track: Path) -> None:
+def test_the_document_has_factors_residual_and_files(call, track):
     result = call("calibrate", "C", track, "--fit", "cross_drag", "--out", "found", "--json")
     assert result.exit_code == 0, result.stderr
     found = json.loads(result.stdout)
@@ -72,14 +66,11 @@ def test_the_document_has_factors_residual_and_files(call: Call, track: Path) ->
 
 
 @pytest.mark.long
-def test_a_body_of_ones_own_is_calibrated_by_its_film(
-    call: Call, write_track: Callable[[Path, Filmed], Path], tmp_path: Path
-) -> None:
+def test_a_body_of_ones_own_is_calibrated_by_its_film(call, write_track, tmp_path):
     shutil.copy(TRACKS.parent / "bodies" / "remus-100.csv", tmp_path)
     made = call("body", "remus-100.csv", "--mass", 40, "--cog", 0.6, "--scenario", "tank", "--out", "r.json")
     assert made.exit_code == 0, made.stderr
     design = open_agent("r.json")
-    assert design.agent.morphology is not None
     bench = place_drop(design.pipeline, design.agent.morphology, 30.0, depth=3.0)
     film = film_flight(bench, Factors(cross_drag=1.3), np.random.default_rng(5), EXACT)
     Path("1.toml").write_text(FILM, encoding="utf-8")
@@ -92,7 +83,7 @@ def test_a_body_of_ones_own_is_calibrated_by_its_film(
     assert "--tank 1 0.5 0.5: the agent is 1.33 m long" in call("drop", "r.json").stderr
 
 
-def test_people_read_factors_intervals_notes_and_the_next_step(call: Call, track: Path) -> None:
+def test_people_read_factors_intervals_notes_and_the_next_step(call, track):
     rows = np.loadtxt(track, delimiter=",", skiprows=1)
     np.savetxt(track, rows[::-1], delimiter=",", header="t (s),z (mm)", comments="")
     result = call("calibrate", "C", track, "--fit", "cross_drag", "--out", "found")
@@ -106,9 +97,7 @@ def test_people_read_factors_intervals_notes_and_the_next_step(call: Call, track
     ("order", "names", "message"),
     [(1, "t,z", "give --unit mm"), (-1, "t (s),z (mm)", "upside down, or backwards: give --y-down")],
 )
-def test_a_track_in_another_unit_or_upside_down_is_refused(
-    refused: Refused, track: Path, order: int, names: str, message: str
-) -> None:
+def test_a_track_in_another_unit_or_upside_down_is_refused(refused, track, order, names, message):
     rows = np.loadtxt(track, delimiter=",", skiprows=1)
     rows[:, 1] = rows[::order, 1]
     np.savetxt(track, rows, delimiter=",", header=names, comments="")
@@ -127,13 +116,11 @@ def test_a_track_in_another_unit_or_upside_down_is_refused(
         (("ten-cate-e4.csv", "--scale-error", "0.5"), "'--scale-error': should be less than or equal to 0.2"),
     ],
 )
-def test_wrong_options_are_refused_in_one_line(
-    refused: Refused, track: Path, arguments: tuple[str, ...], message: str
-) -> None:
+def test_wrong_options_are_refused_in_one_line(refused, track, arguments, message):
     assert message in refused("calibrate", "C", *arguments)
 
 
-def test_a_calibration_that_is_none_is_refused(refused: Refused, tmp_path: Path) -> None:
+def test_a_calibration_that_is_none_is_refused(refused, tmp_path):
     (tmp_path / "wrong.toml").write_text("[calibration]\ncross_drag = [1.2, 1.3, 1.4]\n", encoding="utf-8")
     line = refused("evolve", "--calibration", "wrong.toml", "--evaluations", 1)
     assert "wrong.toml:2" in line and "low <= value <= high" in line
@@ -141,7 +128,7 @@ def test_a_calibration_that_is_none_is_refused(refused: Refused, tmp_path: Path)
 
 
 @pytest.mark.long
-def test_drops_are_planned_with_a_page_and_a_study_for_each(call: Call) -> None:
+def test_drops_are_planned_with_a_page_and_a_study_for_each(call):
     result = call("drop", WORD, "--drops", 2, "--tank", 0.6, 0.4, 0.4, "--out", "plan", "--json")
     assert result.exit_code == 0, result.stderr
     plan = json.loads(result.stdout)
@@ -161,5 +148,5 @@ def test_drops_are_planned_with_a_page_and_a_study_for_each(call: Call) -> None:
     assert again.exit_code == 0, again.stderr
 
 
-def test_a_tank_that_is_smaller_than_the_agent_is_refused(refused: Refused) -> None:
+def test_a_tank_that_is_smaller_than_the_agent_is_refused(refused):
     assert "the tank must be larger" in refused("drop", WORD, "--tank", 0.01, 0.01, 0.01)

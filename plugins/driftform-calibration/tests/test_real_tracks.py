@@ -7,7 +7,6 @@ import pytest
 
 import driftform as df
 from driftform_calibration.films import calibrate_design
-from driftform_calibration.result import CalibrationResult
 
 pytestmark = pytest.mark.long
 
@@ -17,20 +16,20 @@ MASSES = {SETTLING: 0.0019792, BOUNCING: 0.00011027}
 """Density times volume of the spheres, kg."""
 
 
-def calibrate(track: Path, *fit: str) -> CalibrationResult:
+def calibrate(track, *fit):
     sphere = df.open_agent("C", scenario=str(track.with_suffix(".toml")))
     assert sphere.mass.mass == pytest.approx(MASSES[track], rel=1e-3)
     return calibrate_design(sphere, track, printed_mass=MASSES[track], fit=fit)
 
 
-def assert_near_1(found: CalibrationResult) -> None:
+def assert_near_1(found):
     for name, factor in found.factors.items():
         assert factor.value == pytest.approx(1, abs=0.25), name
     [film] = found.fit.problem.films
     assert found.residual < 0.15 * film.track.span
 
 
-def test_a_sphere_that_settles_has_nearly_the_drag_of_the_model() -> None:
+def test_a_sphere_that_settles_has_nearly_the_drag_of_the_model():
     found = calibrate(SETTLING)
     assert_near_1(found)
     assert found.factors["cross_drag"].known
@@ -40,7 +39,7 @@ def test_a_sphere_that_settles_has_nearly_the_drag_of_the_model() -> None:
     assert "something acts on it that the model lacks" in found.factors["added_mass"].reason
 
 
-def test_a_sphere_that_bounces_has_nearly_the_restitution_of_steel_on_glass() -> None:
+def test_a_sphere_that_bounces_has_nearly_the_restitution_of_steel_on_glass():
     """With the model's drag. Quite different pairs of drag and restitution fit nearly as well."""
     found = calibrate(BOUNCING, "restitution")
     assert_near_1(found)
@@ -49,7 +48,7 @@ def test_a_sphere_that_bounces_has_nearly_the_restitution_of_steel_on_glass() ->
     assert found.fit.residual < 0.5 * found.fit.before
 
 
-def test_a_bounce_of_a_tenth_of_a_second_trades_drag_for_restitution() -> None:
+def test_a_bounce_of_a_tenth_of_a_second_trades_drag_for_restitution():
     """With a free drag the fit is nearer to the film: more drag, for the history force that is left out, and less loss."""
     found, at_the_models_drag = calibrate(BOUNCING), calibrate(BOUNCING, "restitution")
     assert found.fit.residual < at_the_models_drag.fit.residual
@@ -59,7 +58,7 @@ def test_a_bounce_of_a_tenth_of_a_second_trades_drag_for_restitution() -> None:
     assert found.factors["restitution"].value > at_the_models_drag.factors["restitution"].value
 
 
-def test_the_tracks_have_the_apexes_and_speeds_of_the_papers() -> None:
+def test_the_tracks_have_the_apexes_and_speeds_of_the_papers():
     heights = [tuple(map(float, line.split(","))) for line in BOUNCING.read_text(encoding="utf-8").splitlines()[1:]]
     for when, apex in ((0.0384, 7.466), (0.1064, 2.234), (0.1404, 0.520)):
         assert (when, apex) in heights

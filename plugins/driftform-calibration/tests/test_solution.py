@@ -1,14 +1,11 @@
 """The covariance of a fit, against linear least squares in closed form and against the scatter of repeated films."""
 
-from collections.abc import Sequence
 from types import SimpleNamespace
-from typing import Any, cast
 
 import numpy as np
 import pytest
 
-from driftform.types import BoolArray, FloatArray
-from driftform_calibration.problem import Parameter, Problem
+from driftform_calibration.problem import Parameter
 from driftform_calibration.solution import (
     ROBUST,
     Solution,
@@ -27,14 +24,7 @@ class Lines:
     the first ``early`` points of each film.
     """
 
-    def __init__(
-        self,
-        seen: Sequence[FloatArray],
-        noise: Sequence[float],
-        prior_rows: FloatArray | None = None,
-        t: FloatArray | None = None,
-        early: int = 0,
-    ) -> None:
+    def __init__(self, seen, noise, prior_rows=None, t=None, early=0):
         self.early = early
         self.noise, self.seen = tuple(noise), list(seen)
         self.prior_rows = np.zeros((0, 2)) if prior_rows is None else prior_rows
@@ -45,35 +35,31 @@ class Lines:
         self.counts = [int(np.isfinite(u).sum()) for u in seen]
         self.parameters = [Parameter(-1, name, 0.0, -9.0, 9.0, np.inf) for name in "ab"]
 
-    def with_noise(self, noise: Sequence[float]) -> "Lines":
+    def with_noise(self, noise):
         return Lines(self.seen, noise, self.prior_rows)
 
-    def paths(self, x: FloatArray) -> list[None]:
+    def paths(self, x):
         return [None] * len(self.films)
 
-    def see(self, x: FloatArray, number: int, path: None = None) -> FloatArray:
+    def see(self, x, number, path=None):
         return (self.designs[number] @ x)[None, :, None]
 
-    def residuals(self, x: FloatArray) -> FloatArray:
+    def residuals(self, x):
         parts = [((A @ x - u) / s)[np.isfinite(u)] for A, u, s in zip(self.designs, self.seen, self.noise, strict=True)]
         return np.concatenate([*parts, self.prior_rows @ x])
 
-    def jacobian(self, x: FloatArray) -> FloatArray:
+    def jacobian(self, x):
         parts = [A[np.isfinite(u)] / s for A, u, s in zip(self.designs, self.seen, self.noise, strict=True)]
         return np.vstack([*parts, self.prior_rows])
 
-    def list_new(self, number: int) -> BoolArray:
+    def list_new(self, number):
         return np.flatnonzero(np.isfinite(self.seen[number])) >= self.early
 
-    def solve(self) -> FloatArray:
+    def solve(self):
         return np.linalg.lstsq(self.jacobian(np.zeros(2)), -self.residuals(np.zeros(2)), rcond=None)[0]
 
 
-def as_problem(lines: Lines) -> Problem:
-    return cast(Problem, lines)
-
-
-def draw_series(rng: np.random.Generator, count: int, rho: float, size: float = 1.0) -> FloatArray:
+def draw_series(rng, count, rho, size=1.0):
     """Noise of an autoregression with the correlation ``rho`` of neighbours, from its stationary distribution."""
     out = np.empty(count)
     out[0] = rng.normal()
@@ -84,7 +70,7 @@ def draw_series(rng: np.random.Generator, count: int, rho: float, size: float = 
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])
-def test_the_covariance_is_the_scatter_of_fits_to_films_whose_errors_are_correlated(rho: float) -> None:
+def test_the_covariance_is_the_scatter_of_fits_to_films_whose_errors_are_correlated(rho):
     """A point that errs as its neighbour does counts less: by (1 + rho) / (1 - rho) in the variance."""
     rng, truth = np.random.default_rng(1), np.array([0.3, -0.2])
     fits, covariances = [], []
@@ -92,27 +78,27 @@ def test_the_covariance_is_the_scatter_of_fits_to_films_whose_errors_are_correla
         lines = Lines([np.zeros(1000)], [0.01])
         lines = Lines([lines.designs[0] @ truth + draw_series(rng, 1000, rho, 0.01)], [0.01])
         fits.append(lines.solve())
-        covariances.append(estimate_covariance(as_problem(lines), fits[-1]))
+        covariances.append(estimate_covariance(lines, fits[-1]))
     scatter, expected = np.cov(np.array(fits).T), np.mean(covariances, axis=0)
     assert np.diag(expected) == pytest.approx(np.diag(scatter), rel=0.35)
     white = 0.01**2 * np.linalg.inv(lines.designs[0].T @ lines.designs[0])
     assert np.diag(expected) == pytest.approx(np.diag(white) * (1 + rho) / (1 - rho), rel=0.25)
 
 
-def test_the_covariance_of_white_residuals_is_that_of_the_normal_equations() -> None:
+def test_the_covariance_of_white_residuals_is_that_of_the_normal_equations():
     """s^2 (A' A)^-1 with s^2 from n - 2 degrees of freedom; the noise that was assumed cancels while all points count."""
     rng = np.random.default_rng(2)
     u = 0.02 * rng.choice([-1.0, 1.0], 400)
     for assumed in (0.2, 2.0):
         lines = Lines([u], [assumed])
         x, A = lines.solve(), lines.designs[0]
-        assert correlation_time(as_problem(lines), x, 0) == 1.0
+        assert correlation_time(lines, x, 0) == 1.0
         variance = float(((A @ x - u) ** 2).sum()) / 398
-        found = estimate_covariance(as_problem(lines), x)
+        found = estimate_covariance(lines, x)
         assert found == pytest.approx(variance * np.linalg.inv(A.T @ A), rel=4e-3, abs=1e-12)
 
 
-def test_what_is_known_before_and_every_film_add_their_information() -> None:
+def test_what_is_known_before_and_every_film_add_their_information():
     rng = np.random.default_rng(3)
     sizes, known = (0.003, 0.001), np.array([[1 / 2e-4, 0.0], [1 / 3e-4, 1 / 3e-4]])
     seen = [size * rng.choice([-1.0, 1.0], count) for size, count in zip(sizes, (200, 300), strict=True)]
@@ -122,43 +108,43 @@ def test_what_is_known_before_and_every_film_add_their_information() -> None:
     information = known.T @ known
     for A, size in zip(lines.designs, sizes, strict=True):
         information = information + A.T @ A / size**2
-    found = estimate_covariance(as_problem(lines), x)
+    found = estimate_covariance(lines, x)
     assert found == pytest.approx(np.linalg.inv(information), rel=0.03, abs=1e-12)
-    alone = estimate_covariance(as_problem(Lines(seen[:1], [0.3], known)), x)
+    alone = estimate_covariance(Lines(seen[:1], [0.3], known), x)
     assert np.all(np.diag(found) < np.diag(alone))
 
 
 @pytest.mark.parametrize("rho", [0.3, 0.5, 0.8])
-def test_the_correlation_time_of_an_autoregression_is_its_closed_form(rho: float) -> None:
+def test_the_correlation_time_of_an_autoregression_is_its_closed_form(rho):
     lines = Lines([draw_series(np.random.default_rng(4), 20_000, rho)], [1.0])
-    found = correlation_time(as_problem(lines), np.zeros(2), 0)
+    found = correlation_time(lines, np.zeros(2), 0)
     # Points beyond 4.4 standard deviations of noise are cut, which changes little.
     assert found == pytest.approx((1 + rho) / (1 - rho), rel=0.08)
 
 
-def test_two_coordinates_share_one_correlation_time() -> None:
+def test_two_coordinates_share_one_correlation_time():
     rng = np.random.default_rng(5)
     a, b = draw_series(rng, 5000, 0.8), draw_series(rng, 5000, 0.0)
     film = SimpleNamespace(track=Track("", np.arange(5000.0), np.stack([a, b], axis=1)[None]))
-    zero: Any = SimpleNamespace(films=[film], see=lambda *_: np.zeros((1, 5000, 2)), paths=lambda _: [None])
+    zero = SimpleNamespace(films=[film], see=lambda *_: np.zeros((1, 5000, 2)), paths=lambda _: [None])
     # Both have the variance 1, so that the correlations are means of 0.8^k and 0.
     assert correlation_time(zero, np.zeros(2), 0) == pytest.approx(1 + 0.8 / 0.2, rel=0.15)
 
 
-def test_a_wild_point_hardly_shortens_the_correlation_time() -> None:
+def test_a_wild_point_hardly_shortens_the_correlation_time():
     series = draw_series(np.random.default_rng(6), 4000, 0.8)
     series[2000] = 300.0
-    assert correlation_time(as_problem(Lines([series], [1.0])), np.zeros(2), 0) == pytest.approx(9.0, rel=0.15)
+    assert correlation_time(Lines([series], [1.0]), np.zeros(2), 0) == pytest.approx(9.0, rel=0.15)
 
 
-def test_the_spread_of_normal_residuals_is_their_standard_deviation() -> None:
+def test_the_spread_of_normal_residuals_is_their_standard_deviation():
     residuals = np.random.default_rng(7).normal(size=100_000)
     # Of a soft loss, the spread is that of the estimate: the variance of its influence over the square of its slope.
     assert _spread(residuals) == pytest.approx(1.0, abs=0.02)
     assert _spread(0.01 * residuals) == pytest.approx(0.01, rel=0.01)
 
 
-def test_the_spread_of_small_residuals_counts_what_the_unknowns_used_up() -> None:
+def test_the_spread_of_small_residuals_counts_what_the_unknowns_used_up():
     residuals = 1e-4 * np.tile([1.0, -1.0], 50)
     assert _spread(residuals) == pytest.approx(1e-4, rel=1e-6)
     assert _spread(residuals, 36.0) == pytest.approx(1e-4 * 10 / 8, rel=1e-6)
@@ -166,34 +152,34 @@ def test_the_spread_of_small_residuals_counts_what_the_unknowns_used_up() -> Non
     assert _spread(residuals, 100.0) == pytest.approx(1e-3, rel=1e-6)
 
 
-def test_a_residual_of_several_times_the_noise_counts_as_its_influence() -> None:
+def test_a_residual_of_several_times_the_noise_counts_as_its_influence():
     # psi(r) = r / sqrt(1 + (r / c)^2) at r = c is c / sqrt(2), and psi' = 2^-1.5.
     residuals = np.full(4, ROBUST)
     assert _spread(residuals) == pytest.approx(ROBUST / np.sqrt(2) * 2**1.5, rel=1e-12)
 
 
-def test_a_solution_keeps_its_covariance_as_what_is_known_before_another_fit() -> None:
+def test_a_solution_keeps_its_covariance_as_what_is_known_before_another_fit():
     covariance = np.array([[4e-4, 1e-4], [1e-4, 9e-4]])
-    anchor = Solution(as_problem(Lines([np.zeros(9)], [1.0])), np.array([0.1, 0.2]), covariance).anchor()
+    anchor = Solution(Lines([np.zeros(9)], [1.0]), np.array([0.1, 0.2]), covariance).anchor()
     assert list(anchor.keys) == [(-1, "a"), (-1, "b")]
     assert anchor.centre == pytest.approx([0.1, 0.2])
     assert np.linalg.inv(anchor.rows.T @ anchor.rows) == pytest.approx(covariance, rel=1e-9)
 
 
-def test_points_count_once_where_an_earlier_fit_has_counted_them() -> None:
+def test_points_count_once_where_an_earlier_fit_has_counted_them():
     """What that fit found, and the points that are new to this one, show as much as all points do in one fit."""
     lines = Lines([np.tile([1.0, -1.0], 50)], [1.0])
     design = lines.designs[0]
     known = np.linalg.cholesky(design[:60].T @ design[:60]).T / _spread(lines.residuals(np.zeros(2)), 2.0)
     anchored = Lines(lines.seen, [1.0], known, early=60)
-    once, again = (estimate_covariance(as_problem(problem), np.zeros(2)) for problem in (lines, anchored))
+    once, again = (estimate_covariance(problem, np.zeros(2)) for problem in (lines, anchored))
     assert again == pytest.approx(once, rel=0.02, abs=2e-4)
 
 
-def test_solutions_that_fit_as_well_widen_the_covariance_by_their_distance() -> None:
+def test_solutions_that_fit_as_well_widen_the_covariance_by_their_distance():
     rng = np.random.default_rng(8)
     lines = Lines([rng.choice([-1.0, 1.0], 200)], [1.0])
-    problem, own = as_problem(lines), np.diag([0.01, 0.02])
+    problem, own = lines, np.diag([0.01, 0.02])
     # Of opposite sign, they fit equally to first order; the better one is the sum's centre.
     best = Solution(problem, lines.solve(), own)
     away = np.array([0.02, 0.03])

@@ -17,98 +17,72 @@ def write(tmp_path):
     return write_file
 
 
-def test_plain_columns_are_read_in_any_order(write):
-    table = read_table(write("y,t,x,remark\n-0.1,0.0,0.5,held\n-0.2,0.5,0.6,\n"))
-    assert table.t.tolist() == [0.0, 0.5]
-    assert table.points[""].tolist() == [[0.5, -0.1], [0.6, -0.2]]
-    assert not table.is_frames and not table.is_spatial
+NONE = np.nan
+READ = {
+    "columns in any order": (
+        "y,t,x,remark\n-0.1,0.0,0.5,held\n-0.2,0.5,0.6,\n",
+        [0, 0.5],
+        {"": [[0.5, -0.1], [0.6, -0.2]]},
+    ),
+    "a track in space": ("t,x,y,z\n0,1,2,3\n", [0], {"": [[1, 2, 3]]}),
+    "a height": ("t,z\n0,0.3\n1,0.2\n", [0, 1], {"": [[NONE, 0.3], [NONE, 0.2]]}),
+    "decimal commas where semicolons separate": ("t;x;y\n0,033;-1,2E-2;0,5\n", [0.033], {"": [[-0.012, 0.5]]}),
+    "units in centimetres": ("t (s),x (cm),y (cm)\n0,1,2\n", [0], {"": [[1, 2]]}, "cm"),
+    "units in millimetres": ("time_s\tx_mm\ty_mm\n0\t1\t2\n", [0], {"": [[1, 2]]}, "mm"),
+    "pixels": ("t [ms];x [px];y [px]\n1000;1;2\n", [1], {"": [[1, 2]]}, "px"),
+    "Tracker, with a frame without a point": (
+        "mass A\t\t\nt\tx\ty\n0.00E0\t1.1E-2\t-2.0E-3\n3.33E-2\t\t\n",
+        [0, 0.0333],
+        {"": [[0.011, -0.002], [NONE, NONE]]},
+    ),
+    "DeepLabCut": (
+        "scorer,net,net,net,net,net,net\nbodyparts,nose,nose,nose,tail,tail,tail\n"
+        "coords,x,y,likelihood,x,y,likelihood\n0,10.5,20.5,0.99,30.0,21.0,0.98\n1,11.5,22.5,0.40,31.0,23.0,0.97\n",
+        [0, 1],
+        {"nose": [[10.5, 20.5], [11.5, 22.5]], "tail": [[30, 21], [31, 23]]},
+        "px",
+    ),
+    "points by the names of columns": (
+        "frame,nose_x,nose_y,tail.x,tail.y\n0,1,2,3,4\n",
+        [0],
+        {"nose": [[1, 2]], "tail": [[3, 4]]},
+    ),
+    "no names": ("0 0.1 0.2\n0.5 0.3 0.4\n", [0, 0.5], {"": [[0.1, 0.2], [0.3, 0.4]]}),
+    "Kinovea": (
+        '"Time (ms)";"Drop 1/0/X";"Drop 1/0/Y"\n0;0,10;0,20\n33;0,11;0,19\n',
+        [0, 0.033],
+        {"drop 1/0": [[0.10, 0.20], [0.11, 0.19]]},
+    ),
+    "an older Kinovea": (
+        "#Kinovea Trajectory data export\n#T X Y\n0:00:00:96 1,5 2,5\n0:00:01:00 1,6 2,4\n",
+        [0.96, 1.0],
+        {"": [[1.5, 2.5], [1.6, 2.4]]},
+    ),
+    "quoted decimal commas": (
+        't,x,y\n"0,0","0,1","0,5"\n"0,5","0,2","0,4"\n',
+        [0, 0.5],
+        {"": [[0.1, 0.5], [0.2, 0.4]]},
+    ),
+}
 
 
-def test_a_third_coordinate_makes_a_track_in_space_and_z_alone_is_a_height(write):
-    assert read_table(write("t,x,y,z\n0,1,2,3\n")).points[""].tolist() == [[1.0, 2.0, 3.0]]
-    heights = read_table(write("t,z\n0,0.3\n1,0.2\n")).points[""]
-    assert np.isnan(heights[:, 0]).all() and heights[:, 1].tolist() == [0.3, 0.2]
-
-
-@pytest.mark.parametrize(
-    ("text", "unit"),
-    [
-        ("t (s),x (cm),y (cm)\n0,1,2\n", "cm"),
-        ("time_s\tx_mm\ty_mm\n0\t1\t2\n", "mm"),
-        ("t [ms];x [px];y [px]\n1000;1;2\n", "px"),
-    ],
-)
-def test_units_in_the_names_of_columns_are_understood(write, text, unit):
+@pytest.mark.parametrize("name", READ)
+def test_tracks_are_read_as_programs_and_people_write_them(write, name):
+    text, t, points, *unit = READ[name]
     table = read_table(write(text))
-    assert table.unit == unit
-    assert table.points[""].tolist() == [[1.0, 2.0]]
-    assert table.t.tolist() == ([1.0] if "ms" in text else [0.0])
+    assert table.t == pytest.approx(t)
+    assert table.points.keys() == points.keys()
+    for key, places in points.items():
+        np.testing.assert_allclose(table.points[key], places, rtol=1e-12)
+    assert not unit or table.unit == unit[0]
+    assert table.is_frames == (name == "DeepLabCut" or text.startswith("frame"))
+    assert table.is_image == (name == "DeepLabCut")
+    assert table.is_spatial == (name == "a track in space")
 
 
-def test_decimal_commas_are_numbers_where_semicolons_separate(write):
-    table = read_table(write("t;x;y\n0,033;-1,2E-2;0,5\n"))
-    assert table.t.tolist() == [0.033]
-    assert table.points[""].tolist() == [[-0.012, 0.5]]
-
-
-def test_an_export_of_tracker_has_the_name_of_the_track_above_its_columns(write):
-    table = read_table(write("mass A\t\t\nt\tx\ty\n0.00E0\t1.1E-2\t-2.0E-3\n3.33E-2\t\t\n"))
-    assert table.t == pytest.approx([0.0, 0.0333])
-    assert table.points[""][0].tolist() == [0.011, -0.002]
-    assert np.isnan(table.points[""][1]).all(), "a frame without a point"
-
-
-def test_of_several_objects_one_must_be_chosen(write):
-    tracker = write("mass A\t\t\tmass B\t\nt\tx\ty\tx\ty\n0\t1\t2\t3\t4\n")
-    with pytest.raises(InputError, match=r"follows 2 objects \(mass A, mass B\); choose one with --object"):
-        read_table(tracker)
-    assert read_table(tracker, "mass B").points[""].tolist() == [[3.0, 4.0]]
-    with pytest.raises(InputError, match="has no such object; did you mean"):
-        read_table(tracker, "mass")
-    with pytest.raises(InputError, match="two columns x"):
-        read_table(write("t,x,y,x,y\n0,1,2,3,4\n"))
-
-
-DEEPLABCUT = """scorer,net,net,net,net,net,net
-bodyparts,nose,nose,nose,tail,tail,tail
-coords,x,y,likelihood,x,y,likelihood
-0,10.5,20.5,0.99,30.0,21.0,0.98
-1,11.5,22.5,0.40,31.0,23.0,0.97
-"""
-
-
-def test_an_export_of_deeplabcut_has_frames_points_and_likelihoods(write):
-    table = read_table(write(DEEPLABCUT))
-    assert table.is_frames and table.is_image and table.unit == "px"
-    assert table.t.tolist() == [0.0, 1.0]
-    assert table.points["tail"].tolist() == [[30.0, 21.0], [31.0, 23.0]]
-    assert table.likelihood["nose"].tolist() == [0.99, 0.4]
-
-
-def test_of_several_animals_one_must_be_chosen(write):
-    path = write(
-        "scorer,net,net,net,net\nindividuals,one,one,two,two\nbodyparts,core,core,core,core\n"
-        "coords,x,y,x,y\n0,1,2,3,4\n"
-    )
-    with pytest.raises(InputError, match="follows 2 objects"):
-        read_table(path)
-    assert read_table(path, "two").points["core"].tolist() == [[3.0, 4.0]]
-
-
-def test_several_points_are_told_apart_by_the_names_of_their_columns(write):
-    table = read_table(write("frame,nose_x,nose_y,tail.x,tail.y\n0,1,2,3,4\n"))
-    assert table.is_frames
-    assert {name: values.tolist() for name, values in table.points.items()} == {
-        "nose": [[1.0, 2.0]],
-        "tail": [[3.0, 4.0]],
-    }
-
-
-def test_numbers_without_names_are_taken_in_the_usual_order_and_that_is_said(write):
-    table = read_table(write("0 0.1 0.2\n0.5 0.3 0.4\n"))
-    assert table.t.tolist() == [0.0, 0.5]
-    assert table.points[""].tolist() == [[0.1, 0.2], [0.3, 0.4]]
-    assert table.notes == ("no row of names: columns are taken as t, x, y",)
+def test_likelihoods_are_read_and_a_guess_is_said(write):
+    assert read_table(write(READ["DeepLabCut"][0])).likelihood["nose"].tolist() == [0.99, 0.4]
+    assert read_table(write(READ["no names"][0])).notes == ("no row of names: columns are taken as t, x, y",)
 
 
 @pytest.mark.parametrize(
@@ -120,6 +94,7 @@ def test_numbers_without_names_are_taken_in_the_usual_order_and_that_is_said(wri
         ("t,x (m),y (cm)\n0,1,2\n", "several units: cm, m"),
         ("scorer,net\n0,1\n", "has no rows 'bodyparts' and 'coords'"),
         ("t,nose_x,nose_y,tail_x,tail_y,tail_z\n0,1,2,3,4,5\n", "some of its points have three coordinates"),
+        ("t,x,y,x,y\n0,1,2,3,4\n", "two columns x"),
     ],
 )
 def test_what_is_no_track_is_refused_in_one_line(write, text, message):
@@ -135,16 +110,6 @@ def test_a_file_that_is_no_text_or_does_not_exist_is_refused(tmp_path):
         read_table(film)
     with pytest.raises(InputError, match="cannot be read"):
         read_table(tmp_path / "absent.csv")
-
-
-def test_kinovea_has_names_of_objects_in_its_columns_or_a_comment_above_them(write):
-    table = read_table(write('"Time (ms)";"Drop 1/0/X";"Drop 1/0/Y"\n0;0,10;0,20\n33;0,11;0,19\n'))
-    assert table.t.tolist() == [0.0, 0.033]
-    assert table.points["drop 1/0"].tolist() == [[0.10, 0.20], [0.11, 0.19]]
-    older = "#Kinovea Trajectory data export\n#T X Y\n0:00:00:96 1,5 2,5\n0:00:01:00 1,6 2,4\n"
-    table = read_table(write(older))
-    assert table.t == pytest.approx([0.96, 1.0])
-    assert table.points[""].tolist() == [[1.5, 2.5], [1.6, 2.4]]
 
 
 SLEAP = "track,frame_idx,instance.score,core.x,core.y,core.score\nA,7,0.9,300,400,0.9\nA,8,0.9,301,404,0.9\n"
@@ -180,19 +145,31 @@ def test_programs_with_a_row_for_each_object_and_frame_count_downward_from_the_t
     assert (table.is_image, table.unit, table.is_frames) == (True, unit, t[0] == 7)
 
 
-def test_idtracker_numbers_its_individuals(write):
-    path = write("time,x1,y1,x2,y2\n0.0,1,2,3,4\n0.02,,,5,6\n")
-    with pytest.raises(InputError, match=r"follows 2 objects \(1, 2\); choose one with --object"):
+@pytest.mark.parametrize(
+    ("text", "objects", "chosen", "point", "found"),
+    [
+        ("mass A\t\t\tmass B\t\nt\tx\ty\tx\ty\n0\t1\t2\t3\t4\n", "mass A, mass B", "mass B", "", [[3.0, 4.0]]),
+        (
+            "scorer,net,net,net,net\nindividuals,one,one,two,two\nbodyparts,core,core,core,core\ncoords,x,y,x,y\n0,1,2,3,4\n",
+            "one, two",
+            "two",
+            "core",
+            [[3.0, 4.0]],
+        ),
+        ("time,x1,y1,x2,y2\n0.0,1,2,3,4\n0.02,,,5,6\n", "1, 2", "2", "2", [[3.0, 4.0], [5.0, 6.0]]),
+        (SLEAP + "B,7,0.9,500,600,0.9\n", "A, B", "B", "core", [[500.0, 600.0]]),
+    ],
+    ids=["Tracker", "DeepLabCut", "idtracker", "SLEAP"],
+)
+def test_of_several_objects_one_must_be_chosen(write, text, objects, chosen, point, found):
+    path = write(text)
+    with pytest.raises(InputError, match=rf"follows 2 objects \({objects}\); choose one with --object"):
         read_table(path)
-    table = read_table(path, "2")
-    assert (table.points["2"].tolist(), table.is_image, table.unit) == ([[3.0, 4.0], [5.0, 6.0]], True, "px")
-
-
-def test_rows_of_several_objects_need_a_choice(write):
-    path = write(SLEAP + "B,7,0.9,500,600,0.9\n")
-    with pytest.raises(InputError, match=r"follows 2 objects \(A, B\); choose one with --object"):
-        read_table(path)
-    assert read_table(path, "B").points["core"].tolist() == [[500.0, 600.0]]
+    table = read_table(path, chosen)
+    assert table.points[point].tolist() == found
+    assert (table.is_image, table.unit) == ((False, "") if point == "" else (True, "px"))
+    with pytest.raises(InputError, match="has no such object; did you mean"):
+        read_table(path, f"{chosen}x")
 
 
 @pytest.mark.parametrize("picture", ["labeled-data/drop/img{}.png", "labeled-data,drop,img{}.png"])
@@ -236,5 +213,3 @@ def test_commas_that_separate_both_columns_and_decimals_are_joined_or_named(writ
     assert "taken from two cells" in table.notes[0]
     with pytest.raises(InputError, match=r"row 1 below the names has 5 cells for 3 names: if commas separate"):
         read_table(write("t,x,y\n0,0,1,0,5\n0,5,0,2,0,4\n"))
-    quoted = read_table(write('t,x,y\n"0,0","0,1","0,5"\n"0,5","0,2","0,4"\n'))
-    assert quoted.points[""].tolist() == [[0.1, 0.5], [0.2, 0.4]]

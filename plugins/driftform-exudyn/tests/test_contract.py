@@ -6,7 +6,7 @@ from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
 class TestExudyn(ClosedForms):
     # Attained: energy and impulse of free motions to 2.5e-6, the libration to 1.2e-3 of its speeds.
 
-    def plugin(self) -> ExudynSimulator:
+    def plugin(self):
         return ExudynSimulator(ExudynOptions())
 
 
@@ -16,5 +16,5 @@ class TestExudynWithATightTolerance(ClosedForms):
     accuracy = 1e-6
     agreement = 2e-6
 
-    def plugin(self) -> ExudynSimulator:
+    def plugin(self):
         return ExudynSimulator(ExudynOptions(tolerance=1e-9))

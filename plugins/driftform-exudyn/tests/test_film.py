@@ -3,9 +3,11 @@
 import signal
 import sys
 from dataclasses import replace
+from io import BytesIO
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from driftform.agent import mass_properties
 from driftform.errors import WorkFailedError
@@ -27,13 +29,13 @@ UPRIGHT = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 
 
 @pytest.fixture
-def agent() -> Agent:
+def agent():
     """A tube of 60 mm about its core."""
     body = hollow_body()
     return Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
 
 
-def scene(agent: Agent, flight=None, scenario=None, frames: int = 5) -> Scene:
+def scene(agent, flight=None, scenario=None, frames=5):
     flight = drifting_trajectory(0.8, turn=0.0) if flight is None else flight
     t = np.linspace(0, flight.t[-1], frames)
     return Scene(agent, flight, scenario or Scenario(pipe=PIPE), t, letter_height=8.0)
@@ -42,7 +44,7 @@ def scene(agent: Agent, flight=None, scenario=None, frames: int = 5) -> Scene:
 HULL, NOSE, TARGET = "hull", "nose", "target"
 
 
-def pixels(image, what: str):
+def pixels(image, what):
     """Columns and rows of the pixels that have a colour, in whatever light; the path is as blue as a nose."""
     red, green, blue = np.moveaxis(image.astype(int), 2, 0)
     masks = {
@@ -53,7 +55,7 @@ def pixels(image, what: str):
     return np.argwhere(masks[what])[:, ::-1]
 
 
-def middle(image, what: str):
+def middle(image, what):
     found = pixels(image, what)
     assert len(found), f"no {what} is seen"
     return found.mean(axis=0)
@@ -130,12 +132,12 @@ def test_seen_from_close_by_the_fore_end_points_where_the_attitude_does(agent, p
 LEVEL, UPRIGHT_POSE, ASLANT = 0.0, -np.pi / 2, 0.6
 
 
-def still_of(agent: Agent, flight, scenario: Scenario, at: float) -> Scene:
+def still_of(agent, flight, scenario, at):
     t = np.union1d(np.linspace(0, flight.t[-1], 9), at)
     return Scene(agent, flight, scenario, t, letter_height=8.0, still=int(np.searchsorted(t, at)))
 
 
-def held(pitch: float):
+def held(pitch):
     """A flight with the same attitude all the way."""
     flight = drifting_trajectory(0.8, turn=0.0)
     half = np.full(len(flight.t), pitch / 2)
@@ -249,3 +251,10 @@ def test_an_interruption_waits_until_exudyn_is_done():
         signal.raise_signal(signal.SIGINT)
         done = True
     assert done and signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_png_file_holds_the_pixels():
+    drawn = np.random.default_rng(1).integers(0, 256, (7, 5, 3), dtype=np.uint8)
+    image = Image.open(BytesIO(encoder.png_bytes(drawn)))
+    assert (image.format, image.mode, image.size) == ("PNG", "RGB", (5, 7))
+    assert (np.asarray(image) == drawn).all()

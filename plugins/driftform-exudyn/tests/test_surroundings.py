@@ -19,7 +19,7 @@ def test_a_straight_pipe_is_one_cylinder_with_distances():
     assert (bore.length, bore.radius) == (9.0, 1.0)
 
 
-def test_the_cylinders_of_a_junction_follow_its_parts(junction: Scenario):
+def test_the_cylinders_of_a_junction_follow_its_parts(junction):
     bores = list_bores(junction.pipe, upright_axes(junction)[2])
     assert {round(bore.radius, 9) for bore in bores} == {0.05, 0.1}
     for bore in bores:
@@ -30,7 +30,7 @@ def test_the_cylinders_of_a_junction_follow_its_parts(junction: Scenario):
         assert np.linalg.norm(ends - outlet.opening.centre, axis=1).min() < 1e-9
 
 
-def test_the_view_shows_both_legs_of_the_main(junction: Scenario):
+def test_the_view_shows_both_legs_of_the_main(junction):
     """None of its bores runs towards the viewer."""
     viewer = upright_axes(junction)[2]
     assert max(abs(float(bore.axes[0] @ viewer)) for bore in list_bores(junction.pipe, viewer)) < 0.95

@@ -1,22 +1,19 @@
 """Bodies made directly of contours, and the programs that read what we write."""
 
 import subprocess
-from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 from prints import job_of
 
-from driftform.interfaces import ExportJob
 from driftform.types import Body, Core
 
 WALL = 1.25e-3
 DENSITY = 1050.0
 
 
-def body_of(outer: Sequence[Sequence[float]], cavity: Sequence[Sequence[float]] = ()) -> Body:
+def body_of(outer, cavity=()):
     """A body of contours in m."""
     outline = np.array(outer, dtype=float)
     return Body(
@@ -29,36 +26,36 @@ def body_of(outer: Sequence[Sequence[float]], cavity: Sequence[Sequence[float]] 
     )
 
 
-def chain_of(lengths: Sequence[float], radii: Sequence[float], wall: float = WALL) -> Body:
+def chain_of(lengths, radii, wall=WALL):
     """A capped chain of frustums with a radial wall; there is one radius more than there are lengths."""
     x = np.concatenate(([0.0], np.cumsum(lengths))) - sum(lengths) / 2
     r = np.array(radii)
     inside = np.concatenate(([x[0] + wall], x[(x > x[0] + wall) & (x < x[-1] - wall)], [x[-1] - wall]))
     bore = np.interp(inside, x, r - wall)
 
-    def capped(x: np.ndarray, r: np.ndarray) -> list[list[float]]:
+    def capped(x, r):
         return [[x[0], 0.0], *np.column_stack((x, r)).tolist(), [x[-1], 0.0]]
 
     return body_of(capped(x, r), capped(inside, bore))
 
 
 @pytest.fixture(scope="session")
-def make_body() -> Callable[..., Body]:
+def make_body():
     return body_of
 
 
 @pytest.fixture(scope="session")
-def make_chain() -> Callable[..., Body]:
+def make_chain():
     return chain_of
 
 
-def _wavy() -> Body:
+def _wavy():
     rng = np.random.default_rng(7)
     radii = np.clip(0.02 + np.cumsum(rng.uniform(-3e-3, 3e-3, 41)), 5e-3, 0.06)
     return chain_of(rng.uniform(2.5e-3, 10e-3, 40), radii)
 
 
-_BODIES: dict[str, Callable[[], Body]] = {
+_BODIES = {
     "capped cylinder": lambda: chain_of([0.1], [0.02, 0.02]),
     "solid cone": lambda: body_of([(-0.02, 0), (-0.02, 0.03), (0.05, 0)]),
     "hollow cone": lambda: body_of([(-0.02, 0), (-0.02, 0.03), (0.05, 0)], [(-0.018, 0), (-0.018, 0.02), (0.03, 0)]),
@@ -72,30 +69,30 @@ _BODIES: dict[str, Callable[[], Body]] = {
 
 
 @pytest.fixture(scope="session", params=_BODIES)
-def body(request: pytest.FixtureRequest) -> Body:
+def body(request):
     """One body of each kind."""
     return _BODIES[request.param]()
 
 
 @pytest.fixture(scope="session")
-def wavy_body() -> Body:
+def wavy_body():
     """A hull of 40 modules."""
     return _wavy()
 
 
 @pytest.fixture(scope="session")
-def specimen_of() -> Callable[[Body], ExportJob]:
+def specimen_of():
     """A body as exporters receive it, in open water, with coefficients that no exporter of meshes reads."""
 
     return lambda body: job_of(body, "hull")
 
 
 @pytest.fixture
-def render(requires_program: Callable[[str], str], tmp_path: Path) -> Callable[[str], trimesh.Trimesh]:
+def render(requires_program, tmp_path):
     """OpenSCAD source -> the mesh that OpenSCAD renders."""
     openscad = requires_program("openscad")
 
-    def run(source: str) -> trimesh.Trimesh:
+    def run(source):
         scad, stl = tmp_path / "source.scad", tmp_path / "rendered.stl"
         scad.write_text(source)
         done = subprocess.run(

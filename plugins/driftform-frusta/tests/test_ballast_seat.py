@@ -17,7 +17,7 @@ BODIES = [BUILDER.build(random_morphology(seed, 12)) for seed in range(30)]
 BUOYANT = [body for body in BODIES if find_max_ballast(body, LEAD) > 0]
 
 
-def test_ballast_makes_a_buoyant_body_float_freely_with_some_to_spare() -> None:
+def test_ballast_makes_a_buoyant_body_float_freely_with_some_to_spare():
     assert len(BUOYANT) > 3
     for body in BUOYANT:
         bare = mass_properties(body)
@@ -25,14 +25,14 @@ def test_ballast_makes_a_buoyant_body_float_freely_with_some_to_spare() -> None:
         assert 0 < find_max_ballast(body, LEAD) <= SPARE * lacking * (1 + 1e-12)
 
 
-def test_a_body_that_sinks_needs_no_ballast() -> None:
+def test_a_body_that_sinks_needs_no_ballast():
     heavy = replace(BUOYANT[0], hull_density=20_000.0)
     assert find_max_ballast(heavy, LEAD) == 0.0
     assert BUILDER.find_tunings(random_morphology(0, 4)) is None
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 1.0])
-def test_the_ball_is_inside_the_cavity_and_beside_the_core(share: float) -> None:
+def test_the_ball_is_inside_the_cavity_and_beside_the_core(share):
     for body in BUOYANT:
         ball = place_ballast(body, share * find_max_ballast(body, LEAD), LEAD)
         radius = (0.75 * ball.volume / np.pi) ** (1 / 3)
@@ -42,7 +42,7 @@ def test_the_ball_is_inside_the_cavity_and_beside_the_core(share: float) -> None
         assert (np.interp(x, *body.cavity.T) >= r).all()
 
 
-def test_the_tuned_body_weighs_the_ballast_more_and_balances_at_their_common_centre() -> None:
+def test_the_tuned_body_weighs_the_ballast_more_and_balances_at_their_common_centre():
     morphology = next(m for m in (random_morphology(s, 12) for s in range(30)) if BUILDER.find_tunings(m))
     bare, mass = mass_properties(BUILDER.build(morphology)), 0.005
     body = BUILDER.build(replace(morphology, tuning=mass))
@@ -58,6 +58,6 @@ def test_the_tuned_body_weighs_the_ballast_more_and_balances_at_their_common_cen
     assert tuned.volume == bare.volume
 
 
-def test_ballast_that_has_no_room_is_refused_with_what_has() -> None:
+def test_ballast_that_has_no_room_is_refused_with_what_has():
     with pytest.raises(ValueError, match="the hull has room for"):
         place_ballast(BUOYANT[0], 100.0, LEAD)

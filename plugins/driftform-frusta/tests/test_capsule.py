@@ -1,7 +1,5 @@
 """A capsule as the core: its file, the hull around it, and what both weigh."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import trimesh
@@ -30,13 +28,13 @@ def ball():
     return np.column_stack((0.01 - 0.01 * np.cos(angle), 0.01 * np.sin(angle)))
 
 
-def write_csv(path: Path, points) -> Path:
+def write_csv(path, points):
     rows = "\n".join(f"{1000 * x:.9f},{1000 * r:.9f}" for x, r in points)
     path.write_text(f"x_mm,r_mm\n{rows}\n")
     return path
 
 
-def around(path: Path, points, **options) -> FrustaBuilder:
+def around(path, points, **options):
     given = {"core_mass": MASS, "core_cog": COG, **options}
     return FrustaBuilder(FrustaOptions(core=str(write_csv(path / "core.csv", points)), **given))
 
@@ -105,7 +103,7 @@ def test_a_waist_gets_the_room_of_what_passes_it(tmp_path):
     assert core.volume == pytest.approx(solid_of_revolution(waist).volume, rel=1e-6)
 
 
-def study_in(folder: Path, extra="") -> Path:
+def study_in(folder, extra=""):
     folder.mkdir()
     write_csv(folder / "core.csv", capsule())
     path = folder / "study.toml"

@@ -1,8 +1,5 @@
-from typing import Any
-
 import pytest
 
-from driftform.interfaces import Exporter
 from driftform.testing import BuilderContract, ExporterContract
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.exporters.meshes import GlbExporter, ObjExporter, PlyExporter, StlExporter
@@ -32,10 +29,10 @@ EXPORTERS = (GlbExporter, ObjExporter, PlyExporter, ScadExporter, StlExporter, S
 
 class TestFrusta(BuilderContract):
     @pytest.fixture(autouse=True, params=BUILDERS)
-    def _choose(self, request: pytest.FixtureRequest) -> None:
+    def _choose(self, request):
         self.chosen = FrustaBuilder(FrustaOptions(**BUILDERS[request.param]))
 
-    def plugin(self) -> FrustaBuilder:
+    def plugin(self):
         return self.chosen
 
 
@@ -45,8 +42,8 @@ class TestExporters(ExporterContract):
         params=[*EXPORTERS, pytest.param(StepExporter, marks=pytest.mark.peers)],
         ids=lambda exporter: exporter.name,
     )
-    def _choose(self, request: pytest.FixtureRequest) -> None:
+    def _choose(self, request):
         self.chosen = request.param(request.param.Options())
 
-    def plugin(self) -> Exporter[Any]:
+    def plugin(self):
         return self.chosen

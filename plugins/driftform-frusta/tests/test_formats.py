@@ -28,7 +28,7 @@ ATTACHED = "https://driftform.invalid/2026/attachment"
 UPRIGHT = 1e3 * np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 
-def jobs(occupied: str, count: int) -> list[ExportJob]:
+def jobs(occupied, count):
     pipeline = load_study("paper", settings=[f"grammar.occupied={occupied}"], run={"seed": 0}).make_pipeline()
     rng = np.random.default_rng(6)
     agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count)]

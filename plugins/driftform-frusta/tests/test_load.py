@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from driftform.agent import distance_from, mass_properties, solid_of_revolution
 from driftform.testing.builder import random_morphology
-from driftform.types import Body, Module, Morphology
+from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.cores import CORES, SIZES_MM
 from driftform_frusta.hull import build_printable_hull
@@ -22,7 +22,7 @@ BALLS = FrustaBuilder(FrustaOptions(tuning="ballast", **STEEL))
 seeds = st.integers(0, 10_000)
 
 
-def tune(builder: FrustaBuilder, morphology: Morphology, share: float) -> tuple[Body, float]:
+def tune(builder, morphology, share):
     """Return a body with some share of what can be added to it, and that mass, kg."""
     low, high = builder.find_tunings(morphology)
     added = low + share * (high - low)

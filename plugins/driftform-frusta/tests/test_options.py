@@ -151,7 +151,7 @@ def test_a_material_replaces_that_of_a_resolved_study_but_not_your_own_density()
 
 @pytest.mark.peers
 @pytest.mark.parametrize("name", PROFILES)
-def test_densities_are_those_of_the_slicers_profiles(name: str, requires_program) -> None:
+def test_densities_are_those_of_the_slicers_profiles(name, requires_program):
     requires_program("prusa-slicer")
     text = Path("/usr/share/PrusaSlicer/profiles/PrusaResearch.ini").read_text(encoding="utf-8")
     found = [

@@ -1,4 +1,4 @@
-"""Pictures of parts on the bed."""
+"""Pictures of parts on the bed, and the pixels of a drawing."""
 
 import io
 
@@ -7,6 +7,7 @@ import pytest
 from manifold3d import Manifold
 from PIL import Image
 
+from driftform.figures import svg
 from driftform.figures.files import ZOOM, rasterise
 from driftform_frusta.picture import plate_svg
 from driftform_frusta.solid import Solid, make_mesh, revolve_profiles
@@ -89,3 +90,11 @@ def test_the_area_of_a_face_is_that_of_its_projection():
     turn = np.deg2rad(62.0)
     side = wide / (np.cos(turn) + np.sin(turn))
     assert red.sum() == pytest.approx(side**2 * np.sin(np.deg2rad(24.0)), rel=0.05)
+
+
+@pytest.mark.parametrize(("unit", "text"), [("mm", "60mm"), ("px", "226.77")])
+def test_a_drawing_in_millimetres_becomes_as_many_pixels_as_one_in_px(unit, text):
+    drawn = svg.render(svg.start_document(60 / 25.4 * 96, 30 / 25.4 * 96, "A box", "A box.", unit=unit))
+    assert f'width="{text}' in drawn
+    image = Image.open(io.BytesIO(rasterise(drawn)))
+    assert image.size == pytest.approx((ZOOM * 60 / 25.4 * 96, ZOOM * 30 / 25.4 * 96), abs=1)

@@ -56,12 +56,6 @@ def test_shells_have_the_volumes_of_the_formulas_and_those_of_hollows_are_negati
     assert solid.pieces == sum(volume > 0 for volume in shells)
 
 
-def test_a_corner_of_every_circle_is_on_the_x_axis():
-    solid = sweep(CYLINDER, segments=5)
-    assert solid.bounds[1, 0] == area_factor(5) * 5
-    assert any((vertex == (area_factor(5) * 5, 0, 7)).all() for vertex in solid.vertices)
-
-
 def test_profiles_that_share_a_point_share_its_ring_to_the_last_bit():
     lower = sweep([(0, 0), (3.1, 0), (2.7, 1.3), (0, 1.3)])
     upper = sweep([(0, 1.3), (2.7, 1.3), (1.9, 4.2), (0, 4.2)])

@@ -50,13 +50,6 @@ def test_a_frustum_has_exactly_the_volume_of_the_formula(radii, segments):
     assert solid.bounding_box()[2::3] == (0, 7)
 
 
-def test_a_revolved_section_has_the_volume_of_pappus_less_its_holes():
-    ring = Revolve(((5, 0), (9, 0), (9, 6), (5, 6)), (((6, 1), (8, 1), (8, 3), (6, 3)),))
-    solid = to_solid(ring)
-    assert solid.volume == pytest.approx(2 * math.pi * (7 * 24 - 7 * 4), rel=1e-8)
-    assert sorted(solid.shells) == pytest.approx([-2 * math.pi * 7 * 4, 2 * math.pi * 7 * 24], rel=1e-8)
-
-
 def test_the_sense_of_rotation_of_a_polygon_does_not_matter():
     outline = ((5, 0), (9, 0), (9, 6), (5, 6))
     hole = ((6, 1), (8, 1), (8, 3))

@@ -39,7 +39,7 @@ STEEL = replace(ABS, modulus=207e9, poisson=0.3, creep=1.0, across=250e6)
 ONE = np.ones(1)
 
 
-def random_bodies(seed: int, count: int, wide: float = 0.035):
+def random_bodies(seed, count, wide=0.035):
     """Hulls of random genomes of ABS, at least so wide, with walls of 1.25 to 4 mm."""
     grammar, rng = load_study("pipe-inspection", run={"seed": 0}).make_plugin("grammar"), np.random.default_rng(seed)
     found = []
@@ -52,7 +52,7 @@ def random_bodies(seed: int, count: int, wide: float = 0.035):
     return found
 
 
-def middle_shell(body, step: float, material=ABS) -> Shell:
+def middle_shell(body, step, material=ABS):
     """The middle of a wall of even thickness."""
     surface = unite_contours(*[offset_inward(body.outer, body.wall / 2)] * 2)
     surface = surface[np.append(True, np.hypot(*np.diff(surface, axis=0).T) > 1e-6)]
@@ -60,13 +60,13 @@ def middle_shell(body, step: float, material=ABS) -> Shell:
     return Shell(nodes, np.full(len(owners), body.wall), material.modulus, material.poisson)
 
 
-def tube(radius: float, wall: float, length: float, plate: float, step: float, material=ABS) -> Shell:
+def tube(radius, wall, length, plate, step, material=ABS):
     nodes, owners = refine(np.array([[0.0, 0.0], [0.0, radius], [length, radius], [length, 0.0]]), step)
     return Shell(nodes, np.array([plate, wall, plate])[owners], material.modulus, material.poisson)
 
 
 @given(radius=st.floats(0.01, 0.1), ratio=st.floats(3, 200))
-def test_thick_walls_yield_as_lame_says_and_thin_ones_as_membranes(radius: float, ratio: float):
+def test_thick_walls_yield_as_lame_says_and_thin_ones_as_membranes(radius, ratio):
     wall, bore = radius / ratio, radius * (1 - 1 / ratio)
     # Stresses at the inside under 1 Pa outside, in radii.
     hoop = 2 * radius**2 / (radius**2 - bore**2)
@@ -80,7 +80,7 @@ def test_thick_walls_yield_as_lame_says_and_thin_ones_as_membranes(radius: float
 
 @pytest.mark.parametrize("ratio", [20, 30, 50, 100])
 @pytest.mark.parametrize("length", [1.0, 2.0, 4.0, 8.0])
-def test_cylinders_buckle_as_windenburg_and_trilling_say(ratio: int, length: float):
+def test_cylinders_buckle_as_windenburg_and_trilling_say(ratio, length):
     # Their equation 9, D = 2 R. Between two and three whole lobes the exact curve lies above it, elsewhere on it.
     thin, long = 1 / (2 * ratio), length / 2
     formula = 2.42 * 207e9 * thin**2.5 / ((1 - 0.3**2) ** 0.75 * (long - 0.45 * math.sqrt(thin)))
@@ -115,7 +115,7 @@ def test_plates_yield_and_give_way_as_timoshenko_says():
 
 
 @pytest.mark.parametrize("tilt", [0.0, 0.2, -0.35, 0.7])
-def test_cones_lose_the_volume_of_their_membrane(tilt: float):
+def test_cones_lose_the_volume_of_their_membrane(tilt):
     # Straight from the definition: strains of the membrane move each point of a thin cone, dV = 2 pi r dr dx + pi r^2 d(dx).
     nu, wall = ABS.poisson, 1e-6
     s = np.linspace(0, 0.001, 2001)
@@ -131,7 +131,7 @@ def test_cones_lose_the_volume_of_their_membrane(tilt: float):
 
 
 @pytest.mark.parametrize("plate", [0.001, 0.002, 0.004])
-def test_a_plate_on_a_tube_is_as_strong_as_by_finite_elements(plate: float):
+def test_a_plate_on_a_tube_is_as_strong_as_by_finite_elements(plate):
     shell = tube(0.04, 0.001, 0.1, plate, 0.0005)
     stress, lost = shell.stress(), shell.press()[1]
     on_plate = np.isclose(shell.nodes[:-1, 0], shell.nodes[1:, 0])
@@ -216,7 +216,7 @@ def test_the_wall_is_the_least_of_whole_lines_that_holds():
 
 
 @given(pressure=st.floats(1e4, 4e5), fore=st.floats(-20, 20), length=st.floats(0.03, 0.1))
-def test_a_hull_under_pressure_is_a_sound_body_that_holds(pressure: float, fore: float, length: float):
+def test_a_hull_under_pressure_is_a_sound_body_that_holds(pressure, fore, length):
     modules = (Module(length, math.radians(fore)),)
     options = FrustaOptions(core="steel-20mm", pressure=pressure, safety=1.5)
     body = FrustaBuilder(options).build(Morphology(fore=modules, aft=modules))

@@ -1,28 +1,23 @@
 """A sound export of a real agent, and ways to break it."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 import trimesh
 
-from driftform.design.design import Design
 from driftform.design.opening import open_agent
 from driftform.interfaces import Printer, PrintJob
 from driftform.plugins.registry import registry
-from driftform.types import Finding
 
 WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
 
 
 @pytest.fixture(scope="session")
-def opened() -> Design:
+def opened():
     return open_agent(WORD, "paper", use={"simulator": "native"})
 
 
 @pytest.fixture(scope="session")
-def sound(opened: Design, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def sound(opened, tmp_path_factory):
     """The agent's hull as STL and as OpenSCAD source; not to be changed."""
     folder = tmp_path_factory.mktemp("sound")
     for name in ("stl", "scad"):
@@ -31,7 +26,7 @@ def sound(opened: Design, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def mesh(sound: Path) -> trimesh.Trimesh:
+def mesh(sound):
     """The hull's mesh, welded; not to be changed."""
     found = trimesh.load_mesh(sound)
     assert found.is_watertight
@@ -39,7 +34,7 @@ def mesh(sound: Path) -> trimesh.Trimesh:
 
 
 @pytest.fixture(scope="session")
-def shells(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray]:
+def shells(mesh):
     """Its triangles: those of the outside, and those of the hollow."""
     outside, hollow = sorted(
         trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces))),
@@ -49,10 +44,10 @@ def shells(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.fixture
-def written(tmp_path: Path) -> Callable[..., Path]:
+def written(tmp_path):
     """Write a mesh as it is, without mending it."""
 
-    def write(vertices: np.ndarray, faces: np.ndarray, name: str = "broken.stl") -> Path:
+    def write(vertices, faces, name="broken.stl"):
         path = tmp_path / name
         trimesh.Trimesh(vertices, faces, process=False).export(path)
         return path
@@ -60,7 +55,7 @@ def written(tmp_path: Path) -> Callable[..., Path]:
     return write
 
 
-def findings(checker: str, job: PrintJob, **options: object) -> dict[str, Finding]:
+def findings(checker, job, **options):
     """What a checker finds, by what it looked at, and the part where there are several."""
     found = list(registry().create("checker", checker, options).check(job))
     named = {f"{f.check}, {f.part}" if f.part else f.check: f for f in found}
@@ -69,20 +64,20 @@ def findings(checker: str, job: PrintJob, **options: object) -> dict[str, Findin
 
 
 @pytest.fixture
-def check_mesh() -> Callable[..., dict[str, Finding]]:
+def check_mesh():
     """Check a file by its mesh alone."""
 
-    def check(path: Path, printer: Printer = Printer(), **known: object) -> dict[str, Finding]:  # noqa: B008
+    def check(path, printer=Printer(), **known):  # noqa: B008
         return findings("mesh", PrintJob((path,), printer, **known))
 
     return check
 
 
 @pytest.fixture
-def ask(requires_program: Callable[[str], str]) -> Callable[..., dict[str, Finding]]:
+def ask(requires_program):
     """Ask a checker that runs a program of its own name."""
 
-    def asked(checker: str, job: PrintJob, **options: object) -> dict[str, Finding]:
+    def asked(checker, job, **options):
         requires_program(checker)
         return findings(checker, job, **options)
 

@@ -1,7 +1,6 @@
 """A closure that opens: its lugs and tracks moved as hands move them, its O-ring against the standard, and real programs."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 from prints import chain_body, job_of
 
 from driftform.interfaces import PrintJob
-from driftform.types import Finding, State
+from driftform.types import State
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.kit_options import PartOptions
@@ -125,7 +124,7 @@ def test_further_joints_of_a_kit_that_opens_are_glued():
 
 
 @pytest.mark.peers
-def test_real_programs_take_a_kit_that_opens(ask: Callable[..., dict[str, Finding]], tmp_path: Path) -> None:
+def test_real_programs_take_a_kit_that_opens(ask, tmp_path):
     import lib3mf
 
     body = BODIES["fore"]

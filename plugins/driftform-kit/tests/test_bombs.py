@@ -2,7 +2,6 @@
 
 import sys
 import time
-from pathlib import Path
 
 import pytest
 from prints import mesh_xml, write_3mf
@@ -15,7 +14,7 @@ MESH = mesh_xml()
 CROWDED = MESH.replace("<vertices>", "<vertices>" + 2000 * '<vertex x="0" y="0" z="0"/>')
 
 
-def nested(levels: int, copies: int) -> str:
+def nested(levels, copies):
     """Objects of which each places several copies of the one before."""
     found = f'<object id="0">{MESH}</object>'
     for level in range(1, levels + 1):
@@ -39,7 +38,7 @@ def nested(levels: int, copies: int) -> str:
     ],
     ids=["components of components", "many items", "many copies of many vertices", "much air"],
 )
-def test_a_3mf_that_grows_without_end_is_refused(tmp_path: Path, objects: str, items: str, reason: str) -> None:
+def test_a_3mf_that_grows_without_end_is_refused(tmp_path, objects, items, reason):
     path = write_3mf(tmp_path / "bomb.3mf", objects, items)
     assert path.stat().st_size < 1 << 20
     began = time.process_time()
@@ -49,13 +48,13 @@ def test_a_3mf_that_grows_without_end_is_refused(tmp_path: Path, objects: str, i
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
-def test_a_program_gets_no_more_memory_than_it_is_allowed(tmp_path: Path) -> None:
+def test_a_program_gets_no_more_memory_than_it_is_allowed(tmp_path):
     greedy = [sys.executable, "-c", "print(len(bytes(1 << 30)))"]
     assert run_program(greedy, tmp_path, 60).strip() == str(1 << 30)
     assert "MemoryError" in run_program(greedy, tmp_path, 60, memory=1 << 29)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
-def test_a_program_that_prints_without_end_fills_no_memory(tmp_path: Path) -> None:
+def test_a_program_that_prints_without_end_fills_no_memory(tmp_path):
     chatty = [sys.executable, "-c", "import sys\nwhile True: sys.stdout.write('x' * 65536)"]
     assert len(run_program(chatty, tmp_path, 100)) <= 1 << 24

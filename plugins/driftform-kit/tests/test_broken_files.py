@@ -1,47 +1,39 @@
 """Files broken in a known way, made of a real export: the right line fails, and no other line lies about it."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 import trimesh
 from prints import mesh_xml, write_3mf
 
-from driftform.design.design import Design
 from driftform.design.opening import open_agent
 from driftform.interfaces import Printer, PrintJob
-from driftform.types import Finding, State
+from driftform.types import State
 from driftform_frusta.hull import hull_volume
-
-CheckMesh = Callable[..., dict[str, Finding]]
-Written = Callable[..., Path]
-Faces = npt.NDArray[np.int64]
-Vertices = npt.NDArray[np.float64]
 
 LINES = ["unit", "duplicate faces", "closed", "oriented", "shells", "mass", "wall", "bed", "standing", "slender"]
 
 
-def states(found: dict[str, Finding]) -> dict[str, str]:
+def states(found):
     # What the hull withstands is a line about the agent, not about its file.
     of_file = {check: str(finding.state) for check, finding in found.items() if check != "pressure"}
     assert list(of_file) == LINES
     return of_file
 
 
-def known(opened: Design) -> dict[str, object]:
+def known(opened):
     return {"export": opened.export_job(), "volume": hull_volume(opened.agent.body)}
 
 
-def alone(*failed: str, skipped: tuple[str, ...] = (), warned: tuple[str, ...] = ("standing",)) -> dict[str, str]:
+def alone(*failed, skipped=(), warned=("standing",)):
     """States where these lines are as told, and every other one passes."""
     told = dict.fromkeys(LINES, "pass")
     told |= dict.fromkeys(warned, "warn") | dict.fromkeys(skipped, "skipped") | dict.fromkeys(failed, "fail")
     return told
 
 
-def test_the_sound_file_passes(check_mesh: CheckMesh, sound: Path, opened: Design) -> None:
+def test_the_sound_file_passes(check_mesh, sound, opened):
     found = check_mesh(sound, **known(opened))
     assert states(found) == alone()
     assert "better fore end down" in found["standing"].detail
@@ -50,19 +42,19 @@ def test_the_sound_file_passes(check_mesh: CheckMesh, sound: Path, opened: Desig
 NO_INSIDE = ("shells", "mass", "wall", "standing", "slender")
 
 
-def lose_faces(vertices: Vertices, faces: Faces, outside: Faces, hollow: Faces) -> tuple[Vertices, Faces]:
+def lose_faces(vertices, faces, outside, hollow):
     # Two that share no vertex: two holes of three edges each.
     other = int(np.flatnonzero(~np.isin(faces, faces[0]).any(axis=1))[-1])
     return vertices, np.delete(faces, [0, other], axis=0)
 
 
-def flip_faces(vertices: Vertices, faces: Faces, outside: Faces, hollow: Faces) -> tuple[Vertices, Faces]:
+def flip_faces(vertices, faces, outside, hollow):
     flipped = faces.copy()
     flipped[[10, 500, 3000]] = faces[[10, 500, 3000], ::-1]
     return vertices, flipped
 
 
-BREAKS: dict[str, tuple[Callable[..., tuple[Vertices, Faces]], dict[str, str], str, str]] = {
+BREAKS = {
     "missing faces": (
         lose_faces,
         alone("closed", skipped=NO_INSIDE, warned=()),
@@ -100,15 +92,7 @@ BREAKS: dict[str, tuple[Callable[..., tuple[Vertices, Faces]], dict[str, str], s
 
 @pytest.mark.parametrize("agent_known", [True, False])
 @pytest.mark.parametrize("fault", BREAKS)
-def test_each_fault_fails_its_own_line(
-    check_mesh: CheckMesh,
-    mesh: trimesh.Trimesh,
-    shells: tuple[Faces, Faces],
-    written: Written,
-    opened: Design,
-    fault: str,
-    agent_known: bool,
-) -> None:
+def test_each_fault_fails_its_own_line(check_mesh, mesh, shells, written, opened, fault, agent_known):
     spoil, expected, line, words = BREAKS[fault]
     found = check_mesh(written(*spoil(mesh.vertices, mesh.faces, *shells)), **(known(opened) if agent_known else {}))
     # A mass is compared only with that of a known agent.
@@ -118,23 +102,21 @@ def test_each_fault_fails_its_own_line(
     assert line != "shells" or found["wall"].detail.startswith("1.2")
 
 
-def test_a_hollow_that_is_left_out(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, shells: tuple[Faces, Faces], written: Written, opened: Design
-) -> None:
+def test_a_hollow_that_is_left_out(check_mesh, mesh, shells, written, opened):
     path = written(mesh.vertices, shells[0])
     assert states(check_mesh(path, **known(opened))) == alone("shells", "mass")
     # A solid body is a sound print of something else.
     assert "fail" not in states(check_mesh(path)).values()
 
 
-def test_millimetres_in_a_format_of_metres(check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written) -> None:
+def test_millimetres_in_a_format_of_metres(check_mesh, mesh, written):
     found = check_mesh(written(mesh.vertices, mesh.faces, "broken.glb"))
     assert [check for check, finding in found.items() if finding.state is State.FAIL] == ["unit"]
     assert "0.001" in found["unit"].detail
 
 
 @pytest.mark.long
-def test_a_wall_of_a_fifth_of_a_millimetre(check_mesh: CheckMesh, tmp_path: Path) -> None:
+def test_a_wall_of_a_fifth_of_a_millimetre(check_mesh, tmp_path):
     thin = open_agent("C", "paper", settings=["builder.wall=0.0002"], use={"simulator": "native"})
     path = tmp_path / "thin.stl"
     thin.study.make_exporter("stl").write(thin.export_job(), path)
@@ -145,7 +127,7 @@ def test_a_wall_of_a_fifth_of_a_millimetre(check_mesh: CheckMesh, tmp_path: Path
     assert check_mesh(path, Printer(nozzle=0.0001))["wall"].state is State.WARN
 
 
-def test_too_tall_for_the_bed(check_mesh: CheckMesh, sound: Path, opened: Design) -> None:
+def test_too_tall_for_the_bed(check_mesh, sound, opened):
     found = check_mesh(sound, Printer(bed=(0.25, 0.21, 0.05)), **known(opened))
     assert states(found) == alone("bed", warned=("standing", "slender"))
     assert "too tall" in found["bed"].detail and "it would fit lying" in found["bed"].detail
@@ -153,7 +135,7 @@ def test_too_tall_for_the_bed(check_mesh: CheckMesh, sound: Path, opened: Design
     assert small.state is State.FAIL and "too wide" in small.detail and "--kit" in small.detail
 
 
-def test_a_surface_that_three_faces_meet_in(check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written) -> None:
+def test_a_surface_that_three_faces_meet_in(check_mesh, mesh, written):
     # A fin on one edge: a triangle with a vertex of its own.
     a, b, _ = mesh.faces[100]
     vertices = np.vstack((mesh.vertices, mesh.vertices[a] + [0, 0, 70.0]))
@@ -163,7 +145,7 @@ def test_a_surface_that_three_faces_meet_in(check_mesh: CheckMesh, mesh: trimesh
     assert "2 open edges" in found["closed"].detail
 
 
-def test_shells_that_pass_through_one_another(check_mesh: CheckMesh, written: Written) -> None:
+def test_shells_that_pass_through_one_another(check_mesh, written):
     one = trimesh.creation.box((20, 20, 20))
     other = trimesh.creation.icosphere(subdivisions=3, radius=6)
     other.apply_translation((10, 3, 2))
@@ -172,7 +154,7 @@ def test_shells_that_pass_through_one_another(check_mesh: CheckMesh, written: Wr
     assert found["shells"].state is State.FAIL and "intersect" in found["shells"].detail
 
 
-def test_parts_that_overlap_on_a_plate_fail_by_their_names(check_mesh: CheckMesh, tmp_path: Path) -> None:
+def test_parts_that_overlap_on_a_plate_fail_by_their_names(check_mesh, tmp_path):
     block = trimesh.creation.box((20, 20, 20))
     objects = "".join(
         f'<object id="{n}" name="block {n}">{mesh_xml(block.vertices, block.faces)}</object>' for n in "12"
@@ -184,7 +166,7 @@ def test_parts_that_overlap_on_a_plate_fail_by_their_names(check_mesh: CheckMesh
         assert state is State.PASS or f"block 1 and block 2 by {8 - 0.4 * shift:g} cm3" in found.detail
 
 
-def test_parts_of_a_kit_stand_as_check_would_place_them(check_mesh: CheckMesh, tmp_path: Path) -> None:
+def test_parts_of_a_kit_stand_as_check_would_place_them(check_mesh, tmp_path):
     # Its aft shell overhangs less with its fore end on the bed, but would come off it.
     design = open_agent(
         "C: addF-tiltp-0-M-moveB-addF-tiltn-2-L-moveB-addB-tiltp-0-L-moveB | "
@@ -199,7 +181,7 @@ def test_parts_of_a_kit_stand_as_check_would_place_them(check_mesh: CheckMesh, t
     assert len(standing) > 1 and not [detail for detail in standing.values() if "better upside down" in detail]
 
 
-def test_a_loose_piece_in_a_hollow_faces_outward(check_mesh: CheckMesh, written: Written) -> None:
+def test_a_loose_piece_in_a_hollow_faces_outward(check_mesh, written):
     outer, hollow, piece = (trimesh.creation.icosphere(subdivisions=3, radius=r) for r in (30, 20, 10))
     hollow.invert()
     for turned, state in ((False, State.WARN), (True, State.FAIL)):
@@ -209,13 +191,13 @@ def test_a_loose_piece_in_a_hollow_faces_outward(check_mesh: CheckMesh, written:
         assert check_mesh(written(whole.vertices, whole.faces))["shells"].state is state
 
 
-def test_another_agent_s_file_does_not_have_this_one_s_mass(check_mesh: CheckMesh, sound: Path) -> None:
+def test_another_agent_s_file_does_not_have_this_one_s_mass(check_mesh, sound):
     other = open_agent("addB-tiltn-1-M-moveB", "paper", use={"simulator": "native"})
     found = check_mesh(sound, **known(other))
     assert states(found) == alone("mass")
 
 
-def test_a_coarse_mesh_is_a_warning(check_mesh: CheckMesh, opened: Design, tmp_path: Path) -> None:
+def test_a_coarse_mesh_is_a_warning(check_mesh, opened, tmp_path):
     body = opened.agent.body
     path = tmp_path / "coarse.stl"
     mesh = trimesh.creation.revolve(1000 * body.outer[:, ::-1], sections=64)
@@ -227,14 +209,12 @@ def test_a_coarse_mesh_is_a_warning(check_mesh: CheckMesh, opened: Design, tmp_p
     assert found["mass"].state is State.WARN and "-1.6e-03" in found["mass"].detail
 
 
-def _inverted(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+def _inverted(mesh):
     mesh.invert()
     return mesh
 
 
-def test_programs_fail_the_file_with_missing_faces_too(
-    ask: Callable[..., dict[str, Finding]], mesh: trimesh.Trimesh, written: Written
-) -> None:
+def test_programs_fail_the_file_with_missing_faces_too(ask, mesh, written):
     job = PrintJob((written(mesh.vertices, mesh.faces[5:]),))
     assert ask("admesh", job)["admesh"].state is State.FAIL
     found = ask("prusa-slicer", job)

@@ -33,12 +33,12 @@ CAPSULES = {
 KINDS = ["no module", "all narrowing", "all widening", "zigzag", "39 random modules (0)"]
 
 
-def build(capsule: str, kind: str):
+def build(capsule, kind):
     options = {"core_profile": CAPSULES[capsule], "core_radius": 0.0125, "core_mass": 0.025, "core_cog": 0.034}
     return FrustaBuilder(FrustaOptions(**options)).build(MORPHOLOGIES[kind]())
 
 
-def solid_core(body, capsule: str) -> Manifold:
+def solid_core(body, capsule):
     """The capsule in the frame of the parts, from its own profile, mm."""
     profile = 1000 * np.array(CAPSULES[capsule])[::-1]
     z = 1000 * (body.core.ends[1] - body.outer[0, 0]) - profile[:, 0]
@@ -109,7 +109,7 @@ def test_a_kit_of_nothing_but_its_parts_balances_with_the_capsule_in_its_place()
 
 
 @pytest.mark.parametrize("kit", [False, True])
-def test_openscad_shows_the_capsule(kit, tmp_path: Path):
+def test_openscad_shows_the_capsule(kit, tmp_path):
     body = build("blunt", "zigzag")
     ScadExporter(PartOptions(kit=kit)).write(job_of(body), tmp_path / "agent.scad")
     source = (tmp_path / "agent.scad").read_text()
@@ -117,7 +117,7 @@ def test_openscad_shows_the_capsule(kit, tmp_path: Path):
 
 
 @pytest.mark.peers
-def test_the_slicer_takes_the_kit_of_a_capsule(requires_program, tmp_path: Path):
+def test_the_slicer_takes_the_kit_of_a_capsule(requires_program, tmp_path):
     requires_program("prusa-slicer")
     body = build("flat", "39 random modules (0)")
     files = ThreeMfExporter(PartOptions(kit=True)).write(job_of(body), tmp_path / "agent.3mf")

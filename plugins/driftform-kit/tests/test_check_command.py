@@ -2,34 +2,29 @@
 
 import json
 import shutil
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 import trimesh
 from prints import edit_archive, mesh_xml, write_3mf
 
-Call = Callable[..., Any]
-Refused = Callable[..., str]
-
 WORD = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 OTHER = "addB-tiltn-1-M-moveB"
 
 
-def lines(result: Any) -> dict[str, dict[str, str]]:
+def lines(result):
     document = json.loads(result.stdout)
     assert document["printable"] is (result.exit_code == 0)
     return {line["check"]: line for line in document["lines"]}
 
 
-def exported(call: Call, format: str = "stl") -> Path:
+def exported(call, format="stl"):
     result = call("export", WORD, "--format", format, "--json")
     assert result.exit_code == 0, result.stderr
     return Path(json.loads(result.stdout)["files"][0]["path"])
 
 
-def agent_file(call: Call, word: str, path: Path) -> Path:
+def agent_file(call, word, path):
     """The agent of a word as an agent.json."""
     if not Path("sampled").exists():
         assert call("sample", "--count", 1, "--out", "sampled").exit_code == 0
@@ -39,7 +34,7 @@ def agent_file(call: Call, word: str, path: Path) -> Path:
     return path
 
 
-def test_a_sound_agent_is_printable(call: Call, tmp_path: Path) -> None:
+def test_a_sound_agent_is_printable(call, tmp_path):
     result = call("check", WORD, "--no-programs", "--json")
     assert result.exit_code == 0, result.stderr
     found = lines(result)
@@ -50,7 +45,7 @@ def test_a_sound_agent_is_printable(call: Call, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_line_that_fails_is_exit_code_1_and_named_in_the_verdict(call: Call) -> None:
+def test_a_line_that_fails_is_exit_code_1_and_named_in_the_verdict(call):
     result = call("check", WORD, "--no-programs", "--bed", "10,10,10", "--nozzle", "2")
     assert result.exit_code == 1
     verdict = result.stdout.splitlines()[-1]
@@ -62,7 +57,7 @@ def test_a_line_that_fails_is_exit_code_1_and_named_in_the_verdict(call: Call) -
 
 
 @pytest.mark.long
-def test_a_file_has_no_mass_to_compare_with_until_its_agent_is_named(call: Call) -> None:
+def test_a_file_has_no_mass_to_compare_with_until_its_agent_is_named(call):
     path = exported(call)
     assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "skipped"
     named = lines(call("check", path, "--agent", WORD, "--no-programs", "--json"))
@@ -72,7 +67,7 @@ def test_a_file_has_no_mass_to_compare_with_until_its_agent_is_named(call: Call)
     assert [check for check, line in lines(wrong).items() if line["state"] == "fail"] == ["mass"]
 
 
-def test_the_agent_beside_a_file_is_its_own(call: Call) -> None:
+def test_the_agent_beside_a_file_is_its_own(call):
     path = exported(call)
     agent_file(call, WORD, path.with_name("agent.json"))
     assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "pass"
@@ -80,7 +75,7 @@ def test_the_agent_beside_a_file_is_its_own(call: Call) -> None:
     assert call("check", path, "--no-programs").exit_code == 1
 
 
-def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call: Call, tmp_path: Path) -> None:
+def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call, tmp_path):
     own = {"Metadata/agent.json": agent_file(call, WORD, tmp_path / "own.json").read_text()}
     mesh = trimesh.load_mesh(exported(call))
     path = write_3mf(
@@ -91,9 +86,7 @@ def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call: Call, 
 
 
 @pytest.mark.parametrize("harm", ["content", "method", "encrypted"])
-def test_an_archive_that_cannot_be_read_is_refused_in_one_line(
-    refused: Callable[..., str], tmp_path: Path, harm: str
-) -> None:
+def test_an_archive_that_cannot_be_read_is_refused_in_one_line(refused, tmp_path, harm):
     path = write_3mf(tmp_path / "broken.3mf", attached={"Metadata/agent.json": "cube(10);"})
     data = bytearray(path.read_bytes())
     central, local = data.rindex(b"Metadata/agent.json") - 46, data.index(b"Metadata/agent.json") - 30
@@ -110,7 +103,7 @@ def test_an_archive_that_cannot_be_read_is_refused_in_one_line(
 
 
 @pytest.mark.peers
-def test_openscad_renders_the_source_of_an_agent(call: Call) -> None:
+def test_openscad_renders_the_source_of_an_agent(call):
     if shutil.which("openscad") is None:
         pytest.skip("openscad is not installed")
     found = lines(call("check", WORD, "--set", "checker.prusa-slicer.timeout=0.001", "--json"))
@@ -136,17 +129,17 @@ def test_openscad_renders_the_source_of_an_agent(call: Call) -> None:
         ((WORD, "--set", "checker.mash.tolerance=1"), "did you mean 'mesh'?"),
     ],
 )
-def test_what_makes_no_sense_is_refused(refused: Refused, arguments: tuple[str, ...], message: str) -> None:
+def test_what_makes_no_sense_is_refused(refused, arguments, message):
     assert message in refused("check", *arguments)
 
 
 @pytest.mark.parametrize("name", ["note.txt", "empty.stl", "archive.3mf"])
-def test_a_file_that_is_none_to_print_is_refused(refused: Refused, tmp_path: Path, name: str) -> None:
+def test_a_file_that_is_none_to_print_is_refused(refused, tmp_path, name):
     (tmp_path / name).write_bytes(b"")
     assert name in refused("check", name)
 
 
-def test_without_any_checker_nothing_is_called_printable(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_any_checker_nothing_is_called_printable(call, monkeypatch):
     from driftform.plugins.registry import Registry
 
     seam = Registry.seam
@@ -159,7 +152,7 @@ def test_without_any_checker_nothing_is_called_printable(call: Call, monkeypatch
 LONG = "-".join(["addF-tiltp-0-L-moveF"] * 5 + ["addB-tiltn-1-L-moveB"] * 3)
 
 
-def exported_kit(call: Call, *options: str) -> Path:
+def exported_kit(call, *options):
     arguments = [part for option in options for part in ("--option", option)]
     plain = ("--set", "builder.pockets.diameter=0")
     result = call("export", LONG, *plain, "--kit", "--format", "3mf", *arguments, "--json")
@@ -167,7 +160,7 @@ def exported_kit(call: Call, *options: str) -> Path:
     return Path(json.loads(result.stdout)["files"][0]["path"])
 
 
-def test_a_3mf_of_a_kit_is_checked_with_the_options_and_for_the_printer_that_it_was_made_for(call: Call) -> None:
+def test_a_3mf_of_a_kit_is_checked_with_the_options_and_for_the_printer_that_it_was_made_for(call):
     made = ("ballast=[[0.04,0.006]]", "lap=0.007", "bed=[0.2,0.2,0.26]", "nozzle=0.0005")
     path = exported_kit(call, *made)
     result = call("check", path, "--no-programs", "--json")
@@ -192,9 +185,7 @@ def test_a_3mf_of_a_kit_is_checked_with_the_options_and_for_the_printer_that_it_
         (b'{"kit\\u001b[2J": true}', "x1b[2J'"),
     ],
 )
-def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(
-    call: Call, refused: Refused, data: bytes, message: str
-) -> None:
+def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(call, refused, data, message):
     path = exported_kit(call)
     edit_archive(path, {"Metadata/kit.json": data})
     line = refused("check", path, "--no-programs")
@@ -202,7 +193,7 @@ def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(
     assert line.isprintable() and len(line) < 300
 
 
-def test_a_file_of_a_kit_that_is_checked_as_a_hull_is_told_to_be_one(call: Call) -> None:
+def test_a_file_of_a_kit_that_is_checked_as_a_hull_is_told_to_be_one(call):
     word = "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB"
     # A lap of 2 mm adds so little that it could be mistaken for the chords of a coarse mesh.
     little = ("--option", "lap=0.002", "--option", "sleeve=0.0004")

@@ -2,37 +2,32 @@
 
 import json
 import zipfile
-from collections.abc import Callable
 from functools import cache
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from manifold3d import Manifold, Mesh64
 
 from driftform.interfaces import Printer, PrintJob
-from driftform.types import Finding, Module, Morphology, State
+from driftform.types import Module, Morphology, State
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import make_parts
 from driftform_kit.cutting.coupon import CLEARANCES
 from driftform_kit.reading import read_meshes
 
-Call = Callable[..., Any]
 
-
-def body_of(core: str = "steel-20mm"):
+def body_of(core="steel-20mm"):
     modules = (Module(0.01, 0.0),) * 6
     return FrustaBuilder(FrustaOptions(core=core)).build(Morphology(modules, modules))
 
 
-def radii_at(options: PartOptions, height: float, core: str = "steel-20mm"):
+def radii_at(options, height, core="steel-20mm"):
     """Inner and outer radius of each cell of the coupon at a height (mm), the loose ring last; sections of the mesh alone."""
     mesh = make_mesh(options, core)
     solid = Manifold(Mesh64(vert_properties=mesh.vertices, tri_verts=mesh.faces.astype(np.uint64)))
     sections = solid.slice(height).to_polygons()
-    cells: dict[tuple[float, float], list[float]] = {}
+    cells = {}
     for path in sections:
         middle = (path.min(axis=0) + path.max(axis=0)) / 2
         radius = float(np.hypot(*(path - middle).T).max())
@@ -41,7 +36,7 @@ def radii_at(options: PartOptions, height: float, core: str = "steel-20mm"):
 
 
 @cache
-def make_mesh(options: PartOptions, core: str = "steel-20mm"):
+def make_mesh(options, core="steel-20mm"):
     import trimesh
 
     [part] = make_parts(body_of(core), options)
@@ -83,7 +78,7 @@ def test_the_core_comes_to_rest_on_each_seat():
         assert 0.0 < np.linalg.norm(inside, axis=1).min() - 10.0 < 0.35
 
 
-def test_the_command_writes_one_small_file_without_an_agent(call: Call, tmp_path: Path) -> None:
+def test_the_command_writes_one_small_file_without_an_agent(call, tmp_path):
     found = json.loads(call("export", "--coupon", "--format", "stl,3mf", "--out", str(tmp_path), "--json").stdout)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["coupon.3mf", "coupon.stl"]
     assert {file["coupon"]["core_mm"] for file in found["files"]} == {20.0}
@@ -95,7 +90,7 @@ def test_the_command_writes_one_small_file_without_an_agent(call: Call, tmp_path
     assert "core_mm: 25" in text and "--option clearance=" in text and "assembly" not in text
 
 
-def test_a_format_without_parts_and_a_missing_agent_are_one_line(call: Call, tmp_path: Path) -> None:
+def test_a_format_without_parts_and_a_missing_agent_are_one_line(call, tmp_path):
     for words, line in (
         (("--coupon", "--format", "svg"), "exporter 'svg' has no option 'coupon'"),
         ((), "AGENT is missing: name an agent, or write the fit coupon with --coupon"),
@@ -105,7 +100,7 @@ def test_a_format_without_parts_and_a_missing_agent_are_one_line(call: Call, tmp
         assert not (tmp_path / "new").exists()
 
 
-def test_a_file_holds_what_a_printer_needs_of_kits(call: Call, tmp_path: Path) -> None:
+def test_a_file_holds_what_a_printer_needs_of_kits(call, tmp_path):
     printer = tmp_path / "printer.toml"
     printer.write_text("nozzle = 0.0005\nbed = [0.22, 0.2, 0.25]\nclearance = 0.00015\n", encoding="utf-8")
     arguments = ("addF-tiltp-2-L-moveF", "--kit", "--format", "3mf", "--out", str(tmp_path))
@@ -122,7 +117,7 @@ def test_a_file_holds_what_a_printer_needs_of_kits(call: Call, tmp_path: Path) -
 
 
 @pytest.mark.peers
-def test_prusa_slicer_slices_the_coupon(call: Call, ask: Callable[..., dict[str, Finding]], tmp_path: Path) -> None:
+def test_prusa_slicer_slices_the_coupon(call, ask, tmp_path):
     call("export", "--coupon", "--option", "joint=bayonet", "--out", str(tmp_path))
     found = ask("prusa-slicer", PrintJob((tmp_path / "coupon.stl",), Printer()), infill=1.0)
     assert {name: finding.state for name, finding in found.items()} == {

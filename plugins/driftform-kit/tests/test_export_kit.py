@@ -2,9 +2,6 @@
 
 import json
 import shlex
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 import trimesh
@@ -14,16 +11,14 @@ pytestmark = pytest.mark.usefixtures("ideal_water")
 LONG = "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB-addB-tiltn-1-L-moveB"
 """Straight ahead of the core, narrower behind it."""
 
-Call = Callable[..., Any]
 
-
-def files(call: Call, *arguments: str, agent: str = LONG) -> list[dict[str, Any]]:
+def files(call, *arguments, agent=LONG):
     """What the command says of files with parts; the assembly sheets are left out."""
-    found: list[dict[str, Any]] = json.loads(call("export", agent, *arguments, "--json").stdout)["files"]
+    found = json.loads(call("export", agent, *arguments, "--json").stdout)["files"]
     return [file for file in found if "-assembly-" not in file["path"]]
 
 
-def test_each_part_gets_a_file_and_each_file_tells_of_the_kit(call: Call, tmp_path: Path) -> None:
+def test_each_part_gets_a_file_and_each_file_tells_of_the_kit(call, tmp_path):
     aft, fore = files(call, "--kit", "--out", str(tmp_path))
     assert aft["path"].endswith("-aft-shell.stl") and fore["path"].endswith("-fore-shell.stl")
     assert aft["kit"] == fore["kit"]
@@ -35,7 +30,7 @@ def test_each_part_gets_a_file_and_each_file_tells_of_the_kit(call: Call, tmp_pa
         assert 1e-9 * mesh.volume * 1050 == pytest.approx(part["mass_kg"], rel=1e-5)
 
 
-def test_the_assembly_sheet_is_written_once_for_all_formats(call: Call, tmp_path: Path) -> None:
+def test_the_assembly_sheet_is_written_once_for_all_formats(call, tmp_path):
     out = call("export", LONG, "--kit", "--format", "stl,3mf,glb", "--out", str(tmp_path)).stdout
     pages = sorted(page.name for page in tmp_path.glob("*.svg"))
     assert [page[-15:] for page in pages] == ["-assembly-1.svg", "-assembly-2.svg"]
@@ -53,25 +48,25 @@ def test_the_assembly_sheet_is_written_once_for_all_formats(call: Call, tmp_path
         (("--kit", "--option", "joint=screw"), "error: --option joint=screw: exporter.stl.joint = 'screw': should be"),
     ],
 )
-def test_what_makes_no_sense_is_one_line(refused: Callable[..., str], arguments: tuple[str, ...], message: str) -> None:
+def test_what_makes_no_sense_is_one_line(refused, arguments, message):
     assert message in refused("export", LONG, *arguments, "--out", "parts")
 
 
-def test_a_kit_that_cannot_be_made_leaves_no_file(call: Call, tmp_path: Path) -> None:
+def test_a_kit_that_cannot_be_made_leaves_no_file(call, tmp_path):
     result = call("export", LONG, "--kit", "--bed", "15,15,15", "--out", str(tmp_path))
     assert result.exit_code == 1
     assert result.stderr.startswith("error: no kit can be made: the hull is")
     assert not list(tmp_path.iterdir())
 
 
-def test_the_note_on_kits_is_for_formats_that_have_them(call: Call, tmp_path: Path) -> None:
+def test_the_note_on_kits_is_for_formats_that_have_them(call, tmp_path):
     made = ("--set", "builder.made_as=kit", "--out", str(tmp_path))
     assert "write them with --kit" in call("export", LONG, *made, "--format", "stl").stderr
     assert "--kit" not in call("export", LONG, *made, "--format", "sdf").stderr
 
 
 @pytest.mark.long
-def test_sheets_in_the_folder_of_a_run_name_the_agent_as_commands_take_it(call: Call, tmp_path: Path) -> None:
+def test_sheets_in_the_folder_of_a_run_name_the_agent_as_commands_take_it(call, tmp_path):
     run = tmp_path / "run 2"
     formats = ("--set", 'run.formats=["stl"]', "--set", "exporter.stl.kit=true")
     few = ("--target", "TP5", "--evaluations", "8", "--seed", "4", "--workers", "1", "--robust", "0")

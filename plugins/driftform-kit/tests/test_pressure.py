@@ -23,13 +23,13 @@ def pressed():
     return open_agent(WORD, "builder.pressure=3e5")
 
 
-def find(design, job, folder: Path):
+def find(design, job, folder):
     [written] = design.export_files("stl", folder / "hull.stl")
     found = MeshChecker(MeshOptions()).check(PrintJob((Path(written.path),), export=job))
     return [finding for finding in found if finding.check == "pressure"]
 
 
-def test_check_says_what_fails_first_and_fails_below_what_was_asked_for(pressed, tmp_path: Path):
+def test_check_says_what_fails_first_and_fails_below_what_was_asked_for(pressed, tmp_path):
     job = pressed.export_job()
     assert job.document["environment"]["builder"]["pressure"] == 3e5
     [passed] = find(pressed, job, tmp_path)

@@ -2,8 +2,6 @@
 
 import json
 import shutil
-from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,12 +10,11 @@ from prints import CORNERS, TRIANGLES, mesh_xml, write_3mf
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.util import foreign
-from driftform_frusta.triangles import Mesh
 from driftform_kit.reading import read_meshes
 
 
 @pytest.fixture(scope="module", autouse=True)
-def in_this_process() -> Iterator[None]:
+def in_this_process():
     """Read in this process: one for each file takes a third of a second. tests/util/test_hostile_files.py has these."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(foreign, "call_apart", lambda function, path: function(str(path)))
@@ -27,14 +24,14 @@ def in_this_process() -> Iterator[None]:
 BLOCK = trimesh.Trimesh(CORNERS, TRIANGLES, process=False)
 
 
-def same(part: Mesh, offset: tuple[float, float, float] = (0, 0, 0)) -> bool:
+def same(part, offset=(0, 0, 0)):
     found = {tuple(np.round(v, 4)) for v in part.vertices}
     volume = part.volume
     return found == {tuple(np.round(v + offset, 4)) for v in BLOCK.vertices} and np.isclose(volume, BLOCK.volume)
 
 
 @pytest.mark.parametrize("name", ["block.stl", "text.stl", "block.obj", "block.ply", "BLOCK.STL"])
-def test_formats_without_a_unit_are_in_millimetres(tmp_path: Path, name: str) -> None:
+def test_formats_without_a_unit_are_in_millimetres(tmp_path, name):
     path = tmp_path / name
     kind = "stl_ascii" if name == "text.stl" else path.suffix[1:].lower()
     BLOCK.export(path, file_type=kind)
@@ -43,7 +40,7 @@ def test_formats_without_a_unit_are_in_millimetres(tmp_path: Path, name: str) ->
     assert same(part)
 
 
-def test_glb_is_in_metres_with_y_up(tmp_path: Path) -> None:
+def test_glb_is_in_metres_with_y_up(tmp_path):
     # What points up here points along y there, and what comes towards the viewer there is -y here.
     x, y, z = 0.001 * BLOCK.vertices.T
     trimesh.Trimesh(np.column_stack((x, z, -y)), BLOCK.faces, process=False).export(tmp_path / "block.glb")
@@ -51,7 +48,7 @@ def test_glb_is_in_metres_with_y_up(tmp_path: Path) -> None:
     assert same(part)
 
 
-def test_a_scene_s_parts_are_where_their_nodes_put_them(tmp_path: Path) -> None:
+def test_a_scene_s_parts_are_where_their_nodes_put_them(tmp_path):
     scene = trimesh.Scene()
     for number, shift in enumerate((0.0, 0.05)):
         place = trimesh.transformations.translation_matrix((shift, 0, 0))
@@ -62,7 +59,7 @@ def test_a_scene_s_parts_are_where_their_nodes_put_them(tmp_path: Path) -> None:
     assert sorted(round(float(part.bounds[0, 0]), 3) for part in parts) == [-5, 45]
 
 
-def test_3mf_places_each_item_of_the_build(tmp_path: Path) -> None:
+def test_3mf_places_each_item_of_the_build(tmp_path):
     resources = f'<object id="1" name="fore shell">{mesh_xml()}</object><object id="2">{mesh_xml()}</object>'
     build = '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 40 50 0"/><item objectid="2" partnumber="aft"/>'
     fore, aft = read_meshes(write_3mf(tmp_path / "two.3mf", resources, build))
@@ -70,7 +67,7 @@ def test_3mf_places_each_item_of_the_build(tmp_path: Path) -> None:
     assert same(fore, (40, 50, 0)) and same(aft)
 
 
-def test_an_object_that_is_not_built_is_no_part(tmp_path: Path) -> None:
+def test_an_object_that_is_not_built_is_no_part(tmp_path):
     resources = f'<object id="1">{mesh_xml()}</object><object id="2">{mesh_xml()}</object>'
     assert len(read_meshes(write_3mf(tmp_path / "one.3mf", resources, '<item objectid="2"/>'))) == 1
 
@@ -79,13 +76,13 @@ def test_an_object_that_is_not_built_is_no_part(tmp_path: Path) -> None:
     ("unit", "millimetres"),
     [("micron", 1e-3), ("millimeter", 1), ("centimeter", 10), ("inch", 25.4), ("foot", 304.8), ("meter", 1e3)],
 )
-def test_3mf_tells_its_unit(tmp_path: Path, unit: str, millimetres: float) -> None:
+def test_3mf_tells_its_unit(tmp_path, unit, millimetres):
     resources = f'<object id="1">{mesh_xml(CORNERS / millimetres)}</object>'
     [part] = read_meshes(write_3mf(tmp_path / "block.3mf", resources, unit=unit))
     assert same(part)
 
 
-def test_components_are_placed_within_their_object(tmp_path: Path) -> None:
+def test_components_are_placed_within_their_object(tmp_path):
     # First mirrored in x and moved up by 5, then turned by a right angle about z and moved along x.
     resources = f"""<object id="1">{mesh_xml()}</object><object id="2" name="whole"><components>
         <component objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 5"/></components></object>"""
@@ -117,7 +114,7 @@ def test_components_are_placed_within_their_object(tmp_path: Path) -> None:
         ("<object", "", "not XML"),
     ],
 )
-def test_a_3mf_that_is_wrong_is_one_line(tmp_path: Path, resources: str, build: str, message: str) -> None:
+def test_a_3mf_that_is_wrong_is_one_line(tmp_path, resources, build, message):
     path = write_3mf(tmp_path / "wrong.3mf", resources, build)
     with pytest.raises(InputError, match=message) as caught:
         read_meshes(path)
@@ -126,7 +123,7 @@ def test_a_3mf_that_is_wrong_is_one_line(tmp_path: Path, resources: str, build: 
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".glb", ".3mf"])
 @pytest.mark.parametrize("content", [b"", b"\x00\xff\x80" * 99, b'{"a": 1}\n', b"solid x\nvertex a b c\n"])
-def test_what_is_no_such_file_is_one_line(tmp_path: Path, suffix: str, content: bytes) -> None:
+def test_what_is_no_such_file_is_one_line(tmp_path, suffix, content):
     path = tmp_path / f"wrong{suffix}"
     path.write_bytes(content)
     with pytest.raises(InputError, match="wrong") as caught:
@@ -134,14 +131,14 @@ def test_what_is_no_such_file_is_one_line(tmp_path: Path, suffix: str, content: 
     assert "\n" not in str(caught.value)
 
 
-def test_an_unknown_suffix_names_those_that_are_known(tmp_path: Path) -> None:
+def test_an_unknown_suffix_names_those_that_are_known(tmp_path):
     path = tmp_path / "hull.step"
     path.write_text("ISO-10303-21;")
     with pytest.raises(InputError, match=r"\.3mf.*\.stl"):
         read_meshes(path)
 
 
-def test_a_file_that_changes_is_read_anew(tmp_path: Path) -> None:
+def test_a_file_that_changes_is_read_anew(tmp_path):
     path = tmp_path / "block.stl"
     BLOCK.export(path)
     assert len(read_meshes(path)[0].triangles) == 4
@@ -149,14 +146,14 @@ def test_a_file_that_changes_is_read_anew(tmp_path: Path) -> None:
     assert len(read_meshes(path)[0].triangles) == 12
 
 
-def test_names_from_files_cannot_steer_a_terminal(tmp_path: Path) -> None:
+def test_names_from_files_cannot_steer_a_terminal(tmp_path):
     name = json.dumps("evil\x9b2J" + 100 * "x")[1:-1].replace("\\u009b", "&#155;")
     resources = f'<object id="1" name="{name}">{mesh_xml()}</object>'
     [part] = read_meshes(write_3mf(tmp_path / "evil.3mf", resources))
     assert part.name.isprintable() and len(part.name) <= 40 and part.name.startswith("evil")
 
 
-def test_openscad_source_is_rendered(tmp_path: Path, requires_program: Callable[[str], str]) -> None:
+def test_openscad_source_is_rendered(tmp_path, requires_program):
     requires_program("openscad")
     path = tmp_path / "cube.scad"
     path.write_text("translate([1, 2, 3]) cube([10, 20, 30]);")
@@ -173,7 +170,7 @@ def test_openscad_source_is_rendered(tmp_path: Path, requires_program: Callable[
             read_meshes(path)
 
 
-def test_openscad_source_without_openscad(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_openscad_source_without_openscad(tmp_path, monkeypatch):
     path = tmp_path / "cube.scad"
     path.write_text("cube(10);")
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -184,7 +181,7 @@ def test_openscad_source_without_openscad(tmp_path: Path, monkeypatch: pytest.Mo
 
 @pytest.mark.parametrize("kind", ["stl", "stl_ascii"])
 @pytest.mark.parametrize("left", [0.3, 0.6, 0.97])
-def test_a_truncated_stl_is_named_as_such(tmp_path: Path, kind: str, left: float) -> None:
+def test_a_truncated_stl_is_named_as_such(tmp_path, kind, left):
     path = tmp_path / "cut.stl"
     BLOCK.export(path, file_type=kind)
     content = path.read_bytes()
@@ -194,7 +191,7 @@ def test_a_truncated_stl_is_named_as_such(tmp_path: Path, kind: str, left: float
     assert "\n" not in str(caught.value)
 
 
-def test_an_stl_of_more_bytes_than_its_triangles_is_none(tmp_path: Path) -> None:
+def test_an_stl_of_more_bytes_than_its_triangles_is_none(tmp_path):
     BLOCK.export(tmp_path / "long.stl")
     with (tmp_path / "long.stl").open("ab") as file:
         file.write(b"more")
@@ -202,7 +199,7 @@ def test_an_stl_of_more_bytes_than_its_triangles_is_none(tmp_path: Path) -> None
         read_meshes(tmp_path / "long.stl")
 
 
-def test_a_truncated_3mf_is_named_as_such(tmp_path: Path) -> None:
+def test_a_truncated_3mf_is_named_as_such(tmp_path):
     path = write_3mf(tmp_path / "cut.3mf")
     path.write_bytes(path.read_bytes()[:-40])
     with pytest.raises(InputError, match=r"cut\.3mf: .* truncated"):

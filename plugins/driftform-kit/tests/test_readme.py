@@ -8,7 +8,7 @@ import pytest
 README = Path(__file__).parents[1] / "README.md"
 
 
-def test_the_example_weighs_a_kit_and_lists_its_parts(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_example_weighs_a_kit_and_lists_its_parts(capsys):
     [source] = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
     exec(compile(source, str(README), "exec"), {})
     lines = capsys.readouterr().out.splitlines()

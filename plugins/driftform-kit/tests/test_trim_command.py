@@ -4,9 +4,7 @@ import json
 import re
 import shlex
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -14,29 +12,25 @@ from driftform_kit.kit import KitReport
 
 pytestmark = pytest.mark.usefixtures("ideal_water")
 
-Call = Callable[..., Any]
-Refused = Callable[..., str]
 
 WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveB"
 NEUTRAL = ("--set", "builder.core_mass=0.02507")
 """With this core it weighs about what it displaces: it flies far before it touches a wall."""
 
 
-def told(call: Call, *arguments: object) -> dict[str, Any]:
+def told(call, *arguments):
     result = call("trim", WORD, *NEUTRAL, *arguments, "--simulator", "native", "--json")
     assert result.exit_code == 0, result.stderr
-    found: dict[str, Any] = json.loads(result.stdout)
-    return found
+    return json.loads(result.stdout)
 
 
-def simulated(call: Call, *arguments: object) -> dict[str, float]:
+def simulated(call, *arguments):
     result = call("simulate", WORD, *NEUTRAL, *arguments, "--simulator", "native", "--json")
     assert result.exit_code == 0, result.stderr
-    found: dict[str, float] = json.loads(result.stdout)["fitness"]
-    return found
+    return json.loads(result.stdout)["fitness"]
 
 
-def test_a_light_print_is_trimmed_to_fly_as_simulated(call: Call) -> None:
+def test_a_light_print_is_trimmed_to_fly_as_simulated(call):
     facts = told(call, "--printed-mass", 0.0305)
     assert facts["ballast_mass"] == pytest.approx(facts["simulated_mass"] - 0.0305)
     moment = facts["simulated_mass"] * facts["simulated_cog"] - 0.0305 * facts["printed_cog"]
@@ -53,7 +47,7 @@ def test_a_light_print_is_trimmed_to_fly_as_simulated(call: Call) -> None:
     assert facts["buoyancy"] is None and facts["cog_source"] == "hull"
 
 
-def test_untrimmed_it_flies_as_a_hull_of_that_density(call: Call) -> None:
+def test_untrimmed_it_flies_as_a_hull_of_that_density(call):
     # Flights that bounce for longer may not converge.
     short = ("--set", "flow.speed=2.0")
     facts = told(call, *short, "--printed-mass", 0.0325)
@@ -64,7 +58,7 @@ def test_untrimmed_it_flies_as_a_hull_of_that_density(call: Call) -> None:
     assert facts["untrimmed"] == pytest.approx(other, abs=2e-3)
 
 
-def test_a_heavy_print_is_told_how_much_lighter_it_has_to_be(call: Call) -> None:
+def test_a_heavy_print_is_told_how_much_lighter_it_has_to_be(call):
     facts = told(call, "--printed-mass", 0.0325)
     excess = 0.0325 - facts["simulated_mass"]
     assert facts["ballast_mass"] == pytest.approx(-excess)
@@ -77,7 +71,7 @@ def test_a_heavy_print_is_told_how_much_lighter_it_has_to_be(call: Call) -> None
     assert "too heavy by" in text and "cm3 of foam" in text
 
 
-def test_what_balances_elsewhere_by_too_much_is_told_by_how_much_it_stays_off(call: Call) -> None:
+def test_what_balances_elsewhere_by_too_much_is_told_by_how_much_it_stays_off(call):
     facts = told(call, "--printed-mass", 0.0312, "--printed-cog", 0.004)
     aft = facts["aft_end"]
     assert facts["ballast_x"] < aft
@@ -91,7 +85,7 @@ def test_what_balances_elsewhere_by_too_much_is_told_by_how_much_it_stays_off(ca
     assert "it cannot lie there" in text
 
 
-def test_a_flight_that_fails_costs_its_marks_and_not_the_command(call: Call) -> None:
+def test_a_flight_that_fails_costs_its_marks_and_not_the_command(call):
     limits = ("--set", "simulator.step_limit=40", "--simulator", "native")
     result = call("trim", WORD, *NEUTRAL, "--printed-mass", 0.0305, *limits)
     assert result.exit_code == 0
@@ -103,7 +97,7 @@ def test_a_flight_that_fails_costs_its_marks_and_not_the_command(call: Call) -> 
 
 
 @pytest.mark.long
-def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call: Call, tmp_path: Path) -> None:
+def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call, tmp_path):
     facts = told(call, "--kit", "--printed-mass", 0.0292)
     [piece], [ball] = facts["pieces"], facts["held"]
     assert (ball["x"], ball["diameter"]) == pytest.approx((piece["x"], piece["diameter"]), abs=2e-5)
@@ -132,7 +126,7 @@ def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call: Call, t
     assert again["residual_moment"] == pytest.approx(0, abs=5e-5 * piece["mass"])
 
 
-def test_the_last_gram_lies_on_the_seat_that_is_there_and_the_rest_is_told(call: Call) -> None:
+def test_the_last_gram_lies_on_the_seat_that_is_there_and_the_rest_is_told(call):
     diameter = (6 * 0.002185 / (3.14159 * 7850)) ** (1 / 3)
     seat = ("--set", f"exporter.stl.ballast=[[0.02,{diameter:.5f}]]")
     facts = told(call, "--kit", "--printed-mass", 0.0292, *seat)
@@ -144,7 +138,7 @@ def test_the_last_gram_lies_on_the_seat_that_is_there_and_the_rest_is_told(call:
 
 
 @pytest.mark.long
-def test_a_seat_holds_only_a_ball_that_fits_it_else_the_seat_to_print_is_told(call: Call) -> None:
+def test_a_seat_holds_only_a_ball_that_fits_it_else_the_seat_to_print_is_told(call):
     seat = ("--set", "exporter.stl.ballast=[[0.02,0.002]]")
     facts = told(call, "--kit", "--printed-mass", 0.0292, *seat)
     [old], [ball], [piece] = facts["misfits"], facts["held"], facts["pieces"]
@@ -162,7 +156,7 @@ NECK = "-".join(["addF-tiltn-2-L-moveF"] * 3 + ["addF-tiltp-2-L-moveF"] * 3 + ["
 
 
 @pytest.mark.long
-def test_a_ball_that_was_printed_in_is_taken_off_what_is_weighed(call: Call) -> None:
+def test_a_ball_that_was_printed_in_is_taken_off_what_is_weighed(call):
     fast = ("--simulator", "native")
     whole = json.loads(call("trim", NECK, "--printed-mass", "0.06", *fast, "--json").stdout)
     mass, cog = whole["simulated_mass"], whole["simulated_cog"]
@@ -178,7 +172,7 @@ def test_a_ball_that_was_printed_in_is_taken_off_what_is_weighed(call: Call) -> 
 
 
 @pytest.mark.long
-def test_the_commands_to_copy_carry_what_the_user_gave(call: Call) -> None:
+def test_the_commands_to_copy_carry_what_the_user_gave(call):
     given = (
         *("--kit", "--format", "3mf,stl", "--bed", "220,200,45", "--option", "lap=0.007"),
         *("--option", "joint=rabbet", "--ballast-density", "11340"),
@@ -204,20 +198,20 @@ def test_the_commands_to_copy_carry_what_the_user_gave(call: Call) -> None:
 
 
 @pytest.fixture
-def kit_of_34_grams(monkeypatch: pytest.MonkeyPatch) -> None:
+def kit_of_34_grams(monkeypatch):
     """A kit that weighs 34 g with the core, balances 5 mm fore of its centre, and holds no ballast."""
     monkeypatch.setattr("driftform_kit.trim.report_kit", lambda body, options: KitReport(0.034, 0.005))
 
 
 @pytest.mark.usefixtures("kit_of_34_grams")
-def test_a_kit_is_trimmed_by_what_its_parts_should_weigh(call: Call) -> None:
+def test_a_kit_is_trimmed_by_what_its_parts_should_weigh(call):
     facts = told(call, "--kit")
     assert (facts["printed_mass"], facts["printed_cog"], facts["cog_source"]) == (0.034, pytest.approx(0.005), "kit")
     assert facts["ballast_mass"] == pytest.approx(facts["simulated_mass"] - 0.034)
 
 
 @pytest.mark.usefixtures("kit_of_34_grams")
-def test_a_kit_that_holds_no_ballast_is_trimmed_with_putty(call: Call) -> None:
+def test_a_kit_that_holds_no_ballast_is_trimmed_with_putty(call):
     facts = told(call, "--kit", "--printed-mass", 0.0292)
     assert facts["held"] == [] and facts["seat_mass"] == 0
     assert facts["unheld"] and [piece["putty"] for piece in facts["pieces"]] == [pytest.approx(facts["ballast_mass"])]
@@ -239,5 +233,5 @@ def test_a_kit_that_holds_no_ballast_is_trimmed_with_putty(call: Call) -> None:
         (("--kit", "--printed-cog", "0.001"), "--printed-mass is missing"),
     ],
 )
-def test_what_makes_no_sense_is_refused(refused: Refused, arguments: tuple[str, ...], message: str) -> None:
+def test_what_makes_no_sense_is_refused(refused, arguments, message):
     assert message in refused("trim", WORD, *arguments, "--simulator", "native")

@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 
 from driftform import load_study
 from driftform.agent import MassElement, mass_properties
-from driftform.types import Body
 from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.parts import make_parts, settle_ballast
 from driftform_kit.cutting.accounting import kit_mass
@@ -23,14 +22,14 @@ SHARES = (None, 0.0, 0.97)
 
 
 @cache
-def draw_bodies(share: float | None) -> tuple[Body, ...]:
+def draw_bodies(share):
     """Return 20 random bodies that can be neutral."""
     rng, bodies = np.random.default_rng(57), []
     while len(bodies) < 20:
         morphology = PIPELINE.express(PIPELINE.grammar.random(rng))
         low, high = PIPELINE.builder.find_tunings(morphology) or (0.0, 0.0)
 
-        def weigh(added: float, morphology=morphology) -> float:
+        def weigh(added, morphology=morphology):
             mass = mass_properties(PIPELINE.build(replace(morphology, tuning=added)))
             return mass.mass - WATER * mass.volume
 
@@ -40,7 +39,7 @@ def draw_bodies(share: float | None) -> tuple[Body, ...]:
     return tuple(bodies)
 
 
-def list_options(share: float | None) -> list[tuple[Body, PartOptions]]:
+def list_options(share):
     return [(body, settle_ballast(body, PartOptions(kit=True))) for body in draw_bodies(share)]
 
 

@@ -1,14 +1,13 @@
 """Genome -> morphology, against results worked out by hand."""
 
 import math
-from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.types import Genome, Module, Morphology
+from driftform.types import Genome, Module
 from driftform_lsystem.alphabet import CORE, LETTER_PLACE, PLACE, QUINTUPLE, RULE_LENGTH, RULES
 from driftform_lsystem.grammar import LSystemGrammar
 from driftform_lsystem.growth import LSystemOptions, interpret
@@ -21,7 +20,7 @@ FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 # The L-system as the paper describes it: a word of symbols, rewritten and then read. The grammar never makes the word.
 
 
-def rewrite(genotype: Sequence[str], iterations: int) -> list[str]:
+def rewrite(genotype, iterations):
     """Return the word that the axiom C grows into.
 
     The core's rule keeps its letter, C -> C q q q, and so adds three modules in each iteration. The letters
@@ -32,7 +31,7 @@ def rewrite(genotype: Sequence[str], iterations: int) -> list[str]:
     rules[CORE].insert(0, CORE)
     word = [CORE]
     for _ in range(iterations):
-        grown: list[str] = []
+        grown = []
         for symbol in word:
             successor = rules.get(symbol)
             if successor is None:
@@ -43,13 +42,13 @@ def rewrite(genotype: Sequence[str], iterations: int) -> list[str]:
     return word
 
 
-def read_instructions(word: Iterable[str], *, last: bool = False) -> list[list[str]]:
+def read_instructions(word, *, last=False):
     """Return one quintuple for each module letter of a word.
 
     Rewriting leaves runs of adds, tilts and degrees before a letter, and of moves after it. The first of each
     run counts, or the ``last``; the rest has no effect.
     """
-    steps: list[list[str]] = []
+    steps = []
     step = [""] * len(QUINTUPLE)
     for symbol in word:
         if symbol == CORE:
@@ -65,23 +64,25 @@ def read_instructions(word: Iterable[str], *, last: bool = False) -> list[list[s
     return steps
 
 
-def express(word: str, **options: object) -> Morphology:
+def express(word, **options):
     """Express a developed word whose symbols are apart by spaces."""
     genome = Genome("lsystem", ("C", *word.split()))
     return LSystemGrammar(LSystemOptions.model_validate(options)).express(genome)
 
 
-def describe(side: tuple[Module, ...]) -> list[tuple[str, int]]:
-    """Return modules as letters and whole degrees, for comparison with results computed by hand."""
+def describe(morphology):
+    """Modules fore and aft as letters and whole degrees, such as ``S0 M-10 | L20``."""
     letters = {length: letter for letter, length in LENGTHS.items()}
-    return [(letters[module.length], round(math.degrees(module.tilt), 6)) for module in side]
+    sides = (morphology.fore, morphology.aft)
+    named = [" ".join(f"{letters[m.length]}{round(math.degrees(m.tilt), 6):g}" for m in side) for side in sides]
+    return " | ".join(named).strip()
 
 
-def random_genome(seed: int) -> Genome:
+def random_genome(seed):
     return LSystemGrammar(LSystemOptions()).random(np.random.default_rng(seed))
 
 
-def uniform_genotype(quintuple: str) -> Genome:
+def uniform_genotype(quintuple):
     return Genome("lsystem", tuple(quintuple.split()) * 12)
 
 
@@ -112,19 +113,7 @@ def test_two_iterations_build_what_the_rules_say():
     # M fore of it, back:             [C] n m n s n m n s s m
     # M aft of it, back:              [n] C ...
     # M aft of it, back:              [n] n C ...
-    assert describe(morphology.fore) == [
-        ("M", -10),
-        ("M", 0),
-        ("M", -10),
-        ("S", 0),
-        ("M", -10),
-        ("M", 0),
-        ("M", -10),
-        ("S", 0),
-        ("S", 0),
-        ("M", 0),
-    ]
-    assert describe(morphology.aft) == [("M", -10), ("M", -10)]
+    assert describe(morphology) == "M-10 M0 M-10 S0 M-10 M0 M-10 S0 S0 M0 | M-10 M-10"
 
 
 @pytest.mark.parametrize(("iterations", "modules"), [(1, 3), (2, 12), (3, 39)])
@@ -153,18 +142,12 @@ def test_the_bounds_of_the_number_with_skipping_are_reached(quintuple, modules):
 RUNS = ["C", "addF", "tiltp", "1", "addB", "tiltn", "2", "S", "moveF", "moveB", "addF", "tiltp", "0", "L", "moveN"]
 
 
-def test_the_first_of_a_run_counts():
+def test_the_first_of_a_run_counts_or_the_last_where_asked_for():
     # S fore of the core at 10 degrees, on to S, L fore of S.
-    morphology = interpret(read_instructions(RUNS), LSystemOptions())
-    assert describe(morphology.fore) == [("S", 10), ("L", 0)]
-    assert morphology.aft == ()
-
-
-def test_the_last_of_a_run_counts_where_asked_for():
+    assert describe(interpret(read_instructions(RUNS), LSystemOptions())) == "S10 L0 |"
     # S aft of the core at -20 degrees, back to S, L fore of S: between S and the core.
-    morphology = interpret(read_instructions(RUNS, last=True), LSystemOptions(repetition="last"))
-    assert describe(morphology.aft) == [("L", 0), ("S", -20)]
-    assert morphology.fore == ()
+    found = interpret(read_instructions(RUNS, last=True), LSystemOptions(repetition="last"))
+    assert describe(found) == "| L0 S-20"
 
 
 @pytest.mark.parametrize("repetition", ["first", "last"])
@@ -177,71 +160,63 @@ def test_a_genotype_builds_the_same_as_its_word_without_repetitions(repetition, 
     assert grammar.express(word) == grammar.express(genome)
 
 
-def test_a_module_is_inserted_next_to_the_reference():
+WORDS = {
     # The core stays the reference: each module pushes the earlier ones outward.
-    morphology = express(
-        "addF tiltp 0 S moveN addB tiltp 0 S moveN addF tiltp 1 M moveN addB tiltn 1 M moveN addF tiltp 2 L moveN"
-    )
-    assert describe(morphology.fore) == [("L", 20), ("M", 10), ("S", 0)]
-    assert describe(morphology.aft) == [("M", -10), ("S", 0)]
-
-
-def test_a_skipped_module_still_moves_the_reference():
+    "a module is inserted next to the reference": (
+        "addF tiltp 0 S moveN addB tiltp 0 S moveN addF tiltp 1 M moveN addB tiltn 1 M moveN addF tiltp 2 L moveN",
+        "L20 M10 S0 | M-10 S0",
+    ),
     # S fore of the core; M has no place, but moves on to S; L goes fore of S.
-    morphology = express("addF tiltp 0 S moveN addF tiltp 1 M moveF addF tiltp 2 L moveN", occupied="skip")
-    assert describe(morphology.fore) == [("S", 0), ("L", 20)]
-    assert morphology.aft == ()
-
-
-def test_a_module_is_on_the_side_where_it_ends_up_whatever_added_it():
+    "a skipped module still moves the reference": (
+        "addF tiltp 0 S moveN addF tiltp 1 M moveF addF tiltp 2 L moveN",
+        "S0 L20 |",
+        {"occupied": "skip"},
+    ),
     # S aft, on to S; L is added forward of S, yet is aft of the core, and widens away from it.
-    morphology = express("addB tiltp 0 S moveB addF tiltp 1 L moveN")
-    assert describe(morphology.aft) == [("L", 10), ("S", 0)]
-
-
-def test_a_reference_passes_over_the_core():
-    # S and L on either side of the core, on to S. S at 10 degrees fore of it, back to the core. S at 20 fore
-    # of the core, back to L. M aft of L.
-    morphology = express(
-        "addF tiltp 0 S moveN addB tiltp 0 L moveF addF tiltp 1 S moveB addF tiltp 2 S moveB addB tiltp 1 M moveN"
-    )
-    assert describe(morphology.fore) == [("S", 20), ("S", 0), ("S", 10)]
-    assert describe(morphology.aft) == [("L", 0), ("M", 10)]
-
-
-@pytest.mark.parametrize(("ahead", "behind"), [("F", "B"), ("B", "F")])
-def test_a_move_past_the_end_of_the_chain_stays_there_and_is_not_remembered(ahead, behind):
-    # S at 0, on to it. M between the core and S, past the end. L between M and S, one back, to L.
-    # S at 20 outward of L.
-    morphology = express(
-        f"add{ahead} tiltp 0 S move{ahead} add{behind} tiltp 0 M move{ahead} "
-        f"add{behind} tiltp 0 L move{behind} add{ahead} tiltp 2 S moveN"
-    )
-    side, other = (morphology.fore, morphology.aft) if ahead == "F" else (morphology.aft, morphology.fore)
-    assert describe(side) == [("M", 0), ("L", 0), ("S", 20), ("S", 0)]
-    assert other == ()
-
-
-def test_a_move_from_the_bare_end_of_the_core_stays_at_the_core():
+    "a module is on the side where it ends up, whatever added it": (
+        "addB tiltp 0 S moveB addF tiltp 1 L moveN",
+        "| L10 S0",
+    ),
+    # S and L on either side of the core, on to S. S at 10 degrees fore of it, back to the core. S at 20 fore of the core,
+    # back to L. M aft of L.
+    "a reference passes over the core": (
+        "addF tiltp 0 S moveN addB tiltp 0 L moveF addF tiltp 1 S moveB addF tiltp 2 S moveB addB tiltp 1 M moveN",
+        "S20 S0 S10 | L0 M10",
+    ),
+    # S at 0, on to it. M between the core and S, past the end. L between M and S, one back, to L. S at 20 outward of L.
+    "a move past the fore end of the chain stays there and is not remembered": (
+        "addF tiltp 0 S moveF addB tiltp 0 M moveF addB tiltp 0 L moveB addF tiltp 2 S moveN",
+        "M0 L0 S20 S0 |",
+    ),
+    "a move past the aft end of the chain stays there and is not remembered": (
+        "addB tiltp 0 S moveB addF tiltp 0 M moveB addF tiltp 0 L moveF addB tiltp 2 S moveN",
+        "| M0 L0 S20 S0",
+    ),
     # Nothing is aft of the core, so the reference stays; M goes between the core and S.
-    assert describe(express("addF tiltp 0 S moveB addF tiltp 1 M moveN").fore) == [("M", 10), ("S", 0)]
-
-
-def test_tilts_against_the_neighbour_add_up_outward_once_all_modules_are_placed():
+    "a move from the bare end of the core stays at the core": ("addF tiltp 0 S moveB addF tiltp 1 M moveN", "M10 S0 |"),
     # M at -10 is inserted under S, whose wall is then 20 degrees from M's. Aft adds up on its own.
-    morphology = express(
+    "tilts against the neighbour add up outward once all modules are placed": (
         "addF tiltp 2 S moveN addF tiltn 1 M moveN addB tiltp 1 L moveB addB tiltp 2 L moveB",
-        tilt_reference="neighbour",
-    )
-    assert describe(morphology.fore) == [("M", -10), ("S", 10)]
-    assert describe(morphology.aft) == [("L", 10), ("L", 30)]
+        "M-10 S10 | L10 L30",
+        {"tilt_reference": "neighbour"},
+    ),
+    "outward walls stop at 80 degrees": (
+        "addB tiltp 2 S moveB " * 5 + "addB tiltn 1 S moveB",
+        "| S20 S40 S60 S80 S80 S70",
+        {"tilt_reference": "neighbour"},
+    ),
+    "inward walls stop at 80 degrees": (
+        "addB tiltn 2 S moveB " * 5 + "addB tiltp 1 S moveB",
+        "| S-20 S-40 S-60 S-80 S-80 S-70",
+        {"tilt_reference": "neighbour"},
+    ),
+}
 
 
-@pytest.mark.parametrize(("tilt", "back", "sign"), [("tiltp", "tiltn", 1), ("tiltn", "tiltp", -1)])
-def test_walls_that_lean_on_each_other_stop_at_80_degrees(tilt, back, sign):
-    word = f"addB {tilt} 2 S moveB " * 5 + f"addB {back} 1 S moveB"
-    tilts = [degrees for _, degrees in describe(express(word, tilt_reference="neighbour").aft)]
-    assert tilts == [sign * degrees for degrees in (20, 40, 60, 80, 80, 70)]
+@pytest.mark.parametrize("rule", WORDS)
+def test_a_word_builds_what_its_rules_say(rule):
+    word, built, *options = WORDS[rule]
+    assert describe(express(word, **dict(*options))) == built
 
 
 @pytest.mark.parametrize("tilt_reference", ["axis", "neighbour"])

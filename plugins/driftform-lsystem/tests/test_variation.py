@@ -24,22 +24,22 @@ CLASSES = [{"addF", "addB"}, {"tiltp", "tiltn"}, {"0", "1", "2"}, {"S", "M", "L"
 GRAMMAR = LSystemGrammar(LSystemOptions())
 
 
-def word_of(quintuples) -> Genome:
+def word_of(quintuples):
     return Genome("lsystem", ("C", *(symbol for quintuple in quintuples for symbol in quintuple)))
 
 
 WORDS = st.lists(QUINTUPLES, max_size=8).map(word_of)
 
 
-def rng_of(seed: int) -> np.random.Generator:
+def rng_of(seed):
     return np.random.default_rng(seed)
 
 
-def rules(genome: Genome) -> list[tuple[str, ...]]:
+def rules(genome):
     return [genome.symbols[i : i + 15] for i in range(0, 60, 15)]
 
 
-def quintuples(word: Genome) -> list[tuple[str, ...]]:
+def quintuples(word):
     return [word.symbols[i : i + 5] for i in range(1, len(word.symbols), 5)]
 
 

@@ -8,10 +8,7 @@ import pytest
 from driftform.motion.path.approach import closest_approach
 from driftform.motion.path.targets import find_offsets
 from driftform.motion.solver.error import GUST_RATIO
-from driftform.pipeline import Pipeline
 from driftform.study import load_study
-from driftform.types import Agent
-from driftform.water import Scenario
 from driftform.water.disturbances import draw_conditions
 from driftform.water.flow import TurbulentFlow
 from driftform.water.scenario import Robustness
@@ -25,18 +22,18 @@ RIDER = (
 
 
 @pytest.fixture(scope="module")
-def pipeline() -> Pipeline:
+def pipeline():
     return load_study("pipe-inspection", use={"simulator": "native"}).make_pipeline()
 
 
-def blow(pipeline: Pipeline, seed: int) -> tuple[Agent, Scenario]:
+def blow(pipeline, seed):
     """A random agent in the gusts of this seed."""
     agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(seed)))
     flow = TurbulentFlow(speed=1.0, roughness=3e-4)
     return agent, pipeline.scenario.model_copy(update={"flow": flow}).with_gusts(seed)
 
 
-def test_the_misses_of_flights_in_gusts_are_within_a_centimetre_of_exact_ones(pipeline: Pipeline) -> None:
+def test_the_misses_of_flights_in_gusts_are_within_a_centimetre_of_exact_ones(pipeline):
     usual, sharp = NativeSimulator(NativeOptions()), NativeSimulator(NativeOptions(tolerance=1e-9))
     within, accurate = GUST_RATIO * usual.options.accuracy, 0
     for seed in range(12):
@@ -53,7 +50,7 @@ def test_the_misses_of_flights_in_gusts_are_within_a_centimetre_of_exact_ones(pi
 
 
 @pytest.mark.long
-def test_paths_along_the_wall_differ_with_the_tolerance_and_how_far_nine_of_ten_miss_does_not() -> None:
+def test_paths_along_the_wall_differ_with_the_tolerance_and_how_far_nine_of_ten_miss_does_not():
     # It rides the wall to TP8, wide and thin, with a ball of lead; its flights are those of a run that need the most steps.
     lead = ("builder.tuning='ballast'", "builder.ballast={material='lead', most=1.0}", "builder.pressure=0")
     settings = (*lead, "builder.max_radius=0", "release.port=0", "builder.pockets.diameter=0")
@@ -78,7 +75,7 @@ def test_paths_along_the_wall_differ_with_the_tolerance_and_how_far_nine_of_ten_
         assert abs(np.quantile(near, share) - np.quantile(far, share)) < spread
 
 
-def test_without_gusts_a_flight_is_as_accurate_as_the_options_say(pipeline: Pipeline) -> None:
+def test_without_gusts_a_flight_is_as_accurate_as_the_options_say(pipeline):
     agent, scenario = blow(pipeline, 1)
     calm = scenario.model_copy(update={"flow": pipeline.scenario.flow})
     flight = NativeSimulator(NativeOptions()).simulate(agent, calm)

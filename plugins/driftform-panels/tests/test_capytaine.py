@@ -8,7 +8,6 @@ bodies: what Capytaine finds for one does not settle from mesh to mesh (surge by
 
 import json
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -44,7 +43,7 @@ class Case:
     found: FloatArray
 
     @property
-    def limit(self) -> FloatArray:
+    def limit(self):
         """The limit of the three meshes, if their errors form a geometric series."""
         first, second, third = self.found
         step, before = third - second, second - first
@@ -52,23 +51,23 @@ class Case:
         return np.asarray(third + step * ratio / (1 - ratio))
 
     @property
-    def unit(self) -> FloatArray:
+    def unit(self):
         """The scale of the errors: the values, and sqrt(A22 A66) for the coupling."""
         unit = self.limit.copy()
         unit[3] = np.sqrt(unit[1] * unit[2])
         return unit
 
-    def by_panels(self) -> FloatArray:
+    def by_panels(self):
         s = solve(self.contour)
         return np.array([s.surge, s.sway, s.yaw, (s.sway_of_yaw + s.yaw_of_sway) / 2])
 
-    def by_strips(self) -> FloatArray:
+    def by_strips(self):
         model = StripTheory(StripTheoryOptions())
         m = model.coefficients(make_body(self.contour), Fluid(density=1.0)).added_mass
         return np.array([m[0, 0], m[1, 1], m[5, 5], m[1, 5]])
 
 
-def stored() -> list[Case]:
+def stored():
     if not TABLE.exists():
         return []
     document = json.loads(TABLE.read_text(encoding="utf-8"))
@@ -77,7 +76,7 @@ def stored() -> list[Case]:
     ]
 
 
-def agents() -> list[Case]:
+def agents():
     return [case for case in stored() if case.name.startswith("agent")]
 
 
@@ -97,7 +96,7 @@ def test_capytaine_has_converged_well_enough_to_judge():
 # The study.
 
 
-def cut(contour: FloatArray, longest: float) -> FloatArray:
+def cut(contour, longest):
     """The contour with its edges cut into equal pieces, none longer than ``longest``."""
     points = [contour[:1]]
     for a, b in pairwise(contour):
@@ -106,7 +105,7 @@ def cut(contour: FloatArray, longest: float) -> FloatArray:
     return np.concatenate(points)
 
 
-def by_capytaine(contour: FloatArray, longest: float, around: int) -> tuple[int, FloatArray]:
+def by_capytaine(contour, longest, around):
     """Number of panels, and a row of ``Case.found``. Capytaine's z axis is our x, its x our y."""
     import capytaine
 
@@ -140,7 +139,7 @@ def by_capytaine(contour: FloatArray, longest: float, around: int) -> tuple[int,
     return len(x), np.array([A["surge", "surge"], A["sway", "sway"], A["yaw", "yaw"], coupling])
 
 
-def shapes(random_bodies) -> list[tuple[str, FloatArray, float]]:
+def shapes(random_bodies):
     """Name, contour, and length by which the meshes of an agent are to be multiplied."""
     return [
         *((f"agent {k}", np.round(body.outer, 6), 1.0) for k, body in enumerate(random_bodies(AGENTS, 7))),
@@ -149,7 +148,7 @@ def shapes(random_bodies) -> list[tuple[str, FloatArray, float]]:
     ]
 
 
-def lines_of(cases: Sequence[Case], version: str) -> list[str]:
+def lines_of(cases, version):
     """The table of docs/validation.md."""
     limits, units = np.array([case.limit for case in cases]), np.array([case.unit for case in cases])
     models = {

@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.agent import solid_of_revolution
-from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import make_body
 from driftform.types import Module, Morphology
 from driftform.water import Fluid
@@ -53,15 +52,6 @@ def test_coefficients_are_about_the_centre_of_buoyancy_without_damping():
     assert not coefficients.linear_damping.any()
     assert not coefficients.quadratic_damping.any()
     assert not coefficients.added_mass[3].any()
-
-
-def test_the_coupling_has_the_sign_of_the_conventions():
-    """M26 is positive where the added mass of sway lies ahead of the origin, M35 is its negative."""
-    ahead = added_mass_at(
-        MODEL.coefficients(make_body([(0.1, 0), (0.1, 0.01), (0.2, 0.01), (0.2, 0)]), FLUID), np.zeros(3)
-    )
-    assert ahead[1, 5] == pytest.approx(0.15 * ahead[1, 1])
-    assert ahead[2, 4] == pytest.approx(-0.15 * ahead[1, 1])
 
 
 def tilts(*degrees, length=1e-2):

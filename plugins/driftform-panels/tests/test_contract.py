@@ -5,10 +5,10 @@ from driftform_panels.solve import PanelMethod, PanelOptions
 
 
 class TestPanels(HydrodynamicsContract):
-    def plugin(self) -> PanelMethod:
+    def plugin(self):
         return PanelMethod(PanelOptions())
 
 
 class TestFewPanels(HydrodynamicsContract):
-    def plugin(self) -> PanelMethod:
+    def plugin(self):
         return PanelMethod(PanelOptions(panels=4, corner=1.0))

@@ -13,7 +13,7 @@ from driftform.testing.bodies import cylinder_body, dome_body, spheroid_body
 from driftform.water import Fluid
 from driftform_panels import solve as module
 from driftform_panels.meridian import Panels, make_panels
-from driftform_panels.solve import PanelOptions, PanelSolution, solve, solve_panels
+from driftform_panels.solve import PanelOptions, solve, solve_panels
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
 
 CUP = np.array([(0, 0), (0, 1), (3, 1), (3, 0.7), (1, 0.7), (1, 0)], dtype=float)
@@ -44,20 +44,20 @@ def strip_theory(body):
     return StripTheory(StripTheoryOptions()).coefficients(body, Fluid(density=1.0)).added_mass
 
 
-def values(solution: PanelSolution):
+def values(solution):
     """Surge, sway, yaw and their coupling."""
     coupling = (solution.sway_of_yaw + solution.yaw_of_sway) / 2
     return np.array([solution.surge, solution.sway, solution.yaw, coupling])
 
 
-def change(actual: PanelSolution, expected: PanelSolution):
+def change(actual, expected):
     """Relative difference of surge, sway and yaw, and that of the coupling relative to sqrt(A22 A66)."""
     size = values(expected)
     size[3] = math.sqrt(expected.sway * expected.yaw)
     return np.abs(values(actual) - values(expected)) / size
 
 
-def halved(divided: Panels) -> Panels:
+def halved(divided):
     """The same curves with every panel cut in two, at the middle of its parameter."""
     first = np.diag([1 / 8, 1 / 4, 1 / 2, 1])
     second = np.array([[1, 0, 0, 0], [3, 2, 0, 0], [3, 4, 4, 0], [1, 2, 4, 8]]) / 8

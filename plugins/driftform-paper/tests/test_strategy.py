@@ -8,34 +8,34 @@ import pytest
 from driftform.interfaces import SearchSpace, Table
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
-from driftform.types import Evaluation, Genome
+from driftform.types import Evaluation
 from driftform_paper.strategy import PaperOptions, PaperStrategy, roulette_probabilities
 
 GRAMMAR = LetterGrammar(Table())
 
 
 class TestPaper(StrategyContract):
-    def plugin(self, space: SearchSpace) -> PaperStrategy:
+    def plugin(self, space):
         return PaperStrategy(PaperOptions(), space)
 
 
 class TestPaperWithOneFlipPerOffspring(StrategyContract):
-    def plugin(self, space: SearchSpace) -> PaperStrategy:
+    def plugin(self, space):
         return PaperStrategy(PaperOptions(mutation="per_offspring", population=3), space)
 
 
-def paper(seed: int = 0, targets: tuple[str, ...] = ("T1",), **options) -> PaperStrategy:
+def paper(seed=0, targets=("T1",), **options):
     space = SearchSpace(GRAMMAR, targets, np.random.default_rng(seed))
     return PaperStrategy(PaperOptions(**options), space)
 
 
-def told(strategy: PaperStrategy, first: int, candidates, fitness) -> None:
+def told(strategy, first, candidates, fitness):
     """Tell one row of fitness for each candidate."""
     rows = np.asarray(fitness, dtype=float).reshape(len(candidates), -1)
     strategy.tell(first, [Evaluation(c.genome, row) for c, row in zip(candidates, rows, strict=True)])
 
 
-def differences(a: Genome, b: Genome) -> int:
+def differences(a, b):
     return sum(x != y for x, y in zip(a.symbols, b.symbols, strict=True))
 
 
@@ -121,7 +121,7 @@ def test_the_rate_of_crossover_is_the_share_of_crossed_pairs():
     assert abs(crossed - 0.9 * pairs) < 5 * np.sqrt(pairs * 0.9 * 0.1)
 
 
-def flips(seed: int, size: int, **options) -> np.ndarray:
+def flips(seed, size, **options):
     """How many symbols of each of ``size`` uncrossed offspring were flipped."""
     strategy = paper(seed, population=size, crossover=0, **options)
     first = strategy.ask(size)

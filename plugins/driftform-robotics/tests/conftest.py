@@ -1,17 +1,14 @@
 """Specimens of many kinds, their exported folders, and the motion that their files must reproduce."""
 
 import subprocess
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
-from driftform.study import Document, Study, load_study
+from driftform.study import Document, load_study
 from driftform.testing.bodies import hollow_body
 from driftform.types import Agent, Coefficients
 from driftform.water import Scenario
@@ -25,18 +22,18 @@ from driftform_robotics.models.uuv import UuvExporter
 
 
 @pytest.fixture(scope="session")
-def study() -> Study:
+def study():
     return load_study("paper", use={"simulator": "native"}, run={"seed": 0})
 
 
-def _random_agent(study: Study, seed: int, drag: str) -> Agent:
+def _random_agent(study, seed, drag):
     pipeline = load_study(
         Document("test", study.document), [f"hydrodynamics.drag={drag}"], run={"seed": 0}
     ).make_pipeline()
     return pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(seed)))
 
 
-def _skewed_agent(seed: int) -> Agent:
+def _skewed_agent(seed):
     """Nothing on the axis, nothing diagonal; its quadratic damping is what the formats can hold exactly."""
     rng = np.random.default_rng(seed)
     body = hollow_body()
@@ -63,7 +60,7 @@ KINDS = ("random", "another", "dragged", "skewed")
 
 
 @pytest.fixture(scope="session")
-def jobs(study: Study) -> dict[str, ExportJob]:
+def jobs(study):
     """Agents of the paper's grammar without drag and with it, and one that has no symmetry."""
     pipe = study.scenario.model_copy(update={"contact": Contact(friction=0.3)})
     tilted = pipe.model_copy(update={"release": Release(position=(1.0, 0.2, -0.3), pitch_deg=20.0)})
@@ -80,33 +77,31 @@ def jobs(study: Study) -> dict[str, ExportJob]:
 
 
 @pytest.fixture(scope="session", params=KINDS)
-def job(request: pytest.FixtureRequest, jobs: dict[str, ExportJob]) -> ExportJob:
+def job(request, jobs):
     return jobs[request.param]
 
 
 @pytest.fixture(scope="session", params=["random", "another", "skewed"])
-def exact(request: pytest.FixtureRequest, jobs: dict[str, ExportJob]) -> ExportJob:
+def exact(request, jobs):
     """A job of which files can hold everything: no drag by strips."""
     return jobs[request.param]
 
 
-EXPORTERS: dict[str, type[Any]] = {
-    plugin.name: plugin for plugin in (FossenExporter, MjcfExporter, SdfExporter, UrdfExporter, UuvExporter)
-}
+EXPORTERS = {plugin.name: plugin for plugin in (FossenExporter, MjcfExporter, SdfExporter, UrdfExporter, UuvExporter)}
 
 
 @pytest.fixture(scope="session")
-def make_exporter() -> Callable[..., Any]:
+def make_exporter():
     """Make the exporter of a format with options."""
     return lambda format, **options: EXPORTERS[format](EXPORTERS[format].Options(**options))
 
 
 @pytest.fixture(scope="session")
-def export(tmp_path_factory: pytest.TempPathFactory, make_exporter: Callable[..., Any]) -> Callable[..., Path]:
+def export(tmp_path_factory, make_exporter):
     """Export a job; return the folder. The same export is made once."""
-    done: dict[Any, tuple[ExportJob, Path]] = {}
+    done = {}
 
-    def make(format: str, job: ExportJob, **options: Any) -> Path:
+    def make(format, job, **options):
         key = (format, id(job), tuple(sorted(options.items())))
         if key not in done:
             exporter = make_exporter(format, **options)
@@ -120,17 +115,17 @@ def export(tmp_path_factory: pytest.TempPathFactory, make_exporter: Callable[...
 
 
 @pytest.fixture(scope="session")
-def system_environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+def system_environment(tmp_path_factory):
     """The environment of programs of the system, without the Python of the tests; ROS writes its logs to its own folder."""
     home = tmp_path_factory.mktemp("home")
     return {"PATH": "/usr/bin:/bin", "HOME": str(home), "ROS_HOME": str(home), "LC_ALL": "C.UTF-8"}
 
 
 @pytest.fixture(scope="session")
-def run_system(system_environment: dict[str, str]) -> Callable[..., str]:
+def run_system(system_environment):
     """Run a command of the shell in a folder, by the system's own programs; return what it prints."""
 
-    def run(command: str, folder: Path, env: dict[str, str] = system_environment) -> str:
+    def run(command, folder, env=system_environment):
         done = subprocess.run(
             ["bash", "-c", command],
             cwd=folder,

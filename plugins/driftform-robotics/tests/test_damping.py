@@ -3,7 +3,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.interfaces import ExportJob
 from driftform.motion.forces.body_drag import estimate_drag
 from driftform.motion.forces.terminal import terminal_speeds
 from driftform.testing.bodies import cylinder_body
@@ -13,14 +12,14 @@ from driftform_robotics.models.link import MIN_SPEED, make_link, quadratic_dampi
 
 
 @pytest.fixture
-def cylinder() -> Agent:
+def cylinder():
     """20 cm long, 2 cm thick, its COG 3 cm ahead of its middle."""
     body = cylinder_body(0.2, 0.01)
     mass = MassProperties(0.08, np.array([0.03, 0, 0]), 1e-4 * np.eye(3), 6.28e-5, np.zeros(3))
     return Agent(body, mass, Coefficients(0.01 * np.eye(6), drag=estimate_drag(body, Fluid().viscosity)))
 
 
-def test_it_is_the_drag_by_strips_along_each_axis_alone(cylinder: Agent) -> None:
+def test_it_is_the_drag_by_strips_along_each_axis_alone(cylinder):
     fluid, speed = Fluid(), 0.4
     D = quadratic_damping(cylinder, fluid, speed)
     for j in range(6):
@@ -30,7 +29,7 @@ def test_it_is_the_drag_by_strips_along_each_axis_alone(cylinder: Agent) -> None
         np.testing.assert_allclose(-D @ (np.abs(nu) * nu), both, rtol=1e-9, atol=1e-12)
 
 
-def test_across_it_is_the_cylinders_textbook_drag(cylinder: Agent) -> None:
+def test_across_it_is_the_cylinders_textbook_drag(cylinder):
     """1/2 rho C_d d L with White's 0.82 for 10 diameters and friction, and creeping, at its middle, 3 cm behind the COG.
 
     The resistance to creeping is that of a spheroid of 0.2 m with the surface of the cylinder, 0.0132 m2: by Thomsen's
@@ -51,7 +50,7 @@ def test_across_it_is_the_cylinders_textbook_drag(cylinder: Agent) -> None:
     assert D[4, 2] == pytest.approx(0.03 * expected, rel=1e-6)
 
 
-def test_damping_by_matrices_about_the_centre_of_gravity_stays_as_it_is(jobs: dict[str, ExportJob]) -> None:
+def test_damping_by_matrices_about_the_centre_of_gravity_stays_as_it_is(jobs):
     job = jobs["skewed"]
     agent = job.agent
     D = quadratic_damping(agent, Fluid(), 0.3)
@@ -60,7 +59,7 @@ def test_damping_by_matrices_about_the_centre_of_gravity_stays_as_it_is(jobs: di
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_it_takes_energy_however_the_agent_moves_across_and_turns(cylinder: Agent, seed: int) -> None:
+def test_it_takes_energy_however_the_agent_moves_across_and_turns(cylinder, seed):
     """The columns are added up, which the strips' drag is not: still no motion may gain by it."""
     rng = np.random.default_rng(seed)
     D = quadratic_damping(cylinder, Fluid(), 0.4)
@@ -69,7 +68,7 @@ def test_it_takes_energy_however_the_agent_moves_across_and_turns(cylinder: Agen
         assert nu @ D @ (np.abs(nu) * nu) > 0
 
 
-def test_the_speed_of_reference_is_that_of_rising_and_never_nothing(cylinder: Agent) -> None:
+def test_the_speed_of_reference_is_that_of_rising_and_never_nothing(cylinder):
     fluid = Fluid()
     net = (fluid.density * cylinder.mass.volume - cylinder.mass.mass) * fluid.gravity
     _, across = terminal_speeds(cylinder.coefficients.drag, net, True, fluid.density, fluid.viscosity)

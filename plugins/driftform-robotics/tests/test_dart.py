@@ -2,10 +2,8 @@
 
 import sys
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 from driftform.interfaces import ExportJob
 from driftform.motion.path.interpolation import interpolate_positions
-from driftform.study import Study
 from driftform.types import Coefficients
 from driftform.water import Fluid, Scenario
 from driftform.water.flow import UniformFlow
@@ -27,7 +24,7 @@ if sys.platform == "win32":
 dart = import_module("dartpy")
 
 
-def spatial(inertial: ET.Element) -> np.ndarray:
+def spatial(inertial):
     """Mass and added mass as DART has them: rotations first (``AddedMassFeatures::SetLinkAddedMass``)."""
     matrix = np.zeros((6, 6))
     for element in inertial.find("fluid_added_mass"):
@@ -39,7 +36,7 @@ def spatial(inertial: ET.Element) -> np.ndarray:
     return matrix[np.ix_(order, order)]
 
 
-def flight_by_dart(job: ExportJob, folder: Path, step: float, frame: str = "core") -> tuple[np.ndarray, np.ndarray]:
+def flight_by_dart(job, folder, step, frame="core"):
     """Times and places of the core's centre, or of the link's, with the mass, pose and added mass of the file."""
     model = ET.parse(folder / "world.sdf").getroot().find("world/model[@name='random']")
     inertial = model.find("link/inertial")
@@ -76,7 +73,7 @@ def flight_by_dart(job: ExportJob, folder: Path, step: float, frame: str = "core
 
 
 @pytest.mark.parametrize("name", ["random", "another", "dragged"])
-def test_dart_flies_as_we_do(name: str, jobs: dict[str, ExportJob], export: Callable, study: Study) -> None:
+def test_dart_flies_as_we_do(name, jobs, export, study):
     """2 s in open water at rest, from a tilted release with a speed: the paths are a millimetre apart at most.
 
     DART's steps are of first order, so that of two step sizes one follows what it would do without an error. That
@@ -101,7 +98,7 @@ def test_dart_flies_as_we_do(name: str, jobs: dict[str, ExportJob], export: Call
     assert np.linalg.norm(2 * fine - coarse - ours, axis=1).max() < 0.001
 
 
-def test_steps_of_the_gap_are_those_of_dart(jobs: dict[str, ExportJob], export: Callable) -> None:
+def test_steps_of_the_gap_are_those_of_dart(jobs, export):
     """A tumbling agent, and steps so long that their error after 1 s is centimetres: it has the same in both."""
     agent = jobs["dragged"].agent
     undamped = Coefficients(agent.coefficients.added_mass, agent.coefficients.origin)

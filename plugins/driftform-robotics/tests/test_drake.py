@@ -3,14 +3,10 @@
 import logging
 import re
 import sys
-from collections.abc import Callable
 from importlib import import_module
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-from driftform.interfaces import ExportJob
 
 if sys.platform == "win32":
     pytest.skip("Drake has no wheel for Windows", allow_module_level=True)
@@ -20,7 +16,7 @@ UNSUPPORTED = {"cast_shadows", "gravity", "light", "physics", "plugin", "scene",
 """Sound elements that Drake has no use for."""
 
 
-def parse(path: Path) -> tuple[float, np.ndarray, np.ndarray]:
+def parse(path):
     """Mass, COG and inertia about it of the agent's link, as Drake has them."""
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
     from pydrake.systems.framework import DiagramBuilder
@@ -35,9 +31,7 @@ def parse(path: Path) -> tuple[float, np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("name", ["model.sdf", "world.sdf", "drift.sdf"])
-def test_it_reads_the_mass_the_centre_and_the_inertia(
-    name: str, job: ExportJob, export: Callable, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_it_reads_the_mass_the_centre_and_the_inertia(name, job, export, caplog):
     with caplog.at_level(logging.WARNING):
         mass, cog, inertia = parse(export("sdf", job) / name)
     expected = job.agent.mass

@@ -5,7 +5,6 @@ Both are written here from the simulators' own code, in their frames and signs, 
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,7 +20,6 @@ from driftform.cli.app import app
 from driftform.interfaces import ExportJob
 from driftform.motion.forces.inertia import largest_added_mass_ratio
 from driftform.motion.path.interpolation import interpolate_positions
-from driftform.study import Study
 from driftform.types import Coefficients
 from driftform.water import Fluid, Scenario
 from driftform.water.flow import UniformFlow
@@ -35,17 +33,17 @@ BODIES = Path(__file__).parents[3] / "docs" / "bodies"
 T = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 
 
-def skew(a: np.ndarray) -> np.ndarray:
+def skew(a):
     return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
 
 
-def coriolis(M: np.ndarray, nu: np.ndarray) -> np.ndarray:
+def coriolis(M, nu):
     """Fossen 2011, eq. 6.43, as both simulators build it."""
     ab = M @ nu
     return np.block([[np.zeros((3, 3)), -skew(ab[:3])], [-skew(ab[:3]), -skew(ab[3:])]])
 
 
-def numbers(text: str | None) -> np.ndarray:
+def numbers(text):
     return np.array((text or "").split(), dtype=float)
 
 
@@ -55,7 +53,7 @@ class UuvSimulator:
     The simulator uses the smoothed acceleration of the previous step; this is the limit if it converges.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder):
         robot = ET.parse(folder / "urdf/agent.xacro").getroot()
         inertial = robot.find("link/inertial")
         assert numbers(inertial.find("origin").get("xyz")).tolist() == [0, 0, 0]
@@ -83,7 +81,7 @@ class UuvSimulator:
             [np.cos(horizontal) * np.cos(vertical), np.sin(horizontal) * np.cos(vertical), np.sin(vertical)]
         )
 
-    def buoyancy(self, z: float) -> float:
+    def buoyancy(self, z):
         volume = 0.0
         if z + self.height / 2 > 0 and z < 0:
             volume = self.volume * (abs(z) + self.height / 2) / self.height
@@ -91,7 +89,7 @@ class UuvSimulator:
             volume = self.volume
         return volume * self.density * self.g
 
-    def accelerations(self, R: np.ndarray, v: np.ndarray, w: np.ndarray, z: float) -> np.ndarray:
+    def accelerations(self, R, v, w, z):
         relative = R.T @ v - R.T @ self.current
         velRel = T @ np.concatenate((relative, w))
         D = -self.DLin - self.DNonLin * np.abs(velRel)
@@ -114,7 +112,7 @@ class GzSim:
 
     corrects = True
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path):
         folder = path.parent
         world = ET.parse(path).getroot().find("world")
         self.g = -numbers(world.findtext("gravity"))[2]
@@ -152,10 +150,10 @@ class GzSim:
             moment += volume * numbers(collision.findtext("pose"))[:3]
         self.cob = moment / self.volume
 
-    def damping(self, state: np.ndarray) -> np.ndarray:
+    def damping(self, state):
         return (self.linear + self.absolute @ np.abs(state) + self.signed @ state) @ state
 
-    def accelerations(self, R: np.ndarray, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+    def accelerations(self, R, v, w):
         absolute = np.concatenate((R.T @ v, w))
         state = np.concatenate((R.T @ (v - self.current), w))
         wrench = self.damping(state)
@@ -175,7 +173,7 @@ class GzSim:
         return rate + np.concatenate((np.cross(w, absolute[:3]), np.zeros(3)))
 
 
-def unsigned_volume(path: Path) -> float:
+def unsigned_volume(path):
     """``SubMesh::Volume`` of gz-common as it was released up to 2026: tetrahedra without their sign."""
     lines = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
     points = np.array([line[1:] for line in lines if line[0] == "v"], dtype=float)
@@ -184,13 +182,13 @@ def unsigned_volume(path: Path) -> float:
     return float(np.abs(np.einsum("ij,ij->i", np.cross(a, b), c)).sum() / 6)
 
 
-def largest_deviation(found: list[np.ndarray], expected: list[np.ndarray]) -> float:
+def largest_deviation(found, expected):
     """Over forces and over moments apart, relative to the largest acceleration of each."""
     a, b = np.array(found), np.array(expected)
     return max(np.abs(a[:, part] - b[:, part]).max() / np.abs(b[:, part]).max() for part in (slice(3), slice(3, 6)))
 
 
-def test_the_uuv_simulators_law_gives_our_accelerations(exact: ExportJob, export: Callable) -> None:
+def test_the_uuv_simulators_law_gives_our_accelerations(exact, export):
     simulator = UuvSimulator(export("uuv", exact))
     states = random_states(50)
     found = [simulator.accelerations(s.R, s.velocity, s.omega, -20.0) for s in states]
@@ -198,9 +196,7 @@ def test_the_uuv_simulators_law_gives_our_accelerations(exact: ExportJob, export
 
 
 @pytest.mark.parametrize("name", ["random", "another"])
-def test_gazebos_law_gives_our_accelerations_in_water_at_rest(
-    name: str, jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_gazebos_law_gives_our_accelerations_in_water_at_rest(name, jobs, export):
     calm = still(jobs[name])
     simulator = GzSim(export("sdf", calm) / "world.sdf")
     states = random_states(50)
@@ -209,9 +205,7 @@ def test_gazebos_law_gives_our_accelerations_in_water_at_rest(
     assert largest_deviation(found, [our_accelerations(calm, s) for s in states]) < 1e-6
 
 
-def test_in_a_current_gazebo_lacks_the_inertia_of_water_that_turns_past_the_body(
-    jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_in_a_current_gazebo_lacks_the_inertia_of_water_that_turns_past_the_body(jobs, export):
     """What docs/robotics.md says of gz-sim: -M_A (w x u) is missing, and nothing else."""
     job = jobs["random"]
     simulator = GzSim(export("sdf", job) / "world.sdf")
@@ -228,13 +222,11 @@ def test_in_a_current_gazebo_lacks_the_inertia_of_water_that_turns_past_the_body
     assert largest_deviation(without, expected) > 1e-3
 
 
-def flight_by_gazebo(
-    simulator: GzSim, cog: np.ndarray, velocity: np.ndarray, times: np.ndarray, attitude: Rotation | None = None
-) -> np.ndarray:
+def flight_by_gazebo(simulator, cog, velocity, times, attitude=None):
     """Places of the core's centre, released (level) at the origin, by Gazebo's law integrated exactly, (k, 3)."""
     attitude = attitude or Rotation.identity()
 
-    def rate(_: float, y: np.ndarray) -> np.ndarray:
+    def rate(_, y):
         turn, w = Rotation.from_quat(y[3:7]), y[10:]
         R = turn.as_matrix()
         found = simulator.accelerations(R, y[7:10], w)
@@ -248,11 +240,11 @@ def flight_by_gazebo(
 
 
 @pytest.mark.slow
-def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path) -> None:
+def test_how_far_gazebo_is_off_in_a_current(study, tmp_path):
     """The numbers of docs/robotics.md: nearly neutral random agents in 1 m/s."""
     pipeline, times = study.make_pipeline(), np.array([1.0, 3.0])
     current = np.array([1.0, 0.0, 0.0])
-    offs: dict[str, list[np.ndarray]] = {"corrected": [], "uncorrected": [], "drift": []}
+    offs = {"corrected": [], "uncorrected": [], "drift": []}
     for seed in range(12):
         agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(seed)))
         density = 1.004 * agent.mass.mass / agent.mass.volume
@@ -280,9 +272,7 @@ def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("name", ["random", "another"])
-def test_seen_from_the_water_gazebo_is_exact_in_a_current_too(
-    name: str, jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_seen_from_the_water_gazebo_is_exact_in_a_current_too(name, jobs, export):
     job = jobs[name]
     current = job.scenario.current()
     assert current.any()
@@ -300,7 +290,7 @@ def test_seen_from_the_water_gazebo_is_exact_in_a_current_too(
     assert not (folder / "push_drift.sh").exists()
 
 
-def test_the_whole_pipe_is_below_the_uuv_simulators_surface(jobs: dict[str, ExportJob], export: Callable) -> None:
+def test_the_whole_pipe_is_below_the_uuv_simulators_surface(jobs, export):
     folder = export("uuv", jobs["random"])
     world = ET.parse(folder / "worlds/pipe.world").getroot().find("world")
     planks = [numbers(e.findtext("pose")) for e in world.findall("model[@name='pipe']/link/collision")]
@@ -314,15 +304,13 @@ def test_the_whole_pipe_is_below_the_uuv_simulators_surface(jobs: dict[str, Expo
     assert place["-x"] == pytest.approx(cog[0])
 
 
-def test_a_pipe_that_rises_above_the_water_is_a_warning(jobs: dict[str, ExportJob], export: Callable) -> None:
+def test_a_pipe_that_rises_above_the_water_is_a_warning(jobs, export):
     folder = export("uuv", jobs["random"], depth=0.5)
     assert "rises 0.5 m above the water" in (folder / "urdf/agent.xacro").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("share", [0.97, 1.03])
-def test_a_warning_appears_if_and_only_if_lagged_added_mass_diverges(
-    share: float, jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_a_warning_appears_if_and_only_if_lagged_added_mass_diverges(share, jobs, export):
     """The simulator's own filter, with the exported matrices: it diverges if and only if the export warns."""
     job = jobs["random"]
     agent = job.agent
@@ -344,7 +332,7 @@ def test_a_warning_appears_if_and_only_if_lagged_added_mass_diverges(
     assert ("UNSTABLE" in (folder / "urdf/agent.xacro").read_text(encoding="utf-8")) == diverges
 
 
-def gap_in(path: Path) -> tuple[dict[float, float], float]:
+def gap_in(path):
     """Distances (m) by times (s), and the step (s), of the sentence in a file."""
     text = path.read_text(encoding="utf-8")
     sentence = re.search(r"The path by .*? steps of \S+ s\.", text).group(0)
@@ -354,9 +342,7 @@ def gap_in(path: Path) -> tuple[dict[float, float], float]:
 
 
 @pytest.mark.parametrize(("name", "world"), [("dragged", "drift.sdf"), ("another", "world.sdf")])
-def test_the_gap_in_the_file_is_that_of_gazebos_law_from_our_flight(
-    name: str, world: str, jobs: dict[str, ExportJob], export: Callable, study: Study
-) -> None:
+def test_the_gap_in_the_file_is_that_of_gazebos_law_from_our_flight(name, world, jobs, export, study):
     """The law read from the file and integrated exactly; the gap has two digits, and a small error of the step."""
     job = jobs[name]
     current, folder = job.scenario.current(), export("sdf", job)
@@ -374,7 +360,7 @@ def test_the_gap_in_the_file_is_that_of_gazebos_law_from_our_flight(
     np.testing.assert_allclose([gap[t] for t in times], apart, rtol=0.12, atol=0.01)
 
 
-def steps_by_fortress(law: GzSim, R: np.ndarray, velocity: np.ndarray, step: float) -> np.ndarray:
+def steps_by_fortress(law, R, velocity, step):
     """Displacement in water at rest after 1, 3 and 5 s by gz-sim 6.18: ``PreUpdate`` and ``buildCoriolisMatrix``."""
     state, x, path = np.concatenate((R.T @ velocity, np.zeros(3))), np.zeros(3), []
     own = np.block([[law.m * np.eye(3), np.zeros((3, 3))], [np.zeros((3, 3)), law.I]])
@@ -399,7 +385,7 @@ def steps_by_fortress(law: GzSim, R: np.ndarray, velocity: np.ndarray, step: flo
 
 
 @pytest.fixture(scope="module")
-def remus(tmp_path_factory: pytest.TempPathFactory) -> ExportJob:
+def remus(tmp_path_factory):
     """The hull of docs/robotics.md, which drifts in the sea."""
     folder = tmp_path_factory.mktemp("remus")
     words = ["--mass", "30.48", "--cog", "0.611", "--inertia", "0.177", "3.45"]
@@ -414,7 +400,7 @@ def remus(tmp_path_factory: pytest.TempPathFactory) -> ExportJob:
     return open_agent(folder / "remus.json").export_job()
 
 
-def test_the_law_of_fortress_flies_remus_as_a_real_server_did(remus: ExportJob, export: Callable) -> None:
+def test_the_law_of_fortress_flies_remus_as_a_real_server_did(remus, export):
     """Gazebo Fortress 6.18 with the file of driftform 0.2.0 ended .375 m from driftform's path after 3 s, 2.217 after 5."""
     link, law = make_link(remus), GzSim(export("sdf", remus, gazebo="fortress") / "drift.sdf")
     law.m, law.I, law.volume, law.cob = link.mass, link.inertia, link.volume, link.buoyancy
@@ -426,9 +412,7 @@ def test_the_law_of_fortress_flies_remus_as_a_real_server_did(remus: ExportJob, 
 
 
 @pytest.mark.parametrize("name", ["remus", "dragged"])
-def test_the_gap_of_fortress_is_that_of_its_law_and_small(
-    name: str, remus: ExportJob, jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_the_gap_of_fortress_is_that_of_its_law_and_small(name, remus, jobs, export):
     """What lags is stable for bodies that have more added than own mass."""
     job = {"remus": remus, **jobs}[name]
     link, file = make_link(job), export("sdf", job, gazebo="fortress") / "drift.sdf"
@@ -441,9 +425,7 @@ def test_the_gap_of_fortress_is_that_of_its_law_and_small(
 
 @pytest.mark.parametrize("pitch", [20.0, -20.0])
 @pytest.mark.parametrize("name", ["remus", "dragged"])
-def test_from_other_releases_the_same_file_flies_nearly_as_well_in_fortress(
-    name: str, pitch: float, remus: ExportJob, jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_from_other_releases_the_same_file_flies_nearly_as_well_in_fortress(name, pitch, remus, jobs, export):
     """The fit has seen one release."""
     job = {"remus": remus, **jobs}[name]
     file = export("sdf", job, gazebo="fortress") / "drift.sdf"
@@ -456,7 +438,7 @@ def test_from_other_releases_the_same_file_flies_nearly_as_well_in_fortress(
     assert apart.max() < 0.1
 
 
-def steps_by_the_uuv_simulator(simulator: UuvSimulator, R: np.ndarray, velocity: np.ndarray, step: float) -> np.ndarray:
+def steps_by_the_uuv_simulator(simulator, R, velocity, step):
     """Displacement relative to the water after each step of 1 s, with the filtered acceleration of the step before."""
     nu, x, filtered, path = np.concatenate((R.T @ velocity, np.zeros(3))), np.zeros(3), np.zeros(6), []
     own = np.diag([simulator.m] * 3 + [0.0] * 3)
@@ -479,9 +461,7 @@ def steps_by_the_uuv_simulator(simulator: UuvSimulator, R: np.ndarray, velocity:
 
 
 @pytest.mark.parametrize("name", ["dragged", "another"])
-def test_the_gap_of_the_uuv_simulator_has_the_lag_of_its_added_mass(
-    name: str, jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_the_gap_of_the_uuv_simulator_has_the_lag_of_its_added_mass(name, jobs, export):
     job, step = jobs[name], 0.002
     link, folder = make_link(job), export("uuv", job, step=0.002)
     simulator = UuvSimulator(folder)
@@ -496,9 +476,7 @@ def test_the_gap_of_the_uuv_simulator_has_the_lag_of_its_added_mass(
     assert stated == step and gap[1.0] == pytest.approx(np.linalg.norm(path[-1] - ours), rel=0.06)
 
 
-def test_the_angles_of_a_current_are_those_by_which_the_simulator_turns_it(
-    jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_the_angles_of_a_current_are_those_by_which_the_simulator_turns_it(jobs, export):
     current = (0.3, -0.4, 0.2)
     flow = UniformFlow(speed=0.0, added=current)
     job = replace(jobs["skewed"], scenario=jobs["skewed"].scenario.model_copy(update={"flow": flow}))

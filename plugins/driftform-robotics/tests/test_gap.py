@@ -2,16 +2,11 @@
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from driftform.interfaces import ExportJob
-from driftform.study import Study
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water.scenario import FlightLimits
 from driftform_robotics.models.gap import STEPS, fly_own, fly_reader, measure_gap, read_link
@@ -21,9 +16,7 @@ SENTENCE = re.compile(r"The path by [^<\n]*?, with steps of (\S+) s\.")
 
 
 @pytest.mark.parametrize("name", ["dragged", "another"])
-def test_our_path_is_that_of_a_flight_in_open_water_with_the_current(
-    name: str, jobs: dict[str, ExportJob], study: Study
-) -> None:
+def test_our_path_is_that_of_a_flight_in_open_water_with_the_current(name, jobs, study):
     job = jobs[name]
     in_open = {"pipe": type(job.scenario.pipe)(), "flight": FlightLimits(horizon=2.0)}
     flight = study.make_pipeline().simulator.simulate(job.agent, job.scenario.model_copy(update=in_open))
@@ -37,7 +30,7 @@ def test_our_path_is_that_of_a_flight_in_open_water_with_the_current(
     np.testing.assert_allclose(path[-1], last - first - 2.0 * job.scenario.current(), atol=1e-3)
 
 
-def test_a_program_with_our_equations_and_short_steps_has_our_path(jobs: dict[str, ExportJob]) -> None:
+def test_a_program_with_our_equations_and_short_steps_has_our_path(jobs):
     """Nothing is replaced in the damping of this agent; the error of the step is of first order."""
     job = jobs["skewed"]
     link = make_link(job)
@@ -48,7 +41,7 @@ def test_a_program_with_our_equations_and_short_steps_has_our_path(jobs: dict[st
     assert np.linalg.norm(ours[-1]) > 0.2
 
 
-def test_the_step_is_the_longest_whose_error_is_small_beside_the_gap(jobs: dict[str, ExportJob]) -> None:
+def test_the_step_is_the_longest_whose_error_is_small_beside_the_gap(jobs):
     found = {}
     for name, job in jobs.items():
         link = make_link(job)
@@ -62,7 +55,7 @@ def test_the_step_is_the_longest_whose_error_is_small_beside_the_gap(jobs: dict[
     assert found["dragged"] > found["random"]
 
 
-def test_a_lag_that_diverges_with_every_step_is_described_and_costs_no_short_steps(jobs: dict[str, ExportJob]) -> None:
+def test_a_lag_that_diverges_with_every_step_is_described_and_costs_no_short_steps(jobs):
     job = jobs["random"]
     link = make_link(job)
     assert link.added_mass_ratio > 1
@@ -76,9 +69,7 @@ HEADERS = {"sdf": ("world.sdf", "drift.sdf", "model.sdf"), "uuv": ("urdf/agent.x
 @pytest.mark.parametrize(
     ("format", "options"), [("sdf", {}), ("sdf", {"gazebo": "fortress"}), ("uuv", {}), ("mjcf", {})]
 )
-def test_the_gap_is_in_the_header_and_in_the_readme(
-    format: str, options: dict[str, Any], jobs: dict[str, ExportJob], export: Callable[..., Path]
-) -> None:
+def test_the_gap_is_in_the_header_and_in_the_readme(format, options, jobs, export):
     for job in jobs.values():
         folder = export(format, job, **options)
         sentences = set()
@@ -94,10 +85,8 @@ def test_the_gap_is_in_the_header_and_in_the_readme(
             assert all(sentence in readme for sentence in sentences)
 
 
-def test_the_step_of_a_world_is_that_of_its_sentence_and_can_be_given(
-    job: ExportJob, export: Callable[..., Path]
-) -> None:
-    def step_of(folder: Path, world: str) -> float:
+def test_the_step_of_a_world_is_that_of_its_sentence_and_can_be_given(job, export):
+    def step_of(folder, world):
         return float(ET.parse(folder / world).getroot().findtext("world/physics/max_step_size"))
 
     for format, world, header in (
@@ -108,5 +97,4 @@ def test_the_step_of_a_world_is_that_of_its_sentence_and_can_be_given(
         for options, allowed in (({}, STEPS), ({"step": 0.004}, (0.004,))):
             folder = export(format, job, **options)
             stated = SENTENCE.search((folder / header).read_text(encoding="utf-8"))
-            assert stated is not None
             assert step_of(folder, world) == float(stated.group(1)) and step_of(folder, world) in allowed

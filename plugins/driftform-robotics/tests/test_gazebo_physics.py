@@ -2,7 +2,6 @@
 
 import subprocess
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 from robots import inertia_of, model_of
 
-from driftform.interfaces import ExportJob
 from driftform.water.scenario import Contact
 
 SOURCE = Path(__file__).parent / "programs" / "fall.cc"
@@ -25,14 +23,12 @@ ENGINE = "ignition-physics5-dartsim-plugin"
 
 
 @pytest.fixture(scope="session")
-def fall(
-    requires_program: Callable[[str], str], tmp_path_factory: pytest.TempPathFactory
-) -> Callable[..., dict[str, np.ndarray]]:
+def fall(requires_program, tmp_path_factory):
     """Load a file and let it fall for 1 s; return what the program prints, by the first word of each line."""
     package, compiler = requires_program("pkg-config"), requires_program("g++")
     program = tmp_path_factory.mktemp("fall") / "fall"
 
-    def ask(*options: str) -> list[str]:
+    def ask(*options):
         done = subprocess.run([package, *options], capture_output=True, encoding="utf-8", check=False)
         if done.returncode:
             pytest.skip(f"{ENGINE} is not installed: {done.stderr.strip()}")
@@ -45,7 +41,7 @@ def fall(
     )
     assert built.returncode == 0, built.stderr
 
-    def run(path: Path, model: str, steps: int) -> dict[str, np.ndarray]:
+    def run(path, model, steps):
         done = subprocess.run(
             [program, path, model, str(steps)],
             capture_output=True,
@@ -58,7 +54,7 @@ def fall(
         # Of several programs at once only one can have the port of the profiler.
         errors = [line for line in done.stderr.splitlines() if "[Err]" in line and "Remotery" not in line]
         assert not errors
-        rows: dict[str, list[list[float]]] = {}
+        rows = {}
         for line in done.stdout.splitlines():
             name, *values = line.split()
             rows.setdefault(name, []).append([float(value) for value in values])
@@ -67,7 +63,7 @@ def fall(
     return run
 
 
-def copy_for_fortress(folder: Path, target: Path) -> list[Path]:
+def copy_for_fortress(folder, target):
     """Copy the SDF files; the library here reads SDF 1.9 at most, which lacks added mass and no other tag of ours."""
     copies = []
     (target / "meshes").symlink_to(folder / "meshes")
@@ -86,9 +82,7 @@ def copy_for_fortress(folder: Path, target: Path) -> list[Path]:
     ("kind", "gazebo"),
     [("random", "harmonic"), ("another", "fortress"), ("dragged", "fortress"), ("skewed", "harmonic")],
 )
-def test_dart_steps_every_file_and_finds_mass_inertia_and_free_fall(
-    kind: str, gazebo: str, jobs: dict[str, ExportJob], export: Callable[..., Path], fall: Callable, tmp_path: Path
-) -> None:
+def test_dart_steps_every_file_and_finds_mass_inertia_and_free_fall(kind, gazebo, jobs, export, fall, tmp_path):
     # With friction DART solves three equations for each of the many contacts of an impact in air: a step takes minutes.
     scenario = jobs[kind].scenario.model_copy(update={"contact": Contact(friction=0.0)})
     job = replace(jobs[kind], scenario=scenario)

@@ -1,6 +1,3 @@
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 import trimesh
@@ -8,8 +5,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.agent import solid_of_revolution
-from driftform.interfaces import ExportJob
-from driftform_frusta.triangles import Mesh
 from driftform_robotics.models.meshes import convex_pieces
 from driftform_robotics.models.pipe import PLANKS, make_bore
 from driftform_robotics.models.text import roll_pitch_yaw
@@ -19,18 +14,18 @@ profiles = st.lists(st.tuples(st.floats(0.0, 0.02), st.floats(0.002, 0.05)), min
 )
 
 
-def contour_of(steps: list[tuple[float, float]]) -> np.ndarray:
+def contour_of(steps):
     x = np.concatenate(([0.0], np.cumsum([step for step, _ in steps[1:]])))
     r = [radius for _, radius in steps]
     return np.array([(x[0], 0.0), *zip(x, r, strict=True), (x[-1], 0.0)])
 
 
-def as_trimesh(mesh: Mesh) -> trimesh.Trimesh:
+def as_trimesh(mesh):
     return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
 
 
 @given(profiles)
-def test_pieces_are_convex_closed_and_together_the_hull(steps: list[tuple[float, float]]) -> None:
+def test_pieces_are_convex_closed_and_together_the_hull(steps):
     contour = contour_of(steps)
     expected = solid_of_revolution(contour)
     pieces = convex_pieces(contour, segments=12)
@@ -45,7 +40,7 @@ def test_pieces_are_convex_closed_and_together_the_hull(steps: list[tuple[float,
     assert sum(p.volume * p.x for p in pieces) == pytest.approx(expected.first, abs=1e-7 * expected.volume)
 
 
-def test_a_body_that_is_convex_or_folds_back_stays_in_one_piece() -> None:
+def test_a_body_that_is_convex_or_folds_back_stays_in_one_piece():
     angle = np.linspace(np.pi, 0, 40)
     convex = np.column_stack((0.05 * np.cos(angle), 0.02 * np.sin(angle)))
     convex[[0, -1], 1] = 0
@@ -55,7 +50,7 @@ def test_a_body_that_is_convex_or_folds_back_stays_in_one_piece() -> None:
         assert piece.volume == pytest.approx(solid_of_revolution(contour).volume)
 
 
-def test_the_exported_hull_is_the_body_that_flies(job: ExportJob, export: Callable) -> None:
+def test_the_exported_hull_is_the_body_that_flies(job, export):
     mass = job.agent.mass
     moments = solid_of_revolution(job.agent.body.outer)
     for format in ("sdf", "uuv", "urdf", "mjcf"):
@@ -66,7 +61,7 @@ def test_the_exported_hull_is_the_body_that_flies(job: ExportJob, export: Callab
 
 
 @pytest.mark.parametrize("end", [(9.0, 0.0, 0.0), (0.0, 0.0, 2.0), (1.0, -2.0, 0.5)])
-def test_planks_are_the_wall_of_the_bore(end: tuple[float, float, float]) -> None:
+def test_planks_are_the_wall_of_the_bore(end):
     """Their inner faces lie on the bore to within 0.1 % of its radius, next to one another, wherever it points."""
     start = (0.3, 0.1, -0.2)
     bore = make_bore(np.array(start), np.add(start, end), 0.5)
@@ -89,22 +84,22 @@ def test_planks_are_the_wall_of_the_bore(end: tuple[float, float, float]) -> Non
 
 
 @given(st.floats(-3.1, 3.1), st.floats(-np.pi / 2, np.pi / 2), st.floats(-3.1, 3.1))
-def test_angles_make_the_rotation_that_they_came_from(roll: float, pitch: float, yaw: float) -> None:
-    def about(axis: int, angle: float) -> np.ndarray:
+def test_angles_make_the_rotation_that_they_came_from(roll, pitch, yaw):
+    def about(axis, angle):
         c, s = np.cos(angle), np.sin(angle)
         i, j = (axis + 1) % 3, (axis + 2) % 3
         R = np.eye(3)
         R[i, i], R[i, j], R[j, i], R[j, j] = c, -s, s, c
         return R
 
-    def matrix(r: float, p: float, y: float) -> np.ndarray:
+    def matrix(r, p, y):
         return about(2, y) @ about(1, p) @ about(0, r)
 
     R = matrix(roll, pitch, yaw)
     np.testing.assert_allclose(matrix(*roll_pitch_yaw(R)), R, atol=1e-7)
 
 
-def test_every_mesh_of_every_format_has_one_normal_for_each_vertex(job: ExportJob, export: Callable[..., Path]) -> None:
+def test_every_mesh_of_every_format_has_one_normal_for_each_vertex(job, export):
     """DART crashes on a mesh without them."""
     for format in ("sdf", "uuv", "urdf", "mjcf"):
         paths = list(export(format, job).glob("meshes/*.obj"))

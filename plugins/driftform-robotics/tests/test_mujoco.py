@@ -1,28 +1,24 @@
 """MuJoCo itself: what it makes of the files, and the forces that it computes from them."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 from robots import random_states
 
-from driftform.interfaces import ExportJob
 from driftform.motion.forces.inertia import added_mass_at
 from driftform.util.rotations import matrix_from_quaternion
 from driftform_robotics.models.ellipsoid import added_mass_factors, fit_spheroid
 
 
-def inertia_of_body(model: Any, body: int) -> np.ndarray:
+def inertia_of_body(model, body):
     """About its COG, in the body's axes: MuJoCo keeps it along principal ones."""
     axes = matrix_from_quaternion(model.body_iquat[body])
     return np.asarray(axes @ np.diag(model.body_inertia[body]) @ axes.T)
 
 
-def load(path: Path) -> tuple[Any, Any]:
+def load(path):
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     if model.nkey:
@@ -31,7 +27,7 @@ def load(path: Path) -> tuple[Any, Any]:
     return model, data
 
 
-def fluid_forces(path: Path, state: Any) -> np.ndarray:
+def fluid_forces(path, state):
     """Force and torque about the COG, body axes, that MuJoCo's fluid puts on the agent."""
     model, data = load(path)
     data.qpos[3:7] = quaternion(state.R)
@@ -42,14 +38,14 @@ def fluid_forces(path: Path, state: Any) -> np.ndarray:
     return np.concatenate((state.R.T @ force[:3], force[3:]))
 
 
-def quaternion(R: np.ndarray) -> np.ndarray:
+def quaternion(R):
     found = np.zeros(4)
     mujoco.mju_mat2Quat(found, R.ravel())
     return found
 
 
 @pytest.mark.parametrize("name", ["agent.xml", "scene.xml"])
-def test_it_reads_the_mass_the_centre_and_the_inertia(name: str, job: ExportJob, export: Callable) -> None:
+def test_it_reads_the_mass_the_centre_and_the_inertia(name, job, export):
     """Nine tenths of the least added mass, and the added inertia about transverse axes, are in them."""
     model, _ = load(export("mjcf", job) / name)
     own, added = job.agent.mass, np.diag(added_mass_at(job.agent.coefficients, job.agent.mass.cog))
@@ -60,7 +56,7 @@ def test_it_reads_the_mass_the_centre_and_the_inertia(name: str, job: ExportJob,
     assert model.body_mass[2] < 1e-8 * own.mass
 
 
-def test_it_reads_the_urdf_as_a_body_that_floats(job: ExportJob, export: Callable) -> None:
+def test_it_reads_the_urdf_as_a_body_that_floats(job, export):
     model, _ = load(export("urdf", job) / "agent.urdf")
     expected = job.agent.mass
     assert model.nv == 6
@@ -71,12 +67,12 @@ def test_it_reads_the_urdf_as_a_body_that_floats(job: ExportJob, export: Callabl
     )
 
 
-def test_without_a_floating_joint_it_welds_the_urdf_to_the_world(jobs: dict[str, ExportJob], export: Callable) -> None:
+def test_without_a_floating_joint_it_welds_the_urdf_to_the_world(jobs, export):
     model, _ = load(export("urdf", jobs["random"], floating=False) / "agent.urdf")
     assert model.nv == 0
 
 
-def test_the_agent_is_released_where_and_as_fast_as_in_the_scenario(job: ExportJob, export: Callable) -> None:
+def test_the_agent_is_released_where_and_as_fast_as_in_the_scenario(job, export):
     model, data = load(export("mjcf", job) / "agent.xml")
     release = job.scenario.release
     core = data.site("core").xpos
@@ -86,7 +82,7 @@ def test_the_agent_is_released_where_and_as_fast_as_in_the_scenario(job: ExportJ
     np.testing.assert_allclose(model.opt.wind, job.scenario.current(), atol=1e-12)
 
 
-def test_weight_and_buoyancy_act_where_they_do(job: ExportJob, export: Callable) -> None:
+def test_weight_and_buoyancy_act_where_they_do(job, export):
     """The moment of buoyancy rights the agent, which compensated gravity at the COG alone would not."""
     model, data = load(export("mjcf", job) / "agent.xml")
     mass, fluid = job.agent.mass, job.scenario.fluid
@@ -99,9 +95,7 @@ def test_weight_and_buoyancy_act_where_they_do(job: ExportJob, export: Callable)
 
 
 @pytest.mark.parametrize("name", ["random", "another"])
-def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(
-    name: str, jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(name, jobs, export):
     """Munk's moment and what goes with it: -C_A(nu_r) nu_r with the matrix that the ellipsoid was fitted to.
 
     MuJoCo's integrals are a quadrature, which is 1 % off.
@@ -124,7 +118,7 @@ def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(
         np.testing.assert_allclose(found[:3], 0, atol=1e-9)
 
 
-def test_added_mass_has_the_inertia_that_is_in_the_mass(jobs: dict[str, ExportJob], export: Callable) -> None:
+def test_added_mass_has_the_inertia_that_is_in_the_mass(jobs, export):
     """The comment in the file says what MuJoCo ignores."""
     job = jobs["another"]
     model, data = load(export("mjcf", job) / "agent.xml")
@@ -134,7 +128,7 @@ def test_added_mass_has_the_inertia_that_is_in_the_mass(jobs: dict[str, ExportJo
     assert "ignores the inertia of added mass" in (export("mjcf", job) / "agent.xml").read_text(encoding="utf-8")
 
 
-def test_the_agent_stays_in_the_pipe(jobs: dict[str, ExportJob], export: Callable) -> None:
+def test_the_agent_stays_in_the_pipe(jobs, export):
     """Three seconds of a buoyant agent: it rises to the wall, and the planks hold it."""
     job = jobs["another"]
     model, data = load(export("mjcf", job, step=0.002) / "scene.xml")
@@ -148,7 +142,7 @@ def test_the_agent_stays_in_the_pipe(jobs: dict[str, ExportJob], export: Callabl
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.3, 1.0, 3.0, 50.0])
-def test_the_fit_gives_back_any_spheroid_flat_ones_too(ratio: float) -> None:
+def test_the_fit_gives_back_any_spheroid_flat_ones_too(ratio):
     k1, k2, _ = added_mass_factors(ratio)
     displaced = 1024 * 4 / 3 * np.pi * 0.06**3 * ratio**2
     assert fit_spheroid(k1 * displaced, k2 * displaced, 1024.0) == pytest.approx((0.06, 0.06 * ratio), rel=1e-6)

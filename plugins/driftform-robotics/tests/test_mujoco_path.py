@@ -1,7 +1,6 @@
 """What an export says of an agent's path in MuJoCo, against MuJoCo itself."""
 
 import re
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -14,7 +13,7 @@ from driftform_robotics.models.link import make_link
 from driftform_robotics.models.mjcf import MjcfExporter
 
 
-def test_the_gap_of_ten_agents_is_the_one_that_mujoco_flies(tmp_path: Path) -> None:
+def test_the_gap_of_ten_agents_is_the_one_that_mujoco_flies(tmp_path):
     study = load_study("pipe-inspection", run={"seed": 0})
     pipeline, rng = study.make_pipeline(), np.random.default_rng(3)
     for seed in range(10):

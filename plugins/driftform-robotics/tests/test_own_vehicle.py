@@ -17,7 +17,7 @@ from driftform.cli.app import app
 DOCS = Path(__file__).parents[3] / "docs"
 
 
-def test_the_profile_of_the_docs_is_the_hull_of_remus() -> None:
+def test_the_profile_of_the_docs_is_the_hull_of_remus():
     with (DOCS / "bodies" / "remus-100.csv").open(encoding="utf-8") as file:
         rows = [(float(row["x_mm"]), float(row["r_mm"])) for row in csv.DictReader(file)]
     x, r = np.array(rows).T / 1e3
@@ -26,7 +26,7 @@ def test_the_profile_of_the_docs_is_the_hull_of_remus() -> None:
     assert x[0] == 0 and x[-1] == pytest.approx(0.191 + 0.654 + 0.541 - 0.0165 - 0.0368)
 
 
-def test_the_commands_of_the_page_make_a_model_of_remus(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_commands_of_the_page_make_a_model_of_remus(tmp_path, monkeypatch):
     page = (DOCS / "robotics.md").read_text(encoding="utf-8")
     commands = re.findall(r"^\$ driftform (.*remus.*)$", page, re.MULTILINE)
     assert [command.split()[0] for command in commands] == ["body", "inspect", "export"]
@@ -41,11 +41,10 @@ def test_the_commands_of_the_page_make_a_model_of_remus(tmp_path: Path, monkeypa
     block = ET.fromstring(printed[1])
     world = ET.parse(tmp_path / "models" / "remus-sdf" / "world.sdf").getroot()
     model = world.find(".//model[@name='remus']")
-    assert model is not None
     for tag in ("xx", "yy", "zz", "qq", "yr"):
         assert block.findtext(f".//fluid_added_mass/{tag}") == model.findtext(f".//fluid_added_mass/{tag}")
 
-    def read(tag: str) -> float:
+    def read(tag):
         return float(block.findtext(f"link/inertial/{tag}", ""))
 
     assert read("mass") == 30.48 and read("inertia/ixx") == 0.177 and read("inertia/iyy") == 3.45

@@ -21,7 +21,7 @@ SCENARIO = Scenario(pipe=PIPE, targets={"leak": (0.5, 0.5, 0.0)})
 RATE = 0.002
 
 
-def crossing(x: float, radius: float) -> tuple[np.ndarray, np.ndarray]:
+def crossing(x, radius):
     """Points of half a cross-section of a pipe along x, and the area that each represents in the whole.
 
     Gauss's rule, with its nodes crowded towards the wall and towards the side of the leak, as the plume is.
@@ -37,14 +37,14 @@ def crossing(x: float, radius: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("distance", [0.01, 0.05, 0.2, 0.4, 0.55, 0.7, 2.0, 8.0, 19.0])
-def test_what_flows_through_every_cross_section_is_what_leaks(distance: float) -> None:
+def test_what_flows_through_every_cross_section_is_what_leaks(distance):
     plume = make_plume(SCENARIO, (0.5, 0.5, 0.0), RATE)
     points, area = crossing(0.5 + distance, 0.5)
     flux = plume.speed * (plume.concentration(points) * area).sum()
     assert flux == pytest.approx(RATE, rel=2e-3)
 
 
-def test_nothing_goes_through_the_wall() -> None:
+def test_nothing_goes_through_the_wall():
     """The slope of the concentration vanishes at the wall, relative to the slope farther inside."""
     for tau in (0.0005, 0.002, 0.004, 0.02, 0.1):
         for phi in (0.0, np.sqrt(2 * tau), 2 * np.sqrt(2 * tau)):
@@ -56,7 +56,7 @@ def test_nothing_goes_through_the_wall() -> None:
 
 
 @pytest.mark.parametrize("tau", [0.002, MAX_NEAR_TAU])
-def test_near_the_leak_the_closed_form_and_the_series_are_the_same(tau: float) -> None:
+def test_near_the_leak_the_closed_form_and_the_series_are_the_same(tau):
     deviation = np.sqrt(2 * tau)
     down, along = (grid.ravel() for grid in np.meshgrid(np.arange(0, 2.5, 0.25), np.arange(0, 2.5, 0.25)))
     t, r, phi = np.full(down.shape, tau), 1 - down * deviation, along * deviation
@@ -64,7 +64,7 @@ def test_near_the_leak_the_closed_form_and_the_series_are_the_same(tau: float) -
     assert relative_concentration_near(t, r, phi) == pytest.approx(series, abs=2e-3 * series.max())
 
 
-def test_very_near_the_leak_it_is_twice_the_unbounded_plume() -> None:
+def test_very_near_the_leak_it_is_twice_the_unbounded_plume():
     """With the method of images: Q / (2 pi K x) exp(-U s^2 / (4 K x))."""
     plume = make_plume(SCENARIO, (0.5, 0.5, 0.0), RATE, diffusivity=1e-6)
     U, K, x = plume.speed, plume.diffusivity, 0.3
@@ -74,19 +74,19 @@ def test_very_near_the_leak_it_is_twice_the_unbounded_plume() -> None:
         assert found == pytest.approx(wanted, rel=2e-3)
 
 
-def test_far_downstream_it_is_mixed_evenly() -> None:
+def test_far_downstream_it_is_mixed_evenly():
     found = relative_concentration(np.full(50, 2.0), np.linspace(0, 1, 50), np.linspace(0, np.pi, 50))
     assert found == pytest.approx(np.ones(50), abs=0.01)
 
 
 @given(st.floats(1e-12, 3.0), st.floats(0.0, 1.0), st.floats(-np.pi, np.pi))
-def test_a_concentration_is_finite_never_negative_and_the_same_on_both_sides(tau: float, r: float, phi: float) -> None:
+def test_a_concentration_is_finite_never_negative_and_the_same_on_both_sides(tau, r, phi):
     found = relative_concentration(np.full(2, tau), np.full(2, r), np.array([phi, -phi]))
     assert np.isfinite(found).all() and (found >= 0).all()
     assert found[0] == pytest.approx(found[1], rel=1e-9, abs=1e-9)
 
 
-def test_the_concentration_is_0_upstream_and_constant_into_the_wall() -> None:
+def test_the_concentration_is_0_upstream_and_constant_into_the_wall():
     plume = make_plume(SCENARIO, (0.5, 0.5, 0.0), RATE)
     before = np.array([[0.49, 0.5, 0.0], [0.5, 0.5, 0.0], [-3.0, 0.0, 0.0]])
     assert not plume.concentration(before).any()
@@ -94,7 +94,7 @@ def test_the_concentration_is_0_upstream_and_constant_into_the_wall() -> None:
     assert inside == surface
 
 
-def test_a_turned_pipe_has_the_same_plume() -> None:
+def test_a_turned_pipe_has_the_same_plume():
     turn = np.array([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]])
     shift = np.array([3.0, -2.0, 1.0])
     end = turn @ [20.0, 0.0, 0.0] + shift
@@ -109,7 +109,7 @@ def test_a_turned_pipe_has_the_same_plume() -> None:
     assert there.length == pytest.approx(here.length)
 
 
-def test_water_that_runs_back_carries_the_plume_back() -> None:
+def test_water_that_runs_back_carries_the_plume_back():
     back = SCENARIO.model_copy(update={"flow": UniformFlow(speed=-1.0)})
     plume = make_plume(back, (12.0, 0.5, 0.0), RATE)
     here, mirrored = np.array([[10.0, 0.4, 0.1]]), np.array([[14.0, 0.4, 0.1]])
@@ -124,26 +124,24 @@ def test_water_that_runs_back_carries_the_plume_back() -> None:
     ("point", "wall"),
     [((2.0, 0.1, 0.0), (2.0, 0.5, 0.0)), ((2.0, -0.06, 0.08), (2.0, -0.3, 0.4)), ((2.0, 0.0, 0.0), (2.0, 0.0, -0.5))],
 )
-def test_the_leak_is_at_the_nearest_place_of_the_wall(
-    point: tuple[float, float, float], wall: tuple[float, float, float]
-) -> None:
+def test_the_leak_is_at_the_nearest_place_of_the_wall(point, wall):
     assert make_plume(SCENARIO, point, RATE).leak == pytest.approx(wall)
 
 
-def test_in_an_upright_pipe_a_leak_on_the_axis_has_a_side_all_the_same() -> None:
+def test_in_an_upright_pipe_a_leak_on_the_axis_has_a_side_all_the_same():
     upright = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(0.0, 0.0, 5.0), radius=0.5),))
     plume = make_plume(Scenario(pipe=upright), (0.0, 0.0, 1.0), RATE)
     assert np.linalg.norm(plume.leak - [0, 0, 1]) == pytest.approx(0.5)
 
 
-def test_without_a_pipe_or_a_current_there_is_no_plume() -> None:
+def test_without_a_pipe_or_a_current_there_is_no_plume():
     with pytest.raises(ValueError, match="open water"):
         make_plume(Scenario(), (0.0, 0.0, 0.0), RATE)
     with pytest.raises(ValueError, match="is at rest"):
         make_plume(SCENARIO.model_copy(update={"flow": UniformFlow(speed=0.0)}), (0.5, 0.5, 0.0), RATE)
 
 
-def test_the_diffusivity_is_the_mean_of_reynolds_analogy() -> None:
+def test_the_diffusivity_is_the_mean_of_reynolds_analogy():
     """Of kappa u* y (1 - y / R) over the bore, with u* of the wall's friction; by quadrature here."""
     y, weights = np.polynomial.legendre.leggauss(20)
     y, weights = (y + 1) / 2, weights / 2
@@ -154,6 +152,6 @@ def test_the_diffusivity_is_the_mean_of_reynolds_analogy() -> None:
     assert mean == pytest.approx(0.067, abs=5e-4)
 
 
-def test_a_rough_wall_mixes_more() -> None:
+def test_a_rough_wall_mixes_more():
     rough = SCENARIO.model_copy(update={"flow": LogLawFlow(roughness=0.01), "fluid": Fluid()})
     assert eddy_diffusivity(rough) > 1.3 * eddy_diffusivity(SCENARIO)

@@ -8,8 +8,6 @@ import json
 import sqlite3
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +16,6 @@ from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 from ruamel.yaml import YAML
 
-from driftform.interfaces import ExportJob, Recorder
 from driftform.motion.path.accelerations import accelerations_along, net_wrench
 from driftform.plugins.registry import registry
 from driftform.testing import RecorderContract
@@ -53,37 +50,37 @@ RECORDERS = (McapRecorder(Ros2Options()), Rosbag1Recorder(FlightOptions()), Rosb
 
 class TestRecorders(RecorderContract):
     @pytest.fixture(autouse=True, params=RECORDERS, ids=lambda recorder: recorder.name)
-    def _choose(self, request: pytest.FixtureRequest) -> None:
-        self.chosen: Recorder[Any] = request.param
+    def _choose(self, request):
+        self.chosen = request.param
 
-    def plugin(self) -> Recorder[Any]:
+    def plugin(self):
         return self.chosen
 
 
-def test_each_recorder_is_found_by_its_name() -> None:
+def test_each_recorder_is_found_by_its_name():
     assert all(type(registry().create("recorder", each.name, {})) is type(each) for each in RECORDERS)
 
 
 @pytest.fixture(scope="module")
-def job() -> ExportJob:
+def job():
     return replace(RecorderContract().export_job(), document={"format": "driftform-agent", "word": "C"})
 
 
 @pytest.fixture(scope="module")
-def flight() -> Trajectory:
+def flight():
     return drifting_trajectory()
 
 
 @pytest.fixture(scope="module")
-def mcap(job: ExportJob, flight: Trajectory, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def mcap(job, flight, tmp_path_factory):
     path = tmp_path_factory.mktemp("mcap") / "agent.mcap"
     McapRecorder(Ros2Options(sensor=(0.02, 0.0, 0.01))).write(job, flight, path)
     return path
 
 
-def messages(path: Path) -> dict[str, list[tuple[int, Any]]]:
+def messages(path):
     """Times and decoded messages of each topic of an MCAP file."""
-    found: dict[str, list[tuple[int, Any]]] = {}
+    found = {}
     with path.open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         for _, channel, message, decoded in reader.iter_decoded_messages():
@@ -92,21 +89,19 @@ def messages(path: Path) -> dict[str, list[tuple[int, Any]]]:
 
 
 @pytest.fixture(scope="module")
-def read(mcap: Path) -> dict[str, list[tuple[int, Any]]]:
+def read(mcap):
     return messages(mcap)
 
 
-def times(flight: Trajectory, start: float = 1.0) -> list[int]:
+def times(flight, start=1.0):
     return [round((start + t) * 1e9) for t in flight.t]
 
 
-def xyz(value: Any) -> list[float]:
+def xyz(value):
     return [value.x, value.y, value.z]
 
 
-def test_every_topic_has_its_messages_at_the_times_of_the_samples(
-    read: dict[str, list[tuple[int, Any]]], flight: Trajectory
-) -> None:
+def test_every_topic_has_its_messages_at_the_times_of_the_samples(read, flight):
     assert set(read) == set(KINDS)
     for topic, found in read.items():
         stamps = [stamp for stamp, _ in found]
@@ -117,9 +112,7 @@ def test_every_topic_has_its_messages_at_the_times_of_the_samples(
                 assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == stamp
 
 
-def test_poses_and_velocities_are_those_of_the_flight(
-    read: dict[str, list[tuple[int, Any]]], flight: Trajectory
-) -> None:
+def test_poses_and_velocities_are_those_of_the_flight(read, flight):
     for i, (_, odometry) in enumerate(read["/agent/odom"]):
         assert odometry.header.frame_id == "world" and odometry.child_frame_id == "agent/base_link"
         assert xyz(odometry.pose.pose.position) == list(flight.position[i])
@@ -135,8 +128,8 @@ def test_poses_and_velocities_are_those_of_the_flight(
 
 @pytest.mark.parametrize("rep105", [False, True])
 def test_every_frame_that_a_message_names_hangs_on_the_world_or_on_the_map_by_way_of_the_odometry(
-    rep105: bool, job: ExportJob, flight: Trajectory, tmp_path: Path
-) -> None:
+    rep105, job, flight, tmp_path
+):
     McapRecorder(Ros2Options(rep105=rep105)).write(job, flight, tmp_path / "agent.mcap")
     read = messages(tmp_path / "agent.mcap")
     world, parent = ("map", "agent/odom") if rep105 else ("world", "world")
@@ -155,9 +148,7 @@ def test_every_frame_that_a_message_names_hangs_on_the_world_or_on_the_map_by_wa
     assert parents["agent/base_link"] == parent == read["/agent/odom"][0][1].header.frame_id
 
 
-def test_the_wrench_is_that_of_newton_and_euler(
-    read: dict[str, list[tuple[int, Any]]], job: ExportJob, flight: Trajectory
-) -> None:
+def test_the_wrench_is_that_of_newton_and_euler(read, job, flight):
     moved_by = accelerations_along(flight, job.agent, job.scenario)
     wrench = net_wrench(flight, moved_by, job.agent.mass)
     found = [[*xyz(m.wrench.force), *xyz(m.wrench.torque)] for _, m in read["/agent/wrench"]]
@@ -165,9 +156,7 @@ def test_the_wrench_is_that_of_newton_and_euler(
     assert {m.header.frame_id for _, m in read["/agent/wrench"]} == {"agent/cog"}
 
 
-def test_sensors_read_what_their_functions_say(
-    read: dict[str, list[tuple[int, Any]]], job: ExportJob, flight: Trajectory
-) -> None:
+def test_sensors_read_what_their_functions_say(read, job, flight):
     point, scenario = np.array([0.02, 0.0, 0.01]), job.scenario
     there = sensors.point_positions(flight, point)
     moved_by = accelerations_along(flight, job.agent, scenario)
@@ -183,9 +172,7 @@ def test_sensors_read_what_their_functions_say(
     assert [m.data for _, m in read["/agent/concentration"]] == plume.concentration(there).tolist()
 
 
-def test_markers_show_the_pipe_the_targets_and_the_agent(
-    read: dict[str, list[tuple[int, Any]]], job: ExportJob
-) -> None:
+def test_markers_show_the_pipe_the_targets_and_the_agent(read, job):
     [(_, message)] = read["/agent/markers"]
     by_group = {marker.ns: marker for marker in message.markers}
     assert set(by_group) == {"pipe", "targets", "names", "agent"}
@@ -201,7 +188,7 @@ def test_markers_show_the_pipe_the_targets_and_the_agent(
     assert agent.header.frame_id == "agent/base_link" and agent.frame_locked
 
 
-def test_a_database_holds_the_same_bytes_as_the_mcap_file(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
+def test_a_database_holds_the_same_bytes_as_the_mcap_file(job, flight, tmp_path):
     options = Ros2Options()
     folder, file = tmp_path / "agent-rosbag2", tmp_path / "agent.mcap"
     Rosbag2Recorder(options).write(job, flight, folder)
@@ -222,12 +209,11 @@ def test_a_database_holds_the_same_bytes_as_the_mcap_file(job: ExportJob, flight
     odometry = [(stamp, data) for topic, stamp, data in rows if topics[topic][0] == "/agent/odom"]
     text = definitions["nav_msgs/msg/Odometry"].encode()
     decode = DecoderFactory().decoder_for("cdr", Schema(1, text, "ros2msg", "nav_msgs/msg/Odometry"))
-    assert decode is not None
     places = [xyz(decode(data).pose.pose.position) for _, data in odometry]
     assert np.array_equal(places, flight.position)
 
 
-def test_the_metadata_of_a_bag_describes_its_contents(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
+def test_the_metadata_of_a_bag_describes_its_contents(job, flight, tmp_path):
     folder = tmp_path / "agent-rosbag2"
     written = Rosbag2Recorder(Ros2Options()).write(job, flight, folder)
     metadata = YAML(typ="safe").load(folder / "metadata.yaml")["rosbag2_bagfile_information"]
@@ -249,7 +235,7 @@ def test_the_metadata_of_a_bag_describes_its_contents(job: ExportJob, flight: Tr
     assert [fact["messages"] for fact in facts] == [metadata["message_count"]]
 
 
-def test_topics_without_data_are_left_out(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
+def test_topics_without_data_are_left_out(job, flight, tmp_path):
     path = tmp_path / "agent.mcap"
     McapRecorder(Ros2Options()).write(replace(job, scenario=Scenario()), flight, path)
     missing = {"/agent/range", "/agent/clearance", "/agent/concentration"}
@@ -259,7 +245,7 @@ def test_topics_without_data_are_left_out(job: ExportJob, flight: Trajectory, tm
     assert set(messages(path)) == set(KINDS) - {"/agent/concentration"}
 
 
-def test_the_name_of_the_agent_can_be_chosen(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
+def test_the_name_of_the_agent_can_be_chosen(job, flight, tmp_path):
     path = tmp_path / "agent.mcap"
     McapRecorder(Ros2Options(namespace="diver", start=5.0)).write(job, flight, path)
     found = messages(path)
@@ -268,10 +254,8 @@ def test_the_name_of_the_agent_can_be_chosen(job: ExportJob, flight: Trajectory,
     assert found["/tf"][0][1].transforms[0].child_frame_id == "diver/base_link"
 
 
-def test_noise_is_as_large_as_asked_for_and_comes_again_with_its_seed(
-    job: ExportJob, flight: Trajectory, tmp_path: Path
-) -> None:
-    def pressures(name: str, **options: Any) -> np.ndarray:
+def test_noise_is_as_large_as_asked_for_and_comes_again_with_its_seed(job, flight, tmp_path):
+    def pressures(name, **options):
         path = tmp_path / name
         McapRecorder(Ros2Options(**options)).write(job, long, path)
         return np.array([m.fluid_pressure for _, m in messages(path)["/agent/pressure"]])
@@ -286,9 +270,7 @@ def test_noise_is_as_large_as_asked_for_and_comes_again_with_its_seed(
 
 
 @pytest.mark.parametrize("release", ["humble", "kilted", "lyrical"])
-def test_other_releases_have_their_own_definitions(
-    release: Any, job: ExportJob, flight: Trajectory, tmp_path: Path
-) -> None:
+def test_other_releases_have_their_own_definitions(release, job, flight, tmp_path):
     path = tmp_path / "agent.mcap"
     McapRecorder(Ros2Options(release=release)).write(job, flight, path)
     _, first = messages(path)["/agent/range"][0]
@@ -296,7 +278,7 @@ def test_other_releases_have_their_own_definitions(
     assert hasattr(first, "variance") == (release != "humble")
 
 
-def test_a_tilted_pipe_is_drawn_as_it_lies(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
+def test_a_tilted_pipe_is_drawn_as_it_lies(job, flight, tmp_path):
     path, start, end = tmp_path / "agent.mcap", (1.0, 2.0, 3.0), (2.0, 4.0, 1.0)
     pipe = Pipe(segments=(Segment(start=start, end=end, radius=0.5),))
     tilted = Scenario(pipe=pipe)

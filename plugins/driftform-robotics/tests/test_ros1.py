@@ -1,9 +1,6 @@
 """ROS 1: catkin builds the package for the UUV simulator, roslaunch reads it, and rospy receives what bags hold."""
 
-import subprocess
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -12,7 +9,6 @@ import pytest
 import yaml
 from ros1 import listen, run_master, start
 
-from driftform.interfaces import ExportJob
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
 from driftform_robotics.options import FlightOptions
@@ -41,7 +37,7 @@ xacro.main()
 """
 
 
-def add_stand_in(source: Path, name: str, path: str, text: str) -> None:
+def add_stand_in(source, name, path, text):
     file = source / name / path
     file.parent.mkdir(parents=True)
     file.write_text(text, encoding="utf-8")
@@ -52,13 +48,7 @@ def add_stand_in(source: Path, name: str, path: str, text: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def workspace(
-    jobs: dict[str, ExportJob],
-    export: Callable[..., Path],
-    requires_program: Callable[[str], str],
-    run_system: Callable[..., str],
-    tmp_path_factory: pytest.TempPathFactory,
-) -> Path:
+def workspace(jobs, export, requires_program, run_system, tmp_path_factory):
     """A workspace of catkin with the packages of all agents, built."""
     requires_program("catkin_make")
     folder = tmp_path_factory.mktemp("catkin")
@@ -67,16 +57,13 @@ def workspace(
         (folder / "src" / name).symlink_to(export("uuv", job))
     add_stand_in(folder / "src", "gazebo_ros", "launch/empty_world.launch", WORLD)
     spec = find_spec("xacro")
-    assert spec is not None and spec.origin is not None
     packages = str(Path(spec.origin).parents[1])
     add_stand_in(folder / "src", "xacro", "xacro", XACRO.format(packages=packages))
     run_system("catkin_make", folder)
     return folder
 
 
-def test_roslaunch_finds_every_file_and_xacro_makes_a_description_that_urdfdom_reads(
-    workspace: Path, jobs: dict[str, ExportJob], run_system: Callable[..., str]
-) -> None:
+def test_roslaunch_finds_every_file_and_xacro_makes_a_description_that_urdfdom_reads(workspace, jobs, run_system):
     for name, job in jobs.items():
         package = ET.parse(workspace / "src" / name / "package.xml").getroot().findtext("name")
         launch = f"source devel/setup.bash && roslaunch {package} start.launch"
@@ -94,7 +81,7 @@ def test_roslaunch_finds_every_file_and_xacro_makes_a_description_that_urdfdom_r
         assert "Successfully Parsed XML" in run_system(f"check_urdf {description}", workspace)
 
 
-def test_roslaunch_reads_the_release(workspace: Path, run_system: Callable[..., str]) -> None:
+def test_roslaunch_reads_the_release(workspace, run_system):
     launch = "source devel/setup.bash && roslaunch skewed release.launch"
     assert run_system(f"{launch} --nodes", workspace).split() == ["/release"]
     [program, call, wait, service, state] = run_system(f"{launch} --args /release", workspace).split(" ", 4)
@@ -105,20 +92,18 @@ def test_roslaunch_reads_the_release(workspace: Path, run_system: Callable[..., 
 
 
 @pytest.fixture(scope="module")
-def environment(requires_program: Callable[[str], str], system_environment: dict[str, str]) -> Iterator[dict[str, str]]:
+def environment(requires_program, system_environment):
     """The environment of ROS with a master that runs."""
     requires_program("roscore")
     with run_master(system_environment) as (found, _):
         yield found
 
 
-def test_rospy_receives_every_message_of_a_bag_and_tf2_the_poses(
-    environment: dict[str, str], run_system: Callable[..., str], tmp_path: Path
-) -> None:
+def test_rospy_receives_every_message_of_a_bag_and_tf2_the_poses(environment, run_system, tmp_path):
     job, flight = RecorderContract().export_job(), drifting_trajectory()
     bag = tmp_path / "agent.bag"
     [file] = Rosbag1Recorder(FlightOptions()).write(job, flight, bag)
-    expected: dict[str, int] = file.facts["topics"]
+    expected = file.facts["topics"]
     info = yaml.safe_load(run_system(f"rosbag info --yaml {bag}", tmp_path))
     assert {t["topic"]: t["messages"] for t in info["topics"]} == expected
     assert info["duration"] == pytest.approx(flight.t[-1], abs=1e-6)
@@ -143,13 +128,8 @@ def test_rospy_receives_every_message_of_a_bag_and_tf2_the_poses(
 
 @pytest.mark.parametrize("joint", ["floating", "fixed"])
 def test_robot_state_publisher_leaves_the_pose_of_the_agent_to_others(
-    joint: str,
-    environment: dict[str, str],
-    jobs: dict[str, ExportJob],
-    export: Callable[..., Path],
-    run_system: Callable[..., str],
-    tmp_path: Path,
-) -> None:
+    joint, environment, jobs, export, run_system, tmp_path
+):
     """It publishes fixed joints, and no floating one."""
     text = (export("urdf", jobs["another"]) / "agent.urdf").read_text(encoding="utf-8")
     assert text.count('type="floating"') == 1
@@ -170,5 +150,5 @@ def test_robot_state_publisher_leaves_the_pose_of_the_agent_to_others(
     assert received["poses"] == ([None] if joint == "floating" else [[0, 0, 0, 1, 0, 0, 0]])
 
 
-def publisher(environment: dict[str, str]) -> AbstractContextManager[subprocess.Popen[str]]:
+def publisher(environment):
     return start("/usr/lib/robot_state_publisher/robot_state_publisher", env=environment)

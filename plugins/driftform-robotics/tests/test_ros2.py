@@ -4,41 +4,31 @@ import ast
 import os
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 import yaml
-
-from driftform.interfaces import ExportJob
 
 FORMATS = {"sdf": ("gazebo", "start.launch.py"), "urdf": ("description", "display.launch.py")}
 
 
 @pytest.fixture(params=FORMATS)
-def package(request: pytest.FixtureRequest, job: ExportJob, export: Callable[..., Path]) -> tuple[str, Path]:
+def package(request, job, export):
     return request.param, export(request.param, job)
 
 
-def files_of(folder: Path) -> set[str]:
+def files_of(folder):
     return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
 
 
-def name_of(folder: Path) -> str:
+def name_of(folder):
     return str(ET.parse(folder / "package.xml").getroot().findtext("name"))
 
 
-def test_both_packages_of_an_agent_fit_into_one_workspace(job: ExportJob, export: Callable[..., Path]) -> None:
+def test_both_packages_of_an_agent_fit_into_one_workspace(job, export):
     assert len({name_of(export(format, job)) for format in ("sdf", "urdf", "uuv")}) == 3
 
 
-def test_colcon_builds_and_registers_both_packages_of_every_agent(
-    jobs: dict[str, ExportJob],
-    export: Callable[..., Path],
-    requires_program: Callable[[str], str],
-    run_system: Callable[..., str],
-    tmp_path: Path,
-) -> None:
+def test_colcon_builds_and_registers_both_packages_of_every_agent(jobs, export, requires_program, run_system, tmp_path):
     requires_program("colcon")
     source = tmp_path / "src"
     source.mkdir()
@@ -61,7 +51,7 @@ def test_colcon_builds_and_registers_both_packages_of_every_agent(
             assert os.access(lib / path, os.X_OK) if path.endswith(".sh") else (share / path).is_file(), path
 
 
-def test_the_launch_file_starts_only_packages_that_the_manifest_names(package: tuple[str, Path]) -> None:
+def test_the_launch_file_starts_only_packages_that_the_manifest_names(package):
     format, folder = package
     text = (folder / "launch" / FORMATS[format][1]).read_text(encoding="utf-8")
     tree = ast.parse(text)
@@ -76,7 +66,7 @@ def test_the_launch_file_starts_only_packages_that_the_manifest_names(package: t
 
 
 @pytest.mark.parametrize("gazebo", ["harmonic", "fortress"])
-def test_the_bridge_connects_topics_of_this_world(gazebo: str, job: ExportJob, export: Callable[..., Path]) -> None:
+def test_the_bridge_connects_topics_of_this_world(gazebo, job, export):
     folder = export("sdf", job, gazebo=gazebo)
     rows = yaml.safe_load((folder / "config" / "bridge.yaml").read_text(encoding="utf-8"))
     world = ET.parse(folder / "world.sdf").getroot().find("world").get("name")
@@ -90,7 +80,7 @@ def test_the_bridge_connects_topics_of_this_world(gazebo: str, job: ExportJob, e
     assert len({row["ros_topic_name"] for row in rows}) == len(rows)
 
 
-def test_the_launch_file_opens_a_world_that_is_there(job: ExportJob, export: Callable[..., Path]) -> None:
+def test_the_launch_file_opens_a_world_that_is_there(job, export):
     folder = export("sdf", job)
     text = (folder / "launch" / "start.launch.py").read_text(encoding="utf-8")
     first = re.search(r"'world', default_value='([\w.]+)'", text).group(1)
@@ -102,9 +92,7 @@ def test_the_launch_file_opens_a_world_that_is_there(job: ExportJob, export: Cal
     assert (push.name in (folder / "README.md").read_text(encoding="utf-8")) or not push.exists()
 
 
-def test_the_readme_names_only_arguments_that_launch_takes_and_the_world_of_each_script(
-    jobs: dict[str, ExportJob], export: Callable[..., Path]
-) -> None:
+def test_the_readme_names_only_arguments_that_launch_takes_and_the_world_of_each_script(jobs, export):
     for job in jobs.values():
         folder = export("sdf", job)
         text = (folder / "README.md").read_text(encoding="utf-8")

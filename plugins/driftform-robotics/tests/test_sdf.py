@@ -1,22 +1,18 @@
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from robots import check_sdf, inertia_of, model_of, still
 
-from driftform.interfaces import ExportJob
 from driftform.motion.forces.inertia import added_mass_at, rigid_body_mass, shift_origin
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario
 
 
 @pytest.mark.parametrize(("name", "level"), [("random", None), ("dragged", 0.4), ("skewed", None)])
-def test_ignition_accepts_files_for_fortress(
-    name: str, level: float | None, jobs: dict[str, ExportJob], export: Callable, requires_program: Callable[[str], str]
-) -> None:
+def test_ignition_accepts_files_for_fortress(name, level, jobs, export, requires_program):
     scenario = jobs[name].scenario
     fluid = scenario.fluid.model_copy(update={"water_level": level})
     afloat = replace(jobs[name], scenario=scenario.model_copy(update={"fluid": fluid}))
@@ -27,7 +23,7 @@ def test_ignition_accepts_files_for_fortress(
         assert "Valid." in done.stdout
 
 
-def test_added_mass_is_written_once(job: ExportJob, export: Callable) -> None:
+def test_added_mass_is_written_once(job, export):
     """It is in the link if the engine solves it, otherwise in the plugin: never in both, never in neither."""
     for gazebo, in_link in (("harmonic", True), ("fortress", False)):
         text = (export("sdf", job, gazebo=gazebo) / "world.sdf").read_text(encoding="utf-8")
@@ -35,9 +31,7 @@ def test_added_mass_is_written_once(job: ExportJob, export: Callable) -> None:
         assert ("<xDotU>" in text) == (not in_link)
 
 
-def test_fortress_gets_the_added_mass_with_the_other_sign_less_what_is_in_the_mass(
-    job: ExportJob, export: Callable
-) -> None:
+def test_fortress_gets_the_added_mass_with_the_other_sign_less_what_is_in_the_mass(job, export):
     text = (export("sdf", job, gazebo="fortress") / "model.sdf").read_text(encoding="utf-8")
     found = np.zeros((6, 6))
     for element in ET.fromstring(text).find("model/plugin"):
@@ -51,9 +45,7 @@ def test_fortress_gets_the_added_mass_with_the_other_sign_less_what_is_in_the_ma
     np.testing.assert_allclose(found, moved - expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max())
 
 
-def test_the_release_gives_body_and_water_the_momentum_of_their_speed(
-    jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_the_release_gives_body_and_water_the_momentum_of_their_speed(jobs, export):
     job = jobs["skewed"]
     text = (export("sdf", job, step=0.002) / "push.sh").read_text(encoding="utf-8")
     force, torque = (
@@ -69,13 +61,13 @@ def test_the_release_gives_body_and_water_the_momentum_of_their_speed(
     np.testing.assert_allclose(gained[3:], 0, atol=1e-8)
 
 
-def test_an_agent_released_at_rest_has_no_push_script(jobs: dict[str, ExportJob], export: Callable) -> None:
+def test_an_agent_released_at_rest_has_no_push_script(jobs, export):
     folder = export("sdf", still(jobs["random"]))
     assert not (folder / "push.sh").exists()
     assert "push.sh" not in (folder / "world.sdf").read_text(encoding="utf-8")
 
 
-def test_at_a_free_surface_spheres_displace_what_the_hull_does(jobs: dict[str, ExportJob], export: Callable) -> None:
+def test_at_a_free_surface_spheres_displace_what_the_hull_does(jobs, export):
     """Gazebo's graded buoyancy ignores meshes; the spheres must have the hull's volume and centre, without collision."""
     job = jobs["random"]
     fluid = job.scenario.fluid.model_copy(update={"water_level": 0.4})
@@ -98,9 +90,7 @@ def test_at_a_free_surface_spheres_displace_what_the_hull_does(jobs: dict[str, E
 
 
 @pytest.mark.parametrize("kind", ["log_law", "turbulent"])
-def test_a_flow_that_is_not_uniform_becomes_its_mean_with_a_warning(
-    kind: str, jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_a_flow_that_is_not_uniform_becomes_its_mean_with_a_warning(kind, jobs, export):
     document = jobs["random"].scenario.model_dump() | {"flow": {"kind": kind, "speed": 0.8}}
     swirling = replace(jobs["random"], scenario=Scenario.model_validate(document))
     for format, name in (
@@ -114,7 +104,7 @@ def test_a_flow_that_is_not_uniform_becomes_its_mean_with_a_warning(
     assert "<default_current>0.8 0 0<" in (export("sdf", swirling) / "model.sdf").read_text(encoding="utf-8")
 
 
-def test_the_core_is_a_frame_of_the_model(job: ExportJob, export: Callable) -> None:
+def test_the_core_is_a_frame_of_the_model(job, export):
     """Fitness refers to the core's centre, but the origin is the centre of gravity: the file must hold both."""
     model = model_of(
         export("sdf", job) / "model.sdf", ET.parse(export("sdf", job) / "model.sdf").getroot()[0].get("name")

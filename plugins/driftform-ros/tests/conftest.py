@@ -1,14 +1,13 @@
 """A roscore."""
 
 import shutil
-from collections.abc import Iterator
 
 import pytest
 from ros1 import run_master
 
 
 @pytest.fixture(scope="session")
-def system(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+def system(tmp_path_factory):
     """The environment of programs of the system; without ROS the test is skipped."""
     if shutil.which("roscore") is None:
         pytest.skip("roscore is not installed")
@@ -17,6 +16,6 @@ def system(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 
 @pytest.fixture(scope="module")
-def master(system: dict[str, str]) -> Iterator[dict[str, str]]:
+def master(system):
     with run_master(system) as (found, _):
         yield found

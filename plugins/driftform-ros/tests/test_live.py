@@ -5,11 +5,9 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from json import loads
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -32,40 +30,37 @@ START = 1.0
 
 
 @contextmanager
-def fly(environment: dict[str, str], *words: str) -> Iterator[subprocess.Popen[str]]:
+def fly(environment, *words):
     """The command, in the environment of the tests with the master of a system's; it has said that the agent flies."""
     with start(*COMMAND, *words, env=environment_of(environment), stderr=subprocess.PIPE) as process:
-        assert process.stdout is not None
         line = process.stdout.readline()
         assert "flies at http://localhost" in line, process.communicate(timeout=600)
         yield process
 
 
-def environment_of(system: dict[str, str]) -> dict[str, str]:
+def environment_of(system):
     return os.environ | {key: system[key] for key in ("ROS_MASTER_URI", "ROS_HOME")}
 
 
 @pytest.fixture(scope="module", autouse=True)
-def kernels(master: dict[str, str]) -> None:
+def kernels(master):
     """Compile what the command needs, so that none of the tests' commands says that it compiles."""
     with fly(master):
         pass
 
 
 @contextmanager
-def follow(environment: dict[str, str], *words: str) -> Iterator[subprocess.Popen[str]]:
+def follow(environment, *words):
     with start("/usr/bin/python3", str(PROGRAMS / "follow.py"), *words, env=environment) as process:
-        assert process.stdout is not None
         assert process.stdout.readline() == "ready\n"
         yield process
 
 
-def read(process: subprocess.Popen[str]) -> dict[str, Any]:
-    found: dict[str, Any] = loads(process.communicate(timeout=90)[0])
-    return found
+def read(process):
+    return loads(process.communicate(timeout=90)[0])
 
 
-def call(environment: dict[str, str], command: str) -> dict[str, Any]:
+def call(environment, command):
     done = subprocess.run(
         ["bash", "-c", command], env=environment, capture_output=True, encoding="utf-8", timeout=600, check=True
     )
@@ -73,7 +68,7 @@ def call(environment: dict[str, str], command: str) -> dict[str, Any]:
 
 
 @contextmanager
-def launch(environment: dict[str, str], *words: str) -> Iterator[subprocess.Popen[str]]:
+def launch(environment, *words):
     """roslaunch of the shipped launch file, which has told that the agent flies."""
     path = f"{Path(sys.executable).parent}:{environment['PATH']}"
     own = environment | {
@@ -84,15 +79,12 @@ def launch(environment: dict[str, str], *words: str) -> Iterator[subprocess.Pope
     words = (f"agent:={WORD}", f"options:={' '.join(OPTIONS)}", *words)
     roslaunch = ("/usr/bin/python3", "/usr/bin/roslaunch", "driftform_ros", "live.launch", *words)
     with start(*roslaunch, env=own, stderr=subprocess.STDOUT) as process:
-        assert process.stdout is not None
         assert any(" flies at http://localhost" in line for line in process.stdout)
         yield process
     call(environment, "rosparam delete /use_sim_time")
 
 
-def test_every_message_of_a_launched_flight_arrives_in_real_time_and_a_remapped_current_acts(
-    master: dict[str, str],
-) -> None:
+def test_every_message_of_a_launched_flight_arrives_in_real_time_and_a_remapped_current_acts(master):
     with (
         follow(master, "5.0", "4.5", "0.6", "0", "0", "/flow/velocity") as listener,
         launch(master, "name:=flyer", "current:=/flow/velocity") as process,
@@ -115,7 +107,7 @@ def test_every_message_of_a_launched_flight_arrives_in_real_time_and_a_remapped_
     assert np.array(found["places"])[:90, 0] == pytest.approx(x[:90], abs=1e-3)
 
 
-def test_two_nodes_share_one_clock_that_goes_on_after_a_flight_and_never_back(master: dict[str, str]) -> None:
+def test_two_nodes_share_one_clock_that_goes_on_after_a_flight_and_never_back(master):
     """A second clock is refused; a node that follows the first begins at its time."""
     other = ("--set", "recorder.rosbag1.namespace=other")
     with fly(master), follow(master, "10.0") as listener:
@@ -135,9 +127,7 @@ def test_two_nodes_share_one_clock_that_goes_on_after_a_flight_and_never_back(ma
 
 
 @pytest.mark.parametrize(("frame", "speed"), [("agent/base_link", "0.4"), ("world_ned", "0.4"), ("", "99")])
-def test_a_current_in_the_frame_of_the_agent_is_turned_and_one_that_cannot_be_is_refused(
-    master: dict[str, str], frame: str, speed: str
-) -> None:
+def test_a_current_in_the_frame_of_the_agent_is_turned_and_one_that_cannot_be_is_refused(master, frame, speed):
     words = ("1.0", "0.2", speed, "0", "0", "hydrodynamics/current_velocity", frame)
     with follow(master, *words) as listener, fly(master) as process:
         found = read(listener)
@@ -156,12 +146,12 @@ def test_a_current_in_the_frame_of_the_agent_is_turned_and_one_that_cannot_be_is
         assert lines[0].startswith("warning: a current ") and ("world_ned" in lines[0] or "at most 20 m/s" in lines[0])
 
 
-def design_of(*settings: str) -> df.Design:
+def design_of(*settings):
     given = ("release.pitch_deg=20", *settings)
     return df.open_agent(WORD, *given, scenario="paper", use={"simulator": "native"})
 
 
-def test_a_current_that_arrives_in_flight_moves_the_agent_as_one_that_changes_then(master: dict[str, str]) -> None:
+def test_a_current_that_arrives_in_flight_moves_the_agent_as_one_that_changes_then(master):
     current = (0.6, 0.1, -0.05)
     with follow(master, "4.0", "2.0", *map(str, current)) as listener, fly(master):
         found = read(listener)
@@ -176,7 +166,7 @@ def test_a_current_that_arrives_in_flight_moves_the_agent_as_one_that_changes_th
     assert after.sum() > 30
     undisturbed = design_of().trace()
 
-    def find_largest(t: np.ndarray, places: np.ndarray) -> float:
+    def find_largest(t, places):
         expected = np.column_stack([np.interp(times[after], t, axis) for axis in places.T])
         return float(np.linalg.norm(np.array(found["places"])[after] - expected, axis=1).max())
 
@@ -184,9 +174,8 @@ def test_a_current_that_arrives_in_flight_moves_the_agent_as_one_that_changes_th
     assert find_largest(undisturbed.t, undisturbed.position) > 0.15
 
 
-def test_services_evaluate_and_release_what_the_parameter_names(master: dict[str, str], tmp_path: Path) -> None:
+def test_services_evaluate_and_release_what_the_parameter_names(master, tmp_path):
     with fly(master, "--rate", "0") as process:
-        assert process.stdout is not None
         assert "ends after" in process.stdout.readline()
         own = call(master, "rosservice call /agent/evaluate")
         assert own["success"] and loads(own["message"])["fitness"] == pytest.approx(
@@ -207,7 +196,7 @@ def test_services_evaluate_and_release_what_the_parameter_names(master: dict[str
         call(master, "rosparam delete /agent/agent")
 
 
-def test_it_ends_with_its_flight_if_asked(master: dict[str, str]) -> None:
+def test_it_ends_with_its_flight_if_asked(master):
     with fly(master, "--rate", "0", "--once") as process:
         stdout, stderr = process.communicate(timeout=600)
     assert process.returncode == 0 and not stderr
@@ -215,7 +204,7 @@ def test_it_ends_with_its_flight_if_asked(master: dict[str, str]) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_it_in_one_line_and_leaves_nothing(master: dict[str, str], number: int) -> None:
+def test_a_signal_ends_it_in_one_line_and_leaves_nothing(master, number):
     with fly(master) as process:
         assert "use_sim_time" in str(call(master, "rosparam list"))
         process.send_signal(number)
@@ -227,7 +216,7 @@ def test_a_signal_ends_it_in_one_line_and_leaves_nothing(master: dict[str, str],
     assert "use_sim_time" not in str(call(master, "rosparam list"))
 
 
-def test_it_ends_within_two_seconds_of_roscore_in_one_line(system: dict[str, str]) -> None:
+def test_it_ends_within_two_seconds_of_roscore_in_one_line(system):
     with run_master(system) as (environment, core), fly(environment) as process:
         time.sleep(0.5)
         children = Path(f"/proc/{core.pid}/task/{core.pid}/children").read_text(encoding="utf-8").split()
@@ -241,7 +230,7 @@ def test_it_ends_within_two_seconds_of_roscore_in_one_line(system: dict[str, str
     assert seconds < 2.0
 
 
-def wait_for_end(process: subprocess.Popen[str]) -> float:
+def wait_for_end(process):
     """Return how long a process takes to end, s, without the time in which it waits for a processor."""
     begun, before, waited = time.monotonic(), find_waiting(process.pid), 0.0
     while process.poll() is None:
@@ -251,12 +240,12 @@ def wait_for_end(process: subprocess.Popen[str]) -> float:
     return time.monotonic() - begun - waited
 
 
-def split_lines(stderr: str) -> list[str]:
+def split_lines(stderr):
     """The lines of an output, without the warning of a flight that is late, as on a busy machine."""
     return [line for line in stderr.splitlines() if not line.startswith("warning: the flight is ")]
 
 
-def find_waiting(pid: int) -> float:
+def find_waiting(pid):
     """How long the threads of a process have waited for a processor, which others held, s."""
     found = 0
     for path in Path(f"/proc/{pid}/task").glob("*/schedstat"):
@@ -266,7 +255,7 @@ def find_waiting(pid: int) -> float:
     return 1e-9 * found
 
 
-def test_without_roscore_it_says_what_to_start(refused_master: dict[str, str]) -> None:
+def test_without_roscore_it_says_what_to_start(refused_master):
     command = (*PROGRAM, "ros", WORD)
     done = subprocess.run(command, env=refused_master, capture_output=True, encoding="utf-8", check=False)
     assert done.returncode == 1
@@ -276,5 +265,5 @@ def test_without_roscore_it_says_what_to_start(refused_master: dict[str, str]) -
 
 
 @pytest.fixture
-def refused_master(system: dict[str, str]) -> dict[str, str]:
+def refused_master(system):
     return os.environ | {"ROS_MASTER_URI": "http://localhost:9", "ROS_HOME": system["ROS_HOME"]}

@@ -2,7 +2,6 @@
 
 import sys
 from types import ModuleType, SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,19 +17,19 @@ COMMAND = ("ros", WORD, "--scenario", "paper", "--simulator", "native", "--rate"
 class Node:
     """What driftform asks of a node of rclpy: bytes are published, and a current comes with the third odometry."""
 
-    def __init__(self, name: str) -> None:
-        self.sent, self.qualities, self.clocks = dict[str, list[Any]](), dict[str, Any](), [name]
-        self.services, self.take = list[str](), None
+    def __init__(self, name):
+        self.sent, self.qualities, self.clocks = {}, {}, [name]
+        self.services, self.take = [], None
         self.declare_parameter = lambda name, value: None
 
-    def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
+    def get_publishers_info_by_topic(self, topic):
         return [SimpleNamespace(node_name=name) for name in self.clocks]
 
-    def create_publisher(self, kind: str, topic: str, quality: Any) -> Any:
+    def create_publisher(self, kind, topic, quality):
         self.qualities[topic] = quality
         store, kept = make_messages("jazzy").store, self.sent.setdefault(topic, [])
 
-        def publish(message: bytes) -> None:
+        def publish(message):
             kept.append(store.deserialize_cdr(message, kind))
             if topic == "agent/odom" and len(kept) == 3 and self.take:
                 twist = SimpleNamespace(linear=SimpleNamespace(x=0.5, y=0.0, z=0.0))
@@ -38,24 +37,24 @@ class Node:
 
         return SimpleNamespace(publish=publish)
 
-    def create_subscription(self, kind: str, topic: str, take: Any, depth: int) -> None:
+    def create_subscription(self, kind, topic, take, depth):
         assert (kind, topic) == (full_name("geometry_msgs/TwistStamped"), "hydrodynamics/current_velocity")
         self.take = take
 
-    def create_service(self, kind: Any, name: str, respond: Any) -> None:
+    def create_service(self, kind, name, respond):
         self.services.append(name)
 
 
 @pytest.fixture
-def ros2(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+def ros2(monkeypatch):
     node = Node("driftform_agent")
     found = SimpleNamespace(node=node, arguments=None)
 
-    def init(args: list[str], signal_handler_options: Any) -> None:
+    def init(args, signal_handler_options):
         found.arguments = args
 
     none, ok = (lambda *_, **__: None), (lambda: True)
-    modules: dict[str, dict[str, Any]] = {
+    modules = {
         "rclpy": {"init": init, "create_node": lambda name: node, "ok": ok, "spin": none, "try_shutdown": none},
         "rclpy.signals": {"SignalHandlerOptions": SimpleNamespace(NO=0)},
         "rclpy.qos": {
@@ -75,7 +74,7 @@ def ros2(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     return found
 
 
-def test_the_same_node_flies_in_ros_2_and_takes_remaps_and_currents(ros2: SimpleNamespace) -> None:
+def test_the_same_node_flies_in_ros_2_and_takes_remaps_and_currents(ros2):
     done = CliRunner().invoke(app, [*COMMAND, "--ros-args", "-r", "__ns:=/fleet"])
     assert done.exit_code == 0, done.output
     node = ros2.node
@@ -89,7 +88,7 @@ def test_the_same_node_flies_in_ros_2_and_takes_remaps_and_currents(ros2: Simple
     assert node.services == ["agent/release", "agent/evaluate"]
 
 
-def test_another_clock_is_refused_in_ros_2(ros2: SimpleNamespace) -> None:
+def test_another_clock_is_refused_in_ros_2(ros2):
     ros2.node.clocks.append("gazebo")
     done = CliRunner().invoke(app, COMMAND)
     assert done.exit_code == 1

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from driftform.interfaces import SearchSpace, Table
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
-from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
+from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform_strategies.evolution import Change, EvolutionOptions, EvolutionStrategy, position_at, smallest_indices
 from driftform_strategies.random import RandomOptions, RandomStrategy
 
@@ -20,61 +20,61 @@ WEIGHTS = np.random.default_rng(11).normal(size=(LENGTH, 3))
 
 
 class TestEvolution(StrategyContract):
-    def plugin(self, space: SearchSpace) -> EvolutionStrategy:
+    def plugin(self, space):
         return EvolutionStrategy(EvolutionOptions(), space)
 
 
 class TestEvolutionThatOnlyAims(StrategyContract):
-    def plugin(self, space: SearchSpace) -> EvolutionStrategy:
+    def plugin(self, space):
         return EvolutionStrategy(EvolutionOptions(explore=0, random=5, batch=7, elites=1), space)
 
 
 class NoLetters(LetterGrammar):
     """A grammar of one genome, which is empty: nothing in it can change."""
 
-    def random(self, rng: np.random.Generator) -> Genome:
+    def random(self, rng):
         return Genome(self.name, ())
 
-    def express(self, genome: Genome):
+    def express(self, genome):
         return LetterGrammar.express(self, GRAMMAR.parse("a" * LENGTH))
 
 
 class Choosy(LetterGrammar):
     """A grammar in which ``a`` may not stand at the first place of a genome that ends in ``c``."""
 
-    def random(self, rng: np.random.Generator) -> Genome:
+    def random(self, rng):
         return self.parse("b" + super().random(rng).symbols[1] * (LENGTH - 1))
 
-    def express(self, genome: Genome):
+    def express(self, genome):
         if genome.symbols[0] == "a" and genome.symbols[-1] == "c":
             raise ValueError("a first and c last")
         return super().express(genome)
 
 
-def evolution(seed: int = 0, targets: tuple[str, ...] = ("T1",), grammar=GRAMMAR, **options):
+def evolution(seed=0, targets=("T1",), grammar=GRAMMAR, **options):
     space = SearchSpace(grammar, targets, np.random.default_rng(seed))
     return EvolutionStrategy(EvolutionOptions(**options), space)
 
 
-def lift(genome: Genome) -> float:
+def lift(genome):
     """What the letters add up to."""
     return float(sum(WEIGHTS[place, "abc".index(letter)] for place, letter in enumerate(genome.symbols)))
 
 
-def make_trajectory(height: float) -> Trajectory:
+def make_trajectory(height):
     t = np.linspace(0.0, 8.0, 81)
     position = np.column_stack([t, np.zeros_like(t), height * (t / 8) ** 2])
     return Trajectory(t, position, np.tile([1.0, 0, 0, 0], (81, 1)), np.zeros((81, 6)), End.OUTLET)
 
 
-def flown(genome: Genome, heights=(0.0,)) -> Evaluation:
+def flown(genome, heights=(0.0,)):
     """A flight that rises by the letters' lift, scored for targets at these heights of its end."""
     height = lift(genome)
     fitness = [max(0.0, 100 - 10 * abs(height - wanted)) for wanted in heights]
     return Evaluation(genome, np.array(fitness), make_trajectory(height))
 
 
-def played(strategy, budget: int, heights=(0.0,), evaluate=flown) -> tuple[list[Candidate], np.ndarray]:
+def played(strategy, budget, heights=(0.0,), evaluate=flown):
     """Everything asked for, and its error for each target, (budget, targets)."""
     asked, errors = [], []
     while len(asked) < budget:
@@ -86,7 +86,7 @@ def played(strategy, budget: int, heights=(0.0,), evaluate=flown) -> tuple[list[
     return asked, np.array(errors)
 
 
-def differences(a: Genome, b: Genome) -> int:
+def differences(a, b):
     return sum(x != y for x, y in zip(a.symbols, b.symbols, strict=True))
 
 
@@ -124,7 +124,7 @@ def test_it_beats_random_search_where_changes_add_up():
 
 def test_aimed_children_stray_less_than_explored_ones():
     # What a change did to one genome it does to any here: a guess is as good as a flight.
-    def strays(explore: float) -> float:
+    def strays(explore):
         """How far children end from where the nearest flight to the target does, m; the mean of many."""
         found = []
         for seed in range(20):
@@ -164,7 +164,7 @@ def test_a_failed_flight_is_no_parent():
 
 
 def test_flights_that_keep_their_path_to_themselves_are_searched_by_fitness_alone():
-    def silent(genome: Genome, heights) -> Evaluation:
+    def silent(genome, heights):
         return Evaluation(genome, flown(genome, heights).fitness)
 
     for seed in range(8):
@@ -198,7 +198,7 @@ def test_the_opposite_change_moves_a_path_the_opposite_way():
         assert size == pytest.approx(np.linalg.norm(moved))
 
 
-def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch):
+def test_memory_is_bounded(monkeypatch):
     monkeypatch.setattr("driftform_strategies.evolution.MAX_HASHES", 100)
     monkeypatch.setattr("driftform_strategies.evolution.FAMILY_SIZE", 20)
     strategy = evolution(10)
@@ -213,7 +213,6 @@ def test_a_change_is_undone_by_its_way_back(text, place, letter):
     symbols = tuple(text)
     change = Change(place, symbols[place], letter)
     changed = change.apply(symbols)
-    assert changed is not None
     assert changed[place] == letter
     assert change.undo().apply(changed) == symbols
 

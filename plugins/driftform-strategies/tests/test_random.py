@@ -5,29 +5,29 @@ import numpy as np
 from driftform.interfaces import SearchSpace, Table
 from driftform.testing import GrammarContract, StrategyContract
 from driftform.testing.letters import LetterGrammar
-from driftform.types import Evaluation, Genome
+from driftform.types import Evaluation
 from driftform_strategies.random import RandomOptions, RandomStrategy
 
 GRAMMAR = LetterGrammar(Table())
 
 
 class TestRandom(StrategyContract):
-    def plugin(self, space: SearchSpace) -> RandomStrategy:
+    def plugin(self, space):
         return RandomStrategy(RandomOptions(batch=8), space)
 
 
 class TestTheGrammarThatStrategiesAreTriedOn(GrammarContract):
     nonsense = (*GrammarContract.nonsense, "abcabcabcabd", "abcabcabcab", "abcabcabcabca")
 
-    def plugin(self) -> LetterGrammar:
+    def plugin(self):
         return GRAMMAR
 
 
 def test_random_search_ignores_what_it_is_told():
-    def asked(score: float) -> list[Genome]:
+    def asked(score):
         space = SearchSpace(GRAMMAR, ("T1",), np.random.default_rng(0))
         strategy = RandomStrategy(RandomOptions(batch=5), space)
-        genomes: list[Genome] = []
+        genomes = []
         for first in range(0, 20, 5):
             candidates = strategy.ask(100)
             assert len(candidates) == 5

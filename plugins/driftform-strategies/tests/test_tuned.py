@@ -9,11 +9,11 @@ import pytest
 from cigars import Cigars, Corks
 
 from driftform.errors import InputError
-from driftform.interfaces import PhenotypeBuilder, SearchSpace, Table
+from driftform.interfaces import Table
 from driftform.testing import BuilderContract, StrategyContract
 from driftform.testing.letters import LetterGrammar
 from driftform.testing.strategy import search_space
-from driftform.types import End, Evaluation, FloatArray, Genome, Morphology, Trajectory
+from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform.water import Scenario
 from driftform_strategies.shapes import Shape
 from driftform_strategies.tuned import HIT, MAX_UNFIT, DirectStrategy, TunedOptions, TunedStrategy, _Elite, _Start
@@ -23,27 +23,27 @@ SPEED, FALL = 1.0, 1.2
 
 
 class TestCigars(BuilderContract):
-    def plugin(self) -> Cigars:
+    def plugin(self):
         return Cigars(Table())
 
 
 class TestTuned(StrategyContract):
-    def plugin(self, space: SearchSpace) -> TunedStrategy:
+    def plugin(self, space):
         return TunedStrategy(TunedOptions(), replace(space, builder=Cigars(Table())))
 
 
 class TestDirect(StrategyContract):
-    def plugin(self, space: SearchSpace) -> DirectStrategy:
+    def plugin(self, space):
         return DirectStrategy(TunedOptions(), replace(space, builder=Cigars(Table())))
 
 
-def make_space(builder: PhenotypeBuilder[Table], seed: int = 0) -> SearchSpace:
+def make_space(builder, seed=0):
     space = search_space(LetterGrammar(Table()), ("low", "high"), seed)
     targets = {"low": (4.0, 0.0, -0.3), "high": (7.0, 0.0, 0.5)}
     return replace(space, scenario=space.scenario.model_copy(update={"targets": targets}), builder=builder)
 
 
-def fly(genome: Genome) -> Trajectory:
+def fly(genome):
     """A body that sinks with the square root of its net weight."""
     from driftform.agent import mass_properties
 
@@ -56,11 +56,11 @@ def fly(genome: Genome) -> Trajectory:
     return Trajectory(t, t[:, None] * course, turn, np.tile([*course, 0, 0, 0], (len(t), 1)), End.OUTLET)
 
 
-def play(strategy: TunedStrategy, flights: int) -> FloatArray:
+def play(strategy, flights):
     """Return the distance from each target of all flights, m, (flights, 2)."""
     from driftform.motion.path.targets import approach_targets, farthest_distances
 
-    scenario, misses = strategy.space.scenario, list[FloatArray]()
+    scenario, misses = strategy.space.scenario, []
     while len(misses) < flights:
         candidates = strategy.ask(flights - len(misses))
         flown = [fly(candidate.genome) for candidate in candidates]
@@ -73,13 +73,13 @@ def play(strategy: TunedStrategy, flights: int) -> FloatArray:
 
 
 @pytest.mark.parametrize("kind", [TunedStrategy, DirectStrategy])
-def test_each_target_is_hit_within_few_flights(kind: type[TunedStrategy]) -> None:
+def test_each_target_is_hit_within_few_flights(kind):
     for seed in range(5):
         misses = play(kind(TunedOptions(), make_space(Cigars(Table()), seed)), 30)
         assert (misses.min(axis=0) <= HIT).all()
 
 
-def test_a_body_for_an_outlet_is_tuned_until_it_leaves_there() -> None:
+def test_a_body_for_an_outlet_is_tuned_until_it_leaves_there():
     outlets = {"riser": (0.0, 0.0, 0.5), "main": (0.9, 0.0, 0.0)}
     parts = [
         {"length": 0.6},
@@ -90,7 +90,7 @@ def test_a_body_for_an_outlet_is_tuned_until_it_leaves_there() -> None:
         {"pipe": {"parts": parts, "radius": 0.1}, "flow": {"kind": "log_law"}, "targets": {n: n for n in outlets}}
     )
     openings = scenario.target_points()
-    weights: dict[bool, list[float]] = {True: [], False: []}
+    weights = {True: [], False: []}
     for seed in range(4):
         space = search_space(LetterGrammar(Table()), tuple(outlets), seed)
         strategy = TunedStrategy(TunedOptions(batch=1), replace(space, scenario=scenario, builder=Cigars(Table())))
@@ -110,14 +110,13 @@ def test_a_body_for_an_outlet_is_tuned_until_it_leaves_there() -> None:
     assert len(weights[True]) > 1.5 * len(weights[False])
 
 
-def test_where_nothing_can_hit_those_that_pass_nearest_have_descendants() -> None:
+def test_where_nothing_can_hit_those_that_pass_nearest_have_descendants():
     space = make_space(Cigars(Table()))
     strategy = TunedStrategy(TunedOptions(random=0.0, batch=1), space)
     matters, born = [], 0
     for number in range(60):
         [candidate] = strategy.ask(1)
         at = space.targets.index(candidate.target)
-        assert candidate.threshold is not None
         # Bodies with more letters a pass nearer, whatever their ballast, and all pass beside the target.
         miss = 0.3 / (1 + candidate.genome.symbols.count("a"))
         fitness = np.zeros(2)
@@ -133,17 +132,16 @@ def test_where_nothing_can_hit_those_that_pass_nearest_have_descendants() -> Non
     assert strategy._elites[0] and strategy._elites[1] and born > 5
 
 
-def test_a_body_that_hits_matters_and_a_body_on_its_way_does_not() -> None:
+def test_a_body_that_hits_matters_and_a_body_on_its_way_does_not():
     strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
     for candidate in strategy.ask(10):
-        assert candidate.threshold is not None
         number = strategy.space.targets.index(candidate.target)
         assert 99.98 < candidate.threshold[number] < 100
         assert candidate.threshold[1 - number] == np.inf
 
 
-def test_no_body_is_tuned_twice_for_a_target() -> None:
-    strategy, seen = (TunedStrategy(TunedOptions(flights=2), make_space(Cigars(Table()))), list[tuple[str, str]]())
+def test_no_body_is_tuned_twice_for_a_target():
+    strategy, seen = TunedStrategy(TunedOptions(flights=2), make_space(Cigars(Table()))), []
     for _ in range(30):
         candidates = strategy.ask(10)
         shapes = [("".join(c.genome.symbols), c.target) for c in candidates if not c.parents]
@@ -152,12 +150,12 @@ def test_no_body_is_tuned_twice_for_a_target() -> None:
     assert len(seen) > 60 and len(set(seen)) == len(seen)
 
 
-def test_ten_shapes_are_drawn_once_for_a_target_that_none_is_heavy_enough_for() -> None:
+def test_ten_shapes_are_drawn_once_for_a_target_that_none_is_heavy_enough_for():
     class Light(Cigars):
         most = 0.2
         measured = 0
 
-        def find_tunings(self, morphology: Morphology) -> tuple[float, float] | None:
+        def find_tunings(self, morphology):
             Light.measured += 1
             return super().find_tunings(morphology)
 
@@ -172,7 +170,7 @@ def test_ten_shapes_are_drawn_once_for_a_target_that_none_is_heavy_enough_for() 
     assert Light.measured == MAX_UNFIT - 1 + len(flown) + ahead
 
 
-def test_a_long_search_keeps_no_more_than_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_long_search_keeps_no_more_than_a_short_one(monkeypatch):
     monkeypatch.setattr("driftform_strategies.evolution.MAX_HASHES", 100)
     strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
     play(strategy, 300)
@@ -184,7 +182,7 @@ def test_a_long_search_keeps_no_more_than_a_short_one(monkeypatch: pytest.Monkey
     assert max(len(shape.points) for shape in kept) <= 2 * 6
 
 
-def test_one_flight_shows_the_response_because_a_body_without_net_weight_passes_at_the_height_of_its_release() -> None:
+def test_one_flight_shows_the_response_because_a_body_without_net_weight_passes_at_the_height_of_its_release():
     strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
     shape = Shape(Genome("letters", ()), (0.0, 100.0), 50.0, 1.0, 0.01)
     # The first target lies 0.3 m below the release, and this body responds half as much again as is guessed.
@@ -193,7 +191,7 @@ def test_one_flight_shows_the_response_because_a_body_without_net_weight_passes_
     assert strategy._find_tuning(shape, 0) == pytest.approx(shape.tune(-0.3 / response), rel=1e-12)
 
 
-def test_a_descendant_of_another_size_first_flies_as_fast_as_its_parent() -> None:
+def test_a_descendant_of_another_size_first_flies_as_fast_as_its_parent():
     """A body falls with the root of its net weight over its size."""
     strategy = TunedStrategy(TunedOptions(), make_space(Cigars(Table())))
     small, large = (Shape(Genome("letters", ()), (0.0, 100.0), 50.0, 1.0, size) for size in (0.01, 0.02))
@@ -201,7 +199,7 @@ def test_a_descendant_of_another_size_first_flies_as_fast_as_its_parent() -> Non
     assert large.find_root(job.tuning) == pytest.approx(0.3 * math.sqrt(2))
 
 
-def test_a_study_whose_bodies_cannot_float_freely_is_refused_with_the_next_step() -> None:
+def test_a_study_whose_bodies_cannot_float_freely_is_refused_with_the_next_step():
     strategy = TunedStrategy(TunedOptions(), make_space(Corks(Table())))
     with pytest.raises(InputError, match="tuning to 'ballast' or 'wall', or use the strategy 'evolution'"):
         strategy.ask(10)

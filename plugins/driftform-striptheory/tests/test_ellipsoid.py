@@ -8,14 +8,14 @@ from scipy.integrate import quad
 from driftform_striptheory.ellipsoid import SERIES_BELOW, alpha_0, axial_coefficient
 
 
-def lambs_integral(slenderness: float) -> float:
+def lambs_integral(slenderness):
     """alpha_0 = a b^2 int_0^inf dl / ((a^2 + l)^(3/2) (b^2 + l)), with a = 1 and b = d/L.
 
     With l = b^2 (e^s - 1) the integrand falls off at either end, however slender or flat the spheroid.
     """
     square = slenderness**2
 
-    def integrand(s: float) -> float:
+    def integrand(s):
         return square * (1 + square * math.expm1(s)) ** -1.5
 
     knee = math.log1p(1 / square)

@@ -10,7 +10,6 @@ from solids import remus_body
 
 from driftform.motion.forces.inertia import added_mass_at
 from driftform.testing.bodies import make_body
-from driftform.types import Body
 from driftform.water import Fluid
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
 
@@ -27,7 +26,7 @@ PUBLISHED = {"X_u'": -0.930, "Y_v'": -35.5, "N_v'": 1.93, "M_q'": -4.88}
 """Table C.5: kg, kg, kg m, kg m2."""
 
 
-def finned() -> Body:
+def finned():
     """The hull; along its fins, a hull that moves as much water as the real one with fins.
 
     A circle of radius r with four fins up to s moves per length as much as a circle of radius
@@ -49,7 +48,7 @@ def finned() -> Body:
     )
 
 
-def derivatives() -> dict[str, float]:
+def derivatives():
     """Those that were published, by strip theory: across the axis with fins, along it as the thesis has it, without."""
     model = StripTheory(StripTheoryOptions())
     across = added_mass_at(model.coefficients(finned(), SEA), np.zeros(3))

@@ -8,9 +8,7 @@ import sqlite3
 import subprocess
 import sysconfig
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
@@ -34,7 +32,7 @@ DRAFT = {
 class Server:
     """``driftform studio`` in a process of its own."""
 
-    def __init__(self, folder: Path, *options: str) -> None:
+    def __init__(self, folder, *options):
         self.folder = folder
         self._process = subprocess.Popen(
             [PROGRAM, "studio", folder.name, "--no-browser", "--json", *options],
@@ -43,21 +41,18 @@ class Server:
             stderr=subprocess.PIPE,
             text=True,
         )
-        assert self._process.stdout is not None
         text = ""
         while not text.endswith("}\n"):
             line = self._process.stdout.readline()
             assert line, self._process.stderr and self._process.stderr.read()
             text += line
-        self.address: str = json.loads(text)["address"]
+        self.address = json.loads(text)["address"]
         parts = urlsplit(self.address)
         assert parts.hostname and parts.port
         self.host, self.port, self.token = parts.hostname, parts.port, parts.path.strip("/")
         self.pid = self._process.pid
 
-    def send(
-        self, method: str, path: str, body: bytes | None = None, **headers: str
-    ) -> tuple[int, dict[str, str], bytes]:
+    def send(self, method, path, body=None, **headers):
         """Send a request as it is, also one that no browser would send; return status, headers and body."""
         connection = http.client.HTTPConnection(self.host, self.port, timeout=WAIT_S)
         named = {name.replace("_", "-"): value for name, value in headers.items()}
@@ -68,7 +63,7 @@ class Server:
         finally:
             connection.close()
 
-    def ask(self, path: str, document: Any = None, status: int = 200) -> Any:
+    def ask(self, path, document=None, status=200):
         """Return the document that the server answers with."""
         body = None if document is None else json.dumps(document).encode()
         kind = {} if body is None else {"content_type": "application/json"}
@@ -77,23 +72,23 @@ class Server:
         assert found == status, answer
         return json.loads(answer)
 
-    def perform(self, path: str, document: Any) -> Any:
+    def perform(self, path, document):
         """Return the result of a task."""
         task = self.ask(path, document)["task"]
         state = wait_until_true(lambda: (found := self.ask(f"api/tasks/{task}"))["is_over"] and found)
         assert state["errors"] == []
         return state["result"]
 
-    def wait_until(self, run: str, *states: str) -> Any:
+    def wait_until(self, run, *states):
         """Return the status of a run once it is in one of some states."""
         return wait_until_true(lambda: (s := self.ask(f"api/runs/{run}/status"))["state"] in states and s)
 
-    def kill(self) -> None:
+    def kill(self):
         """End the server as a crash would."""
         self._process.kill()
         self.join()
 
-    def stop(self) -> None:
+    def stop(self):
         """End the server as Ctrl-C does."""
         if self._process.poll() is None:
             self._process.send_signal(signal.SIGINT)
@@ -103,7 +98,7 @@ class Server:
                 self._process.kill()
         self.join()
 
-    def join(self) -> None:
+    def join(self):
         """Wait for the process, and close its pipes."""
         self._process.wait()
         for pipe in (self._process.stdout, self._process.stderr):
@@ -111,7 +106,7 @@ class Server:
                 pipe.close()
 
 
-def wait_until_true(find: Callable[[], Any], seconds: float = WAIT_S) -> Any:
+def wait_until_true(find, seconds=WAIT_S):
     """Return what a function finds once it is true."""
     end = time.monotonic() + seconds
     while True:
@@ -126,7 +121,7 @@ def wait_until_true(find: Callable[[], Any], seconds: float = WAIT_S) -> Any:
         time.sleep(0.1)
 
 
-def read_count(run: Path) -> int:
+def read_count(run):
     connection = sqlite3.connect(f"{(run / 'run.db').resolve().as_uri()}?mode=ro", uri=True)
     try:
         return int(connection.execute("SELECT COUNT(*) FROM evaluation").fetchone()[0])
@@ -134,7 +129,7 @@ def read_count(run: Path) -> int:
         connection.close()
 
 
-def pause_searches(folder: Path) -> None:
+def pause_searches(folder):
     """Let no search outlive its test."""
     from driftform.runs.directory import is_worked_on
 
@@ -147,17 +142,17 @@ def pause_searches(folder: Path) -> None:
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
+def folder(tmp_path):
     yield tmp_path / "runs"
     pause_searches(tmp_path / "runs")
 
 
 @pytest.fixture
-def serve(folder: Path) -> Iterator[Callable[..., Server]]:
+def serve(folder):
     """Start servers for the folder of the test."""
-    servers: list[Server] = []
+    servers = []
 
-    def start(*options: str) -> Server:
+    def start(*options):
         servers.append(Server(folder, *options))
         return servers[-1]
 
@@ -167,7 +162,7 @@ def serve(folder: Path) -> Iterator[Callable[..., Server]]:
 
 
 @pytest.fixture(scope="session")
-def finished_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def finished_folder(tmp_path_factory):
     """A folder with one finished run, ``small``, that the command line made."""
     folder = tmp_path_factory.mktemp("studio") / "runs"
     folder.mkdir()
@@ -180,7 +175,7 @@ def finished_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def finished(finished_folder: Path) -> Iterator[Server]:
+def finished(finished_folder):
     """A server for that folder; its run is not changed, but picks and reports are added."""
     server = Server(finished_folder)
     yield server
@@ -188,7 +183,7 @@ def finished(finished_folder: Path) -> Iterator[Server]:
 
 
 @pytest.fixture(scope="session")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+def browser(tmp_path_factory):
     """Headless Chromium that reaches this machine only."""
     downloads = tmp_path_factory.mktemp("downloads")
     driver = start_chromium(
@@ -205,31 +200,31 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 
 
 @pytest.fixture
-def wait_for() -> Callable[..., Any]:
+def wait_for():
     """Wait until a function finds something, and return it."""
     return wait_until_true
 
 
 @pytest.fixture
-def count_evaluations() -> Callable[[Path], int]:
+def count_evaluations():
     """Count the evaluations that a run has stored."""
     return read_count
 
 
 @pytest.fixture
-def draft() -> dict[str, Any]:
+def draft():
     """A search of a few seconds."""
     return DRAFT
 
 
 @pytest.fixture
-def long_draft() -> dict[str, Any]:
+def long_draft():
     """A search that nobody waits for."""
     return {**DRAFT, "run": {"evaluations": 100_000, "seed": 5}}
 
 
 @pytest.fixture
-def terminal_search(folder: Path, long_draft: dict[str, Any]) -> Iterator[subprocess.Popen[bytes]]:
+def terminal_search(folder, long_draft):
     """A search that the command line began: the run ``mine``, which exists once the test begins."""
     import tomli_w
 
@@ -246,6 +241,6 @@ def terminal_search(folder: Path, long_draft: dict[str, Any]) -> Iterator[subpro
 
 
 @pytest.fixture
-def program() -> Path:
+def program():
     """The command line."""
     return PROGRAM

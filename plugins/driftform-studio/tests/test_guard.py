@@ -172,7 +172,7 @@ def test_a_report_is_shown_in_a_sandbox_and_a_foreign_one_is_not(finished, finis
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no modes of files")
-def test_the_token_is_for_the_owner_alone_and_holds_when_the_server_is_started_again(serve, folder: Path):
+def test_the_token_is_for_the_owner_alone_and_holds_when_the_server_is_started_again(serve, folder):
     first = serve()
     file = folder / ".studio"
     assert file.stat().st_mode & 0o077 == 0
@@ -200,7 +200,6 @@ def test_no_command_line_holds_the_token(folder, tmp_path, program, wait_for):
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, text=True, env={**os.environ, "BROWSER": f"{browser} %s"}
     ) as server:
-        assert server.stdout is not None
         text = ""
         while not text.endswith("}\n"):
             text += server.stdout.readline()

@@ -15,7 +15,7 @@ PAGE = Path(__file__).parents[3] / "docs" / "validation.md"
 REQUESTS, DESIGNS = 2000, 20
 
 
-def measure(pid: int) -> tuple[float, int, int]:
+def measure(pid):
     """Return memory, MB, and the numbers of open descriptors and of threads of a process."""
     status = Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
     memory, threads = (int(re.search(rf"{name}:\s+(\d+)", status)[1]) for name in ("VmRSS", "Threads"))

@@ -8,7 +8,6 @@ import pytest
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
-from driftform.types import FloatArray
 from driftform.util import progress
 from driftform.water.parts.tee_wall import UPSTREAM, Junction
 from driftform_tees import solve
@@ -21,14 +20,14 @@ CENTRES = np.arange(-1.0, 3.0)
 LINEAR = np.array([1.0, -2.0, 0.5])
 
 
-def linear_coefficients(slope: FloatArray) -> FloatArray:
+def linear_coefficients(slope):
     """Coefficients of slope . x in a cell: its values at the centres of the splines, as for all linear functions, (64,)."""
     x, y, z = np.meshgrid(CENTRES, CENTRES, CENTRES, indexing="ij")
     return np.asarray(slope[0] * x + slope[1] * y + slope[2] * z).ravel()
 
 
 @pytest.mark.parametrize("u", [0.0, 0.2, 0.5, 0.9, 1.0])
-def test_the_splines_of_a_cell_are_those_of_scipy(u: float) -> None:
+def test_the_splines_of_a_cell_are_those_of_scipy(u):
     values, slopes = np.empty(4), np.empty(4)
     spline_values(u, values, slopes)
     for k in range(4):
@@ -38,7 +37,7 @@ def test_the_splines_of_a_cell_are_those_of_scipy(u: float) -> None:
         assert slopes[k] == pytest.approx(float(spline.derivative()(at)), abs=1e-10)
 
 
-def test_a_linear_potential_has_its_values_and_its_gradient_everywhere() -> None:
+def test_a_linear_potential_has_its_values_and_its_gradient_everywhere():
     points = np.random.default_rng(0).uniform(0, 1, (20, 3))
     corner, width, c = np.array([2.0, -1.0, 4.0]), 0.25, linear_coefficients(LINEAR)
     placed = corner + width * points
@@ -47,7 +46,7 @@ def test_a_linear_potential_has_its_values_and_its_gradient_everywhere() -> None
     assert gradients == pytest.approx(np.tile(LINEAR / width, (20, 1)))
 
 
-def test_the_energy_of_a_cell_of_water_is_the_integral_of_the_squared_velocity() -> None:
+def test_the_energy_of_a_cell_of_water_is_the_integral_of_the_squared_velocity():
     K, c = solve._whole_stiffness(), linear_coefficients(LINEAR)
     assert c @ K @ c == pytest.approx(LINEAR @ LINEAR)
     # x^2 has the coefficients (i - 1/3) for splines at the centres, and the integral of (2 x)^2 over 0 to 1 is 4/3.
@@ -56,7 +55,7 @@ def test_the_energy_of_a_cell_of_water_is_the_integral_of_the_squared_velocity()
 
 
 @pytest.mark.long
-def test_the_cells_across_a_straight_bore_add_up_to_its_volume_and_its_wall() -> None:
+def test_the_cells_across_a_straight_bore_add_up_to_its_volume_and_its_wall():
     junction = Junction(0.5, math.pi / 2, 0.1)
     wall, width, parts = junction.array(), 0.25, 4
     nodes, weights = solve._gauss(4)
@@ -77,7 +76,7 @@ def test_the_cells_across_a_straight_bore_add_up_to_its_volume_and_its_wall() ->
     assert rim[:, 3:6] == pytest.approx(rim[:, :3] * [0.0, 1.0, 1.0], abs=1e-9)
 
 
-def test_points_of_an_end_integrate_over_half_a_disc() -> None:
+def test_points_of_an_end_integrate_over_half_a_disc():
     for angle in (90, 50):
         junction = Junction(0.5, math.radians(angle), 0.1)
         for points, radius in zip(solve._end_points(junction.array()), (1.0, 1.0, 0.5), strict=True):
@@ -90,13 +89,13 @@ def test_points_of_an_end_integrate_over_half_a_disc() -> None:
             assert weight @ away / weight.sum() == pytest.approx(radius**2 / 2, rel=1e-6)
 
 
-def test_finer_grids_continue_a_linear_potential() -> None:
+def test_finer_grids_continue_a_linear_potential():
     """A box whose middle is refined twice: with linear degrees of freedom, all levels have the linear coefficients."""
 
-    def touches(centres: FloatArray, width: float) -> np.ndarray:
+    def touches(centres, width):
         return np.asarray(((centres > 0.0) & (centres < 8.0)).all(axis=1))
 
-    def refine(centres: FloatArray, width: float) -> np.ndarray:
+    def refine(centres, width):
         return np.asarray((np.abs(centres - 4.0) < 1.0).all(axis=1) & (width > 0.3))
 
     levels = build_levels(1.0, np.zeros(3, dtype=np.int64), (8, 8, 8), touches, refine)
@@ -114,7 +113,7 @@ def test_finer_grids_continue_a_linear_potential() -> None:
         assert (matrix @ unknowns)[needed] == pytest.approx(place[needed])
 
 
-def test_the_linear_system_of_a_chain_of_resistors_has_the_voltages_of_ohm() -> None:
+def test_the_linear_system_of_a_chain_of_resistors_has_the_voltages_of_ohm():
     ohms = np.random.default_rng(2).uniform(0.5, 2.0, 30)
     ends = np.zeros((31, 30))
     ends[np.arange(30), np.arange(30)], ends[np.arange(1, 31), np.arange(30)] = -1.0, 1.0
@@ -142,7 +141,7 @@ def test_progress_of_a_tee_grows_to_the_whole_and_changes_nothing(monkeypatch):
 
 
 @pytest.mark.long
-def test_the_matrices_of_cut_cells_have_no_energy_for_water_at_rest() -> None:
+def test_the_matrices_of_cut_cells_have_no_energy_for_water_at_rest():
     junction = Junction(0.5, math.pi / 2, 0.1)
     level, wall = solve.make_levels(junction)[0], junction.array()
     corners = (np.argwhere(level.leaves) + level.low) * level.width

@@ -1,17 +1,12 @@
 """``driftform export-flow``: the current of a study as a file, and what is refused."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-Call = Callable[..., Any]
-Refused = Callable[..., str]
 
-
-def test_the_file_that_was_told_of_is_there_and_can_be_flown_in(call: Call) -> None:
+def test_the_file_that_was_told_of_is_there_and_can_be_flown_in(call):
     result = call("export-flow", "paper", "--spacing", "0.25", "--out", "c.csv", "--json")
     assert result.exit_code == 0, result.stderr
     told = json.loads(result.stdout)
@@ -23,7 +18,7 @@ def test_the_file_that_was_told_of_is_there_and_can_be_flown_in(call: Call) -> N
     assert checked.exit_code == 0, checked.stderr
 
 
-def test_gusts_that_are_left_out_are_told_of(call: Call) -> None:
+def test_gusts_that_are_left_out_are_told_of(call):
     flow = "flow={kind='turbulent',speed=1.0}"
     result = call("export-flow", "paper", "--spacing", "0.4", "--set", flow, "--out", "c.csv")
     assert result.exit_code == 0, result.stderr
@@ -36,9 +31,10 @@ def test_gusts_that_are_left_out_are_told_of(call: Call) -> None:
     [
         (("paper", "--out", "c.vtk"), "choose a name that ends in .csv"),
         (("paper", "--spacing", "3"), "choose at most 0.5 m"),
+        (("paper", "--spacing", "0"), "must be positive"),
         (("t-junction", "--spacing", "0.001"), "choose at least"),
     ],
 )
-def test_what_cannot_be_written_is_refused(arguments: tuple[str, ...], words: str, refused: Refused) -> None:
+def test_what_cannot_be_written_is_refused(arguments, words, refused):
     assert words in refused("export-flow", *arguments)
     assert not list(Path().glob("*.csv"))

@@ -21,12 +21,12 @@ LEG = 2.0
 """Radii beyond the rounded edge at which the parts of a pipe end."""
 
 
-def make_field(junction: Junction, share: float) -> np.ndarray:
+def make_field(junction, share):
     """The flow at a mean speed of 1 m/s through a run of 1 m radius."""
     return tee_field(1.0, junction.branch, junction.angle, junction.fillet, math.pi * (1 - share), math.pi * share)
 
 
-def end_planes(junction: Junction) -> tuple[float, float, float]:
+def end_planes(junction):
     """x of the inlet and of the outlet of the part, and the end of its branch from the origin, m."""
     c, s, f = math.cos(junction.angle), math.sin(junction.angle), junction.fillet
     rho = junction.branch + f
@@ -34,7 +34,7 @@ def end_planes(junction: Junction) -> tuple[float, float, float]:
 
 
 @cache
-def water_points(junction: Junction, count: int = 400) -> np.ndarray:
+def water_points(junction, count=400):
     """Random points of the water, half of them near the rounded edge."""
     rng, wall, found = np.random.default_rng(5), junction.array(), []
     left, right, end = end_planes(junction)
@@ -47,7 +47,7 @@ def water_points(junction: Junction, count: int = 400) -> np.ndarray:
     return np.array(found)
 
 
-def draw_disc(count: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+def draw_disc(count, seed=0):
     """Points and weights of Gauss's rule over a unit disc."""
     nodes, weights = np.polynomial.legendre.leggauss(count)
     angle = 2 * np.pi * np.arange(4 * count) / (4 * count)
@@ -57,7 +57,7 @@ def draw_disc(count: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
 
 
 @compiled
-def advance(x: tuple[float, float, float], step: float, field: np.ndarray) -> tuple[float, float, float]:
+def advance(x, step, field):
     """One step of Runge and Kutta's classical method of about this length, m."""
     v, _ = tee_motion(x, field)
     h = step / max(0.2, math.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2))
@@ -72,9 +72,7 @@ def advance(x: tuple[float, float, float], step: float, field: np.ndarray) -> tu
 
 
 @compiled
-def enters_branch(
-    y: float, z: float, start: float, outlet: float, end: float, cosine: float, sine: float, field: np.ndarray
-) -> bool:
+def enters_branch(y, z, start, outlet, end, cosine, sine, field):
     """Return True if a tracer that starts at y, z of the inlet leaves by the branch."""
     x = (start, y, z)
     for _ in range(30_000):
@@ -86,7 +84,7 @@ def enters_branch(
     return False
 
 
-def branch_share(junction: Junction, share: float, lines: int = 24) -> float:
+def branch_share(junction, share, lines=24):
     """The share of the inlet's flux whose tracers leave by the branch, by the surface that divides them."""
     field = make_field(junction, share)
     start, outlet, end = end_planes(junction)
@@ -110,14 +108,14 @@ def branch_share(junction: Junction, share: float, lines: int = 24) -> float:
 @pytest.mark.long
 @pytest.mark.parametrize("junction", SHAPES)
 @pytest.mark.parametrize("share", SHARES)
-def test_tracers_enter_the_branch_in_the_ratio_of_the_fluxes(junction: Junction, share: float) -> None:
+def test_tracers_enter_the_branch_in_the_ratio_of_the_fluxes(junction, share):
     off = 0.2 if junction.branch >= 0.5 else 0.35
     assert 100 * branch_share(junction, share) == pytest.approx(100 * share, abs=off)
 
 
 @pytest.mark.parametrize("junction", SHAPES)
 @pytest.mark.parametrize("share", (0.0, *SHARES))
-def test_the_wall_leaks_less_than_two_thousandths_of_the_mean_speed(junction: Junction, share: float) -> None:
+def test_the_wall_leaks_less_than_two_thousandths_of_the_mean_speed(junction, share):
     # The root mean square over the walls of both legs, relative to the mean speed at the inlet; of narrower branches than half of
     # the run, which may have many times its speed, to a quarter of the mean speed there if that is more.
     wall, field, most = junction.array(), make_field(junction, share), max(1.0, share / (2 * junction.branch) ** 2)
@@ -149,12 +147,12 @@ def test_the_wall_leaks_less_than_two_thousandths_of_the_mean_speed(junction: Ju
 
 @pytest.mark.parametrize("junction", SHAPES)
 @pytest.mark.parametrize("share", (0.0, 0.3, 1.0))
-def test_the_flux_is_that_of_each_leg_at_every_section(junction: Junction, share: float) -> None:
+def test_the_flux_is_that_of_each_leg_at_every_section(junction, share):
     field, (disc, weight) = make_field(junction, share), draw_disc(24)
     left, right, end = end_planes(junction)
     c, s, r = math.cos(junction.angle), math.sin(junction.angle), junction.branch
 
-    def run_flux(x: float) -> float:
+    def run_flux(x):
         return float(sum(w * tee_motion((x, y, z), field)[0][0] for (y, z), w in zip(disc, weight, strict=True)))
 
     # Cells of 0.37, those of the branch of 0.7, resolve less than those of 0.27.
@@ -172,7 +170,7 @@ def test_the_flux_is_that_of_each_leg_at_every_section(junction: Junction, share
 
 
 @pytest.mark.parametrize("junction", SHAPES)
-def test_the_velocity_at_the_centre_of_a_sphere_is_its_mean_over_the_sphere(junction: Junction) -> None:
+def test_the_velocity_at_the_centre_of_a_sphere_is_its_mean_over_the_sphere(junction):
     field, wall = make_field(junction, 0.4), junction.array()
     rng = np.random.default_rng(0)
     # 14 points that integrate polynomials of degree 5 (Abramowitz and Stegun, 25.4.65, with the product rule of the cube).
@@ -187,7 +185,7 @@ def test_the_velocity_at_the_centre_of_a_sphere_is_its_mean_over_the_sphere(junc
 
 
 @pytest.mark.parametrize("junction", SHAPES)
-def test_the_gradient_is_that_of_the_velocity_symmetric_and_almost_without_trace(junction: Junction) -> None:
+def test_the_gradient_is_that_of_the_velocity_symmetric_and_almost_without_trace(junction):
     field, h = make_field(junction, 0.4), 1e-5
     traces, sizes = [], []
     for point in water_points(junction):
@@ -206,12 +204,12 @@ def test_the_gradient_is_that_of_the_velocity_symmetric_and_almost_without_trace
 
 
 @pytest.mark.parametrize("junction", SHAPES)
-def test_the_flow_decays_to_plug_flow_as_the_slowest_mode_of_a_pipe(junction: Junction) -> None:
+def test_the_flow_decays_to_plug_flow_as_the_slowest_mode_of_a_pipe(junction):
     # J_1'(1.8412) = 0 and J_2'(3.0542) = 0: Abramowitz and Stegun, table 9.5. Near the tee the second mode takes part.
     field, (disc, _) = make_field(junction, 0.4), draw_disc(6)
     left, right, _ = end_planes(junction)
 
-    def deviation(x: float, mean: float) -> float:
+    def deviation(x, mean):
         return max(float(np.linalg.norm(np.subtract(tee_motion((x, y, z), field)[0], (mean, 0, 0)))) for y, z in disc)
 
     upstream = [deviation(left + d, 1.0) for d in (1.0, 0.5)]
@@ -224,9 +222,7 @@ def test_the_flow_decays_to_plug_flow_as_the_slowest_mode_of_a_pipe(junction: Ju
 @given(number=st.integers(0, len(JUNCTIONS) - 1), place=st.tuples(*[st.floats(-1.0, 1.0)] * 3), share=st.floats(0, 1))
 @example(number=0, place=(-1.0, 0.0, 1.0), share=0.0)
 @example(number=2, place=(0.0, 1.0, 0.0), share=0.0)
-def test_the_velocity_is_finite_and_continuous_in_the_wall_and_beyond_the_ends(
-    number: int, place: tuple[float, float, float], share: float
-) -> None:
+def test_the_velocity_is_finite_and_continuous_in_the_wall_and_beyond_the_ends(number, place, share):
     field = make_field(JUNCTIONS[number], 0.3)
     point = np.array(place) * [8, 1.5, 8]
     velocity, gradient = tee_motion(tuple(point), field)
@@ -237,11 +233,11 @@ def test_the_velocity_is_finite_and_continuous_in_the_wall_and_beyond_the_ends(
         assert np.abs(np.subtract(beside, velocity)).max() < 1e-4
 
 
-def test_the_flows_of_usual_shapes_come_with_driftform() -> None:
+def test_the_flows_of_usual_shapes_come_with_driftform():
     assert all((PACKAGED / file_name(shape)).is_file() for shape in SHAPES)
 
 
-def test_a_branch_that_points_upstream_is_the_mirror_image_of_a_reversed_flow() -> None:
+def test_a_branch_that_points_upstream_is_the_mirror_image_of_a_reversed_flow():
     behind = tee_field(0.1, 0.05, math.radians(120), 0.01, 0.002, 0.001)
     # 3 l/s enter the mirror image where its run would end; 2 leave where it would begin.
     image = tee_field(0.1, 0.05, math.radians(60), 0.01, -0.003, 0.001)
@@ -250,7 +246,7 @@ def test_a_branch_that_points_upstream_is_the_mirror_image_of_a_reversed_flow() 
         assert tee_motion((-x, y, z), behind)[0] == pytest.approx((-u, v, w), abs=1e-12)
 
 
-def test_the_speed_scales_with_the_flow_and_the_field_with_the_radius() -> None:
+def test_the_speed_scales_with_the_flow_and_the_field_with_the_radius():
     small = tee_field(0.1, 0.05, math.pi / 2, 0.01, 0.002, 0.001)
     large = tee_field(1.0, 0.5, math.pi / 2, 0.1, 0.2, 0.1)
     for x, y, z in water_points(JUNCTIONS[1], 20):
@@ -261,7 +257,7 @@ def test_the_speed_scales_with_the_flow_and_the_field_with_the_radius() -> None:
 
 
 @pytest.mark.parametrize("shares, lightest", [(0.05, 0.0067), (0.1, 0.0187), (0.2, 0.052), (0.3, 0.094)])
-def test_a_small_share_of_the_water_comes_from_near_the_wall(shares: float, lightest: float) -> None:
+def test_a_small_share_of_the_water_comes_from_near_the_wall(shares, lightest):
     # A sphere of ``shares`` times the radius of the run, with its centre that far from the wall, cannot enter while
     # the branch takes less water than flows past between the centre and the wall (flat dividing surface).
     junction = JUNCTIONS[1]
@@ -281,6 +277,6 @@ def test_a_small_share_of_the_water_comes_from_near_the_wall(shares: float, ligh
         ((1.0, 0.5, 1.5, 0.0), "sharp edge"),
     ],
 )
-def test_shapes_without_a_known_flow_are_refused(shape: tuple[float, ...], words: str) -> None:
+def test_shapes_without_a_known_flow_are_refused(shape, words):
     with pytest.raises(ValueError, match=words):
         tee_field(*shape, 1.0, 0.0)

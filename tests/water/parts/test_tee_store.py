@@ -1,7 +1,6 @@
 """Solved tees on disk: those of a new shape are solved once, and nothing is charged for it."""
 
 import math
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -21,12 +20,12 @@ SHAPE = Junction(0.4, math.radians(75), 0.08)
 
 
 @pytest.fixture
-def solved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[Junction]:
+def solved(tmp_path, monkeypatch):
     """The shapes that are solved, each by the potentials of another one, in a cache that begins empty."""
     monkeypatch.setenv(CACHE_VARIABLE, str(tmp_path / "cache"))
     known, shapes = load_tee(store.JUNCTIONS[0]), []
 
-    def compute(junction: Junction) -> store.TeePotentials:
+    def compute(junction):
         shapes.append(junction)
         return known
 
@@ -35,7 +34,7 @@ def solved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[Junction]:
     return shapes
 
 
-def test_a_tee_of_a_new_shape_is_solved_once_and_then_read(solved: list[Junction]) -> None:
+def test_a_tee_of_a_new_shape_is_solved_once_and_then_read(solved):
     first = load_tee(SHAPE)
     load_tee.cache_clear()
     again = load_tee(SHAPE)
@@ -44,9 +43,7 @@ def test_a_tee_of_a_new_shape_is_solved_once_and_then_read(solved: list[Junction
 
 
 @pytest.mark.parametrize("damage", [b"", b"text", b"PK\x03\x04" + bytes(200)])
-def test_a_damaged_file_in_the_cache_is_made_again_with_one_line(
-    solved: list[Junction], capsys: pytest.CaptureFixture[str], damage: bytes
-) -> None:
+def test_a_damaged_file_in_the_cache_is_made_again_with_one_line(solved, capsys, damage):
     first = load_tee(SHAPE)
     [file] = store.cache_folder().glob("*.npz")
     sound = file.read_bytes()
@@ -59,10 +56,8 @@ def test_a_damaged_file_in_the_cache_is_made_again_with_one_line(
     assert solved == [SHAPE] * 4
 
 
-def test_the_clock_of_an_evaluation_stops_while_a_tee_is_solved(
-    solved: list[Junction], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    reports: list[tuple[bool, int]] = []
+def test_the_clock_of_an_evaluation_stops_while_a_tee_is_solved(solved, monkeypatch):
+    reports = []
     monkeypatch.setattr(preparation, "_report", lambda begins: reports.append((begins, len(solved))))
     load_tee(SHAPE)
     load_tee(store.JUNCTIONS[1])
@@ -70,7 +65,7 @@ def test_the_clock_of_an_evaluation_stops_while_a_tee_is_solved(
 
 
 @pytest.mark.usefixtures("fakes")
-def test_a_search_solves_the_tees_of_its_pipe_before_its_first_flight(solved: list[Junction], tmp_path: Path) -> None:
+def test_a_search_solves_the_tees_of_its_pipe_before_its_first_flight(solved, tmp_path):
     study = load_study(
         "t-junction",
         ["pipe.parts.3.fillet=0.012", "robustness.conditions=0"],

@@ -18,7 +18,7 @@ JUNCTIONS = [
 ]
 
 
-def near_wall(junction: Junction, seed: int) -> np.ndarray:
+def near_wall(junction, seed):
     """A point within two fillets of the rounded edge, or of one of the bores beyond it."""
     rng = np.random.default_rng(seed)
     centre = np.array(edge_point(rng.uniform(0, math.pi), junction.array(), 0)[0])
@@ -29,7 +29,7 @@ def near_wall(junction: Junction, seed: int) -> np.ndarray:
 @pytest.mark.parametrize("junction", JUNCTIONS)
 @settings(max_examples=200)
 @given(seed=st.integers(0, 2**32))
-def test_the_level_is_a_distance(junction: Junction, seed: int) -> None:
+def test_the_level_is_a_distance(junction, seed):
     point, wall, h = near_wall(junction, seed), junction.array(), 1e-6
     level, normal = wall_level(*point, wall)
     if abs(level) > 0.3 * junction.fillet:
