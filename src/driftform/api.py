@@ -26,9 +26,9 @@ from driftform.runs.tables import evaluation_batches, write_tables
 from driftform.runs.wording import is_promised, list_cells, list_headings
 from driftform.search.advance import Observer, advance_run, find_best, list_best, search_run
 from driftform.search.finalists import find_winner
-from driftform.search.jobs import Executor
 from driftform.search.local import InProcess, LocalProcesses
 from driftform.search.picking import pick_agent, write_pick
+from driftform.search.pool import Executor
 from driftform.search.report.page import write_report
 from driftform.search.results import map_run
 from driftform.study import Study, study

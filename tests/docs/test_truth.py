@@ -10,17 +10,13 @@ import pytest
 import typer
 
 from driftform.cli.app import app
-from driftform.plugins import hookspecs
+from driftform.plugins.hookspecs import HOOKS
 from driftform.water import Fluid
 from driftform.water.flow import FLOWS
 
 ROOT = Path(__file__).parents[2]
 SOURCE = re.compile(r"(?<![\w/(])(?:src|plugins|tests)/[\w./-]*\w")
 COMMAND = re.compile(r"^(?:\$ )?(?:uv run )?(driftform(?: .*)?)$")
-
-
-def hooks() -> list[str]:
-    return [name for name in vars(hookspecs) if name.startswith("driftform_")]
 
 
 def command_lines(pages: dict[str, str], blocks: list[Any]) -> list[tuple[str, str]]:
@@ -122,7 +118,7 @@ def test_every_page_is_in_the_index(pages: dict[str, str]) -> None:
 
 @pytest.mark.parametrize("page", ["dataflow.md", "write-a-plugin.md"])
 def test_every_hook_is_documented(page: str, pages: dict[str, str]) -> None:
-    assert [hook for hook in hooks() if f"`{hook}`" not in pages[page]] == []
+    assert [hook for hook in HOOKS if f"`{hook}`" not in pages[page]] == []
 
 
 @pytest.mark.peers
@@ -143,7 +139,7 @@ def test_no_page_names_a_hook_that_is_not(pages: dict[str, str]) -> None:
     for name, text in pages.items():
         seams = re.findall(r"`driftform_([a-z]+)`", text)
         packages = {"lsystem", "frusta", "striptheory", "exudyn", "networks", "paper", "dwell"}
-        assert {f"driftform_{s}" for s in seams if s not in packages} <= set(hooks()), name
+        assert {f"driftform_{s}" for s in seams if s not in packages} <= set(HOOKS), name
 
 
 def test_no_page_holds_a_path_of_a_machine(pages: dict[str, str]) -> None:

@@ -184,17 +184,6 @@ def test_a_hook_may_return_several_classes(install):
     assert {"one", "two"} <= {r.name for r in install(ext_several=several).seam("fitness")}
 
 
-def test_every_seam_has_its_hook():
-    from driftform.plugins import hookspecs
-
-    assert {name for name in dir(hookspecs) if name.startswith("driftform_")} == {
-        *(f"driftform_{seam}" for seam in SEAMS),
-        "driftform_commands",
-        "driftform_report",
-        "driftform_scenarios",
-    }
-
-
 OPTIONS = """
 from driftform import hookimpl
 

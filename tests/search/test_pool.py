@@ -9,7 +9,7 @@ import pytest
 
 from driftform.errors import InputError
 from driftform.search.jobs import ATTEMPTS, KILLS, STARTS, Cause, Job, Outcome, WorkerDiedError, WorkersLostError
-from driftform.search.pool import PoolExecutor
+from driftform.search.pool import Executor
 from driftform.types import Evaluation, Genome
 
 CRASH, KILL = WorkerDiedError(Cause.CRASH, "SIGSEGV"), WorkerDiedError(Cause.KILL, "SIGKILL")
@@ -17,20 +17,19 @@ OUTSIDE = "from outside or for want of memory"
 START, TIMEOUT = WorkerDiedError(Cause.START, "exit code 3"), WorkerDiedError(Cause.TIMEOUT)
 
 
-class FakePool(PoolExecutor):
+class FakePool(Executor):
     """One process: each poll ends its first task as the script says, or by success at the end of the script."""
 
     processes = 1
 
     def __init__(self, *script: Exception | None) -> None:
-        super().__init__({"targets": {"A": []}, "run": {"evaluation_timeout": 7.0}})
+        super().__init__(1, 7.0)
         self._script = deque(script)
         self._tasks: deque[tuple[Future[list[Outcome]], Sequence[Job]]] = deque()
         self.seen: list[list[list[int]]] = []
         """Before each end, the jobs of each task."""
 
-    def _submit(self, function):
-        _, batch = function.args
+    def _submit(self, function, batch):
         self._tasks.append((Future(), batch))
         return self._tasks[-1][0]
 
@@ -44,11 +43,6 @@ class FakePool(PoolExecutor):
         future.set_exception(error)
         while self._tasks and isinstance(error, WorkerDiedError):
             self._tasks.popleft()[0].set_exception(WorkerDiedError(Cause.NONE))
-
-    def call(self, functions):
-        return [function() for function in functions]
-
-    def close(self) -> None: ...
 
 
 def jobs_of(name: str, count: int) -> list[Job]:
@@ -140,7 +134,7 @@ def test_a_call_that_was_given_up_does_not_disturb_the_next() -> None:
 class Dying(FakePool):
     """Each call ends at once, as the script says."""
 
-    def _submit(self, function):
+    def _submit(self, function, *_):
         self.seen.append(function)
         future: Future[str] = Future()
         error = self._script.popleft() if self._script else None

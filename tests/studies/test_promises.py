@@ -22,9 +22,10 @@ from driftform.runs.misses import PROMISED, estimate_quantile
 from driftform.runs.store import Store
 from driftform.runs.wording import KEPT
 from driftform.search.finalists import find_winner, fly_finalists
-from driftform.search.jobs import Executor, Job
+from driftform.search.jobs import Job
 from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
+from driftform.search.pool import Executor
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
 from driftform.water import Scenario

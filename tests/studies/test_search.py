@@ -13,9 +13,9 @@ import pytest
 
 from driftform.motion.path.targets import farthest_distances
 from driftform.runs.store import Store
-from driftform.search.jobs import Executor
 from driftform.search.local import LocalProcesses
 from driftform.search.loop import run_search
+from driftform.search.pool import Executor
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
 

@@ -10,7 +10,7 @@ import typer
 
 if TYPE_CHECKING:
     from driftform.runs.run import StoredRun
-    from driftform.search.jobs import Executor
+    from driftform.search.pool import Executor
     from driftform.search.results import Best
 
 

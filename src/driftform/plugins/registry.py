@@ -13,9 +13,9 @@ from pydantic import ValidationError
 
 from driftform.errors import InputError, WorkFailedError, describe_error, did_you_mean
 from driftform.interfaces import SEAMS, Plugin
-from driftform.plugins import hookspecs
 from driftform.plugins.discovery import PluginModule, find_modules
 from driftform.plugins.faults import report_faults
+from driftform.plugins.hookspecs import HOOKS
 from driftform.util.options import Table, check_defaults
 
 
@@ -150,13 +150,12 @@ def registry() -> Registry:
 
 def _find_wrong_hooks(plugin: PluginModule) -> str:
     """Return why the module of a plugin is unavailable: by a hook that does not exist, or without any; ``""`` if it is not."""
-    hooks = [name for name in vars(hookspecs) if name.startswith("driftform_")]
     found = [name for name in dir(plugin.module) if plugin.find_hook(name) is not None]
-    if unknown := [name for name in found if name not in hooks]:
-        return f"unavailable: AttributeError: unknown hook {unknown[0]}{did_you_mean(unknown[0], hooks)}"
+    if unknown := [name for name in found if name not in HOOKS]:
+        return f"unavailable: AttributeError: unknown hook {unknown[0]}{did_you_mean(unknown[0], HOOKS)}"
     if found:
         return ""
-    unmarked = [name for name in dir(plugin.module) if name in hooks]
+    unmarked = [name for name in dir(plugin.module) if name in HOOKS]
     remedy = "it needs a function such as driftform_fitness() with @hookimpl above it"
     if unmarked:
         remedy = f"write @hookimpl above {unmarked[0]}()"

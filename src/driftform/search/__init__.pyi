@@ -1,4 +1,4 @@
 from .advance import Observer as Observer
 from .coverage import PipeGrid as PipeGrid
 from .executors import open_executor as open_executor
-from .jobs import Executor as Executor
+from .pool import Executor as Executor

@@ -13,8 +13,8 @@ from driftform.runs.store import Record, Store
 from driftform.runs.versions import find_versions
 from driftform.search.early_warnings import FIRST, warn_of_rest
 from driftform.search.finalists import find_best_agent, fly_finalists
-from driftform.search.jobs import Executor
 from driftform.search.loop import run_search
+from driftform.search.pool import Executor
 from driftform.search.results import Best, write_results
 from driftform.search.witness import find_difference
 from driftform.types import Evaluation

@@ -14,7 +14,8 @@ from driftform.pipeline import Pipeline
 from driftform.plugins.faults import CAUGHT
 from driftform.plugins.genome_text import write_genome
 from driftform.runs.store import Store
-from driftform.search.jobs import Executor, Job
+from driftform.search.jobs import Job
+from driftform.search.pool import Executor
 from driftform.study import Study
 from driftform.types import Genome
 from driftform.water.disturbances import Condition, Specimen

@@ -14,17 +14,18 @@ import sys
 import threading
 import time
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import closing, suppress
+from functools import partial
 from typing import Any
 
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
 from driftform.runs.versions import find_versions
 from driftform.search.jobs import Cause, T, WorkerDiedError, WorkersLostError
 from driftform.search.local import LocalProcesses
-from driftform.search.pool import POLL_S, PoolExecutor
-from driftform.search.worker import Worker, hold_back_interrupts
+from driftform.search.pool import POLL_S, Executor
+from driftform.search.worker import Worker, hold_back_interrupts, use_pipeline
 from driftform.study import Document, load_study
 from driftform.util.cores import count_cores
 
@@ -35,7 +36,7 @@ NOISY_LOGGERS = ("distributed", "tornado", "asyncio", "bokeh")
 """Loggers that are silenced: a run reports what matters of their messages itself."""
 
 
-class Cluster(PoolExecutor):
+class Cluster(Executor):
     """Evaluates on the workers of a Dask cluster."""
 
     def __init__(self, document: Mapping[str, Any], address: str) -> None:
@@ -43,7 +44,7 @@ class Cluster(PoolExecutor):
 
         Raises InputError if the extra ``dask`` is not installed, or no scheduler answers.
         """
-        super().__init__(document)
+        super().__init__(len(document["targets"]), float(document["run"]["evaluation_timeout"]))
         self._document, self._address = document, address
         self._study = zlib.compress(json.dumps(document).encode(), 9)
         self._versions = find_versions(document)
@@ -59,8 +60,9 @@ class Cluster(PoolExecutor):
             self.close()
             raise
 
-    def _submit(self, function: Callable[[], T]) -> "Future[T]":
-        future: Future[T] = self._tasks.submit(_call, self._study, self._versions, function)
+    def _submit(self, function: Callable[..., T], *args: Any) -> "Future[T]":
+        called = partial(use_pipeline, function, *args)
+        future: Future[T] = self._tasks.submit(_call, self._study, self._versions, called)
         return future
 
     def _find_error(self, future: "Future[Any]") -> BaseException | None:
@@ -97,10 +99,10 @@ class Cluster(PoolExecutor):
             join = f"dask worker {self._address} --nthreads 1"
             print(f"{self._address} has no worker; waiting for one: {join}", file=sys.stderr, flush=True)
 
-    def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
+    def call(self, functions: Sequence[Callable[[], T]]) -> Iterator[T]:
         """Call functions in processes on this machine, because the workers of the cluster may be on others."""
         with closing(LocalProcesses(self._document, min(len(functions), count_cores()))) as processes:
-            return processes.call(functions)
+            yield from processes.call(functions)
 
     def close(self) -> None:
         """Leave the cluster."""

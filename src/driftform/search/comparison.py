@@ -15,7 +15,7 @@ from driftform.figures.trend import Curve, choose_points
 from driftform.runs.run import StoredRun
 from driftform.runs.table_files import Column, write_csv
 from driftform.search.advance import Observer, advance_run, list_best, search_run
-from driftform.search.jobs import Executor
+from driftform.search.pool import Executor
 from driftform.study import Study
 from driftform.types import FloatArray
 from driftform.util.files import write_whole

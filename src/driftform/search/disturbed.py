@@ -7,8 +7,9 @@ import numpy as np
 
 from driftform.motion.path.targets import find_offsets
 from driftform.runs.store import DisturbedResult
-from driftform.search.jobs import Executor, Job
+from driftform.search.jobs import Job
 from driftform.search.journal import Journal
+from driftform.search.pool import Executor
 from driftform.study import Study
 from driftform.types import BoolArray, FloatArray, Genome
 from driftform.util.latest import keep_latest

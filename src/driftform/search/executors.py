@@ -2,16 +2,12 @@
 
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from typing import TYPE_CHECKING
 
 from driftform.errors import InputError
-from driftform.search.jobs import Executor
 from driftform.search.local import LocalProcesses
+from driftform.search.pool import Executor
 from driftform.study import Study
 from driftform.util.cores import count_cores
-
-if TYPE_CHECKING:
-    from driftform.search.cluster import Cluster
 
 
 @contextmanager
@@ -30,15 +26,12 @@ def open_executor(study: Study, scheduler: str | None = None, workers: int | Non
             f"--workers {workers}: a cluster has the workers that joined it; start more with: "
             f"dask worker {scheduler} --nthreads 1"
         )
-    with closing(_make_executor(study, scheduler, workers or count_cores())) as executor:
-        yield executor
-
-
-def _make_executor(study: Study, scheduler: str | None, workers: int) -> "LocalProcesses | Cluster":
+    executor: Executor
     if scheduler is None:
-        processes = LocalProcesses(study.document, workers)
-        processes.start(study.evaluations)
-        return processes
-    from driftform.search.cluster import Cluster
+        executor = LocalProcesses(study.document, workers or count_cores(), start=study.evaluations)
+    else:
+        from driftform.search.cluster import Cluster
 
-    return Cluster(study.document, scheduler)
+        executor = Cluster(study.document, scheduler)
+    with closing(executor):
+        yield executor

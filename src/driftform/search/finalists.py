@@ -21,8 +21,8 @@ from driftform.runs.store import Store
 from driftform.runs.wording import describe_result, name_verdict
 from driftform.search.baseline import Baseline, find_baselines, read_baselines
 from driftform.search.disturbed import draw_baseline, draw_rounds, fly_disturbed
-from driftform.search.jobs import Executor
 from driftform.search.journal import Journal
+from driftform.search.pool import Executor
 from driftform.search.survey import read_scores
 from driftform.study import Study
 from driftform.types import BoolArray, FloatArray, Genome, Verdict

@@ -1,17 +1,15 @@
 """The jobs and outcomes of an executor, and the number of genomes in one task."""
 
 import math
-from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from driftform.errors import WorkFailedError, describe_error
-from driftform.interfaces import Begin
 from driftform.pipeline import Pipeline
 from driftform.runs.compression import compress_evaluation
 from driftform.types import Evaluation, Genome
@@ -45,29 +43,6 @@ class Job:
 
 Outcome = tuple[int, Evaluation]
 """The index of a job, and its evaluation."""
-
-
-class Executor(Protocol):
-    """Evaluates jobs, in this process or in others."""
-
-    def evaluate(self, jobs: "Sequence[Job] | deque[Job]") -> Iterable[Sequence[Outcome]]:
-        """Yield one outcome for each job, in any order, in batches of any size.
-
-        Jobs may be added to a deque until the last outcome has arrived. Another call may begin before that.
-        """
-
-    def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
-        """Call functions on this machine, at the same time if possible; return what they return, in their order.
-
-        Raises FunctionDiedError if one of them ends its process.
-        """
-
-    @property
-    def begin(self) -> Begin | None:
-        """What begins a call in a worker for :meth:`driftform.interfaces.SearchSpace.begin`; ``None`` without workers.
-
-        What the function raises, the waiting raises.
-        """
 
 
 ATTEMPTS = 2
@@ -117,14 +92,6 @@ class WorkerDiedError(WorkFailedError):
 
     def __str__(self) -> str:
         return f"its process died ({self.detail})"
-
-
-class FunctionDiedError(WorkFailedError):
-    """A function ended its process each time it was called; ``index`` is its place among those that were called."""
-
-    def __init__(self, index: int, message: str) -> None:
-        super().__init__(message)
-        self.index = index
 
 
 def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:

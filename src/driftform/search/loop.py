@@ -14,8 +14,9 @@ from driftform.interfaces import Result, Strategy
 from driftform.plugins.faults import report_faults
 from driftform.plugins.seams import require_candidates, require_results
 from driftform.runs.store import Record, Store
-from driftform.search.jobs import Executor, Job
+from driftform.search.jobs import Job
 from driftform.search.journal import Journal
+from driftform.search.pool import Executor
 from driftform.search.survey import Survey
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation

@@ -5,7 +5,7 @@ limit no task's time, and leave their processes behind when the coordinator is k
 """
 
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from functools import partial
@@ -25,11 +25,7 @@ from driftform.search.jobs import (
     evaluate_batch,
     task_size,
 )
-from driftform.search.worker import use_pipeline
 from driftform.types import Evaluation
-
-TASKS_PER_PROCESS = 2
-"""Tasks submitted for each process: one running, and one ready to run next."""
 
 POLL_S = 2.0
 """Time between two polls of the workers while no task finishes, s."""
@@ -53,8 +49,8 @@ class _Task:
     deaths: Counter[Cause] = field(default_factory=Counter)
 
 
-class PoolExecutor:
-    """Evaluates in processes that share one queue: a base class.
+class Executor:
+    """Evaluates jobs, in this process or in others that share one queue: a base class.
 
     A task that had not begun when its process died is started again: its genomes are not to blame. If processes die
     :data:`STARTS` times as often as there are processes before any begins, the run stops.
@@ -65,22 +61,34 @@ class PoolExecutor:
 
     Attributes:
         processes: number of genomes that are evaluated at the same time.
+        tasks_per_process: tasks submitted for each: one running, and one ready to run next.
     """
 
     processes: int
+    tasks_per_process = 2
 
-    def __init__(self, document: Mapping[str, Any]) -> None:
-        self._timeout = float(document["run"]["evaluation_timeout"])
-        self._targets = len(document["targets"])
+    def __init__(self, targets: int, timeout: float) -> None:
+        """Make an executor of genomes with so many targets, of which no evaluation may take longer than ``timeout``, s."""
+        self._targets, self._timeout = targets, timeout
         self._calls: list[_Call] = []
         self._repeated: deque[_Task] = deque()
         self._running: dict[Future[list[Outcome]], _Task] = {}
         self._failed_starts = 0
         self._seconds: float | None = None
 
-    def _submit(self, function: Callable[[], T]) -> "Future[T]":
-        """Call a function in the process that is free first."""
+    def _submit(self, function: Callable[..., T], *args: Any) -> "Future[T]":
+        """Call a function with the pipeline of the study, and arguments, in the process that is free first."""
         raise NotImplementedError
+
+    def call(self, functions: Sequence[Callable[[], T]]) -> Iterator[T]:
+        """Call functions on this machine, at the same time if possible, and yield what they return, in their order.
+
+        Raises WorkerDiedError in place of a result if its function ends its process each time it is called.
+        """
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Stop the workers, if there are any."""
 
     def _find_error(self, future: "Future[Any]") -> BaseException | None:
         """Wait for a task, and return its error, ``None`` if it succeeded."""
@@ -99,8 +107,8 @@ class PoolExecutor:
         self._calls.append(call)
         try:
             while call.waiting or call.running or call.arrived:
-                while len(self._running) < TASKS_PER_PROCESS * self.processes and (task := self._next_task()):
-                    self._running[self._submit(partial(use_pipeline, evaluate_batch, task.jobs))] = task
+                while len(self._running) < self.tasks_per_process * self.processes and (task := self._next_task()):
+                    self._running[self._submit(evaluate_batch, task.jobs)] = task
                 if not call.arrived:
                     self._collect()
                 if call.arrived:
@@ -111,12 +119,12 @@ class PoolExecutor:
             self._calls.remove(call)
 
     def begin(self, function: Callable[..., T], *args: Any) -> Callable[[], T]:
-        """Begin a call in a worker; see :meth:`driftform.search.jobs.Executor.begin`."""
-        return self._begin(partial(use_pipeline, _compute, function, args), KILLS)
+        """Begin a call in a worker for :meth:`driftform.interfaces.SearchSpace.begin`; what it raises, the waiting raises."""
+        return self._begin(partial(self._submit, _compute, function, args), KILLS)
 
-    def _begin(self, function: Callable[[], T], most: int) -> Callable[[], T]:
-        """Begin a call in a worker, and return what waits for its result; it is repeated until its process died ``most`` times."""
-        futures, deaths = [self._submit(function)], 0
+    def _begin(self, start: "Callable[[], Future[T]]", most: int) -> Callable[[], T]:
+        """Start a call, and return what waits for its result; it is repeated until its process died ``most`` times."""
+        futures, deaths = [start()], 0
 
         def wait_for_result() -> T:
             nonlocal deaths
@@ -125,7 +133,7 @@ class PoolExecutor:
                 deaths += isinstance(error, WorkerDiedError) and error.cause is not Cause.NONE
                 if deaths == most or not isinstance(error, WorkerDiedError):
                     raise error
-                futures.append(self._submit(function))
+                futures.append(start())
             return futures[-1].result()
 
         return wait_for_result

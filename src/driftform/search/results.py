@@ -20,7 +20,8 @@ from driftform.runs.run import StoredRun
 from driftform.runs.store import Store
 from driftform.runs.wording import summarise
 from driftform.search.finalists import Winner, describe_best, find_winner
-from driftform.search.jobs import Executor, FunctionDiedError
+from driftform.search.jobs import ATTEMPTS, WorkerDiedError
+from driftform.search.pool import Executor
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
 from driftform.util.files import remove_parts, write_text, write_whole
@@ -138,23 +139,23 @@ def _export_all(
 
     An exporter may take its process with it. Then everything else is written already.
     """
+    count = 0
     try:
-        exported = executor.call(
+        for exports in executor.call(
             [partial(_export_agent, run, agent, group) for agent, group in zip(agents, groups, strict=True)]
-        )
-    except FunctionDiedError as error:
-        target = groups[error.index][0].result["target"]
+        ):
+            count += 1
+            for target, (files, problems) in exports.items():
+                best = found[target]
+                found[target] = replace(best, files=(*best.files, *files), problems=tuple(problems))
+    except WorkerDiedError as error:
+        target = groups[count][0].result["target"]
         formats = ",".join(run.study.run.formats)
         problem = (
-            f"{run.path / 'best' / target}: not all of {formats} was written: {error}; write what is missing with: "
-            f"driftform export {run.path}:{target} --format {formats}"
+            f"{run.path / 'best' / target}: not all of {formats} was written: its process died {ATTEMPTS} times "
+            f"({error.detail}); write what is missing with: driftform export {run.path}:{target} --format {formats}"
         )
         found[target] = replace(found[target], problems=(problem,))
-        return
-    for group in exported:
-        for target, (files, problems) in group.items():
-            best = found[target]
-            found[target] = replace(best, files=(*best.files, *files), problems=tuple(problems))
 
 
 def _export_agent(run: StoredRun, agent: Agent, stored: Sequence[StoredAgent]) -> Exports:

@@ -16,8 +16,8 @@ import numpy as np
 
 from driftform.runs.store import Store
 from driftform.search.disturbed import draw_rounds, fly_disturbed
-from driftform.search.jobs import Executor
 from driftform.search.journal import Journal
+from driftform.search.pool import Executor
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation, FloatArray
 from driftform.water.scenario import Robustness
