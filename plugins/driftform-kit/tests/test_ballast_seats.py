@@ -137,6 +137,14 @@ def test_a_ball_beyond_a_neck_is_put_in_while_its_part_is_printed():
     check_held(made)
 
 
+@pytest.mark.parametrize(("fore", "x"), [("uunnnnuuuussssnnnn", 0.08), ("unnnuuuusssnnn", 0.06)])
+def test_a_hull_is_cut_once_more_where_a_ball_has_no_way_in(fore, x):
+    body = chain_body(fore, "nn")
+    made = Held(body, x, 0.02)
+    check_held(made)
+    assert len(make_kit(body, PartOptions(kit=True)).joints) + 1 == len(made.kit.joints)
+
+
 def test_in_a_wide_hull_near_its_end_a_tube_is_lighter_than_a_cone():
     body = chain_body("uuuuuuuss")
     made = Held(body, 0.075, 0.008)

@@ -11,6 +11,9 @@ pytestmark = pytest.mark.usefixtures("ideal_water")
 LONG = "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB-addB-tiltn-1-L-moveB"
 """Straight ahead of the core, narrower behind it."""
 
+WIDE = "addF-tiltp-2-L-moveF-addF-tiltp-1-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB-addB-tiltn-1-L-moveB"
+"""As wide fore of the core as a bayonet needs."""
+
 
 def files(call, *arguments, agent=LONG):
     """What the command says of files with parts; the assembly sheets are left out."""
@@ -63,6 +66,25 @@ def test_the_note_on_kits_is_for_formats_that_have_them(call, tmp_path):
     made = ("--set", "builder.made_as=kit", "--out", str(tmp_path))
     assert "write them with --kit" in call("export", LONG, *made, "--format", "stl").stderr
     assert "--kit" not in call("export", LONG, *made, "--format", "sdf").stderr
+
+
+def test_an_agent_simulated_with_a_bayonet_is_exported_and_trimmed_as_a_kit_with_a_bayonet(call, tmp_path):
+    made = ("--set", "builder.made_as=kit", "--set", "builder.kit.joint=bayonet", "--kit")
+    simulated, printed = files(call, *made, "--out", str(tmp_path), agent=WIDE)[0]["kit"]["balance"]
+    assert printed["mass_kg"] == pytest.approx(simulated["mass_kg"], abs=1e-7)
+    trimmed = json.loads(call("trim", WIDE, *made, "--json").stdout)
+    assert trimmed["printed_mass"] == pytest.approx(simulated["mass_kg"], abs=1e-7)
+    glued = files(call, *made, "--option", "joint=auto", "--out", str(tmp_path), agent=WIDE)
+    assert glued[0]["kit"]["joint"]["kind"] == "sleeve"
+    result = call("export", WIDE, *made, "--option", "joint=auto", "--bed", "15,15,15", "--out", str(tmp_path))
+    assert result.exit_code == 1 and "; the agent was simulated with the [builder.kit] options" in result.stderr
+    assert '--option joint="bayonet"' in result.stderr and result.stderr.count("\n") == 1
+
+
+def test_what_holds_parts_is_written_and_what_does_not_is_named_first(call, tmp_path):
+    result = call("export", LONG, "--kit", "--format", "svg,stl", "--out", str(tmp_path))
+    assert result.exit_code == 0 and result.stderr == "note: not written: svg, which holds no parts of a kit\n"
+    assert len(list(tmp_path.glob("*.stl"))) == 2 and not (tmp_path / "LONG.svg").exists()
 
 
 @pytest.mark.long

@@ -1,11 +1,15 @@
 """``driftform export``."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from driftform.cli.options import AGENT_HELP, Bed, ExporterOptions, Json, Settings, make_option
+
+if TYPE_CHECKING:
+    from driftform.design.design import Design
+    from driftform.types import WrittenFile
 
 ANY_AGENT = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 """The fit coupon is the same for all agents with a core."""
@@ -33,21 +37,30 @@ def export(
     """Write the hull of an agent as files for printers and other programs; older files of the same name are replaced."""
     from driftform.cli.formats import open_exported, parse_formats
     from driftform.cli.output import print_files, print_json
-    from driftform.errors import InputError
+    from driftform.errors import InputError, WorkFailedError
+    from driftform.plugins.registry import registry
     from driftform.util.files import make_directory
 
     if agent is None and not coupon:
         raise InputError("AGENT is missing: name an agent, or write the fit coupon with --coupon")
     names = parse_formats(format, "exporter", "stl")
+    whole = [name for name in names if kit and "kit" not in registry().find("exporter", name).Options.model_fields]
+    if whole and whole != names:
+        typer.echo(f"note: not written: {', '.join(whole)}, which holds no parts of a kit", err=True)
+        names = [name for name in names if name not in whole]
     asked = [*(option or ()), *(["coupon=true"] if coupon else [])]
     design = open_exported(agent or ANY_AGENT, names, kit, bed, asked, settings or ())
     make_directory(out)
     stem = "coupon" if coupon else design.name
     paths = {name: out / f"{stem}{design.study.make_exporter(name).suffix}" for name in names}
     # Several formats of a kit have the same assembly sheet.
-    written = list(
-        {file.path: file for name, path in paths.items() for file in design.export_files(name, path)}.values()
-    )
+    found: dict[str, WrittenFile] = {}
+    for name, path in paths.items():
+        try:
+            found |= {file.path: file for file in design.export_files(name, path)}
+        except WorkFailedError as error:
+            raise WorkFailedError(f"{error}{_name_other_options(design, name) if kit else ''}") from None
+    written = list(found.values())
     if not coupon and (note := design.describe_missing_kit(written)):
         typer.echo(f"note: {note}: write them with --kit", err=True)
     if json:
@@ -63,6 +76,16 @@ def export(
     for place, (key, table) in enumerate(tables):
         if (key, table) not in tables[:place]:
             _print_table(key, table)
+
+
+def _name_other_options(design: "Design", name: str) -> str:
+    """The options of the kit with which the agent was simulated, where those of its exporter are others."""
+    from json import dumps
+
+    own = design.study.document["builder"].get("kit") or {}
+    given = design.study.make_exporter(name).options.model_dump(mode="json")
+    other = [f"--option {key}={dumps(value)}" for key, value in own.items() if given.get(key, value) != value]
+    return f"; the agent was simulated with the [builder.kit] options {' '.join(other)}" if other else ""
 
 
 def _print_table(title: str, table: dict[str, Any]) -> None:

@@ -366,14 +366,17 @@ def _check_document(
             continue
         try:
             name, options = _split_selection(document, seam)
-            resolved[seam] = {"use": name, **_resolve_options(document, (seam,), name, options, layers)}
+            resolved[seam] = {"use": name, **_resolve_options(document, (seam,), name, options, layers, {})}
         except InputError as error:
             errors.extend(error.args)
+    kit = resolved.get("builder", {}).get("kit")
+    simulated = {"exporter": kit if isinstance(kit, dict) else {}}
     named: dict[str, dict[str, Any]] = {seam: {} for seam in NAMED}
     for seam in NAMED:
         for name, options in document.get(seam, {}).items():
             try:
-                named[seam][name] = _resolve_options(document, (seam, name), name, options, layers)
+                found = _resolve_options(document, (seam, name), name, options, layers, simulated.get(seam, {}))
+                named[seam][name] = found
             except InputError as error:
                 errors.extend(error.args)
     if errors or scenario is None or run is None:
@@ -415,9 +418,17 @@ def _describe_no_table(key: str, value: object) -> str:
 
 
 def _resolve_options(
-    document: Mapping[str, Any], path: tuple[str, ...], name: str, options: Any, layers: Sequence[Source]
+    document: Mapping[str, Any],
+    path: tuple[str, ...],
+    name: str,
+    options: Any,
+    layers: Sequence[Source],
+    others: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Validate the options of the plugin ``name`` in the table ``path``, whose first part is the seam."""
+    """Validate the options of the plugin ``name`` in the table ``path``, whose first part is the seam.
+
+    Those that are not given are ``others``, such as those of the kit that is weighed, where it has them.
+    """
     try:
         cls = registry().find(path[0], name)
     except InputError as error:
@@ -425,6 +436,7 @@ def _resolve_options(
         raise InputError(f"{locate_key(layers, key)}: {error}") from None
     if not isinstance(options, Mapping):
         raise InputError(f"{locate_key(layers, path)}: {'.'.join(path)} = {options!r} is not a table")
+    options = {key: value for key, value in others.items() if key in cls.Options.model_fields} | dict(options)
     try:
         checked = registry().check_options(path[0], name, options)
     except ValidationError as error:

@@ -44,6 +44,10 @@ class HeldBall:
     seat: Seat | None
 
 
+class NoWayInError(WorkFailedError):
+    """A ball that cannot get to its place; another cut may let it in."""
+
+
 def hold_ballast(
     hull: Hull, parts: list[CrossSection], joints: Sequence[Joint], core_joint: Joint, gap: float, balls: Sequence[Ball]
 ) -> tuple[HeldBall, ...]:
@@ -143,9 +147,8 @@ def _hold(
             held, seat = support(side)
             if held and _fore_down(own if seat is None else own + seat.section) == (side > 0):
                 return HeldBall(ball, part, None, side, seat)
-    raise _refuse(
-        ball, hull, "it is wider than the passage to it, or a seat has no room beside joint, core and other balls"
-    )
+    why = "it is wider than the passage to it, or a seat has no room beside joint, core and other balls"
+    raise NoWayInError(str(_refuse(ball, hull, why)))
 
 
 def _fore_down(section: CrossSection) -> bool:

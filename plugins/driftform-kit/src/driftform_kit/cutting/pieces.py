@@ -19,12 +19,15 @@ from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import Ball, Seat, place_seats
 from driftform_kit.cutting.bayonet import Detail, cut_tracks, draw_lugs
 from driftform_kit.cutting.cut import choose_bed_joints, choose_core_joint
-from driftform_kit.cutting.held_ballast import HeldBall, hold_ballast
+from driftform_kit.cutting.held_ballast import HeldBall, NoWayInError, hold_ballast
 from driftform_kit.cutting.joint import Joint, draw_joint, trace_mouth
 from driftform_kit.cutting.meridian import MM, Hull, Ring
 
 _RIM = 1.0
 """mm of material that must stay around a hole."""
+
+_HEIGHTS = 1.0, 0.8, 0.65, 0.5, 0.4, 0.3
+"""Heights of parts that are tried to let a ball in by one more cut, in that of the bed."""
 
 _MAX_DEPTH = 10.0
 """mm of solid end that a hole goes through."""
@@ -119,11 +122,8 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
 
     Raises WorkFailedError if it cannot be cut; the message has the reason.
     """
-    # The search asks for the kits of one hull with several balls.
-    bare, drawn = _cut_hull(body, options.model_copy(update={"ballast": ()}))
-    hull, joints, core_joint, sections = bare.hull, bare.joints, bare.core_joint, list(drawn)
-    balls = [Ball(MM * x, MM * diameter / 2) for x, diameter in options.ballast]
-    ballast = hold_ballast(hull, sections, joints, core_joint, MM * options.clearance, balls)
+    bare, sections, ballast = _place_balls(body, options)
+    hull, joints, core_joint = bare.hull, bare.joints, bare.core_joint
     found = bare.seats + tuple(held.seat for held in ballast if held.seat is not None)
     if options.drain:
         for end, side in ((0, -1), (-1, 1)):
@@ -133,6 +133,27 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     locks = _make_locks(hull, core_joint, joints.index(core_joint), sections)
     pieces = tuple(map(Piece, names, polygons, locks))
     return replace(bare, pieces=pieces, seats=found, ballast=ballast)
+
+
+def _place_balls(body: Body, options: KitOptions) -> tuple[Kit, list[CrossSection], tuple[HeldBall, ...]]:
+    """Cut a hull, into lower parts than the bed takes where a ball has no way in otherwise, and hold the balls of ballast."""
+    balls = [Ball(MM * x, MM * diameter / 2) for x, diameter in options.ballast]
+    refused: NoWayInError | None = None
+    for share in _HEIGHTS:
+        bed = (*options.bed[:2], share * options.bed[2])
+        try:
+            # The search asks for the kits of one hull with several balls.
+            bare, drawn = _cut_hull(body, options.model_copy(update={"ballast": (), "bed": bed}))
+            sections = list(drawn)
+            held = hold_ballast(bare.hull, sections, bare.joints, bare.core_joint, MM * options.clearance, balls)
+        except NoWayInError as error:
+            refused = refused or error
+        except WorkFailedError as error:
+            raise refused or error from None
+        else:
+            return bare, sections, held
+    assert refused
+    raise refused
 
 
 @lru_cache(maxsize=4)
