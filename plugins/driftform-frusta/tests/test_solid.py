@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from driftform.errors import WorkFailedError
-from driftform_frusta.csg import Difference, Intersection, Named, Revolve, Rotate, Text, Translate, Union
+from driftform_frusta.csg import Difference, Extrude, Intersection, Named, Revolve, Rotate, Translate, Union
 from driftform_frusta.hull import build_hull
-from driftform_frusta.lettering import STROKE
 from driftform_frusta.scad import write_definitions, write_module
 from driftform_frusta.solid import to_manifold, to_solid
 
@@ -22,8 +21,11 @@ def frustum(height, r0, r1):
 
 BALL = Revolve(tuple((8 * math.sin(a), -8 * math.cos(a)) for a in np.linspace(0, math.pi, 33)))
 
+FIN = Extrude(((0, 0), (9, 0), (9, 4), (2, 4)), (((4, 1), (4, 2), (6, 1)),), 2.0)
+
 BRACKET = Union(
     (
+        Translate((15, -2, 2), Rotate((90, 0, 0), FIN)),
         Named("plate\nwith a hole", Difference(frustum(5, 20, 20), (Translate((0, 0, -1), frustum(7, 4, 6)),))),
         Translate((0, 0, 20), BALL),
         Translate((5, 5, 4), Rotate((20, -35, 50), frustum(30, 3, 0))),
@@ -40,6 +42,12 @@ def print_source(tree, segments=64):
 
 def frustum_volume(height, r0, r1):
     return math.pi * height * (r0 * r0 + r0 * r1 + r1 * r1) / 3
+
+
+def test_a_plate_has_the_area_of_its_outline_less_its_holes():
+    solid = to_manifold(FIN)
+    assert solid.volume() == pytest.approx(2 * (32 - 1), rel=1e-8)
+    assert solid.bounding_box() == pytest.approx((0, 0, 0, 9, 4, 2))
 
 
 @pytest.mark.parametrize("segments", SEGMENTS)
@@ -84,8 +92,8 @@ def test_a_tree_without_a_solid_is_refused(nothing):
 
 
 def test_source_says_only_what_a_tree_needs():
-    assert "module letters" not in print_source(frustum(1, 1, 1))
-    assert "area_factor" not in print_source(Text("A", 5.0, 1.0))
+    assert "sector_factor" not in print_source(frustum(1, 1, 1))
+    assert "area_factor" not in print_source(FIN)
 
 
 def test_source_of_a_hull_stays_on_one_side_of_the_axis_with_six_decimals(body):
@@ -110,22 +118,3 @@ def test_openscad_and_manifold_make_the_same_solid_of_a_tree_of_all_kinds(segmen
     solid = to_manifold(BRACKET, segments)
     assert mesh.volume == pytest.approx(solid.volume(), rel=1e-4)
     assert np.allclose(mesh.bounds.ravel(), solid.bounding_box(), atol=2e-3)
-
-
-def test_openscad_draws_the_same_letters(render):
-    tree = Text("R2-#8", 5.0, 1.5)
-    assert render(print_source(tree)).volume == pytest.approx(to_manifold(tree).volume(), rel=1e-4)
-
-
-@pytest.mark.parametrize("letter", "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-._/:+#")
-def test_every_letter_stands_on_the_line_between_its_neighbours(letter):
-    x0, y0, z0, x1, y1, z1 = to_manifold(Text(letter, 6.0, 2.0)).bounding_box()
-    half = 6.0 * STROKE / 2 + 1e-9
-    assert -half <= x0 and x1 <= 4 + half and -half <= y0 and y1 <= 6 + half
-    assert (z0, z1) == (0.0, 2.0)
-
-
-@pytest.mark.parametrize(("text", "why"), [("é", "cannot draw 'é'"), (" ", "a text needs a letter")])
-def test_a_letter_that_is_not_there_is_refused(text, why):
-    with pytest.raises(ValueError, match=why):
-        Text(text, 5.0, 1.0)

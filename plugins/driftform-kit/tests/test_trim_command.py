@@ -204,13 +204,6 @@ def kit_of_34_grams(monkeypatch):
 
 
 @pytest.mark.usefixtures("kit_of_34_grams")
-def test_a_kit_is_trimmed_by_what_its_parts_should_weigh(call):
-    facts = told(call, "--kit")
-    assert (facts["printed_mass"], facts["printed_cog"], facts["cog_source"]) == (0.034, pytest.approx(0.005), "kit")
-    assert facts["ballast_mass"] == pytest.approx(facts["simulated_mass"] - 0.034)
-
-
-@pytest.mark.usefixtures("kit_of_34_grams")
 def test_a_kit_that_holds_no_ballast_is_trimmed_with_putty(call):
     facts = told(call, "--kit", "--printed-mass", 0.0292)
     assert facts["held"] == [] and facts["seat_mass"] == 0

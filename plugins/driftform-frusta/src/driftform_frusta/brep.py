@@ -13,7 +13,7 @@ from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
 from driftform_frusta import csg
 from driftform_frusta.csg import Node
-from driftform_frusta.solid import half_section, to_manifold
+from driftform_frusta.solid import half_section
 
 
 def require_opencascade() -> None:
@@ -60,8 +60,8 @@ def _interpret(node: Node) -> Any:
     match node:
         case csg.Revolve():
             shape = _revolve(half_section(node), math.radians(node.angle_deg))
-        case csg.Text():
-            shape = _make_letters(node)
+        case csg.Extrude():
+            shape = _extrude(node)
         case csg.Union():
             shape = _combine("Fuse", [_interpret(child) for child in node.children])
         case csg.Difference():
@@ -113,13 +113,11 @@ def _revolve(polygons: Sequence[FloatArray], angle: float) -> Any:
     return _turn_outside_out(BRepPrimAPI_MakeRevol(face, axis, angle).Shape())
 
 
-def _make_letters(node: csg.Text) -> Any:
-    """Letters as prisms of the outlines that the mesh has: they are polygons there, too."""
+def _extrude(node: csg.Extrude) -> Any:
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Vec
 
-    outlines = to_manifold(node).slice(node.height / 2).to_polygons()
-    face = _make_face([np.column_stack([p, np.zeros(len(p))]) for p in outlines])
+    face = _make_face([np.column_stack([p, np.zeros(len(p))]) for p in map(np.array, (node.outline, *node.holes))])
     return _turn_outside_out(BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, node.height)).Shape())
 
 

@@ -9,13 +9,11 @@ nothing of facets: radii are those of true circles, and it is the interpreters t
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from driftform_frusta.lettering import missing_letters
-
 MM = 1e3
 """Millimetres in a metre: solids and files are in mm."""
 
 Point: TypeAlias = tuple[float, float]
-"""A point (r, z) of a meridian half-plane, mm."""
+"""A point (r, z) of a meridian half-plane, or (x, y) of a section, mm."""
 
 Vector: TypeAlias = tuple[float, float, float]
 """x, y, z."""
@@ -36,21 +34,12 @@ class Revolve:
 
 
 @dataclass(frozen=True)
-class Text:
-    """A line of letters of :mod:`driftform_frusta.lettering` in the plane z = 0, along x, from z = 0 to ``height``.
+class Extrude:
+    """A section in the plane z = 0, given as for :class:`Revolve` by points (x, y), lifted from there to ``height``."""
 
-    ``size`` is the height of a capital. The first letter begins at the origin.
-    """
-
-    text: str
-    size: float
+    outline: tuple[Point, ...]
+    holes: tuple[tuple[Point, ...], ...]
     height: float
-
-    def __post_init__(self) -> None:
-        if not self.text.strip():
-            raise ValueError("a text needs a letter")
-        if unknown := missing_letters(self.text):
-            raise ValueError(f"cannot draw {unknown!r}: no letter is known for it")
 
 
 @dataclass(frozen=True)
@@ -99,5 +88,5 @@ class Named:
     child: "Node"
 
 
-Node: TypeAlias = Revolve | Text | Union | Difference | Intersection | Translate | Rotate | Named
+Node: TypeAlias = Revolve | Extrude | Union | Difference | Intersection | Translate | Rotate | Named
 """Any solid."""

@@ -11,7 +11,6 @@ from typing import assert_never
 
 from driftform_frusta import csg
 from driftform_frusta.csg import Node
-from driftform_frusta.lettering import STROKE, draw_strokes
 
 _INDENT = "    "
 _POINTS_PER_LINE = 3
@@ -30,18 +29,6 @@ function sector_steps(angle) = 360 / angle * max(3, round($fn * angle / 360));
 function sector_factor(angle) = let (step = 360 / sector_steps(angle)) sqrt(step * PI / 180 / sin(step));
 """
 
-_LETTERS = """\
-// Strokes of a pen with eight corners, from one end to the other.
-module letters(height, pen, strokes) {
-    linear_extrude(height)
-        for (stroke = strokes)
-            hull()
-                for (end = stroke)
-                    translate(end)
-                        circle(d = pen, $fn = 8);
-}
-"""
-
 
 def fill_source(name: str, **values: object) -> str:
     """Return OpenSCAD source from the package's files, with a value in place of each name in angle brackets."""
@@ -50,12 +37,8 @@ def fill_source(name: str, **values: object) -> str:
 
 
 def write_definitions(source: str, segments: int) -> str:
-    """Return the definitions that source of :func:`write_module` uses: the number of corners, factors on radii, and modules."""
-    used = [
-        text
-        for call, text in (("area_factor", _AREA_FACTOR), ("sector_", _SECTOR), (" letters(", _LETTERS))
-        if call in source
-    ]
+    """Return the definitions that source of :func:`write_module` uses: the number of corners, and factors on radii."""
+    used = [text for call, text in (("area_factor", _AREA_FACTOR), ("sector_", _SECTOR)) if call in source]
     return "\n".join([f"$fn = {segments};\n", *used])
 
 
@@ -68,8 +51,8 @@ def _lines(node: Node) -> list[str]:
     match node:
         case csg.Revolve():
             lines = _revolve(node)
-        case csg.Text():
-            lines = _text(node)
+        case csg.Extrude():
+            lines = _put_above(f"linear_extrude({format_number(node.height)})", _section(node))
         case csg.Union():
             lines = _block("union()", [_lines(c) for c in node.children])
         case csg.Difference():
@@ -88,10 +71,13 @@ def _lines(node: Node) -> list[str]:
     return lines
 
 
+def _section(node: csg.Revolve | csg.Extrude) -> list[str]:
+    outline, *holes = map(_polygon, (node.outline, *node.holes))
+    return _block("difference()", [outline, *holes]) if holes else outline
+
+
 def _revolve(node: csg.Revolve) -> list[str]:
-    section = _polygon(node.outline)
-    if node.holes:
-        section = _block("difference()", [section, *(_polygon(hole) for hole in node.holes)])
+    section = _section(node)
     if min(r for r, _ in node.outline) < 0:
         # OpenSCAD refuses to revolve a section that lies on both sides of the axis.
         r_max = max(r for r, _ in node.outline)
@@ -107,15 +93,6 @@ def _revolve(node: csg.Revolve) -> list[str]:
     angle = format_number(node.angle_deg)
     head = f"rotate_extrude(angle = {angle}, convexity = {_CONVEXITY}, $fn = sector_steps({angle}))"
     return _put_above(head, _put_above(f"scale([sector_factor({angle}), 1])", section))
-
-
-def _text(node: csg.Text) -> list[str]:
-    ends = [f"[{_vector(start)}, {_vector(end)}]" for start, end in draw_strokes(node.text, node.size)]
-    return [
-        f"letters({format_number(node.height)}, {format_number(node.size * STROKE)}, [  // {node.text}",
-        *_rows(ends),
-        "]);",
-    ]
 
 
 def _polygon(points: Sequence[csg.Point]) -> list[str]:

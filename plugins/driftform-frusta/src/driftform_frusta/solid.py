@@ -20,7 +20,6 @@ from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
 from driftform_frusta import csg
 from driftform_frusta.csg import Node
-from driftform_frusta.lettering import STROKE, draw_strokes
 from driftform_frusta.triangles import Mesh
 
 # mm. Clipping leaves vertices some 1e-8 mm apart, which must go. With much more than this, vertices between
@@ -114,8 +113,8 @@ def _interpret(node: Node, segments: int) -> Manifold:
         case csg.Revolve():
             whole = node.angle_deg == 360
             solid = to_solid(node, segments).to_manifold() if whole else _revolve_sector(node, segments)
-        case csg.Text():
-            solid = draw_letters(node.text, node.size).extrude(node.height)
+        case csg.Extrude():
+            solid = _draw_section(node).extrude(node.height)
         case csg.Union():
             solid = Manifold.batch_boolean(solids(node.children), OpType.Add)
         case csg.Difference():
@@ -141,29 +140,13 @@ def _revolve_sector(node: csg.Revolve, segments: int) -> Manifold:
     return section.revolve(steps, node.angle_deg)
 
 
-def draw_letters(text: str, size: float) -> CrossSection:
-    """Return the strokes of a text united, each with a round end of eight corners, mm."""
-    angle = np.arange(8) * (np.pi / 4)
-    pen = size * STROKE / 2 * np.column_stack((np.cos(angle), np.sin(angle)))
-    drawn = [
-        CrossSection.hull_points(np.concatenate((pen + start, pen + end))) for start, end in draw_strokes(text, size)
-    ]
-    return CrossSection.batch_boolean(drawn, OpType.Add)
-
-
 def half_section(node: csg.Revolve) -> list[FloatArray]:
     """Return the section less its holes at r >= 0, as polygons of (r, z) in mm that do not cross.
 
     Polygons around matter run counterclockwise, those around holes clockwise.
     """
 
-    def section(polygon: tuple[csg.Point, ...]) -> CrossSection:
-        # Even-odd, as OpenSCAD does, so that the sense of rotation does not matter.
-        return CrossSection([np.array(polygon)], FillRule.EvenOdd)
-
-    result = section(node.outline)
-    for hole in node.holes:
-        result -= section(hole)
+    result = _draw_section(node)
     if result.is_empty():
         return []
     # What is revolved must not cross the axis.
@@ -174,6 +157,12 @@ def half_section(node: csg.Revolve) -> list[FloatArray]:
     for profile in profiles:
         profile[profile[:, 0] < _SIMPLIFY, 0] = 0
     return profiles
+
+
+def _draw_section(node: csg.Revolve | csg.Extrude) -> CrossSection:
+    # Even-odd, as OpenSCAD does, so that the sense of rotation does not matter.
+    outline, *holes = (CrossSection([np.array(points)], FillRule.EvenOdd) for points in (node.outline, *node.holes))
+    return CrossSection.batch_boolean([outline, *holes], OpType.Subtract)
 
 
 def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:

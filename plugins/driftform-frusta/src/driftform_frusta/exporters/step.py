@@ -16,7 +16,7 @@ from driftform_frusta.hull import MM3_PER_M3
 from driftform_frusta.parts import Part
 
 _TOLERANCE = 1e-3
-"""Between the exact solid and its mesh, relative, if they have letters: these are cut out of true circles here."""
+"""Between the exact solid and its mesh, relative, if they have details: these are cut out of true circles here."""
 
 
 class StepExporter(PartExporter):

@@ -27,7 +27,6 @@ from driftform_frusta.solid import make_mesh
 from driftform_frusta.triangles import Mesh
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
-_OURS = "https://driftform.invalid/2026/print"
 _PACKAGE = "http://schemas.openxmlformats.org/package/2006"
 _MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _ATTACHMENT_RELATION = "https://driftform.invalid/2026/attachment"
@@ -59,8 +58,7 @@ class _Placed:
 class ThreeMfExporter(PartExporter):
     """The parts as they are printed, upright on a plate, with names, colours, a picture and the agent's own files.
 
-    Parts that do not fit on one plate are spread over several files. The recommended print settings are
-    metadata that slicers ignore. A part larger than the bed is reported and written all the same: beds differ.
+    Parts that do not fit on one plate are spread over several files. A part larger than the bed is reported and written all the same: beds differ.
     """
 
     name = "3mf"
@@ -108,23 +106,15 @@ class ThreeMfExporter(PartExporter):
         return MM * x, MM * y, MM * z
 
     def _pack(self, title: str, job: ExportJob, placed: Sequence[_Placed], attachments: dict[str, str]) -> bytes:
-        o, body, mass = self.options, job.agent.body, job.agent.mass
+        body, mass = job.agent.body, job.agent.mass
         grams = {p.part.name: 1e-6 * p.part.solid.volume * body.hull_density for p in placed}
         weights = ", ".join(f"{name} {weight:.2f} g" for name, weight in grams.items())
         description = (
             f"Hull of a passive underwater agent, evolved by driftform. Printed mass: {weights}. As simulated, with its "
             f"core, the agent weighs {1e3 * mass.mass:.2f} g and displaces {1e6 * mass.volume:.2f} cm3."
         )
-        hints = {
-            "layer_height_mm": f"{MM * o.layer_height:g}",
-            "perimeters": str(o.perimeters),
-            "infill_percent": f"{100 * o.infill:g}",
-            "material_density_kg_per_m3": f"{body.hull_density:g}",
-            "printed_mass_g": f"{sum(grams.values()):.3f}",
-        }
         picture = self.draw_plate(placed)
         metadata = {"Title": title, "Application": "driftform", "Description": description}
-        metadata |= {f"driftform:{name}": value for name, value in hints.items()}
         return _package(_write_model(placed, self._bed, metadata), picture, attachments)
 
     def draw_plate(self, placed: Sequence[_Placed], width: float = 160.0, height: float = 120.0) -> bytes:
@@ -173,7 +163,7 @@ def _write_model(items: Sequence[_Placed], bed: tuple[float, float, float], meta
     """Return the model; parts lie on a plate whose corner is the origin, and whose middle is that of the bed (mm)."""
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<model unit="millimeter" xml:lang="en" xmlns="{_CORE}" xmlns:driftform="{_OURS}">',
+        f'<model unit="millimeter" xml:lang="en" xmlns="{_CORE}">',
         *(f"<metadata name={quoteattr(name)}>{escape(value)}</metadata>" for name, value in metadata.items()),
         "<resources>",
         '<basematerials id="1">',

@@ -5,11 +5,16 @@ from the other two. The area of a section across it says the radius, so that vol
 """
 
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from driftform.agent import distance_from
 from driftform.types import FloatArray
+from driftform_frusta.triangles import Mesh
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
 
 STATIONS = 300
 """Most gaps between sections along the axis; meshes of revolved lines have a section at each ring."""
@@ -49,8 +54,10 @@ def find_profile(triangles: FloatArray, limit: float) -> tuple[FloatArray, float
     # The axis last; equal moments, such as those of a ball, leave the axes of the file.
     frame = np.roll(axes, 2 - order[0], axis=0)
     frame *= np.sign(frame[2, np.abs(frame[2]).argmax()])
-    placed = (np.asarray(outer.triangles) - outer.center_mass) @ frame.T
-    contour = simplify_contour(_trace_contour(placed))
+    points, inverted = (outer.vertices - outer.center_mass) @ frame.T, outer.volume * np.linalg.det(frame) < 0
+    solid = Mesh(points, outer.faces[:, ::-1] if inverted else outer.faces).to_manifold()
+    placed = points[outer.faces]
+    contour = simplify_contour(_trace_contour(placed, solid))
     if not contour[:, 1].max() > 0:
         raise ValueError("has no volume")
     deviation = _measure_deviation(placed, contour) / (2 * float(contour[:, 1].max()))
@@ -65,7 +72,7 @@ def find_profile(triangles: FloatArray, limit: float) -> tuple[FloatArray, float
     return profile, deviation, tuple(frame[2].tolist())
 
 
-def _trace_contour(placed: FloatArray) -> FloatArray:
+def _trace_contour(placed: FloatArray, solid: "Manifold") -> FloatArray:
     """Return the contour about the third axis, from aft to fore, (n, 2): the radii of circles with the areas of sections."""
     heights = np.unique(placed[..., 2])
     rings = heights[np.append(True, np.diff(heights) > 1e-5 * (heights[-1] - heights[0]))]
@@ -76,7 +83,7 @@ def _trace_contour(placed: FloatArray) -> FloatArray:
     for low, high in pairwise(rings.tolist()):
         # Between two rings the radius is linear, and at one of them it may have a step.
         step = 0.02 * (high - low)
-        first, last = (_cut(placed, height) for height in (low + step, high - step))
+        first, last = (float(np.sqrt(solid.slice(height).area() / np.pi)) for height in (low + step, high - step))
         slope = (last - first) / (high - low - 2 * step)
         after.append(max(first - slope * step, 0.0))
         before.append(max(last + slope * step, 0.0))
@@ -87,23 +94,6 @@ def _trace_contour(placed: FloatArray) -> FloatArray:
     contour = np.array([*points, (rings[-1], 0.0)])
     contour[contour[:, 1] < 1e-4 * widest, 1] = 0.0
     return np.asarray(contour[np.append(True, np.diff(contour, axis=0).any(axis=1))])
-
-
-def _cut(placed: FloatArray, height: float) -> float:
-    """Return the radius of the circle with the area of a section across the third axis, m."""
-    above = placed[..., 2] > height
-    number = above.sum(axis=1)
-    crossing = (number == 1) | (number == 2)
-    t, above, lone_above = placed[crossing], above[crossing], number[crossing] == 1
-    # The corner that is alone on its side, and the two others in order.
-    lone, rows = np.where(lone_above, above.argmax(axis=1), (~above).argmax(axis=1)), np.arange(len(t))
-    ends = []
-    for other in ((lone + 1) % 3, (lone + 2) % 3):
-        start, edge = t[rows, lone], t[rows, other] - t[rows, lone]
-        ends.append(start[:, :2] + ((height - start[:, 2]) / edge[:, 2])[:, None] * edge[:, :2])
-    p, q = ends
-    twice = np.where(lone_above, 1.0, -1.0) * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
-    return float(np.sqrt(abs(twice.sum()) / 2 / np.pi))
 
 
 def _measure_deviation(placed: FloatArray, contour: FloatArray) -> float:

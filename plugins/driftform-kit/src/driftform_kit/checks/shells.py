@@ -8,12 +8,16 @@ all the same, so the nesting must be checked.
 from dataclasses import dataclass
 
 import numpy as np
+from manifold3d import Manifold
 
 from driftform.types import FloatArray
 from driftform_frusta.triangles import IntArray, Mesh
 
 _PROBES = 32
 """Vertices of a surface that are tested for lying within another."""
+
+_ASIDE = np.array([1.7, 1.3, 1.1])
+"""Direction of a ray that leaves a box of size 1, in no plane of symmetry of a part."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,27 +99,6 @@ def _count_minority(surface: IntArray, patch: IntArray) -> int:
     return len(patch) - int(largest.sum())
 
 
-def winding_numbers(points: FloatArray, corners: FloatArray) -> FloatArray:
-    """Return how often a closed surface winds round points (k, 3): 0 outside, 1 inside, -1 inside if it is inside out.
-
-    The sum of the solid angles of its triangles, whose ``corners`` are (m, 3, 3), over 4 pi (van Oosterom and Strackee, "The
-    solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 1983, eq. 8).
-    """
-    found = np.empty(len(points))
-    for index, point in enumerate(points):
-        a, b, c = np.moveaxis(corners - point, 1, 0)
-        la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-        triple = np.einsum("ij,ij->i", a, np.cross(b, c))
-        rest = (
-            la * lb * lc
-            + np.einsum("ij,ij->i", a, b) * lc
-            + np.einsum("ij,ij->i", b, c) * la
-            + np.einsum("ij,ij->i", c, a) * lb
-        )
-        found[index] = np.arctan2(triple, rest).sum() / (2 * np.pi)
-    return found
-
-
 @dataclass(frozen=True, eq=False)
 class Shell:
     """One closed surface: its triangles, signed volume (mm3), and the number of shells that it lies within.
@@ -141,20 +124,20 @@ class Shell:
 
 def find_shells(part: Mesh, topology: Topology) -> tuple[Shell, ...]:
     """Return the shells of a closed, oriented part, the outermost first."""
-    groups = [topology.triangles[topology.surface == n] for n in np.unique(topology.surface)]
-    corners = [part.vertices[group] for group in groups]
-    boxes = [(c.reshape(-1, 3).min(axis=0), c.reshape(-1, 3).max(axis=0)) for c in corners]
+    surfaces = [Mesh(part.vertices, topology.triangles[topology.surface == n]) for n in np.unique(topology.surface)]
+    solids = [surface.to_manifold() for surface in surfaces]
+    boxes = [np.reshape(solid.bounding_box(), (2, 3)) for solid in solids]
     shells = []
-    for i, group in enumerate(groups):
+    for i, surface in enumerate(surfaces):
         inside = [
-            _share_within(corners[i].reshape(-1, 3), corners[j])
-            for j in range(len(groups))
+            _share_within(part.vertices[np.unique(surface.triangles)], solids[j])
+            for j in range(len(surfaces))
             if j != i and (boxes[i][1] >= boxes[j][0]).all() and (boxes[i][0] <= boxes[j][1]).all()
         ]
         shells.append(
             Shell(
-                triangles=group,
-                volume=Mesh(part.vertices, group).volume,
+                triangles=surface.triangles,
+                volume=surface.volume,
                 depth=sum(share > 0.5 for share in inside),
                 cut=any(0 < share < 1 for share in inside),
             )
@@ -162,10 +145,12 @@ def find_shells(part: Mesh, topology: Topology) -> tuple[Shell, ...]:
     return tuple(sorted(shells, key=lambda shell: (shell.depth, -abs(shell.volume))))
 
 
-def _share_within(points: FloatArray, corners: FloatArray) -> float:
+def _share_within(points: FloatArray, solid: Manifold) -> float:
     chosen = np.unique(points, axis=0)
     chosen = chosen[np.linspace(0, len(chosen) - 1, min(_PROBES, len(chosen))).astype(int)]
-    return float((np.abs(winding_numbers(chosen, corners)) > 0.5).mean())
+    # A ray that leaves a closed surface passes it an odd number of times, whichever way that faces.
+    ends = chosen + np.ptp(solid.bounding_box()) * _ASIDE
+    return float(np.mean([len(solid.ray_cast(*ray)) % 2 for ray in zip(chosen.tolist(), ends.tolist(), strict=True)]))
 
 
 def orient_outward(shells: tuple[Shell, ...]) -> IntArray:

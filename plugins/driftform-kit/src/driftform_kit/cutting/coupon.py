@@ -12,15 +12,15 @@ from typing import Any
 from manifold3d import CrossSection
 
 from driftform.types import Body
-from driftform_frusta.csg import Difference, Named, Node, Revolve, Text, Translate, Union
+from driftform_frusta.csg import Difference, Extrude, Named, Node, Revolve, Translate, Union
 from driftform_frusta.kit_options import CORD, PartOptions
-from driftform_frusta.lettering import STROKE, text_length
 from driftform_frusta.parts import Part
 from driftform_frusta.solid import to_solid
 from driftform_kit.cutting import meridian
 from driftform_kit.cutting.bay import SEAT, Ball, draw_seat
 from driftform_kit.cutting.bayonet import Detail, add_details, cut_tracks, draw_lugs
 from driftform_kit.cutting.cut import make_sleeve
+from driftform_kit.cutting.digits import draw_number
 from driftform_kit.cutting.gland import choose_gland
 from driftform_kit.cutting.joint import LIP, draw_joint, seal_bore
 from driftform_kit.cutting.meridian import MM
@@ -101,9 +101,11 @@ def describe_coupon(body: Body, options: PartOptions) -> dict[str, Any]:
 
 
 def _make_label(text: str, at: tuple[float, float, float], widest: float, side: int) -> Node:
-    long = text_length(text, _LETTER)
-    radius = math.hypot(long, _LETTER) / 2 + 1.0
+    number = draw_number(text, _LETTER)
+    left, low, right, high = number.bounds()
+    radius = math.hypot(right - left, high - low) / 2 + 1.0
     disc = Revolve(((0.0, 0.0), (radius, 0.0), (radius, _THICK), (0.0, _THICK)))
-    start = (-long / 2 + _LETTER * STROKE / 2, -_LETTER / 2, _THICK - _DEEP)
-    label = Difference(disc, (Translate(start, Text(text, _LETTER, 2 * _DEEP)),))
+    middle = (-(left + right) / 2, -(low + high) / 2, _THICK - _DEEP)
+    outlines = (meridian.split_rings(meridian.list_rings(piece)) for piece in number.decompose())
+    label = Difference(disc, tuple(Translate(middle, Extrude(*outline, 2 * _DEEP)) for outline in outlines))
     return Translate((at[0], at[1] + side * (widest + radius - 1.0), 0.0), label)
